@@ -1,0 +1,46 @@
+#include "kernel/balance.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+Balance calc_balance(const Plan& plan, const State& state, const Workspace& ws) noexcept {
+  Balance sum{{0, 0, 0}, {0, 0, 0}, 0};
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const BodyState& s = state.bodies[b];
+    const BodyKinematics& k = ws.kinematics[b];
+    const Vec3 momentum = plan.bodies[b].mass * s.v;
+    const Vec3 spin = k.J * k.w;
+    sum.momentum += momentum;
+    sum.angular_momentum += cross(s.p, momentum) + spin;
+    sum.kinetic += 0.5 * (dot(momentum, s.v) + dot(spin, k.w));
+  }
+  return sum;
+}
+
+Balance calc_impulse_entitlement(const Plan& plan, const State& state, const Workspace& ws) noexcept {
+  Balance sum{{0, 0, 0}, {0, 0, 0}, 0};
+  for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+    const JointFrame& f = ws.frames[j];
+    Vec3 impulse{0, 0, 0}, turn{0, 0, 0};
+    for (int r = 0; r < kRows; ++r) {
+      const double lambda = ws.multipliers[j * kRows + at(r)];
+      if (lambda == 0) continue;
+      sum.kinetic += 0.5 * lambda * ws.speeds[j * kRows + at(r)];
+      if (r < kRotX)
+        impulse += lambda * column(f.n, r);
+      else
+        turn += lambda * column(f.m, r - kRotX);
+    }
+    if (plan.joints[j].base != kGround) continue;
+    const Vec3 point = state.bodies[at(plan.joints[j].follower)].p + f.r_follower;
+    sum.momentum += impulse;
+    sum.angular_momentum += cross(point, impulse) + turn;
+  }
+  return sum;
+}
+
+}  // namespace unlatch

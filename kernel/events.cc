@@ -1,0 +1,142 @@
+#include "kernel/events.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/balance.h"
+#include "kernel/forces.h"
+#include "kernel/guards.h"
+#include "kernel/integrator.h"
+#include "kernel/kinematics.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// An event whose whole guard is "t ≥ T" needs no search.
+const PlanCondition* get_time_guard(const Plan& plan, const PlanEvent& event) {
+  const PlanCondition& first = plan.conditions[at(event.first_condition)];
+  return event.condition_count == 1 && first.kind == Condition::Kind::kTime && !first.below ? &first : nullptr;
+}
+
+bool is_due(const Plan& plan, std::size_t e, double now, const State& state, const Workspace& ws) {
+  const double slack = kSameInstant * plan.options.dt;
+  const EventState& event = state.events[e];
+  if (event.phase == EventPhase::kPending) return event.due <= now + slack;
+  if (event.phase != EventPhase::kArmed) return false;
+  const double tolerance = get_time_guard(plan, plan.events[e]) != nullptr ? slack : ws.tolerances[e];
+  return ws.guards[e] >= -tolerance;
+}
+
+// Rows that the new mode adds hold from now on where they are.
+void close_rows(const Plan& plan, State& state, const Workspace& ws, int joint, RowSet added) {
+  JointState& memory = state.joints[at(joint)];
+  const double* coordinates = &ws.coordinates[at(joint) * kRows];
+  if (has_row(added, kX)) memory.offset.x = coordinates[kX];
+  if (has_row(added, kY)) memory.offset.y = coordinates[kY];
+  if (has_row(added, kZ)) memory.offset.z = coordinates[kZ];
+  if ((added & kRotationRows) != 0) memory.locked = calc_relative_attitude(plan, state, joint);
+}
+
+// Returns the rows that the action adds.
+RowSet apply(const Plan& plan, const Action& action, double now, State& state, const Workspace& ws) {
+  switch (action.kind) {
+    case Action::Kind::kSetMode: {
+      const RowSet before = get_active_rows(plan, state, action.subject);
+      state.joints[at(action.subject)].mode = action.mode;
+      const RowSet added = get_active_rows(plan, state, action.subject) & static_cast<RowSet>(~before);
+      if (added != 0) close_rows(plan, state, ws, action.subject, added);
+      return added;
+    }
+    case Action::Kind::kSwitch:
+    case Action::Kind::kRamp: {
+      ElementState& element = state.elements[at(action.subject)];
+      const double scale = calc_scale(element, now);
+      if (scale == 0 && action.value != 0) element.switched_on = now;
+      const bool ramp = action.kind == Action::Kind::kRamp;
+      element = {element.switched_on, ramp ? scale : action.value, action.value, now, ramp ? action.duration : 0};
+      return 0;
+    }
+    case Action::Kind::kRaise:
+      state.signals[at(action.subject)] = action.value;
+      return 0;
+  }
+  return 0;
+}
+
+// One round: marks the events that are due, then lets them act. Returns how many acted.
+int act_once(const Plan& plan, double now, State& state, Workspace& ws, RowSet& added) {
+  int count = 0;
+  for (std::size_t e = 0; e < plan.events.size(); ++e) {
+    ws.acting[e] = 0;
+    if (!is_due(plan, e, now, state, ws)) continue;
+    EventState& event = state.events[e];
+    if (event.phase == EventPhase::kArmed && plan.events[e].delay > 0) {
+      event = {EventPhase::kPending, now + plan.events[e].delay};
+      continue;
+    }
+    event = {EventPhase::kSpent, 0};
+    ws.acting[e] = 1;
+  }
+  for (std::size_t e = 0; e < plan.events.size(); ++e) {
+    if (ws.acting[e] == 0) continue;
+    ++count;
+    if (at(ws.fired_count) < ws.fired.size()) ws.fired[at(ws.fired_count++)] = {static_cast<std::int32_t>(e), now};
+    for (int i = 0; i < plan.events[e].action_count; ++i)
+      added |= apply(plan, plan.actions[at(plan.events[e].first_action + i)], now, state, ws);
+  }
+  return count;
+}
+
+Balance difference(const Balance& a, const Balance& b) {
+  return {a.momentum - b.momentum, a.angular_momentum - b.angular_momentum, a.kinetic - b.kinetic};
+}
+
+}  // namespace
+
+double calc_next_due(const Plan& plan, const State& state, double now) noexcept {
+  const double slack = kSameInstant * plan.options.dt;
+  double next = HUGE_VAL;
+  for (std::size_t e = 0; e < plan.events.size(); ++e) {
+    const PlanCondition* guard = get_time_guard(plan, plan.events[e]);
+    const EventState& event = state.events[e];
+    if (event.phase == EventPhase::kPending)
+      next = std::min(next, event.due);
+    else if (event.phase == EventPhase::kArmed && guard != nullptr && guard->threshold > now + slack)
+      next = std::min(next, guard->threshold);
+  }
+  return next;
+}
+
+StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state, Workspace& ws, int& node) noexcept {
+  // Every event acts or becomes pending at most once, so there are at most twice as many rounds as events.
+  for (std::size_t round = 0; round <= 2 * plan.events.size(); ++round) {
+    const Balance before = calc_balance(plan, state, ws);
+    RowSet added = 0;
+    const int count = act_once(plan, now, state, ws, added);
+    if (count == 0) return StepStatus::kOk;
+
+    Balance entitled{{0, 0, 0}, {0, 0, 0}, 0};
+    if (added != 0) {
+      update_joint_frames(plan, state, ws);  // the rows that hold have changed
+      if (node = apply_impulse(plan, state, ws); node != kNone) return StepStatus::kSingular;
+      entitled = calc_impulse_entitlement(plan, state, ws);
+      update_kinematics(plan, state, ws);
+    }
+    if (at(ws.audit_count) < ws.audits.size())
+      ws.audits[at(ws.audit_count++)] = {now, before, difference(calc_balance(plan, state, ws), before), entitled};
+    if (node = evaluate(plan, inputs, state, now, ws); node != kNone) return StepStatus::kSingular;
+    for (double& tolerance : ws.tolerances) tolerance = 0;
+    update_guards(plan, inputs, state, now, ws, ws.guards);
+  }
+  return StepStatus::kTooManyEvents;
+}
+
+void rearm(const Plan& plan, State& state, const Workspace& ws) noexcept {
+  for (std::size_t e = 0; e < plan.events.size(); ++e)
+    if (plan.events[e].repeat && state.events[e].phase == EventPhase::kSpent && ws.guards[e] < 0)
+      state.events[e].phase = EventPhase::kArmed;
+}
+
+}  // namespace unlatch

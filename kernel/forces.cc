@@ -1,0 +1,155 @@
+#include "kernel/forces.h"
+
+#include "kernel/elementary.h"
+#include "kernel/kinematics.h"
+#include "kernel/step.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double calc_table(std::span<const Knot> knots, double s) {
+  if (s <= knots.front().time) return knots.front().value;
+  if (s >= knots.back().time) return knots.back().value;
+  std::size_t low = 0, high = knots.size() - 1;
+  while (high - low > 1) {
+    const std::size_t middle = (low + high) / 2;
+    (knots[middle].time <= s ? low : high) = middle;
+  }
+  const Knot &a = knots[low], &b = knots[high];
+  return a.value + (b.value - a.value) * ((s - a.time) / (b.time - a.time));
+}
+
+double calc_profile(const Plan& plan, const PlanProfile& profile, double s) {
+  switch (profile.kind) {
+    case Profile::Kind::kConstant:
+      return profile.value;
+    case Profile::Kind::kExponential:
+      return profile.final + (profile.initial - profile.final) * elementary::exp(-s / profile.tau);
+    case Profile::Kind::kTable:
+      return calc_table(std::span(plan.knots).subspan(at(profile.first), at(profile.count)), s);
+    case Profile::Kind::kHarmonic: {
+      double sum = 0;
+      for (const Profile::Harmonic& h : std::span(plan.harmonics).subspan(at(profile.first), at(profile.count)))
+        sum += h.amplitude * elementary::sin(h.frequency * s + h.phase);
+      return sum;
+    }
+  }
+  return 0;
+}
+
+// A force at an arm from the body's origin, or a torque; nothing can push the ground.
+void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
+  if (body == kGround) return;
+  ws.forces[at(body)].lin += force;
+  ws.forces[at(body)].ang += torque;
+}
+
+void add_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
+  for (const PlanLoad& load : plan.loads) {
+    const ElementState& element = state.elements[at(load.element)];
+    const double scale = calc_scale(element, t);
+    if (scale == 0) continue;
+    const double command = load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)];
+    const double size = calc_profile(plan, plan.profiles[at(load.profile)], t - element.switched_on) * scale * command;
+    const Mat3& R = ws.kinematics[at(load.body)].R;
+    const Vec3 vector = size * (load.world ? load.direction : R * load.direction);
+    if (load.torque)
+      push(ws, load.body, {0, 0, 0}, vector);
+    else
+      push(ws, load.body, vector, cross(R * load.point, vector));
+  }
+}
+
+void add_point_springs(const Plan& plan, const State& state, double t, Workspace& ws) {
+  for (const PlanPointSpring& spring : plan.point_springs) {
+    const double scale = calc_scale(state.elements[at(spring.element)], t);
+    if (scale == 0) continue;
+    const BodyFrame base = get_body_frame(state, ws, spring.base);
+    const BodyFrame follower = get_body_frame(state, ws, spring.follower);
+    const Vec3 r_base = base.R * spring.point_base, r_follower = follower.R * spring.point_follower;
+    const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
+    const double length = norm(line);
+    if (length == 0 || (spring.push_only && length >= spring.free_length)) continue;
+    const Vec3 direction = (1.0 / length) * line;
+    const double rate = dot(direction, (follower.v + cross(follower.w, r_follower)) - (base.v + cross(base.w, r_base)));
+    double size = -(spring.stiffness * (length - spring.free_length) + spring.damping * rate) * scale;
+    if (spring.push_only && size < 0) size = 0;
+    const Vec3 force = size * direction;
+    push(ws, spring.follower, force, cross(r_follower, force));
+    push(ws, spring.base, -force, -cross(r_base, force));
+  }
+}
+
+void add_joint_springs(const Plan& plan, const State& state, double t, Workspace& ws) {
+  for (const PlanJointSpring& spring : plan.joint_springs) {
+    const double scale = calc_scale(state.elements[at(spring.element)], t);
+    if (scale == 0) continue;
+    const std::size_t coordinate = at(spring.joint) * kRows + at(spring.axis);
+    const double size = (spring.effort - spring.stiffness * (ws.coordinates[coordinate] - spring.rest) -
+                         spring.damping * ws.speeds[coordinate]) *
+                        scale;
+    const PlanJoint& joint = plan.joints[at(spring.joint)];
+    const JointFrame& f = ws.frames[at(spring.joint)];
+    if (spring.axis < kRotX) {
+      const Vec3 force = size * column(f.n, spring.axis);
+      push(ws, joint.follower, force, cross(f.r_follower, force));
+      push(ws, joint.base, -force, -cross(f.r_base, force));
+    } else {
+      const Vec3 torque = size * column(f.m, spring.axis - kRotX);
+      push(ws, joint.follower, {0, 0, 0}, torque);
+      push(ws, joint.base, {0, 0, 0}, -torque);
+    }
+  }
+}
+
+// (4.17) with φ = atan2(n_i·n_j, |n_i × n_j|), positive where n_j stands out of the plane along n_i. A turn of the
+// follower about e = n_i × n_j / |n_i × n_j| carries n_j away from n_i, dφ/dt = −e·w_rel, so the restoring moment is
+// +kφ along e.
+void add_plane_torsions(const Plan& plan, const State& state, double t, Workspace& ws) {
+  for (const PlanPlaneTorsion& spring : plan.plane_torsions) {
+    const double scale = calc_scale(state.elements[at(spring.element)], t);
+    if (scale == 0) continue;
+    const BodyFrame base = get_body_frame(state, ws, spring.base);
+    const BodyFrame follower = get_body_frame(state, ws, spring.follower);
+    const Vec3 normal = base.R * spring.normal_base, axis = follower.R * spring.axis_follower;
+    const Vec3 across = cross(normal, axis);
+    const double size = norm(across);
+    if (size == 0) continue;  // the axis stands on the plane: no direction is nearer to it than another
+    const Vec3 e = (1.0 / size) * across;
+    const double phi = elementary::atan2(dot(normal, axis), size);
+    const double phi_rate = -dot(e, follower.w - base.w);
+    const Vec3 torque = ((spring.stiffness * phi + spring.damping * phi_rate) * scale) * e;
+    push(ws, spring.follower, {0, 0, 0}, torque);
+    push(ws, spring.base, {0, 0, 0}, -torque);
+  }
+}
+
+}  // namespace
+
+double calc_scale(const ElementState& element, double t) noexcept {
+  const double elapsed = t - element.start;
+  if (!(elapsed < element.duration)) return element.to;
+  return element.from + (element.to - element.from) * (elapsed / element.duration);
+}
+
+Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
+  if (plan.mu == 0) return plan.gravity;
+  const Vec3 r = p - plan.mu_centre;
+  const double r2 = dot(r, r);
+  return plan.gravity - (plan.mu / (r2 * std::sqrt(r2))) * r;
+}
+
+void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const BodyKinematics& k = ws.kinematics[b];
+    ws.forces[b] = {plan.bodies[b].mass * calc_gravity(plan, state.bodies[b].p), -cross(k.w, k.J * k.w)};
+  }
+  add_loads(plan, inputs, state, t, ws);
+  add_point_springs(plan, state, t, ws);
+  add_joint_springs(plan, state, t, ws);
+  add_plane_torsions(plan, state, t, ws);
+}
+
+}  // namespace unlatch

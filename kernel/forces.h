@@ -1,0 +1,20 @@
+// What pushes and pulls at one stage: gravity, loads, springs and dampers, gyroscopic torque.
+#pragma once
+
+#include "kernel/plan.h"
+#include "kernel/workspace.h"
+
+namespace unlatch {
+
+struct Inputs;
+
+// An element's switch scale at time t.
+double calc_scale(const ElementState& element, double t) noexcept;
+
+// ws.forces at time t, s; needs ws.kinematics, ws.frames and ws.coordinates.
+void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
+
+// Acceleration of free fall at a point of W, m/s².
+Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept;
+
+}  // namespace unlatch

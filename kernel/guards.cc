@@ -1,0 +1,82 @@
+#include "kernel/guards.h"
+
+#include <algorithm>
+
+#include "kernel/kinematics.h"
+#include "kernel/step.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr double kYes = 1, kNo = -1;
+
+double calc_elementary(const Plan& plan, const Inputs& inputs, const State& state, double t, const Workspace& ws,
+                       const PlanCondition& c) {
+  const std::size_t subject = at(c.subject);
+  double value = 0;
+  switch (c.kind) {
+    case Condition::Kind::kTime:
+      value = t;
+      break;
+    case Condition::Kind::kReaction:
+      if (!has_row(get_active_rows(plan, state, c.subject), c.axis)) return kNo;
+      value = ws.multipliers[subject * kRows + at(c.axis)];
+      break;
+    case Condition::Kind::kDisplacement:
+    case Condition::Kind::kAngle:
+      value = ws.coordinates[subject * kRows + at(c.axis)];
+      break;
+    case Condition::Kind::kSpeed:
+      value = ws.speeds[subject * kRows + at(c.axis)];
+      break;
+    case Condition::Kind::kBodyRate:
+      value = norm(state.bodies[subject].w);
+      break;
+    case Condition::Kind::kCommand:
+      value = inputs.commands[subject];
+      break;
+    case Condition::Kind::kSignal:
+      return state.signals[subject] != 0 ? kYes : kNo;
+    case Condition::Kind::kMode:
+      return state.joints[subject].mode == c.axis ? kYes : kNo;
+    case Condition::Kind::kAll:
+    case Condition::Kind::kAny:
+    case Condition::Kind::kNot:
+      break;  // evaluated by the caller
+  }
+  return c.below ? c.threshold - value : value - c.threshold;
+}
+
+}  // namespace
+
+void update_guards(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws,
+                   std::span<double> values) noexcept {
+  for (std::size_t e = 0; e < plan.events.size(); ++e) {
+    values[e] = kNo;
+    if (state.events[e].phase == EventPhase::kPending ||
+        (state.events[e].phase == EventPhase::kSpent && !plan.events[e].repeat))
+      continue;
+    std::size_t top = 0;
+    for (int i = 0; i < plan.events[e].condition_count; ++i) {
+      const PlanCondition& c = plan.conditions[at(plan.events[e].first_condition + i)];
+      const std::size_t parts = at(c.part_count);
+      const bool combines = c.kind == Condition::Kind::kAll || c.kind == Condition::Kind::kAny;
+      if (c.kind == Condition::Kind::kNot) {
+        ws.stack[top - 1] = -ws.stack[top - 1];
+      } else if (combines) {
+        double value = ws.stack[top - parts];
+        for (std::size_t k = top - parts + 1; k < top; ++k)
+          value = c.kind == Condition::Kind::kAll ? std::min(value, ws.stack[k]) : std::max(value, ws.stack[k]);
+        top -= parts;
+        ws.stack[top++] = value;
+      } else {
+        ws.stack[top++] = calc_elementary(plan, inputs, state, t, ws, c);
+      }
+    }
+    values[e] = ws.stack[0];
+  }
+}
+
+}  // namespace unlatch

@@ -1,0 +1,17 @@
+// Values of the events' guards: ≥ 0 where a guard holds. Needs ws.coordinates, ws.speeds and ws.multipliers.
+#pragma once
+
+#include <span>
+
+#include "kernel/plan.h"
+#include "kernel/workspace.h"
+
+namespace unlatch {
+
+struct Inputs;
+
+// values[e] for every armed event at time t; −1 for the others.
+void update_guards(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws,
+                   std::span<double> values) noexcept;
+
+}  // namespace unlatch

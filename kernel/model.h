@@ -1,0 +1,251 @@
+// Model: the physics as the user described it. Plain data, filled by a loader or by hand, checked by validate() and
+// never changed after a Plan was compiled from it. SI units and radians throughout; W is the inertial frame.
+//
+// References (4.x) are equations of Anshakov et al., "Dynamic processes in rocket-space systems", 2003, as corrected in
+// kernel/README.md.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace unlatch {
+
+inline constexpr int kGround = -1;  // "body" index of the inertial frame
+inline constexpr int kNone = -1;    // "no channel", "no element", …
+
+// --- Bodies ---------------------------------------------------------------------------------------------------------
+
+struct Body {
+  std::string name;
+  double mass = 0;                                           // kg, > 0
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();         // about the centre of mass, body axes, kg m²
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();            // initial position of the centre of mass, m
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();  // initial attitude, body to inertial
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();    // initial velocity of the centre of mass, inertial axes, m/s
+  Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();  // initial angular velocity, body axes, rad/s
+};
+
+// --- Joints ---------------------------------------------------------------------------------------------------------
+
+// The elementary rows of a joint: three point–plane rows (4.11), which hold the follower's point in the planes through
+// the base's point normal to x, y, z of the joint frame; and three rotation rows (4.12) about the rotation frame's
+// axes. The order is that of the multipliers.
+enum Row : std::uint8_t { kX = 0, kY, kZ, kRotX, kRotY, kRotZ };
+inline constexpr int kRows = 6;
+using RowSet = std::uint8_t;  // bit r set: Row r is active
+constexpr RowSet row_bit(int row) { return static_cast<RowSet>(1u << row); }
+constexpr bool has_row(RowSet set, int row) { return (set >> row & 1u) != 0; }
+inline constexpr RowSet kPointRows = 0b000111;
+inline constexpr RowSet kRotationRows = 0b111000;
+extern const char* const kRowNames[kRows];  // "x" … "rot_z"
+
+struct JointMode {
+  std::string name;
+  RowSet rows = 0;
+};
+
+// A joint between two bodies, or between the ground and a body. Which rows hold is its mode; a mode without rows is
+// free. A joint none of whose modes has rows constrains nothing and serves to measure, or to carry springs.
+struct Joint {
+  std::string name;
+  int base = kGround;                                        // body i of (4.11): carries the joint frame
+  int follower = 0;                                          // body j: carries the point
+  Eigen::Vector3d point_base = Eigen::Vector3d::Zero();      // from base's origin, base axes (ground: W), m
+  Eigen::Vector3d point_follower = Eigen::Vector3d::Zero();  // from follower's origin, follower axes, m
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();        // columns x, y, z of the joint frame in base axes
+  std::optional<Eigen::Matrix3d> rotation_axes;  // frame of the rotation rows in base axes; the joint frame if absent
+  std::optional<Eigen::Matrix3d> follower_axes;  // the rotation frame in follower axes at angle zero; if absent, the
+                                                 // two coincide at the initial attitudes
+  bool universal = false;  // in modes whose only rotation row is rot_z: that row is about x_base × y_follower, so that
+                           // the follower may turn about x of the base and its own y
+  std::vector<JointMode> modes;
+  int mode = 0;  // initial mode
+};
+
+// --- Elements: what pushes and pulls --------------------------------------------------------------------------------
+
+// A value over the element's own time s = t − (time it was switched on).
+struct Profile {
+  enum class Kind { kConstant, kExponential, kTable, kHarmonic };
+  struct Harmonic {
+    double amplitude, frequency, phase;  // amplitude · sin(frequency · s + phase); rad/s, rad
+  };
+  Kind kind = Kind::kConstant;
+  double value = 1;                   // kConstant
+  double initial = 0, final = 0;      // kExponential: final + (initial − final) · exp(−s / tau)
+  double tau = 1;                     // s
+  std::vector<double> times, values;  // kTable: linear between, constant outside; times strictly increasing
+  std::vector<Harmonic> harmonics;    // kHarmonic: the sum
+};
+
+// A force or torque on one body: thrust, nozzle, disturbance. Its size is profile · switch scale · channel.
+struct Load {
+  enum class Kind { kForce, kTorque };
+  enum class Frame { kBody, kWorld };
+  std::string name;
+  int body = 0;
+  Kind kind = Kind::kForce;
+  Frame frame = Frame::kBody;                            // axes of `direction`
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();       // forces: where it acts, body axes, m
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // multiplied by the size; need not be a unit vector
+  Profile profile;                                       // N or N m
+  int channel = kNone;                                   // command channel that multiplies it
+  bool on = true;
+};
+
+// A straight spring and damper between two points: F = −k (l − l0) − c dl/dt along the line, on the follower.
+struct PointSpring {
+  std::string name;
+  int base = kGround, follower = 0;
+  Eigen::Vector3d point_base = Eigen::Vector3d::Zero(), point_follower = Eigen::Vector3d::Zero();
+  double stiffness = 0, damping = 0, free_length = 0;  // N/m, N s/m, m
+  bool push_only = false;                              // a pusher: no force once l ≥ l0, and never a pull
+  bool on = true;
+};
+
+// A spring, damper and motor along one axis of a joint: effort − k (s − rest) − c ds/dt on the follower, where s is the
+// displacement along x, y, z of the joint frame (4.14)–(4.16), or the angle about an axis of the rotation frame.
+// Torsion drives, elastic latches, (4.15) with the restoring sign.
+struct JointSpring {
+  std::string name;
+  int joint = 0;
+  int axis = kRotZ;                                         // Row: kX … kRotZ
+  double effort = 0, stiffness = 0, damping = 0, rest = 0;  // N or N m, per m or rad, per m/s or rad/s, m or rad
+  bool on = true;
+};
+
+// A torsion spring that keeps an axis of the follower in a plane of the base, (4.17) with a signed angle:
+// φ = atan2(n_i·n_j, |n_i × n_j|), moment on the follower (k φ + c dφ/dt) (n_i × n_j)/|n_i × n_j|, the opposite on the
+// base.
+struct PlaneTorsion {
+  std::string name;
+  int base = kGround, follower = 0;
+  Eigen::Vector3d normal_base = Eigen::Vector3d::UnitZ();    // n_i, unit, base axes
+  Eigen::Vector3d axis_follower = Eigen::Vector3d::UnitX();  // n_j, unit, follower axes
+  double stiffness = 0, damping = 0;                         // N m/rad, N m s/rad
+  bool on = true;
+};
+
+struct Gravity {
+  Eigen::Vector3d uniform = Eigen::Vector3d::Zero();  // m/s²
+  double mu = 0;                                      // central field, m³/s²; 0 for none
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   // of the central field, W, m
+};
+
+// --- Channels, signals, sensors -------------------------------------------------------------------------------------
+
+// A number that flight software commands.
+struct Channel {
+  std::string name;
+  double initial = 0, minimum = 0, maximum = 1, safe = 0;
+  std::string unit = "1";
+};
+
+struct Sensor {
+  enum class Kind {
+    kPosition,       // 3, p_WB, m
+    kAttitude,       // 4, w x y z, body to inertial
+    kVelocity,       // 3, inertial axes, m/s
+    kRate,           // 3, body axes, rad/s
+    kAcceleration,   // 3, of `point`, body axes, m/s²
+    kSpecificForce,  // 3, the same less gravity: what an accelerometer reads
+    kContact,        // 1, a signal: 0 or 1
+    kReaction,       // 6, multipliers of a joint in the order of Row, N and N m; 0 for rows that do not hold
+    kDisplacement,   // 1, of the follower's point along `axis` of the joint frame, m
+    kAngle,          // 1, about `axis` of the rotation frame, turns counted, rad
+    kSpeed,          // 1, rate of the displacement, m/s, or of the angle, rad/s
+  };
+  std::string name;
+  Kind kind = Kind::kRate;
+  int subject = 0;                                  // body, joint or signal
+  int axis = kX;                                    // Row
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // body axes, m
+};
+int sensor_width(Sensor::Kind kind);
+const char* sensor_unit(Sensor::Kind kind);
+
+// --- Events ---------------------------------------------------------------------------------------------------------
+
+// A guard is a real function of the state: it holds when it is ≥ 0, and an event falls where it crosses zero.
+// All takes the least of its parts, any the greatest, not the negative.
+struct Condition {
+  enum class Kind {
+    kTime,          // t ≥ threshold
+    kReaction,      // multiplier of (joint, axis); never holds while that row is inactive
+    kDisplacement,  // of (joint, axis)
+    kAngle,         // of (joint, axis)
+    kSpeed,         // rate of the displacement or angle of (joint, axis)
+    kBodyRate,      // |angular velocity| of a body
+    kSignal,        // a signal is raised
+    kCommand,       // a channel's value
+    kMode,          // a joint is in mode number `axis`
+    kAll,
+    kAny,
+    kNot,
+  };
+  Kind kind = Kind::kTime;
+  int subject = 0;
+  int axis = 0;
+  double threshold = 0;
+  bool below = false;  // holds at and below the threshold instead of at and above it
+  std::vector<Condition> parts;
+};
+
+struct Action {
+  enum class Kind {
+    kSetMode,  // rows that are added close where they are, with a perfectly plastic impulse
+    kSwitch,   // element `subject` to scale `value`; switched on from zero it starts its own time
+    kRamp,     // the same, linearly over `duration` seconds
+    kRaise,    // signal `subject` to `value`
+  };
+  Kind kind = Kind::kSetMode;
+  int subject = 0;  // joint, element or signal
+  int mode = 0;
+  double value = 0;
+  double duration = 0;  // s
+};
+
+struct Event {
+  std::string name;
+  std::string subject;  // what it is about, for people: "booster1"
+  Condition when;
+  double delay = 0;  // s between the guard's crossing and the actions
+  std::vector<Action> then;
+  bool repeat = false;  // fires again each time the guard crosses upwards; otherwise once
+};
+
+// --- The whole ------------------------------------------------------------------------------------------------------
+
+struct Model {
+  std::string name;
+  std::vector<Body> bodies;
+  std::vector<Joint> joints;
+  Gravity gravity;
+  std::vector<Load> loads;
+  std::vector<PointSpring> point_springs;
+  std::vector<JointSpring> joint_springs;
+  std::vector<PlaneTorsion> plane_torsions;
+  std::vector<Channel> channels;
+  std::vector<std::string> signals;
+  std::vector<Sensor> sensors;
+  std::vector<Event> events;
+
+  // Elements share one numbering: loads, point springs, joint springs, plane torsions.
+  int element_count() const;
+  const std::string& element_name(int element) const;
+};
+
+struct ModelError {
+  std::string where;  // "body 'core'"
+  std::string what;   // what is wrong
+  std::string mend;   // what would be right
+};
+
+// Every mistake that makes the model unphysical or inconsistent, all at once. Empty: it may be compiled.
+std::vector<ModelError> validate(const Model& model);
+
+}  // namespace unlatch

@@ -1,0 +1,152 @@
+// Plan: the model compiled for one step size. Numbers in flat arrays in the order in which the step reads them, names
+// and Eigen types left behind. Never changes; any number of threads may step with one plan.
+//
+// One elimination order serves every structure phase: it is that of the full tree, and a joint's mode only decides
+// which of its six rows hold. Phases therefore do not multiply.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "kernel/math.h"
+#include "kernel/model.h"
+#include "kernel/state.h"
+
+namespace unlatch {
+
+struct PlanOptions {
+  double dt = 0.001;   // s, > 0
+  int max_splits = 8;  // sub-steps that events may cut one step into, at most; later ones act at the next tick
+  int root = kNone;    // body at the root of its tree; by default the one that makes the tree shallowest
+};
+
+// A body in the elimination order: parents before children, so that forward is root to leaves and backward the reverse.
+struct PlanNode {
+  std::int32_t body;
+  std::int32_t parent;  // node, or kNone for the root of a tree
+  std::int32_t joint;   // to the parent, or to the ground for a root that is held; kNone for a root that is not
+  double side;          // +1: this body is the joint's follower; −1: its base
+};
+
+struct PlanBody {
+  double mass;   // kg
+  Sym3 inertia;  // body axes, kg m²
+  BodyState initial;
+};
+
+struct PlanJoint {
+  std::int32_t base, follower;  // bodies; base may be kGround
+  Vec3 point_base, point_follower;
+  Mat3 axes;                              // joint frame in base axes
+  Mat3 rotation_base, rotation_follower;  // rotation frame in each body's axes
+  Quat quat_base, quat_follower;          // the same as quaternions
+  bool universal;
+  std::uint8_t angles;                  // bit k: somebody reads the angle about axis k of the rotation frame
+  std::int32_t first_mode, mode_count;  // into Plan::modes
+  JointState initial;
+};
+
+struct PlanProfile {
+  Profile::Kind kind;
+  double value, initial, final, tau;
+  std::int32_t first, count;  // kTable: into Plan::knots; kHarmonic: into Plan::harmonics
+};
+
+struct PlanLoad {
+  std::int32_t body, element, profile, channel;
+  bool torque, world;
+  Vec3 point, direction;
+};
+
+struct PlanPointSpring {
+  std::int32_t base, follower, element;
+  bool push_only;
+  Vec3 point_base, point_follower;
+  double stiffness, damping, free_length;
+};
+
+struct PlanJointSpring {
+  std::int32_t joint, axis, element;
+  double effort, stiffness, damping, rest;
+};
+
+struct PlanPlaneTorsion {
+  std::int32_t base, follower, element;
+  Vec3 normal_base, axis_follower;
+  double stiffness, damping;
+};
+
+// Guards in postfix order: a condition's parts stand before it.
+struct PlanCondition {
+  Condition::Kind kind;
+  std::int32_t subject, axis, part_count;
+  double threshold;
+  bool below;
+};
+
+struct PlanEvent {
+  std::int32_t first_condition, condition_count, first_action, action_count;
+  double delay;
+  bool repeat;
+};
+
+struct PlanSensor {
+  Sensor::Kind kind;
+  std::int32_t subject, axis, first;  // first: into Workspace::sensors
+  Vec3 point;
+};
+
+struct Knot {
+  double time, value;
+};
+
+class Plan {
+ public:
+  PlanOptions options;
+  std::uint64_t hash = 0;  // of everything below: two plans with one hash step alike
+
+  std::vector<PlanNode> nodes;
+  std::vector<PlanBody> bodies;
+  std::vector<PlanJoint> joints;
+  std::vector<RowSet> modes;
+  std::vector<std::int32_t> loops;  // joints that close a loop over the tree
+
+  Vec3 gravity{};
+  double mu = 0;
+  Vec3 mu_centre{};
+  std::vector<PlanLoad> loads;
+  std::vector<PlanPointSpring> point_springs;
+  std::vector<PlanJointSpring> joint_springs;
+  std::vector<PlanPlaneTorsion> plane_torsions;
+  std::vector<PlanProfile> profiles;
+  std::vector<Knot> knots;
+  std::vector<Profile::Harmonic> harmonics;
+  std::vector<double> element_scales;  // initial switch scale per element: 0 or 1
+
+  std::vector<PlanCondition> conditions;
+  std::vector<Action> actions;
+  std::vector<PlanEvent> events;
+  std::vector<PlanSensor> sensors;
+  std::int32_t sensor_count = 0;  // values, all sensors' components counted
+  std::int32_t signal_count = 0;
+  std::int32_t channel_count = 0;
+  std::int32_t guard_depth = 0;  // values that evaluating the deepest guard keeps at once
+
+  std::size_t get_state_bytes() const;
+  std::size_t get_workspace_bytes() const;
+  RowSet get_rows(int joint, std::int64_t mode) const {
+    return modes[static_cast<std::size_t>(joints[static_cast<std::size_t>(joint)].first_mode + mode)];
+  }
+};
+
+struct PlanResult {
+  std::optional<Plan> plan;  // absent if there are errors
+  std::vector<ModelError> errors;
+};
+
+// Validates and compiles; O(n). Allocates; nothing after it does.
+PlanResult compile_plan(const Model& model, const PlanOptions& options);
+
+}  // namespace unlatch

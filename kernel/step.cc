@@ -1,0 +1,225 @@
+// The step, top to bottom:
+//
+//   inputs latched → forces → rows of the active modes → factor → solve → (four stages) → project → events → outputs
+//
+// An event splits the step: a sub-step to its end shows which guards cross zero; two iterations, each a fresh sub-step
+// from the same beginning, locate the first of them; the events act there, and the rest of the step follows.
+#include "kernel/step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "kernel/events.h"
+#include "kernel/guards.h"
+#include "kernel/integrator.h"
+#include "kernel/sensors.h"
+
+namespace unlatch {
+namespace {
+
+// Of the guard's change over the sub-step: events that would cross within this part of it are taken as simultaneous.
+constexpr double kSimultaneous = 1e-6;
+
+// How one step goes on: everything that its parts share.
+struct Run {
+  const Plan& plan;
+  const Inputs& inputs;
+  Workspace& ws;
+  StepReport report{};
+  int node = kNone;  // where a pivot vanished
+
+  bool fail(StepStatus status) {
+    report.status = status;
+    return false;
+  }
+  bool check(int failed_node) {
+    node = failed_node;
+    return failed_node == kNone || fail(StepStatus::kSingular);
+  }
+};
+
+bool is_armed(const State& state, std::size_t e) { return state.events[e].phase == EventPhase::kArmed; }
+
+bool crosses(const Workspace& ws, std::size_t e) {
+  return is_armed(ws.accepted, e) && ws.guards_low[e] < 0 && ws.guards_high[e] >= 0;
+}
+
+int count_crossings(const Workspace& ws) {
+  int count = 0;
+  for (std::size_t e = 0; e < ws.guards.size(); ++e) count += crosses(ws, e) ? 1 : 0;
+  return count;
+}
+
+// The trial state h seconds after `now`, evaluated, its guards in ws.guards.
+bool try_substep(Run& run, double now, double h) {
+  ++run.report.substeps;
+  if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, h, run.ws.trial, run.ws))) return false;
+  if (!run.check(evaluate(run.plan, run.inputs, run.ws.trial, now + h, run.ws))) return false;
+  update_guards(run.plan, run.inputs, run.ws.trial, now + h, run.ws, run.ws.guards);
+  return true;
+}
+
+// Where the straight line through (0, low) and (h, high) crosses zero.
+double interpolate(double low, double high, double h) { return h * (low / (low - high)); }
+
+// Where the inverse parabola through (0, low), (x, middle), (h, high) crosses zero; the chord of the bracketing pair
+// instead where the parabola leaves the bracket.
+double interpolate(double low, double x, double middle, double h, double high) {
+  const double left = middle >= 0 ? 0 : x, right = middle >= 0 ? x : h;
+  const double at_left = middle >= 0 ? low : middle, at_right = middle >= 0 ? middle : high;
+  const double chord = left + interpolate(at_left, at_right, right - left);
+  if (!((low < middle && middle < high))) return chord;
+  const double parabola =
+      x * (low * high) / ((middle - low) * (middle - high)) + h * (low * middle) / ((high - low) * (high - middle));
+  return parabola > left && parabola < right ? parabola : chord;
+}
+
+// Locates the first crossing within the sub-step of h seconds whose ends are in guards_low and guards_high. Leaves the
+// trial state there and returns its distance from `now`, or a negative number on failure. `first`: the event.
+double locate(Run& run, double now, double h, std::size_t& first) {
+  Workspace& ws = run.ws;
+  double x = h;
+  for (int iteration = 0; iteration < 2; ++iteration) {
+    const double previous = x;
+    x = h;
+    for (std::size_t e = 0; e < ws.guards.size(); ++e) {
+      if (!crosses(ws, e)) continue;
+      const double estimate = iteration == 0
+                                  ? interpolate(ws.guards_low[e], ws.guards_high[e], h)
+                                  : interpolate(ws.guards_low[e], previous, ws.guards_middle[e], h, ws.guards_high[e]);
+      if (estimate < x || first == ws.guards.size()) {
+        x = estimate;
+        first = e;
+      }
+    }
+    if (!try_substep(run, now, x)) return -1;
+    std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_middle.begin());
+  }
+  return x;
+}
+
+// After locate(): which events have reached their guards, rounding and simultaneity granted.
+void update_tolerances(Workspace& ws, std::size_t first) {
+  for (std::size_t e = 0; e < ws.guards.size(); ++e)
+    ws.tolerances[e] = crosses(ws, e) ? kSimultaneous * (ws.guards_high[e] - ws.guards_low[e]) : 0;
+  ws.tolerances[first] = std::max(ws.tolerances[first], -ws.guards[first]);
+}
+
+void accept(Run& run) {
+  Workspace& ws = run.ws;
+  std::swap(ws.accepted, ws.trial);
+  for (std::size_t j = 0; j < run.plan.joints.size(); ++j)
+    for (std::size_t k = 0; k < 3; ++k) ws.accepted.joints[j].angle[k] = ws.coordinates[j * kRows + kRotX + k];
+  rearm(run.plan, ws.accepted, ws);
+}
+
+bool act_at(Run& run, double now) {
+  const StepStatus status = act(run.plan, run.inputs, now, run.ws.accepted, run.ws, run.node);
+  return status == StepStatus::kOk || run.fail(status);
+}
+
+// From `now` to the end of the step, or to the first event before it. Returns where it got to.
+double advance(Run& run, double now, double end, int& splits) {
+  Workspace& ws = run.ws;
+  const bool may_split = splits < run.plan.options.max_splits;
+  const double slack = kSameInstant * run.plan.options.dt;
+  const double due = calc_next_due(run.plan, ws.accepted, now);
+  const bool reaches_due = may_split && due <= end + slack;
+  const double target = reaches_due && due < end - slack ? due : end;
+  std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_low.begin());
+  std::fill(ws.tolerances.begin(), ws.tolerances.end(), 0.0);
+  update_rates(run.plan, ws.accepted, 0, ws);
+  if (!try_substep(run, now, target - now)) return end;
+
+  double reached = target;
+  std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_high.begin());
+  const int crossings = count_crossings(ws);
+  if (crossings > 0 && may_split) {
+    std::size_t first = ws.guards.size();
+    const double x = locate(run, now, target - now, first);
+    if (x < 0) return end;
+    reached = now + x;
+    update_tolerances(ws, first);
+  } else {
+    run.report.postponed += crossings;
+  }
+  accept(run);
+  if (may_split && (crossings > 0 || reaches_due)) {
+    ++splits;
+    act_at(run, reached);
+  }
+  return reached;
+}
+
+bool is_finite(const State& state) {
+  for (const BodyState& b : state.bodies) {
+    const double sum = ((b.p.x + b.p.y) + (b.p.z + b.q.w)) + ((b.q.x + b.q.y) + (b.q.z + b.v.x)) +
+                       ((b.v.y + b.v.z) + (b.w.x + b.w.y)) + b.w.z;
+    if (!std::isfinite(sum)) return false;
+  }
+  return true;
+}
+
+void copy(const State& from, const State& to) {
+  std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
+}
+
+StepReport finish(const Run& run) {
+  StepReport report = run.report;
+  if (report.status == StepStatus::kSingular) report.joint = run.plan.nodes[static_cast<std::size_t>(run.node)].joint;
+  report.events = run.ws.fired.first(static_cast<std::size_t>(run.ws.fired_count));
+  report.audits = run.ws.audits.first(static_cast<std::size_t>(run.ws.audit_count));
+  return report;
+}
+
+}  // namespace
+
+StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace& ws) noexcept {
+  Run run{plan, inputs, ws};
+  const double begin = static_cast<double>(state.header->tick) * plan.options.dt;
+  const double end = static_cast<double>(state.header->tick + 1) * plan.options.dt;
+  ws.fired_count = ws.audit_count = 0;
+  std::fill(ws.tolerances.begin(), ws.tolerances.end(), 0.0);
+  copy(state, ws.accepted);
+
+  // What the new inputs bring about, and what the last step postponed, acts at once.
+  if (!run.check(evaluate(plan, inputs, ws.accepted, begin, ws))) return finish(run);
+  update_guards(plan, inputs, ws.accepted, begin, ws, ws.guards);
+  rearm(plan, ws.accepted, ws);
+  if (!act_at(run, begin)) return finish(run);
+
+  int splits = 0;
+  for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
+  if (run.report.status == StepStatus::kOk && !is_finite(ws.accepted)) run.report.status = StepStatus::kNotFinite;
+  if (run.report.status != StepStatus::kOk) return finish(run);
+
+  update_sensors(plan, ws.accepted, ws);
+  ++ws.accepted.header->tick;
+  copy(ws.accepted, state);
+  return finish(run);
+}
+
+StepStatus update_outputs(const Plan& plan, const Inputs& inputs, const State& state, Workspace& ws) noexcept {
+  const double now = static_cast<double>(state.header->tick) * plan.options.dt;
+  if (evaluate(plan, inputs, state, now, ws) != kNone) return StepStatus::kSingular;
+  update_sensors(plan, state, ws);
+  return StepStatus::kOk;
+}
+
+const char* get_status_text(StepStatus status) noexcept {
+  switch (status) {
+    case StepStatus::kOk:
+      return "ok";
+    case StepStatus::kNotFinite:
+      return "a number of the new state is not finite";
+    case StepStatus::kSingular:
+      return "singular pivot";
+    case StepStatus::kTooManyEvents:
+      return "too many events at one instant";
+  }
+  return "unknown";
+}
+
+}  // namespace unlatch

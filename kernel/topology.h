@@ -1,0 +1,19 @@
+// Which body is whose parent: the elimination order of the joint graph.
+#pragma once
+
+#include <vector>
+
+#include "kernel/plan.h"
+
+namespace unlatch {
+
+struct Topology {
+  std::vector<PlanNode> nodes;      // parents before children, level by level, siblings together
+  std::vector<std::int32_t> loops;  // joints left over: each closes a loop
+};
+
+// The joints that may hold rows make the edges. Each connected part becomes one tree: rooted at the body that a joint
+// holds to the ground, else at `root` if it is given and there, else in the middle, where the tree is shallowest. O(n).
+Topology compile_topology(const Model& model, int root);
+
+}  // namespace unlatch

@@ -1,0 +1,104 @@
+// Workspace: everything that the step can recompute, grouped by the stage that writes it. Scratch, one per thread; its
+// content before a step does not matter. Like the state it lives in memory that the caller gives.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "kernel/math.h"
+#include "kernel/state.h"
+
+namespace unlatch {
+
+class Plan;
+struct FiredEvent;
+struct EventAudit;
+
+// A force and a torque, or a linear and an angular velocity or acceleration; world axes, at a body's origin.
+struct Spatial {
+  Vec3 lin, ang;
+};
+
+// 6×6 symmetric inertia of the bodies beyond a node: force = M a + H α, torque = Hᵀ a + I α, at the node's body origin.
+struct ArticulatedInertia {
+  Sym3 M;
+  Mat3 H;
+  Sym3 I;
+};
+
+// A body at one stage. Computed by update_kinematics().
+struct BodyKinematics {
+  Mat3 R;  // R_WB
+  Vec3 w;  // w_WB in world axes, rad/s
+  Sym3 J;  // inertia in world axes, kg m²
+};
+
+// A joint at one stage, world axes. Computed by update_joint_frames().
+struct JointFrame {
+  Vec3 r_base, r_follower;  // from each body's origin to the follower's point, m
+  Mat3 n;                   // axes of the point–plane rows
+  Mat3 m;                   // axes of the rotation rows
+  Mat3 follower_axes;       // the rotation frame as the follower carries it
+  bool crossed;             // a universal joint's row about the normal of its cross
+  Vec3 gap;                 // of the follower's point from the base's, along n, less the offset, m
+  Vec3 v_rel, w_rel;        // velocity of the point seen from the base; relative angular velocity, world axes
+};
+
+// What eliminating one joint leaves for the way back. Computed by factor(), `beta` by solve().
+struct Pivot {
+  Spatial s;       // direction of the freedom at the child's origin
+  Spatial U;       // A s
+  double inverse;  // 1 / sᵀ A s, 0 for a row that holds
+  double beta;     // sᵀ b
+};
+
+// Derivative of a BodyState.
+struct BodyRate {
+  Vec3 p;
+  Quat q;
+  Vec3 v, w;
+};
+
+struct Workspace {
+  Workspace() = default;
+  // `memory`: at least plan.get_workspace_bytes(), aligned to 64.
+  Workspace(const Plan& plan, std::span<std::byte> memory) noexcept;
+
+  // per body, model order
+  std::span<BodyKinematics> kinematics;
+  std::span<Spatial> forces;         // applied force and torque at the body origin, gyroscopic torque included; N, N m
+  std::span<Spatial> accelerations;  // of the latest solve; m/s², rad/s², world axes
+  std::span<BodyRate> rates[4];      // of the stages of the Runge–Kutta step
+
+  // per joint, model order
+  std::span<JointFrame> frames;
+  std::span<Spatial> bias;        // right-hand side of the rows: along n and m, world axes
+  std::span<double> multipliers;  // 6 per joint in the order of Row, 0 for rows that do not hold; N, N m
+  std::span<double> coordinates;  // 6 per joint: displacement along n, m; angle about m, rad
+  std::span<double> speeds;       // 6 per joint: their rates
+
+  // per node of the elimination order
+  std::span<ArticulatedInertia> inertias;
+  std::span<ArticulatedInertia> reduced;  // after the joint's freedoms are eliminated
+  std::span<Spatial> loads, reduced_loads;
+  std::span<Pivot> pivots;  // 6 per node
+
+  // states: a stage of the Runge–Kutta step, the end of a trial sub-step, and how far the step has got
+  State stage, trial, accepted;
+
+  // per event
+  std::span<double> guards;                   // at the latest evaluation
+  std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located
+  std::span<double> guards_middle;            // at its first iterate
+  std::span<double> tolerances;               // how far below zero a guard may stand and still count as reached
+  std::span<std::int64_t> acting;             // 1: acts in this round
+  std::span<double> stack;                    // evaluates one guard
+  std::span<FiredEvent> fired;
+  std::span<EventAudit> audits;
+  std::int32_t fired_count = 0, audit_count = 0;
+
+  // outputs of the state at the end of the step
+  std::span<double> sensors;  // in the order of the model's sensors, each with its width
+};
+
+}  // namespace unlatch
