@@ -1,13 +1,13 @@
 // The only way between the cyclic thread and the rest of the process: two bounded rings without locks, system calls or
-// allocation, one out (states, events) and one in (commands, acknowledgements). Exactly one thread may call send and receive,
-// exactly one take, and exactly one deliver (the last two may be the same thread).
+// allocation, one out (states, events) and one in (commands, acknowledgements). Exactly one thread may call send and
+// receive, exactly one take, and exactly one deliver (the last two may be the same thread).
 #pragma once
+
+#include <readerwriterqueue/readerwritercircularbuffer.h>
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-
-#include <readerwriterqueue/readerwritercircularbuffer.h>
 
 #include "hil/messages.h"
 
@@ -35,8 +35,8 @@ class Link {
   [[nodiscard]] std::int64_t get_dropped_in() const noexcept { return dropped_in_.load(std::memory_order_relaxed); }
 
  private:
-  // Of this queue only the try_ calls are used: they are two atomic counters and a copy. Its semaphores would enter the kernel
-  // only to wake a thread that waits in them, and none ever does.
+  // Of this queue only the try_ calls are used: they are two atomic counters and a copy. Its semaphores would enter the
+  // kernel only to wake a thread that waits in them, and none ever does.
   using Ring = moodycamel::BlockingReaderWriterCircularBuffer<Message>;
 
   static bool put(Ring& ring, const Message& message, std::atomic<std::int64_t>& dropped) noexcept {

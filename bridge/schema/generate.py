@@ -13,6 +13,7 @@ sys.dont_write_bytecode = True  # a check leaves nothing behind
 import emit_cpp
 import emit_docs
 import emit_idl
+import emit_layout
 import emit_lcm
 from definition import DefinitionError, load
 
@@ -33,6 +34,7 @@ def main(arguments):
         ROOT / "hil/messages.h": emit_cpp.header(definition),
         ROOT / "hil/messages.cc": emit_cpp.source(definition),
         HERE / "unlatch.idl": emit_idl.idl(definition),
+        HERE / "dds_layout.h": emit_layout.header(definition),
         HERE / "README.md": emit_docs.readme(definition),
         **{HERE / "lcm" / f"{s.snake()}.lcm": emit_lcm.lcm(definition, s) for s in definition.structs},
     }

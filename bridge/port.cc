@@ -1,0 +1,49 @@
+#include "bridge/port.h"
+
+#include <algorithm>
+
+namespace unlatch::bridge {
+
+bool publishes(Role role, MessageKind kind) noexcept {
+  switch (role) {
+    case Role::kSimulator:
+      return hil::is_from_simulator(kind);
+    case Role::kParticipant:
+      return !hil::is_from_simulator(kind);
+    case Role::kObserver:
+      return false;
+  }
+  return false;
+}
+
+bool receives(Role role, MessageKind kind) noexcept { return !publishes(role, kind); }
+
+bool Port::publish(const Message& message) {
+  const bool sent = publishes(role_, message.kind) && send(message);
+  (sent ? published_ : publish_failures_).fetch_add(1, std::memory_order_relaxed);
+  return sent;
+}
+
+bool Port::poll(Message& message, std::chrono::nanoseconds wait) {
+  using Clock = std::chrono::steady_clock;
+  wait = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24));  // so that no deadline overflows
+  const auto deadline = Clock::now() + wait;
+  while (true) {
+    const Received result = receive(message, wait);
+    if (result == Received::kNothing) return false;
+    if (result == Received::kMessage && hil::is_well_formed(message)) {
+      received_.fetch_add(1, std::memory_order_relaxed);
+      return true;
+    }
+    if (result != Received::kOther) malformed_.fetch_add(1, std::memory_order_relaxed);
+    wait = deadline - Clock::now();
+    if (wait < std::chrono::nanoseconds::zero()) return false;  // a flood of rubbish does not hold the caller for ever
+  }
+}
+
+PortCounts Port::get_counts() const {
+  return {published_.load(std::memory_order_relaxed), publish_failures_.load(std::memory_order_relaxed),
+          received_.load(std::memory_order_relaxed), malformed_.load(std::memory_order_relaxed), get_lost()};
+}
+
+}  // namespace unlatch::bridge

@@ -1,0 +1,111 @@
+// One party's connection to the others, whatever carries the messages. Three transports make Ports: in-process, Cyclone
+// DDS, LCM.
+//
+// A Port is a datagram service: messages of one kind from one sender arrive in order, messages of different kinds may
+// overtake one another, and any may be lost. The protocol above (sequence numbers, StepAck, Hello again until answered)
+// copes with that.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "hil/messages.h"
+
+namespace unlatch::bridge {
+
+using hil::Message;
+using hil::MessageKind;
+
+// The simulator publishes Hello, Catalog, State, Event, Health and receives the rest; a participant (flight software)
+// the reverse; an observer (logger, watch) receives everything and publishes nothing.
+enum class Role { kSimulator, kParticipant, kObserver };
+
+[[nodiscard]] bool publishes(Role role, MessageKind kind) noexcept;
+[[nodiscard]] bool receives(Role role, MessageKind kind) noexcept;
+
+// A connection cannot be opened: what() is a sentence that says why, and what to do about it.
+class PortError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct PortCounts {
+  std::int64_t published = 0;
+  std::int64_t publish_failures = 0;  // refused by the middleware, or not this role's to publish
+  std::int64_t received = 0;
+  std::int64_t malformed = 0;  // wrong length or fingerprint, or numbers out of the schema's ranges
+  std::int64_t lost = 0;       // on their way to this port, as far as the transport notices (LCM never does)
+};
+
+// Opened and closed by one thread. In between one thread may publish while another polls.
+class Port {
+ public:
+  virtual ~Port() = default;
+  Port(const Port&) = delete;
+  Port& operator=(const Port&) = delete;
+
+  // False if it was not sent, which is counted. May allocate and take milliseconds: never from the cyclic thread.
+  bool publish(const Message& message);
+
+  // The next message, waiting for it at most `wait` (0: not at all). False if none came. Malformed ones are counted and
+  // skipped.
+  bool poll(Message& message, std::chrono::nanoseconds wait);
+
+  // From any thread.
+  [[nodiscard]] PortCounts get_counts() const;
+
+ protected:
+  // kNothing: the wait is over; kOther: something came that is no message, look again.
+  enum class Received { kNothing, kMessage, kMalformed, kOther };
+
+  explicit Port(Role role) : role_(role) {}
+
+  virtual bool send(const Message& message) = 0;
+  virtual Received receive(Message& message, std::chrono::nanoseconds wait) = 0;
+  [[nodiscard]] virtual std::int64_t get_lost() const = 0;
+
+ private:
+  const Role role_;
+  std::atomic<std::int64_t> published_{0};
+  std::atomic<std::int64_t> publish_failures_{0};
+  std::atomic<std::int64_t> received_{0};
+  std::atomic<std::int64_t> malformed_{0};
+};
+
+// In-process: every port gets a queue of its own in which the newest `capacity` messages are kept. A late joiner gets
+// nothing of what was sent before. Ports may outlive their hub. Thread-safe.
+class InprocHub {
+ public:
+  explicit InprocHub(std::size_t capacity = 1024);
+  ~InprocHub();
+  InprocHub(const InprocHub&) = delete;
+  InprocHub& operator=(const InprocHub&) = delete;
+
+  [[nodiscard]] std::unique_ptr<Port> open(Role role);
+
+  struct Shared;  // the list of queues, in inproc_port.cc
+
+ private:
+  std::shared_ptr<Shared> shared_;
+};
+
+// Cyclone DDS. Loopback alone unless another interface is named. A configuration in the environment variable
+// CYCLONEDDS_URI replaces ours altogether, interface included. Throws PortError.
+struct DdsOptions {
+  int domain = 0;  // 0 to 230
+  std::string interface = "lo";
+};
+[[nodiscard]] std::unique_ptr<Port> open_dds_port(Role role, const DdsOptions& options = {});
+
+// LCM over UDP multicast; ttl=0 keeps it on this machine. Throws PortError.
+struct LcmOptions {
+  std::string url = "udpm://239.255.76.67:7667?ttl=0";
+};
+[[nodiscard]] std::unique_ptr<Port> open_lcm_port(Role role, const LcmOptions& options = {});
+
+}  // namespace unlatch::bridge

@@ -1,0 +1,135 @@
+// The rings of hil/link.h, and the pump that serves them. Meant for ThreadSanitizer as well.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "bridge/pump.h"
+
+namespace unlatch::test {
+namespace {
+
+using namespace std::chrono_literals;
+using hil::Message;
+
+Message make_state(std::int64_t tick) {
+  hil::State state{};
+  state.tick = tick;
+  state.parts = 1;
+  state.bodies.back().wz = static_cast<double>(tick);
+  return state;
+}
+
+Message make_command(std::int64_t sequence) {
+  hil::Command command{};
+  command.sequence = sequence;
+  return command;
+}
+
+TEST(Link, AFullRingRefusesAndCounts) {
+  hil::Link link(4, 2);
+  for (std::int64_t tick = 0; tick < 4; ++tick) EXPECT_TRUE(link.send(make_state(tick)));
+  EXPECT_FALSE(link.send(make_state(4)));
+  EXPECT_FALSE(link.send(make_state(5)));
+  EXPECT_EQ(link.get_dropped_out(), 2);
+  EXPECT_TRUE(link.deliver(make_command(0)));
+  EXPECT_TRUE(link.deliver(make_command(1)));
+  EXPECT_FALSE(link.deliver(make_command(2)));
+  EXPECT_EQ(link.get_dropped_in(), 1);
+
+  Message message;
+  for (std::int64_t tick = 0; tick < 4; ++tick) {
+    ASSERT_TRUE(link.take(message));
+    EXPECT_EQ(message.state.tick, tick);
+  }
+  EXPECT_FALSE(link.take(message));
+  EXPECT_TRUE(link.send(make_state(6)));  // there is room again
+}
+
+TEST(Link, ThreadsExchangeEverythingInOrder) {
+  constexpr std::int64_t kMessages = 20000;
+  hil::Link link(64, 64);
+  std::thread bridge([&link] {
+    Message message;
+    for (std::int64_t expected = 0; expected < kMessages;) {
+      if (!link.take(message)) {
+        std::this_thread::yield();
+        continue;
+      }
+      ASSERT_EQ(message.state.tick, expected);
+      ASSERT_EQ(message.state.bodies.back().wz, static_cast<double>(expected));
+      while (!link.deliver(make_command(expected))) std::this_thread::yield();
+      ++expected;
+    }
+  });
+  Message message;
+  std::int64_t sent = 0;
+  std::int64_t answered = 0;
+  while (answered < kMessages) {
+    if (sent < kMessages && sent - answered < 32 && link.send(make_state(sent))) ++sent;
+    while (link.receive(message)) ASSERT_EQ(message.command.sequence, answered++);
+    if (sent - answered >= 32) std::this_thread::yield();
+  }
+  bridge.join();
+}
+
+TEST(Pump, ServesALockstepBothWays) {
+  constexpr std::int64_t kTicks = 500;
+  bridge::InprocHub hub;
+  const auto simulator = hub.open(bridge::Role::kSimulator);
+  const auto participant = hub.open(bridge::Role::kParticipant);
+  hil::Link link;
+  bridge::Pump pump(link, *simulator);
+  std::thread flight_software([&participant] {
+    Message message;
+    for (std::int64_t tick = 0; tick < kTicks; ++tick) {
+      ASSERT_TRUE(participant->poll(message, 10s));
+      ASSERT_EQ(message.state.tick, tick);
+      participant->publish(make_command(tick));
+    }
+  });
+  Message message;
+  for (std::int64_t tick = 0; tick < kTicks; ++tick) {
+    ASSERT_TRUE(link.send(make_state(tick)));
+    while (!link.receive(message)) std::this_thread::yield();
+    ASSERT_EQ(message.command.sequence, tick);
+  }
+  flight_software.join();
+}
+
+TEST(Pump, PublishesWhatIsLeftBeforeItStops) {
+  constexpr std::int64_t kMessages = 700;
+  bridge::InprocHub hub;
+  const auto simulator = hub.open(bridge::Role::kSimulator);
+  const auto observer = hub.open(bridge::Role::kObserver);
+  hil::Link link(1024, 16);
+  {
+    bridge::Pump pump(link, *simulator);
+    for (std::int64_t tick = 0; tick < kMessages; ++tick) ASSERT_TRUE(link.send(make_state(tick)));
+    pump.stop();
+    pump.stop();
+  }
+  EXPECT_EQ(simulator->get_counts().published, kMessages);
+  Message message;
+  for (std::int64_t tick = 0; tick < kMessages; ++tick) {
+    ASSERT_TRUE(observer->poll(message, 0ns));
+    ASSERT_EQ(message.state.tick, tick);
+  }
+}
+
+TEST(InprocPort, KeepsTheNewestAndCountsTheRest) {
+  bridge::InprocHub hub(3);
+  const auto simulator = hub.open(bridge::Role::kSimulator);
+  const auto observer = hub.open(bridge::Role::kObserver);
+  for (std::int64_t tick = 0; tick < 5; ++tick) EXPECT_TRUE(simulator->publish(make_state(tick)));
+  Message message;
+  for (std::int64_t tick = 2; tick < 5; ++tick) {
+    ASSERT_TRUE(observer->poll(message, 0ns));
+    EXPECT_EQ(message.state.tick, tick);
+  }
+  EXPECT_FALSE(observer->poll(message, 0ns));
+  EXPECT_EQ(observer->get_counts().lost, 2);
+  EXPECT_EQ(observer->get_counts().received, 3);
+}
+
+}  // namespace
+}  // namespace unlatch::test

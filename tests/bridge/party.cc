@@ -1,0 +1,67 @@
+// A second process for the transport tests, started by them.
+//   bridge_party dds|lcm record   observes; writes each kind's first message to standard output as it lies in memory;
+//   ends when
+//                                 it has seen all kinds
+//   bridge_party dds|lcm answer   participates; answers Hello and every State at once; ends at the first Health
+// Exit code 0; 1 if ten seconds pass without a message; 3 with the reason on standard error if the port cannot be
+// opened.
+#include <array>
+#include <cstdio>
+#include <string_view>
+
+#include "bridge/port.h"
+
+namespace {
+
+using namespace std::chrono_literals;
+using namespace unlatch;
+using bridge::Port;
+
+constexpr auto kPatience = 10s;
+
+int record(Port& port) {
+  std::array<bool, hil::kMessageKinds> seen{};
+  std::size_t count = 0;
+  hil::Message message;
+  while (count < seen.size()) {
+    if (!port.poll(message, kPatience)) return 1;
+    bool& known = seen[static_cast<std::size_t>(message.kind)];
+    if (known) continue;
+    known = true;
+    ++count;
+    std::fwrite(&message.kind, sizeof message.kind, 1, stdout);
+    std::fwrite(&message.hello, hil::get_size(message.kind), 1, stdout);
+  }
+  return 0;
+}
+
+int answer(Port& port) {
+  hil::Command command{};
+  hil::StepAck ack{};
+  hil::Message message;
+  while (port.poll(message, kPatience)) {
+    if (message.kind == hil::MessageKind::kHealth) return 0;
+    if (message.kind == hil::MessageKind::kHello) port.publish(hil::HelloAck{});
+    if (message.kind == hil::MessageKind::kState) command.tick = ack.tick = message.state.tick;
+    ack.last_command = ++command.sequence;
+    port.publish(command);
+    port.publish(ack);
+  }
+  return 1;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 3) return 2;
+  const bool dds = arguments[1] == std::string_view("dds");
+  const bool observe = arguments[2] == std::string_view("record");
+  try {
+    const auto role = observe ? bridge::Role::kObserver : bridge::Role::kParticipant;
+    const auto port = dds ? bridge::open_dds_port(role) : bridge::open_lcm_port(role);
+    return observe ? record(*port) : answer(*port);
+  } catch (const bridge::PortError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 3;
+  }
+}

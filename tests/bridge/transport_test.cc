@@ -1,0 +1,356 @@
+// The three transports, DDS and LCM over real sockets. Run through tests/support/netns.sh, because LCM needs a
+// multicast route.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <lcm/lcm.h>
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <iostream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bridge/port.h"
+#include "tests/bridge/random_messages.h"
+
+namespace unlatch::test {
+namespace {
+
+using namespace std::chrono_literals;
+using bridge::Port;
+using bridge::Role;
+using hil::Message;
+using hil::MessageKind;
+
+constexpr std::uint64_t kSeed = 777;
+constexpr auto kPatience = 10s;  // for what must come
+constexpr auto kRepeatAfter = 20ms;
+
+// Opens ports of one transport that hear each other.
+class Transport {
+ public:
+  explicit Transport(std::string name) : name_(std::move(name)) {}
+
+  std::unique_ptr<Port> open(Role role) {
+    if (name_ == "dds") return bridge::open_dds_port(role);
+    if (name_ == "lcm") return bridge::open_lcm_port(role);
+    return hub_.open(role);
+  }
+
+ private:
+  std::string name_;
+  bridge::InprocHub hub_;
+};
+
+// Says `greeting` until the other hears it.
+void greet(Port& from, Port& to, const Message& greeting) {
+  Message heard;
+  for (auto waited = 0ms; waited < kPatience; waited += kRepeatAfter) {
+    ASSERT_TRUE(from.publish(greeting));
+    while (to.poll(heard, kRepeatAfter)) {
+      if (heard.kind == greeting.kind) return;
+    }
+  }
+  FAIL() << "never heard " << hil::get_kind_name(greeting.kind);
+}
+
+// Forgets what is still on its way.
+void drain(Port& port) {
+  Message message;
+  while (port.poll(message, 5 * kRepeatAfter)) {
+  }
+}
+
+class Transports : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    std::cout << "seed " << kSeed << '\n';
+    simulator_ = transport_.open(Role::kSimulator);
+    participant_ = transport_.open(Role::kParticipant);
+    observer_ = transport_.open(Role::kObserver);
+    greet(*simulator_, *participant_, hil::Hello{});
+    greet(*simulator_, *observer_, hil::Hello{});
+    greet(*participant_, *simulator_, hil::HelloAck{});
+    greet(*participant_, *observer_, hil::HelloAck{});
+    for (Port* port : {simulator_.get(), participant_.get(), observer_.get()}) drain(*port);
+  }
+
+  Random random_{kSeed};
+  Transport transport_{GetParam()};
+  std::unique_ptr<Port> simulator_;
+  std::unique_ptr<Port> participant_;
+  std::unique_ptr<Port> observer_;
+};
+
+TEST_P(Transports, EveryMessageArrivesBitForBit) {
+  Message heard;
+  for (int round = 0; round < 20; ++round) {
+    for (const MessageKind kind : list_kinds()) {
+      const bool down = hil::is_from_simulator(kind);
+      const Message message = make_random_message(kind, random_);
+      ASSERT_TRUE((down ? simulator_ : participant_)->publish(message));
+      for (Port* port : {down ? participant_.get() : simulator_.get(), observer_.get()}) {
+        ASSERT_TRUE(port->poll(heard, kPatience)) << hil::get_kind_name(kind);
+        ASSERT_TRUE(is_same(heard, message)) << hil::get_kind_name(kind) << " in round " << round;
+      }
+    }
+  }
+  EXPECT_EQ(observer_->get_counts().malformed, 0);
+  EXPECT_EQ(observer_->get_counts().lost, 0);
+}
+
+TEST_P(Transports, NobodyHearsHimself) {
+  Message heard;
+  ASSERT_TRUE(simulator_->publish(make_random_message(MessageKind::kState, random_)));
+  ASSERT_TRUE(participant_->publish(make_random_message(MessageKind::kCommand, random_)));
+  ASSERT_TRUE(simulator_->poll(heard, kPatience));
+  EXPECT_EQ(heard.kind, MessageKind::kCommand);
+  ASSERT_TRUE(participant_->poll(heard, kPatience));
+  EXPECT_EQ(heard.kind, MessageKind::kState);
+  EXPECT_FALSE(simulator_->poll(heard, kRepeatAfter));
+  EXPECT_FALSE(participant_->poll(heard, kRepeatAfter));
+}
+
+TEST_P(Transports, RolesKeepToTheirMessages) {
+  EXPECT_FALSE(participant_->publish(hil::State{}));
+  EXPECT_FALSE(simulator_->publish(hil::Command{}));
+  EXPECT_FALSE(observer_->publish(hil::Hello{}));
+  EXPECT_EQ(participant_->get_counts().publish_failures, 1);
+  EXPECT_EQ(simulator_->get_counts().publish_failures, 1);
+  EXPECT_EQ(observer_->get_counts().publish_failures, 1);
+}
+
+TEST_P(Transports, CommandsComeBeforeTheirAcknowledgement) {
+  constexpr std::int64_t kTicks = 100;
+  for (std::int64_t tick = 1; tick <= kTicks; ++tick) {
+    hil::Command command{};
+    command.sequence = tick;
+    hil::StepAck ack{};
+    ack.last_command = tick;
+    ASSERT_TRUE(participant_->publish(command));
+    ASSERT_TRUE(participant_->publish(ack));
+  }
+  std::int64_t last_command = 0;
+  Message heard;
+  for (std::int64_t acks = 0; acks < kTicks;) {
+    ASSERT_TRUE(simulator_->poll(heard, kPatience));
+    if (heard.kind == MessageKind::kCommand) {
+      EXPECT_EQ(heard.command.sequence, last_command + 1);
+      last_command = heard.command.sequence;
+    } else {
+      EXPECT_EQ(heard.step_ack.last_command, ++acks);
+      EXPECT_GE(last_command, heard.step_ack.last_command);
+    }
+  }
+}
+
+TEST_P(Transports, CountsOutOfRangeAreMalformed) {
+  hil::State state{};
+  state.parts = 1;
+  state.body_count = static_cast<std::int32_t>(hil::kBodiesPerPart) + 1;
+  ASSERT_TRUE(simulator_->publish(state));
+  state.body_count = 0;
+  ASSERT_TRUE(simulator_->publish(state));
+  Message heard;
+  ASSERT_TRUE(participant_->poll(heard, kPatience));
+  EXPECT_EQ(heard.state.body_count, 0);
+  EXPECT_EQ(participant_->get_counts().malformed, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Transports, testing::Values("inproc", "dds", "lcm"),
+                         [](const auto& test) { return test.param; });
+
+// bridge_party in another process: what it writes, and its exit code once it has ended.
+class Party {
+ public:
+  explicit Party(const std::string& arguments, const std::string& before = "")
+      : pipe_(popen((before + BRIDGE_PARTY " " + arguments).c_str(), "r")) {
+    fcntl(fileno(pipe_), F_SETFL, O_NONBLOCK);
+  }
+  ~Party() { close(); }
+
+  // Reads what has come; false at its end.
+  bool read(std::chrono::milliseconds wait) {
+    pollfd waiting{.fd = fileno(pipe_), .events = POLLIN, .revents = 0};
+    if (::poll(&waiting, 1, static_cast<int>(wait.count())) <= 0) return true;
+    std::array<char, 4096> bytes{};
+    const ssize_t count = ::read(waiting.fd, bytes.data(), bytes.size());
+    if (count > 0) output_.insert(output_.end(), bytes.begin(), bytes.begin() + count);
+    return count > 0;
+  }
+
+  int close() {
+    if (pipe_ != nullptr) status_ = pclose(pipe_);
+    pipe_ = nullptr;
+    return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
+  }
+
+  [[nodiscard]] const std::vector<char>& get_output() const { return output_; }
+
+ private:
+  FILE* pipe_;
+  std::vector<char> output_;
+  int status_ = 0;
+};
+
+class Processes : public testing::TestWithParam<std::string> {};
+
+TEST_P(Processes, HearEveryMessageBitForBit) {
+  std::cout << "seed " << kSeed << '\n';
+  Random random(kSeed);
+  std::vector<Message> messages;
+  for (const MessageKind kind : list_kinds()) messages.push_back(make_random_message(kind, random));
+  Transport transport(GetParam());
+  const auto simulator = transport.open(Role::kSimulator);
+  const auto participant = transport.open(Role::kParticipant);
+  Party recorder(GetParam() + " record");
+  do {
+    for (const Message& message : messages) {
+      (hil::is_from_simulator(message.kind) ? simulator : participant)->publish(message);
+    }
+  } while (recorder.read(kRepeatAfter));
+  ASSERT_EQ(recorder.close(), 0);
+
+  const char* at = recorder.get_output().data();
+  for (std::size_t i = 0; i < hil::kMessageKinds; ++i) {
+    Message heard;
+    std::memcpy(&heard.kind, at, sizeof heard.kind);
+    ASSERT_GT(hil::get_size(heard.kind), 0U);
+    std::memcpy(static_cast<void*>(&heard.hello), at + sizeof heard.kind, hil::get_size(heard.kind));
+    at += sizeof heard.kind + hil::get_size(heard.kind);
+    EXPECT_TRUE(is_same(heard, messages[static_cast<std::size_t>(heard.kind)])) << hil::get_kind_name(heard.kind);
+  }
+  EXPECT_EQ(at, recorder.get_output().data() + recorder.get_output().size());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Processes, testing::Values("dds", "lcm"), [](const auto& test) { return test.param; });
+
+// One Hello and no waiting: what follows a greeting arrives, in both directions.
+TEST(Dds, WhoHearsAGreetingHearsTheRest) {
+  for (int round = 0; round < 5; ++round) {
+    const auto simulator = bridge::open_dds_port(Role::kSimulator);
+    ASSERT_TRUE(simulator->publish(hil::Hello{}));
+    Party participant("dds answer");
+    hil::State state{};
+    state.parts = 1;
+    state.tick = 1;
+    Message heard;
+    for (const MessageKind expected : {MessageKind::kHelloAck, MessageKind::kCommand, MessageKind::kStepAck,
+                                       MessageKind::kCommand, MessageKind::kStepAck}) {
+      ASSERT_TRUE(simulator->poll(heard, kPatience)) << hil::get_kind_name(expected) << " in round " << round;
+      ASSERT_EQ(heard.kind, expected);
+      if (expected == MessageKind::kHelloAck) simulator->publish(state);
+    }
+    EXPECT_EQ(heard.step_ack.tick, 1);
+    EXPECT_EQ(heard.step_ack.last_command, 2);
+    simulator->publish(hil::Health{});
+    EXPECT_EQ(participant.close(), 0);
+  }
+}
+
+TEST(Dds, LateJoinersGetHelloCatalogAndEvents) {
+  constexpr std::int32_t kItems = 300;
+  const auto simulator = bridge::open_dds_port(Role::kSimulator);
+  hil::Hello hello{};
+  for (int again = 1; again <= 3; ++again) {  // Hello is said again until answered; a late joiner hears it once
+    hello.session = again;
+    ASSERT_TRUE(simulator->publish(hello));
+    hil::Catalog item{};
+    for (item.index = 0; item.index < kItems; ++item.index) {
+      item.safe = item.index + 0.5;
+      ASSERT_TRUE(simulator->publish(item));
+    }
+  }
+  ASSERT_TRUE(simulator->publish(hil::Event{}));
+
+  const auto late = bridge::open_dds_port(Role::kParticipant);
+  std::set<std::int32_t> items;
+  int hellos = 0;
+  int events = 0;
+  Message heard;
+  while (hellos < 1 || events < 1 || items.size() < kItems) {
+    ASSERT_TRUE(late->poll(heard, kPatience));
+    if (heard.kind == MessageKind::kHello) {
+      ++hellos;
+      EXPECT_EQ(heard.hello.session, 3);
+    } else if (heard.kind == MessageKind::kCatalog) {
+      EXPECT_TRUE(items.insert(heard.catalog.index).second);
+      EXPECT_EQ(heard.catalog.safe, heard.catalog.index + 0.5);
+    } else {
+      ++events;
+    }
+  }
+  EXPECT_FALSE(late->poll(heard, 5 * kRepeatAfter));  // nothing twice
+}
+
+TEST(Lcm, MalformedBytesAreCounted) {
+  Transport transport("lcm");
+  const auto simulator = transport.open(Role::kSimulator);
+  const auto participant = transport.open(Role::kParticipant);
+  greet(*simulator, *participant, hil::Hello{});
+  drain(*participant);
+
+  std::array<std::uint8_t, hil::kMaxWireBytes> bytes{};
+  hil::State state{};
+  state.parts = 1;
+  ASSERT_EQ(hil::encode(state, bytes), hil::kStateWireBytes);
+  lcm_t* raw = lcm_create(bridge::LcmOptions{}.url.c_str());
+  ASSERT_NE(raw, nullptr);
+  const auto send = [&](std::size_t length) {
+    return lcm_publish(raw, "UNLATCH_STATE", bytes.data(), static_cast<unsigned int>(length));
+  };
+  EXPECT_EQ(send(0), 0);
+  EXPECT_EQ(send(7), 0);
+  EXPECT_EQ(send(hil::kStateWireBytes - 1), 0);
+  bytes[0] ^= 1U;  // the fingerprint
+  EXPECT_EQ(send(hil::kStateWireBytes), 0);
+  bytes[0] ^= 1U;
+  EXPECT_EQ(send(hil::kStateWireBytes), 0);  // a good one at last
+  lcm_destroy(raw);
+
+  Message heard;
+  ASSERT_TRUE(participant->poll(heard, kPatience));
+  EXPECT_EQ(heard.kind, MessageKind::kState);
+  EXPECT_EQ(participant->get_counts().malformed, 4);
+}
+
+// The text of the PortError that opening throws.
+template <class Open>
+std::string get_error(Open open) {
+  try {
+    open();
+  } catch (const bridge::PortError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(PortError, SaysWhatIsWrongAndHowToMendIt) {
+  const auto dds = [](int domain, const char* interface) {
+    return get_error([&] { return bridge::open_dds_port(Role::kObserver, {domain, interface}); });
+  };
+  EXPECT_NE(dds(231, "lo").find("from 0 to 230"), std::string::npos);
+  EXPECT_NE(dds(1, "x\"/><y").find("`ip link`"), std::string::npos);
+  EXPECT_NE(dds(1, "nosuch0").find("ip link show nosuch0"), std::string::npos);
+  const auto port = bridge::open_dds_port(Role::kObserver, {.domain = 2, .interface = "lo"});
+  EXPECT_NE(dds(2, "eth0").find("open in this process on the interface 'lo'"), std::string::npos);
+  EXPECT_NE(get_error([] { return bridge::open_lcm_port(Role::kObserver, {"tcpq://"}); }).find("udpm://"),
+            std::string::npos);
+}
+
+// In a namespace in which even the loopback interface is down.
+TEST(PortError, AMachineWithoutANetworkIsExitCode3) {
+  for (const std::string transport : {"dds", "lcm"}) {
+    Party party(transport + " record 2>&1", "unshare -n ");
+    while (party.read(kPatience)) {
+    }
+    EXPECT_EQ(party.close(), 3) << transport;
+    const std::string said(party.get_output().begin(), party.get_output().end());
+    EXPECT_NE(said.find(transport == "lcm" ? "ip route add" : "ip link show lo"), std::string::npos) << said;
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test
