@@ -10,7 +10,9 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr double kYes = 1, kNo = -1;
+// Parts that hold or do not, and cannot change within a sub-step: so large that in an all or any they leave the
+// real-valued parts as they are, which the search for the crossing needs.
+constexpr double kYes = 1e100, kNo = -1e100;
 
 double calc_elementary(const Plan& plan, const Inputs& inputs, const State& state, double t, const Workspace& ws,
                        const PlanCondition& c) {

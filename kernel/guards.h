@@ -10,7 +10,7 @@ namespace unlatch {
 
 struct Inputs;
 
-// values[e] for every armed event at time t; −1 for the others.
+// values[e] for every armed event at time t; negative for the others.
 void update_guards(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws,
                    std::span<double> values) noexcept;
 

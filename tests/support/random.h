@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace unlatch::support {
+namespace unlatch::test {
 
 class Random {
  public:
@@ -26,4 +26,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace unlatch::support
+}  // namespace unlatch::test

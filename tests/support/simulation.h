@@ -1,0 +1,58 @@
+// A model with everything that stepping it takes, in one owner: for tests and benches.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "kernel/step.h"
+
+namespace unlatch::test {
+
+// Heap memory aligned to 64 bytes.
+class Block {
+ public:
+  explicit Block(std::size_t bytes) : memory_(bytes + 64), size_(bytes) {}
+  std::span<std::byte> get() {
+    void* first = memory_.data();
+    std::size_t space = memory_.size();
+    return {static_cast<std::byte*>(std::align(64, size_, first, space)), size_};
+  }
+
+ private:
+  std::vector<std::byte> memory_;
+  std::size_t size_;
+};
+
+inline Plan compile_or_throw(const Model& model, const PlanOptions& options) {
+  PlanResult result = compile_plan(model, options);
+  if (!result.plan) throw std::runtime_error(result.errors.front().where + ": " + result.errors.front().what);
+  return std::move(*result.plan);
+}
+
+class Simulation {
+ public:
+  explicit Simulation(const Model& model, const PlanOptions& options = {})
+      : plan(compile_or_throw(model, options)),
+        state_memory_(plan.get_state_bytes()),
+        workspace_memory_(plan.get_workspace_bytes()) {
+    state = State(plan, state_memory_.get());
+    workspace = Workspace(plan, workspace_memory_.get());
+    init_state(plan, state);
+    for (const Channel& channel : model.channels) commands.push_back(channel.initial);
+  }
+
+  StepReport advance() { return step(plan, {commands}, state, workspace); }
+  double get_time() const { return static_cast<double>(state.header->tick) * plan.options.dt; }
+
+  Plan plan;
+  std::vector<double> commands;
+  State state;
+  Workspace workspace;
+
+ private:
+  Block state_memory_, workspace_memory_;
+};
+
+}  // namespace unlatch::test
