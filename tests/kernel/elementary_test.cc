@@ -80,7 +80,7 @@ void expect_within_promise(const char* what, const Worst& worst) {
 }
 
 // A finite double with every bit pattern equally likely: all magnitudes.
-double any_double(support::Random& random) {
+double any_double(test::Random& random) {
   for (;;) {
     const double x = std::bit_cast<double>(random.next());
     if (std::isfinite(x)) return x;
@@ -88,7 +88,7 @@ double any_double(support::Random& random) {
 }
 
 TEST(Elementary, SineAndCosineAreWithinAnUlp) {
-  support::Random random(kSeed);
+  test::Random random(kSeed);
   struct Range {
     const char* name;
     double size;
@@ -112,7 +112,7 @@ TEST(Elementary, SineAndCosineAreWithinAnUlp) {
 // Where the reduction cancels most, and where the quadrant changes.
 TEST(Elementary, SineAndCosineAreWithinAnUlpAroundMultiplesOfAQuarterPi) {
   Worst worst_sin, worst_cos;
-  support::Random random(kSeed);
+  test::Random random(kSeed);
   Exact quarter_pi, multiple;
   mpfr_const_pi(quarter_pi.get(), MPFR_RNDN);
   mpfr_div_ui(quarter_pi.get(), quarter_pi.get(), 4, MPFR_RNDN);
@@ -143,7 +143,7 @@ TEST(Elementary, SineAndCosineOfSpecialValues) {
 }
 
 TEST(Elementary, ExponentialIsWithinAnUlp) {
-  support::Random random(kSeed);
+  test::Random random(kSeed);
   Worst small, all, subnormal, edges;
   for (int i = 0; i < 100000; ++i) update_exp(random.uniform(-1, 1), small);
   for (int i = 0; i < 200000; ++i) update_exp(random.uniform(-708, 709.78), all);
@@ -181,7 +181,7 @@ TEST(Elementary, ExponentialOfSpecialValues) {
 }
 
 TEST(Elementary, ArctangentIsWithinAnUlp) {
-  support::Random random(kSeed);
+  test::Random random(kSeed);
   Worst plain, wide, any, edges;
   for (int i = 0; i < 200000; ++i) update_atan2(random.uniform(-1, 1), random.uniform(-1, 1), plain);
   for (int i = 0; i < 50000; ++i) {
@@ -242,7 +242,7 @@ TEST(Elementary, ResultsHaveTheSameBitsEverywhere) {
       hash = (hash ^ (bits & 0xff)) * 0x100000001b3u;
     }
   };
-  support::Random random(kSeed);
+  test::Random random(kSeed);
   for (int i = 0; i < 50000; ++i) {
     const double angle = random.uniform(-20, 20), far = any_double(random);
     const double y = random.uniform(-1, 1), x = random.uniform(-1, 1);
