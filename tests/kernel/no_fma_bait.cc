@@ -1,0 +1,7 @@
+// Compiled with fused multiply-adds on purpose: what no_fma.sh must find.
+namespace unlatch::test {
+
+double calc_fused(double a, double b, double c);
+double calc_fused(double a, double b, double c) { return a * b + c; }
+
+}  // namespace unlatch::test
