@@ -21,26 +21,31 @@ struct TopicTraits {
   const dds_topic_descriptor_t* type;
   std::int32_t writer_depth;  // unacknowledged messages kept for resending
   std::int32_t reader_depth;  // messages waiting for poll
-  std::int32_t late_depth;    // messages that a late joiner gets; 0: none
+  std::int32_t late_depth;    // messages that a late joiner gets (transient-local); 0: none
+  dds_duration_t lifespan;    // after which nobody gets it any more
 };
+
+// What participants say reaches the simulator even if it was said while the two were still discovering each other,
+// which takes each topic up to a tenth of a second; it is forgotten soon, so that the next simulator does not hear old
+// commands.
+constexpr dds_duration_t kRecent = DDS_SECS(2);
+constexpr dds_duration_t kForever = DDS_INFINITY;
 
 // In the order in which waiting messages are delivered: what was sent before is delivered before. The writer of states
 // keeps less than the half megabyte of unacknowledged data from which on Cyclone would block it.
 constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
-    {MessageKind::kHello, &unlatch_Hello_desc, 16, 64, 1},
-    {MessageKind::kCatalog, &unlatch_Catalog_desc, 1, 1, 1},
-    {MessageKind::kHelloAck, &unlatch_HelloAck_desc, 64, 256, 0},
-    {MessageKind::kEvent, &unlatch_Event_desc, 1024, 4096, 1024},
-    {MessageKind::kCommand, &unlatch_Command_desc, 1024, 4096, 0},
-    {MessageKind::kState, &unlatch_State_desc, 192, 4096, 0},
-    {MessageKind::kStepAck, &unlatch_StepAck_desc, 1024, 4096, 0},
-    {MessageKind::kHealth, &unlatch_Health_desc, 64, 256, 0},
+    {MessageKind::kHello, &unlatch_Hello_desc, 16, 64, 1, kForever},
+    {MessageKind::kCatalog, &unlatch_Catalog_desc, 1, 1, 1, kForever},
+    {MessageKind::kHelloAck, &unlatch_HelloAck_desc, 64, 256, 1, kRecent},
+    {MessageKind::kEvent, &unlatch_Event_desc, 1024, 4096, 1024, kForever},
+    {MessageKind::kCommand, &unlatch_Command_desc, 1024, 4096, 64, kRecent},
+    {MessageKind::kState, &unlatch_State_desc, 192, 4096, 0, kForever},
+    {MessageKind::kStepAck, &unlatch_StepAck_desc, 1024, 4096, 64, kRecent},
+    {MessageKind::kHealth, &unlatch_Health_desc, 64, 256, 0, kForever},
 }};
 
 constexpr std::int64_t kMaxBlocking = DDS_MSECS(10);
 constexpr std::size_t kBatch = 128;  // messages taken from a reader at a time
-
-bool is_greeting(MessageKind kind) { return kind == MessageKind::kHello || kind == MessageKind::kHelloAck; }
 
 struct DeleteQos {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
@@ -51,6 +56,7 @@ Qos make_qos(const TopicTraits& topic, std::int32_t depth) {
   Qos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, kMaxBlocking);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
+  dds_qset_lifespan(qos.get(), topic.lifespan);
   if (topic.late_depth > 0) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, topic.late_depth, DDS_LENGTH_UNLIMITED,
@@ -68,13 +74,7 @@ class DdsPort final : public Port {
         participant_(check("creating a participant",
                            dds_create_participant(static_cast<dds_domainid_t>(options.domain), nullptr, nullptr))),
         waitset_(check("creating a waitset", dds_create_waitset(participant_.get()))) {
-    // Greetings last: other parties learn of our endpoints in this order, so that who hears a greeting is matched on
-    // all the other topics too and nothing said after it is lost.
-    for (const bool greeting : {false, true}) {
-      for (std::size_t i = 0; i < kMessageKinds; ++i) {
-        if (is_greeting(kTopics[i].kind) == greeting) open_topic(role, i);
-      }
-    }
+    for (std::size_t i = 0; i < kMessageKinds; ++i) open_topic(role, i);
   }
 
  private:
@@ -162,14 +162,22 @@ class DdsPort final : public Port {
                 reinterpret_cast<std::byte*>(&message.hello));
   }
 
-  [[nodiscard]] std::int64_t get_lost() const override {
-    std::int64_t lost = 0;
+  [[nodiscard]] Losses get_losses() const override {
+    Losses losses;
     for (const Batch& batch : batches_) {
-      dds_sample_lost_status_t status{};
-      if (batch.reader != 0 && dds_get_sample_lost_status(batch.reader, &status) == DDS_RETCODE_OK)
-        lost += status.total_count;
+      dds_sample_lost_status_t lost{};
+      dds_requested_incompatible_qos_status_t unfit{};
+      if (batch.reader == 0) continue;
+      if (dds_get_sample_lost_status(batch.reader, &lost) == DDS_RETCODE_OK) losses.lost += lost.total_count;
+      if (dds_get_requested_incompatible_qos_status(batch.reader, &unfit) == DDS_RETCODE_OK)
+        losses.unfit += unfit.total_count;
     }
-    return lost;
+    for (const dds_entity_t writer : writers_) {
+      dds_offered_incompatible_qos_status_t unfit{};
+      if (writer == 0) continue;
+      if (dds_get_offered_incompatible_qos_status(writer, &unfit) == DDS_RETCODE_OK) losses.unfit += unfit.total_count;
+    }
+    return losses;
   }
 
   const DdsOptions options_;

@@ -85,8 +85,6 @@ class LcmPort final : public Port {
     return result_;
   }
 
-  [[nodiscard]] std::int64_t get_lost() const override { return 0; }
-
   std::array<Subscription, hil::kMessageKinds> subscriptions_{};
   std::array<std::uint8_t, hil::kMaxWireBytes> buffer_{};  // of the thread that publishes
   Message* target_ = nullptr;                              // of the thread that polls, as is result_

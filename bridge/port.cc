@@ -42,8 +42,13 @@ bool Port::poll(Message& message, std::chrono::nanoseconds wait) {
 }
 
 PortCounts Port::get_counts() const {
-  return {published_.load(std::memory_order_relaxed), publish_failures_.load(std::memory_order_relaxed),
-          received_.load(std::memory_order_relaxed), malformed_.load(std::memory_order_relaxed), get_lost()};
+  const Losses losses = get_losses();
+  return {published_.load(std::memory_order_relaxed),
+          publish_failures_.load(std::memory_order_relaxed),
+          received_.load(std::memory_order_relaxed),
+          malformed_.load(std::memory_order_relaxed),
+          losses.lost,
+          losses.unfit};
 }
 
 }  // namespace unlatch::bridge

@@ -40,6 +40,8 @@ struct PortCounts {
   std::int64_t received = 0;
   std::int64_t malformed = 0;  // wrong length or fingerprint, or numbers out of the schema's ranges
   std::int64_t lost = 0;       // on their way to this port, as far as the transport notices (LCM never does)
+  std::int64_t unfit =
+      0;  // DDS: others' readers and writers that do not match ours because of their quality of service
 };
 
 // Opened and closed by one thread. In between one thread may publish while another polls.
@@ -67,7 +69,12 @@ class Port {
 
   virtual bool send(const Message& message) = 0;
   virtual Received receive(Message& message, std::chrono::nanoseconds wait) = 0;
-  [[nodiscard]] virtual std::int64_t get_lost() const = 0;
+
+  struct Losses {
+    std::int64_t lost = 0;
+    std::int64_t unfit = 0;
+  };
+  [[nodiscard]] virtual Losses get_losses() const { return {}; }
 
  private:
   const Role role_;

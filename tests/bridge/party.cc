@@ -2,7 +2,8 @@
 //   bridge_party dds|lcm record   observes; writes each kind's first message to standard output as it lies in memory;
 //   ends when
 //                                 it has seen all kinds
-//   bridge_party dds|lcm answer   participates; answers Hello and every State at once; ends at the first Health
+//   bridge_party dds|lcm answer   participates; answers everything with a command and an acknowledgement, Hello with
+//                                 a HelloAck before; ends at the first Health
 // Exit code 0; 1 if ten seconds pass without a message; 3 with the reason on standard error if the port cannot be
 // opened.
 #include <array>
@@ -41,9 +42,13 @@ int answer(Port& port) {
   hil::Message message;
   while (port.poll(message, kPatience)) {
     if (message.kind == hil::MessageKind::kHealth) return 0;
-    if (message.kind == hil::MessageKind::kHello) port.publish(hil::HelloAck{});
-    if (message.kind == hil::MessageKind::kState) command.tick = ack.tick = message.state.tick;
     ack.last_command = ++command.sequence;
+    if (message.kind == hil::MessageKind::kHello) {
+      hil::HelloAck hello_ack{};
+      hello_ack.participant = static_cast<std::int32_t>(command.sequence);
+      port.publish(hello_ack);
+    }
+    if (message.kind == hil::MessageKind::kState) command.tick = ack.tick = message.state.tick;
     port.publish(command);
     port.publish(ack);
   }
