@@ -29,7 +29,7 @@ Balance calc_impulse_entitlement(const Plan& plan, const State& state, const Wor
     for (int r = 0; r < kRows; ++r) {
       const double lambda = ws.multipliers[j * kRows + at(r)];
       if (lambda == 0) continue;
-      sum.kinetic += 0.5 * lambda * ws.speeds[j * kRows + at(r)];
+      sum.kinetic += 0.5 * lambda * (r < kRotX ? dot(column(f.n, r), f.v_rel) : dot(column(f.m, r - kRotX), f.w_rel));
       if (r < kRotX)
         impulse += lambda * column(f.n, r);
       else

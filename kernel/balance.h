@@ -11,7 +11,7 @@ namespace unlatch {
 Balance calc_balance(const Plan& plan, const State& state, const Workspace& ws) noexcept;
 
 // What a plastic impulse may change: the momenta that the ground takes, and the energy ½ Λᵀ G v that the closing rows
-// lose. Needs the impulses in ws.multipliers, and ws.frames and ws.speeds from just before it.
+// lose. Needs the impulses in ws.multipliers, and ws.frames from just before it.
 Balance calc_impulse_entitlement(const Plan& plan, const State& state, const Workspace& ws) noexcept;
 
 }  // namespace unlatch

@@ -32,10 +32,10 @@ bool is_due(const Plan& plan, std::size_t e, double now, const State& state, con
 // Rows that the new mode adds hold from now on where they are.
 void close_rows(const Plan& plan, State& state, const Workspace& ws, int joint, RowSet added) {
   JointState& memory = state.joints[at(joint)];
-  const double* coordinates = &ws.coordinates[at(joint) * kRows];
-  if (has_row(added, kX)) memory.offset.x = coordinates[kX];
-  if (has_row(added, kY)) memory.offset.y = coordinates[kY];
-  if (has_row(added, kZ)) memory.offset.z = coordinates[kZ];
+  const Vec3& displacement = ws.frames[at(joint)].displacement;
+  if (has_row(added, kX)) memory.offset.x = displacement.x;
+  if (has_row(added, kY)) memory.offset.y = displacement.y;
+  if (has_row(added, kZ)) memory.offset.z = displacement.z;
   if ((added & kRotationRows) != 0) memory.locked = calc_relative_attitude(plan, state, joint);
 }
 

@@ -53,13 +53,13 @@ int project(const Plan& plan, State& state, Workspace& ws) {
   if (const int node = factor(plan, state, ws); node != kNone) return node;
   clear_forces(ws);
   update_position_bias(plan, state, ws);
-  solve(plan, state, ws);
+  solve(plan, ws);
   add_displacements(state, ws);
 
   update_kinematics(plan, state, ws);
   update_joint_frames(plan, state, ws);
   update_velocity_bias(plan, state, ws);
-  solve(plan, state, ws);
+  solve(plan, ws);
   add_velocities(state, ws);
   return kNone;
 }
@@ -69,10 +69,11 @@ int project(const Plan& plan, State& state, Workspace& ws) {
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   update_kinematics(plan, state, ws);
   update_joint_frames(plan, state, ws);
+  update_coordinates(plan, state, ws);
   update_forces(plan, inputs, state, t, ws);
   update_acceleration_bias(plan, state, ws);
   if (const int node = factor(plan, state, ws); node != kNone) return node;
-  solve(plan, state, ws);
+  solve(plan, ws);
   return kNone;
 }
 
@@ -107,7 +108,7 @@ int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
   if (const int node = factor(plan, state, ws); node != kNone) return node;
   clear_forces(ws);
   update_velocity_bias(plan, state, ws);
-  solve(plan, state, ws);
+  solve(plan, ws);
   add_velocities(state, ws);
   return kNone;
 }

@@ -34,13 +34,6 @@ Quat calc_relative_attitude(const Plan& plan, const State& state, int joint) noe
   return conjugate(base) * (state.bodies[at(j.follower)].q * j.quat_follower);
 }
 
-BodyFrame get_body_frame(const State& state, const Workspace& ws, int body) noexcept {
-  if (body == kGround) return {kIdentity3, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-  const BodyState& s = state.bodies[at(body)];
-  const BodyKinematics& k = ws.kinematics[at(body)];
-  return {k.R, s.p, s.v, k.w};
-}
-
 void update_kinematics(const Plan& plan, const State& state, Workspace& ws) noexcept {
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     BodyKinematics& k = ws.kinematics[b];
@@ -50,44 +43,50 @@ void update_kinematics(const Plan& plan, const State& state, Workspace& ws) noex
   }
 }
 
+Mat3 calc_follower_axes(const Plan& plan, const Workspace& ws, int joint) noexcept {
+  const PlanJoint& j = plan.joints[at(joint)];
+  return ws.kinematics[at(j.follower)].R * j.rotation_follower;
+}
+
 void update_joint_frames(const Plan& plan, const State& state, Workspace& ws) noexcept {
   for (int j = 0; j < static_cast<int>(plan.joints.size()); ++j) {
     const PlanJoint& joint = plan.joints[at(j)];
     const BodyFrame base = get_body_frame(state, ws, joint.base);
     const BodyFrame follower = get_body_frame(state, ws, joint.follower);
     JointFrame& f = ws.frames[at(j)];
-
     f.r_follower = follower.R * joint.point_follower;
-    const Vec3 separation = follower.p - base.p;
-    f.r_base = separation + f.r_follower;
+    f.r_base = (follower.p - base.p) + f.r_follower;
     f.n = base.R * joint.axes;
+    f.m = joint.shared_axes ? f.n : base.R * joint.rotation_base;
     f.w_rel = follower.w - base.w;
     f.v_rel = (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base));
+    f.displacement = transpose_times(f.n, f.r_base - base.R * joint.point_base);
+    f.crossed = joint.universal && (get_active_rows(plan, state, j) & kRotationRows) == row_bit(kRotZ);
+    if (f.crossed) f.m = universal_frame(f.m, calc_follower_axes(plan, ws, j));
+  }
+}
 
-    const Vec3 displacement = transpose_times(f.n, f.r_base - base.R * joint.point_base);
-    f.gap = displacement - state.joints[at(j)].offset;
-
-    const RowSet rows = get_active_rows(plan, state, j);
-    const Mat3 rotation_follower = follower.R * joint.rotation_follower;
-    f.m = base.R * joint.rotation_base;
-    f.follower_axes = rotation_follower;
-    f.crossed = joint.universal && (rows & kRotationRows) == row_bit(kRotZ);
-
+void update_coordinates(const Plan& plan, const State& state, Workspace& ws) noexcept {
+  for (int j = 0; j < static_cast<int>(plan.joints.size()); ++j) {
+    const PlanJoint& joint = plan.joints[at(j)];
+    if (!joint.measured) continue;
+    const JointFrame& f = ws.frames[at(j)];
     double* coordinates = &ws.coordinates[at(j) * kRows];
     double* speeds = &ws.speeds[at(j) * kRows];
-    coordinates[kX] = displacement.x;
-    coordinates[kY] = displacement.y;
-    coordinates[kZ] = displacement.z;
-    for (int k = 0; k < 3; ++k) {
-      const bool read = (joint.angles >> k & 1) != 0;
-      const double previous = state.joints[at(j)].angle[k];
-      coordinates[kRotX + k] = read ? unwind(calc_twist(f.m, rotation_follower, k), previous) : 0;
-    }
-    if (f.crossed) f.m = universal_frame(f.m, rotation_follower);
+    coordinates[kX] = f.displacement.x;
+    coordinates[kY] = f.displacement.y;
+    coordinates[kZ] = f.displacement.z;
     for (int k = 0; k < 3; ++k) {
       speeds[kX + k] = dot(column(f.n, k), f.v_rel);
       speeds[kRotX + k] = dot(column(f.m, k), f.w_rel);
+      coordinates[kRotX + k] = 0;
     }
+    if (joint.angles == 0) continue;
+    const Mat3 base = get_body_frame(state, ws, joint.base).R * joint.rotation_base;
+    const Mat3 follower = calc_follower_axes(plan, ws, j);
+    for (int k = 0; k < 3; ++k)
+      if ((joint.angles >> k & 1) != 0)
+        coordinates[kRotX + k] = unwind(calc_twist(base, follower, k), state.joints[at(j)].angle[k]);
   }
 }
 

@@ -14,35 +14,35 @@ struct Vec3T {
 using Vec3 = Vec3T<double>;
 
 template <class T>
-constexpr Vec3T<T> operator+(const Vec3T<T>& a, const Vec3T<T>& b) {
+[[gnu::always_inline]] constexpr Vec3T<T> operator+(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 template <class T>
-constexpr Vec3T<T> operator-(const Vec3T<T>& a, const Vec3T<T>& b) {
+[[gnu::always_inline]] constexpr Vec3T<T> operator-(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 template <class T>
-constexpr Vec3T<T> operator-(const Vec3T<T>& a) {
+[[gnu::always_inline]] constexpr Vec3T<T> operator-(const Vec3T<T>& a) {
   return {-a.x, -a.y, -a.z};
 }
 template <class T>
-constexpr Vec3T<T> operator*(const T& s, const Vec3T<T>& a) {
+[[gnu::always_inline]] constexpr Vec3T<T> operator*(const T& s, const Vec3T<T>& a) {
   return {s * a.x, s * a.y, s * a.z};
 }
 template <class T>
-constexpr Vec3T<T>& operator+=(Vec3T<T>& a, const Vec3T<T>& b) {
+[[gnu::always_inline]] constexpr Vec3T<T>& operator+=(Vec3T<T>& a, const Vec3T<T>& b) {
   return a = a + b;
 }
 template <class T>
-constexpr Vec3T<T>& operator-=(Vec3T<T>& a, const Vec3T<T>& b) {
+[[gnu::always_inline]] constexpr Vec3T<T>& operator-=(Vec3T<T>& a, const Vec3T<T>& b) {
   return a = a - b;
 }
 template <class T>
-constexpr T dot(const Vec3T<T>& a, const Vec3T<T>& b) {
+[[gnu::always_inline]] constexpr T dot(const Vec3T<T>& a, const Vec3T<T>& b) {
   return (a.x * b.x + a.y * b.y) + a.z * b.z;
 }
 template <class T>
-constexpr Vec3T<T> cross(const Vec3T<T>& a, const Vec3T<T>& b) {
+[[gnu::always_inline]] constexpr Vec3T<T> cross(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
@@ -55,21 +55,21 @@ struct Mat3T {
 using Mat3 = Mat3T<double>;
 
 template <class T>
-constexpr Vec3T<T> operator*(const Mat3T<T>& m, const Vec3T<T>& a) {
+[[gnu::always_inline]] constexpr Vec3T<T> operator*(const Mat3T<T>& m, const Vec3T<T>& a) {
   return {(m.x.x * a.x + m.y.x * a.y) + m.z.x * a.z, (m.x.y * a.x + m.y.y * a.y) + m.z.y * a.z,
           (m.x.z * a.x + m.y.z * a.y) + m.z.z * a.z};
 }
 template <class T>
-constexpr Mat3T<T> operator*(const Mat3T<T>& a, const Mat3T<T>& b) {
+[[gnu::always_inline]] constexpr Mat3T<T> operator*(const Mat3T<T>& a, const Mat3T<T>& b) {
   return {a * b.x, a * b.y, a * b.z};
 }
 // mᵀ a
 template <class T>
-constexpr Vec3T<T> transpose_times(const Mat3T<T>& m, const Vec3T<T>& a) {
+[[gnu::always_inline]] constexpr Vec3T<T> transpose_times(const Mat3T<T>& m, const Vec3T<T>& a) {
   return {dot(m.x, a), dot(m.y, a), dot(m.z, a)};
 }
 template <class T>
-constexpr Mat3T<T> transpose_times(const Mat3T<T>& a, const Mat3T<T>& b) {
+[[gnu::always_inline]] constexpr Mat3T<T> transpose_times(const Mat3T<T>& a, const Mat3T<T>& b) {
   return {transpose_times(a, b.x), transpose_times(a, b.y), transpose_times(a, b.z)};
 }
 inline const Vec3& column(const Mat3& m, int k) { return k == 0 ? m.x : (k == 1 ? m.y : m.z); }
@@ -83,13 +83,13 @@ struct Sym3T {
 using Sym3 = Sym3T<double>;
 
 template <class T>
-constexpr Vec3T<T> operator*(const Sym3T<T>& s, const Vec3T<T>& a) {
+[[gnu::always_inline]] constexpr Vec3T<T> operator*(const Sym3T<T>& s, const Vec3T<T>& a) {
   return {(s.xx * a.x + s.xy * a.y) + s.xz * a.z, (s.xy * a.x + s.yy * a.y) + s.yz * a.z,
           (s.xz * a.x + s.yz * a.y) + s.zz * a.z};
 }
 // R S Rᵀ: a symmetric tensor given in B's axes, in A's.
 template <class T>
-constexpr Sym3T<T> rotate(const Mat3T<T>& R_AB, const Sym3T<T>& s) {
+[[gnu::always_inline]] constexpr Sym3T<T> rotate(const Mat3T<T>& R_AB, const Sym3T<T>& s) {
   const Vec3T<T> c0 = R_AB * Vec3T<T>{s.xx, s.xy, s.xz};
   const Vec3T<T> c1 = R_AB * Vec3T<T>{s.xy, s.yy, s.yz};
   const Vec3T<T> c2 = R_AB * Vec3T<T>{s.xz, s.yz, s.zz};
@@ -109,11 +109,11 @@ struct QuatT {
 using Quat = QuatT<double>;
 
 template <class T>
-constexpr T norm_squared(const QuatT<T>& q) {
+[[gnu::always_inline]] constexpr T norm_squared(const QuatT<T>& q) {
   return (q.w * q.w + q.x * q.x) + (q.y * q.y + q.z * q.z);
 }
 template <class T>
-constexpr Mat3T<T> rotation_matrix(const QuatT<T>& q) {
+[[gnu::always_inline]] constexpr Mat3T<T> rotation_matrix(const QuatT<T>& q) {
   const T s = T(2) / norm_squared(q);
   const T xs = q.x * s, ys = q.y * s, zs = q.z * s;
   const T wx = q.w * xs, wy = q.w * ys, wz = q.w * zs;
@@ -122,7 +122,7 @@ constexpr Mat3T<T> rotation_matrix(const QuatT<T>& q) {
       {T(1) - (yy + zz), xy + wz, xz - wy}, {xy - wz, T(1) - (xx + zz), yz + wx}, {xz + wy, yz - wx, T(1) - (xx + yy)}};
 }
 template <class T>
-constexpr QuatT<T> operator*(const QuatT<T>& a, const QuatT<T>& b) {
+[[gnu::always_inline]] constexpr QuatT<T> operator*(const QuatT<T>& a, const QuatT<T>& b) {
   return {(a.w * b.w - a.x * b.x) - (a.y * b.y + a.z * b.z), (a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y),
           (a.w * b.y - a.x * b.z) + (a.y * b.w + a.z * b.x), (a.w * b.z + a.x * b.y) + (a.z * b.w - a.y * b.x)};
 }
@@ -133,7 +133,7 @@ inline Quat normalized(const Quat& q) {
 }
 // dq/dt of a body that turns with w, given in its own axes: ½ q ⊗ (0, w).
 template <class T>
-constexpr QuatT<T> quaternion_rate(const QuatT<T>& q, const Vec3T<T>& w) {
+[[gnu::always_inline]] constexpr QuatT<T> quaternion_rate(const QuatT<T>& q, const Vec3T<T>& w) {
   const T h = T(0.5);
   return {-h * ((q.x * w.x + q.y * w.y) + q.z * w.z), h * ((q.w * w.x + q.y * w.z) - q.z * w.y),
           h * ((q.w * w.y + q.z * w.x) - q.x * w.z), h * ((q.w * w.z + q.x * w.y) - q.y * w.x)};

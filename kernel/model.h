@@ -243,6 +243,7 @@ struct ModelError {
   std::string where;  // "body 'core'"
   std::string what;   // what is wrong
   std::string mend;   // what would be right
+  std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
 
 // Every mistake that makes the model unphysical or inconsistent, all at once. Empty: it may be compiled.

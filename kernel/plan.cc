@@ -22,25 +22,33 @@ Eigen::Matrix3d get_attitude(const Model& model, int body) {
 }
 
 PlanBody compile_body(const Body& body) {
-  return {
-      body.mass, to_sym(body.inertia), {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
+  const Eigen::Matrix3d inverse = body.inertia.inverse();
+  return {body.mass,
+          to_sym(body.inertia),
+          to_sym(inverse),
+          {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
 }
 
-// Which axes' angles somebody reads: springs, guards and sensors; the others are not computed.
-std::vector<std::uint8_t> find_read_angles(const Model& model, const std::vector<PlanCondition>& conditions) {
-  std::vector<std::uint8_t> angles(model.joints.size(), 0);
+// Which coordinates of a joint a spring, guard or sensor reads; the others are not computed. Bit r: Row r.
+std::vector<RowSet> find_read_coordinates(const Model& model, const std::vector<PlanCondition>& conditions) {
+  std::vector<RowSet> read(model.joints.size(), 0);
   const auto mark = [&](int joint, int axis) {
-    if (axis >= kRotX) angles[at(joint)] = static_cast<std::uint8_t>(angles[at(joint)] | 1u << (axis - kRotX));
+    read[at(joint)] = static_cast<RowSet>(read[at(joint)] | row_bit(axis));
   };
   for (const JointSpring& spring : model.joint_springs) mark(spring.joint, spring.axis);
   for (const PlanCondition& c : conditions)
-    if (c.kind == Condition::Kind::kAngle) mark(c.subject, c.axis);
+    if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
+        c.kind == Condition::Kind::kSpeed)
+      mark(c.subject, c.axis);
   for (const Sensor& sensor : model.sensors)
-    if (sensor.kind == Sensor::Kind::kAngle) mark(sensor.subject, sensor.axis);
-  return angles;
+    if (sensor.kind == Sensor::Kind::kAngle || sensor.kind == Sensor::Kind::kDisplacement ||
+        sensor.kind == Sensor::Kind::kSpeed)
+      mark(sensor.subject, sensor.axis);
+  return read;
 }
 
-PlanJoint compile_joint(const Model& model, const Joint& joint, std::uint8_t angles, int first_mode) {
+PlanJoint compile_joint(const Model& model, const Joint& joint, RowSet read, int first_mode) {
+  const std::uint8_t angles = read >> kRotX;
   const Eigen::Matrix3d base = get_attitude(model, joint.base), follower = get_attitude(model, joint.follower);
   const Eigen::Matrix3d rotation_base = joint.rotation_axes.value_or(joint.axes);
   const Eigen::Matrix3d rotation_follower = joint.follower_axes.value_or(follower.transpose() * base * rotation_base);
@@ -53,7 +61,9 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, std::uint8_t ang
                 to_mat(rotation_follower),
                 to_quat(rotation_base),
                 to_quat(rotation_follower),
+                !joint.rotation_axes.has_value(),
                 joint.universal,
+                read != 0,
                 angles,
                 first_mode,
                 static_cast<std::int32_t>(joint.modes.size()),
@@ -161,9 +171,9 @@ PlanResult compile_plan(const Model& model, const PlanOptions& options) {
 
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body));
   compile_events(model, plan);
-  const std::vector<std::uint8_t> angles = find_read_angles(model, plan.conditions);
+  const std::vector<RowSet> read = find_read_coordinates(model, plan.conditions);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    plan.joints.push_back(compile_joint(model, model.joints[j], angles[j], static_cast<int>(plan.modes.size())));
+    plan.joints.push_back(compile_joint(model, model.joints[j], read[j], static_cast<int>(plan.modes.size())));
     for (const JointMode& mode : model.joints[j].modes) plan.modes.push_back(mode.rows);
   }
   plan.gravity = to_vec(model.gravity.uniform);

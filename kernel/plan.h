@@ -28,11 +28,13 @@ struct PlanNode {
   std::int32_t parent;  // node, or kNone for the root of a tree
   std::int32_t joint;   // to the parent, or to the ground for a root that is held; kNone for a root that is not
   double side;          // +1: this body is the joint's follower; −1: its base
+  bool leaf;            // nothing is beyond it
 };
 
 struct PlanBody {
   double mass;   // kg
   Sym3 inertia;  // body axes, kg m²
+  Sym3 inverse;  // of the inertia
   BodyState initial;
 };
 
@@ -42,7 +44,9 @@ struct PlanJoint {
   Mat3 axes;                              // joint frame in base axes
   Mat3 rotation_base, rotation_follower;  // rotation frame in each body's axes
   Quat quat_base, quat_follower;          // the same as quaternions
+  bool shared_axes;                       // the two frames coincide
   bool universal;
+  bool measured;                        // a spring, guard or sensor reads its coordinates
   std::uint8_t angles;                  // bit k: somebody reads the angle about axis k of the rotation frame
   std::int32_t first_mode, mode_count;  // into Plan::modes
   JointState initial;

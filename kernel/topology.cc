@@ -93,14 +93,15 @@ Topology compile_topology(const Model& model, int root) {
         chosen = member;
     }
     if (chosen == kNone) chosen = find_middle(graph, b, reached_from);
-    topology.nodes.push_back({chosen, kNone, graph.ground[at(chosen)], 1.0});
+    topology.nodes.push_back({chosen, kNone, graph.ground[at(chosen)], 1.0, true});
   }
   for (std::size_t k = 0; k < topology.nodes.size(); ++k) {
     const PlanNode node = topology.nodes[k];
     for (const Edge& edge : graph.edges[at(node.body)]) {
       if (node.parent != kNone && edge.joint == node.joint) continue;
       const double side = model.joints[at(edge.joint)].follower == edge.neighbour ? 1.0 : -1.0;
-      topology.nodes.push_back({edge.neighbour, static_cast<std::int32_t>(k), edge.joint, side});
+      topology.nodes[k].leaf = false;
+      topology.nodes.push_back({edge.neighbour, static_cast<std::int32_t>(k), edge.joint, side, true});
     }
   }
   return topology;

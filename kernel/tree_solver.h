@@ -20,6 +20,6 @@ int factor(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
 // Accelerations and multipliers for ws.forces and ws.bias, with the latest factor(): M a = F + Gᵀ λ, rows as biased.
 // With velocity or position biases and no forces the same call gives velocity or position corrections and impulses.
-void solve(const Plan& plan, const State& state, Workspace& ws) noexcept;
+void solve(const Plan& plan, Workspace& ws) noexcept;
 
 }  // namespace unlatch

@@ -38,11 +38,7 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   arena.take(ws.multipliers, joints * kRows);
   arena.take(ws.coordinates, joints * kRows);
   arena.take(ws.speeds, joints * kRows);
-  arena.take(ws.inertias, nodes);
-  arena.take(ws.reduced, nodes);
-  arena.take(ws.loads, nodes);
-  arena.take(ws.reduced_loads, nodes);
-  arena.take(ws.pivots, nodes * kRows);
+  arena.take(ws.factors, nodes);
   for (State* state : {&ws.stage, &ws.trial, &ws.accepted}) {
     std::span<std::byte> block;
     arena.take(block, plan.get_state_bytes());

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
+#include "kernel/articulated.h"
 #include "kernel/math.h"
+#include "kernel/model.h"
 #include "kernel/state.h"
 
 namespace unlatch {
@@ -13,18 +16,6 @@ namespace unlatch {
 class Plan;
 struct FiredEvent;
 struct EventAudit;
-
-// A force and a torque, or a linear and an angular velocity or acceleration; world axes, at a body's origin.
-struct Spatial {
-  Vec3 lin, ang;
-};
-
-// 6×6 symmetric inertia of the bodies beyond a node: force = M a + H α, torque = Hᵀ a + I α, at the node's body origin.
-struct ArticulatedInertia {
-  Sym3 M;
-  Mat3 H;
-  Sym3 I;
-};
 
 // A body at one stage. Computed by update_kinematics().
 struct BodyKinematics {
@@ -38,18 +29,28 @@ struct JointFrame {
   Vec3 r_base, r_follower;  // from each body's origin to the follower's point, m
   Mat3 n;                   // axes of the point–plane rows
   Mat3 m;                   // axes of the rotation rows
-  Mat3 follower_axes;       // the rotation frame as the follower carries it
   bool crossed;             // a universal joint's row about the normal of its cross
-  Vec3 gap;                 // of the follower's point from the base's, along n, less the offset, m
+  Vec3 displacement;        // of the follower's point from the base's, along n, m
   Vec3 v_rel, w_rel;        // velocity of the point seen from the base; relative angular velocity, world axes
 };
 
-// What eliminating one joint leaves for the way back. Computed by factor(), `beta` by solve().
+// One eliminated freedom of a joint. Computed by factor(), `beta` by solve().
 struct Pivot {
-  Spatial s;       // direction of the freedom at the child's origin
+  Spatial s;       // its direction at the child's origin
   Spatial U;       // A s
-  double inverse;  // 1 / sᵀ A s, 0 for a row that holds
+  double inverse;  // 1 / sᵀ A s
   double beta;     // sᵀ b
+};
+
+// The block LDLᵀ at one node. Computed by factor(), the loads by solve().
+struct NodeFactor {
+  Articulated A;         // of the body and all beyond it
+  Vec3 offset;           // from the parent's origin, or the ground's, m
+  Spatial bias;          // what the joint imposes besides its freedoms, at the body's origin
+  Spatial load;          // force and torque on the body and all beyond it
+  RowSet rows;           // that hold it to its parent or to the ground; 0: it moves freely
+  std::int8_t freedoms;  // pivots in use
+  Pivot pivots[kRows];
 };
 
 // Derivative of a BodyState.
@@ -74,14 +75,11 @@ struct Workspace {
   std::span<JointFrame> frames;
   std::span<Spatial> bias;        // right-hand side of the rows: along n and m, world axes
   std::span<double> multipliers;  // 6 per joint in the order of Row, 0 for rows that do not hold; N, N m
-  std::span<double> coordinates;  // 6 per joint: displacement along n, m; angle about m, rad
+  std::span<double> coordinates;  // 6 per joint that is read: displacement along n, m; angle about m, rad
   std::span<double> speeds;       // 6 per joint: their rates
 
   // per node of the elimination order
-  std::span<ArticulatedInertia> inertias;
-  std::span<ArticulatedInertia> reduced;  // after the joint's freedoms are eliminated
-  std::span<Spatial> loads, reduced_loads;
-  std::span<Pivot> pivots;  // 6 per node
+  std::span<NodeFactor> factors;
 
   // states: a stage of the Runge–Kutta step, the end of a trial sub-step, and how far the step has got
   State stage, trial, accepted;

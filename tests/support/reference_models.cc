@@ -91,7 +91,7 @@ void add_booster(Model& model, const json& parameters, const json& p, int k) {
   const std::string id = std::to_string(k);
   model.bodies.push_back(body("booster" + id, p["m"], p["J"]));
   const double azimuth = p["azimuth"], beta = p["beta"];
-  const Eigen::Vector3d ex(1, 0, 0), er(0, std::cos(azimuth), std::sin(azimuth)), et = ex.cross(er);
+  const Eigen::Vector3d ex(1, 0, 0), er(0, std::cos(azimuth), std::sin(azimuth));
 
   Joint joint;
   joint.name = "nose" + id;
@@ -99,7 +99,8 @@ void add_booster(Model& model, const json& parameters, const json& p, int k) {
   joint.follower = k;
   joint.point_base = p["hinge_axial"].get<double>() * ex + p["hinge_radius"].get<double>() * er;
   joint.point_follower = to_vector(p["r_nose"]);
-  joint.axes << std::cos(beta) * ex + std::sin(beta) * er, et, -std::sin(beta) * ex + std::cos(beta) * er;
+  const Eigen::Vector3d nx = std::cos(beta) * ex + std::sin(beta) * er, nz = -std::sin(beta) * ex + std::cos(beta) * er;
+  joint.axes << nx, nz.cross(nx), nz;  // the reference's n_y points the other way, which changes no row but the sign of y
   const RowSet slider = row_bit(kY) | row_bit(kZ) | row_bit(kRotX) | row_bit(kRotZ);
   joint.modes = {{"hinge", static_cast<RowSet>(slider | row_bit(kX))}, {"slider", slider}, {"free", 0}};
   model.joints.push_back(joint);

@@ -1,0 +1,108 @@
+// Spatial algebra of the tree solver: the block of a body and all beyond it, its downdate by one freedom, its way to
+// the parent. World axes, at each body's own origin, so that passing on is a translation and never a rotation.
+#pragma once
+
+#include "kernel/math.h"
+
+namespace unlatch {
+
+// A force and a torque, or a linear and an angular velocity or acceleration; world axes, at a body's origin.
+template <class T>
+struct SpatialT {
+  Vec3T<T> lin, ang;
+};
+using Spatial = SpatialT<double>;
+
+// 6×6 symmetric inertia of the bodies beyond a node: force = M a + H α, torque = Hᵀ a + I α, at the node's body origin.
+template <class T>
+struct ArticulatedT {
+  Sym3T<T> M;
+  Mat3T<T> H;
+  Sym3T<T> I;
+};
+using Articulated = ArticulatedT<double>;
+
+#define UNLATCH_INLINE [[gnu::always_inline]] inline
+
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator+(const SpatialT<T>& a, const SpatialT<T>& b) {
+  return {a.lin + b.lin, a.ang + b.ang};
+}
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator-(const SpatialT<T>& a, const SpatialT<T>& b) {
+  return {a.lin - b.lin, a.ang - b.ang};
+}
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator*(const T& s, const SpatialT<T>& a) {
+  return {s * a.lin, s * a.ang};
+}
+template <class T>
+UNLATCH_INLINE T dot(const SpatialT<T>& a, const SpatialT<T>& b) {
+  return dot(a.lin, b.lin) + dot(a.ang, b.ang);
+}
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator*(const ArticulatedT<T>& A, const SpatialT<T>& s) {
+  return {A.M * s.lin + A.H * s.ang, transpose_times(A.H, s.lin) + A.I * s.ang};
+}
+template <class T>
+UNLATCH_INLINE Sym3T<T> operator+(const Sym3T<T>& a, const Sym3T<T>& b) {
+  return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
+
+// Σ s_i² A_ii: how large sᵀ A s is before cancellation, within a factor of six.
+template <class T>
+UNLATCH_INLINE T calc_pivot_scale(const ArticulatedT<T>& A, const SpatialT<T>& s) {
+  return ((A.M.xx * (s.lin.x * s.lin.x) + A.M.yy * (s.lin.y * s.lin.y)) + A.M.zz * (s.lin.z * s.lin.z)) +
+         ((A.I.xx * (s.ang.x * s.ang.x) + A.I.yy * (s.ang.y * s.ang.y)) + A.I.zz * (s.ang.z * s.ang.z));
+}
+
+// s − (k a) aᵀ
+template <class T>
+UNLATCH_INLINE Sym3T<T> downdate(const Sym3T<T>& s, const Vec3T<T>& ka, const Vec3T<T>& a) {
+  return {s.xx - ka.x * a.x, s.yy - ka.y * a.y, s.zz - ka.z * a.z,
+          s.xy - ka.x * a.y, s.xz - ka.x * a.z, s.yz - ka.y * a.z};
+}
+
+// A − k U Uᵀ
+template <class T>
+UNLATCH_INLINE void downdate(ArticulatedT<T>& A, const T& k, const SpatialT<T>& U) {
+  const Vec3T<T> kl = k * U.lin, ka = k * U.ang;
+  A.M = downdate(A.M, kl, U.lin);
+  A.I = downdate(A.I, ka, U.ang);
+  A.H.x -= ka.x * U.lin;
+  A.H.y -= ka.y * U.lin;
+  A.H.z -= ka.z * U.lin;
+}
+
+// A, given at a point `r` away from the parent's origin, as the parent sees it: Xᵀ A X with a_point = a + α × r.
+//   H' = H − M r̃,   I' = I + r̃ H' − Hᵀ r̃
+template <class T>
+UNLATCH_INLINE ArticulatedT<T> shift(const ArticulatedT<T>& A, const Vec3T<T>& r) {
+  const Sym3T<T>& M = A.M;
+  ArticulatedT<T> out;
+  out.M = M;
+  // columns of M r̃, with r̃ e_x = (0, r.z, −r.y), r̃ e_y = (−r.z, 0, r.x), r̃ e_z = (r.y, −r.x, 0)
+  out.H.x = A.H.x - Vec3T<T>{M.xy * r.z - M.xz * r.y, M.yy * r.z - M.yz * r.y, M.yz * r.z - M.zz * r.y};
+  out.H.y = A.H.y - Vec3T<T>{M.xz * r.x - M.xx * r.z, M.yz * r.x - M.xy * r.z, M.zz * r.x - M.xz * r.z};
+  out.H.z = A.H.z - Vec3T<T>{M.xx * r.y - M.xy * r.x, M.xy * r.y - M.yy * r.x, M.xz * r.y - M.yz * r.x};
+  const Vec3T<T>&hx = out.H.x, &hy = out.H.y, &hz = out.H.z;
+  // r̃ H' by columns r × h; (Hᵀ r̃) by its needed entries h_i · (r̃ e_j)
+  out.I.xx = (A.I.xx + (r.y * hx.z - r.z * hx.y)) - (A.H.x.y * r.z - A.H.x.z * r.y);
+  out.I.yy = (A.I.yy + (r.z * hy.x - r.x * hy.z)) - (A.H.y.z * r.x - A.H.y.x * r.z);
+  out.I.zz = (A.I.zz + (r.x * hz.y - r.y * hz.x)) - (A.H.z.x * r.y - A.H.z.y * r.x);
+  out.I.xy = (A.I.xy + (r.y * hy.z - r.z * hy.y)) - (A.H.x.z * r.x - A.H.x.x * r.z);
+  out.I.xz = (A.I.xz + (r.y * hz.z - r.z * hz.y)) - (A.H.x.x * r.y - A.H.x.y * r.x);
+  out.I.yz = (A.I.yz + (r.z * hz.x - r.x * hz.z)) - (A.H.y.x * r.y - A.H.y.y * r.x);
+  return out;
+}
+
+template <class T>
+UNLATCH_INLINE void operator+=(ArticulatedT<T>& A, const ArticulatedT<T>& B) {
+  A.M = A.M + B.M;
+  A.H.x += B.H.x;
+  A.H.y += B.H.y;
+  A.H.z += B.H.z;
+  A.I = A.I + B.I;
+}
+
+}  // namespace unlatch
