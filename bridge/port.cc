@@ -5,18 +5,11 @@
 namespace unlatch::bridge {
 
 bool publishes(Role role, MessageKind kind) noexcept {
-  switch (role) {
-    case Role::kSimulator:
-      return hil::is_from_simulator(kind);
-    case Role::kParticipant:
-      return !hil::is_from_simulator(kind);
-    case Role::kObserver:
-      return false;
-  }
-  return false;
+  if (role == Role::kObserver || hil::get_size(kind) == 0) return false;
+  return hil::is_from_simulator(kind) == (role == Role::kSimulator);
 }
 
-bool receives(Role role, MessageKind kind) noexcept { return !publishes(role, kind); }
+bool receives(Role role, MessageKind kind) noexcept { return hil::get_size(kind) > 0 && !publishes(role, kind); }
 
 bool Port::publish(const Message& message) {
   const bool sent = publishes(role_, message.kind) && send(message);

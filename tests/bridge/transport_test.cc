@@ -1,5 +1,6 @@
 // The three transports, DDS and LCM over real sockets. Run through tests/support/netns.sh, because LCM needs a
 // multicast route.
+#include <dds/dds.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm.h>
@@ -119,7 +120,10 @@ TEST_P(Transports, RolesKeepToTheirMessages) {
   EXPECT_FALSE(participant_->publish(hil::State{}));
   EXPECT_FALSE(simulator_->publish(hil::Command{}));
   EXPECT_FALSE(observer_->publish(hil::Hello{}));
-  EXPECT_EQ(participant_->get_counts().publish_failures, 1);
+  Message nothing;
+  nothing.kind = static_cast<MessageKind>(99);
+  EXPECT_FALSE(participant_->publish(nothing));
+  EXPECT_EQ(participant_->get_counts().publish_failures, 2);
   EXPECT_EQ(simulator_->get_counts().publish_failures, 1);
   EXPECT_EQ(observer_->get_counts().publish_failures, 1);
 }
