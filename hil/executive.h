@@ -1,0 +1,119 @@
+// The cyclic executive: steps a simulation at its pace, with flight software in the loop, and accounts for every tick.
+//
+//   real time  wait for the absolute deadline → drain the command ring → step → push the state → account for the time
+//   lockstep   push the state → wait until every required participant has answered → step
+//   fast       step
+//
+// In the loop: no allocation, lock, file or logging; it speaks to the outside through a Link and a Recorder alone. Wall
+// time decides whether a participant is alive, simulated time everything else. When a required participant does not
+// answer within its limit, the scenario's policy is applied once and recorded, and the run goes on without it (hold,
+// zero, safe), waits for it (pause) or ends (abort).
+#pragma once
+
+#include <readerwriterqueue/readerwritercircularbuffer.h>
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/executive_commands.h"
+#include "hil/executive_roster.h"
+#include "hil/executive_timing.h"
+#include "hil/link.h"
+#include "hil/recorder.h"
+#include "hil/scenario.h"
+#include "hil/simulation.h"
+
+namespace unlatch::hil {
+
+struct ExecutiveOptions {
+  Pace pace = Pace::kLockstep;
+  std::int64_t session = 0;
+  std::int64_t last_tick = 0;  // the run ends there
+  FlightSoftware flight_software;
+  std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
+  std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
+};
+
+class Executive {
+ public:
+  // All must outlive the executive. `scenario` is the name told to participants.
+  Executive(Simulation& simulation, Link& link, Recorder& recorder, const std::string& scenario,
+            const ExecutiveOptions& options);
+
+  // From the introductions to the end, on the calling thread.
+  [[nodiscard]] LogEnd run();
+
+  // From any thread, or a signal handler: the run ends, as aborted, within a tick or some milliseconds.
+  void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+
+  // For one watching thread.
+  [[nodiscard]] std::int64_t get_tick() const noexcept { return tick_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool take_notice(Event& event) noexcept { return notices_.try_dequeue(event); }
+
+ private:
+  enum class Go { kStep, kStop };
+
+  // executive_session.cc: the beginning, the end, and what is said
+  bool introduce(std::string& failure);
+  bool wait_for_introductions(std::int64_t deadline_ns);
+  void say_hello();
+  void send_until_taken(const Message& message);
+  void publish_state(RunStatus status) noexcept;
+  void resend_state(RunStatus status) noexcept;
+  void publish_event(Event event, double time, bool notice) noexcept;
+  void publish_notice(std::string_view name, std::string_view subject) noexcept;
+  void publish_health(std::int64_t now_ns) noexcept;
+  [[nodiscard]] std::int64_t calc_dropped() const noexcept;
+  LogEnd conclude(RunStatus status, std::string message);
+
+  // executive_inputs.cc: what is heard, and when it is time to step
+  Go wait_realtime() noexcept;
+  Go wait_lockstep() noexcept;
+  Go pause(Participant& participant) noexcept;
+  void drain() noexcept;
+  void hear(const Message& message) noexcept;
+  void hear_hello(const HelloAck& hello) noexcept;
+  void hear_ack(const StepAck& ack) noexcept;
+  bool is_answered() noexcept;
+  [[nodiscard]] Participant* find_overdue(std::int64_t now_ns) noexcept;
+  [[nodiscard]] Go lose(Participant& participant) noexcept;
+  void apply_policy(const Participant& participant) noexcept;
+  void apply_commands() noexcept;
+  void set_channel(std::int32_t channel, double value, ChangeCause cause, std::int32_t participant,
+                   std::int64_t sequence) noexcept;
+
+  Simulation& simulation_;
+  Link& link_;
+  Recorder& recorder_;
+  const ExecutiveOptions options_;
+  const std::int64_t dt_ns_;
+  const std::int64_t timeout_ns_;
+  Hello hello_;
+  std::vector<Catalog> catalog_;
+  std::vector<Event> model_events_;  // name and subject of each
+
+  Roster roster_;
+  CommandDesk desk_;
+  std::vector<std::int32_t> commander_;  // of each channel: the participant that set it last, or kNobody
+  static constexpr std::int32_t kNobody = -1;
+  std::string refusal_;  // before the first tick: why a required participant will not take part
+  std::string end_message_;
+
+  Timing timing_;
+  Message message_;  // scratch
+  State state_;      // scratch
+  std::int64_t hash_ = 0;
+  std::int64_t state_sequence_ = 0, event_sequence_ = 0;
+  std::int64_t sent_ns_ = 0;      // when the latest State went out
+  bool turnaround_open_ = false;  // it has not been answered by all yet
+  std::int64_t started_ns_ = 0, deadline_ns_ = 0, health_ns_ = 0;
+  std::int64_t resent_ = 0;
+
+  std::atomic<bool> stop_{false};
+  std::atomic<std::int64_t> tick_{0};
+  moodycamel::BlockingReaderWriterCircularBuffer<Event> notices_{256};
+};
+
+}  // namespace unlatch::hil

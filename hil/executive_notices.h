@@ -1,0 +1,20 @@
+// Names of the Event messages that the executive itself sends, as against the model's events. The subject is the
+// participant.
+#pragma once
+
+#include <string_view>
+
+#include "hil/messages.h"
+
+namespace unlatch::hil {
+
+inline constexpr std::string_view kJoined = "participant.joined";
+inline constexpr std::string_view kResumed = "participant.resumed";
+inline constexpr std::string_view kPolicyPrefix = "policy.";  // and the policy's name, e.g. policy.hold
+
+[[nodiscard]] inline bool is_notice(const Event& event) noexcept {
+  const std::string_view name = get_name(event.name);
+  return name == kJoined || name == kResumed || name.starts_with(kPolicyPrefix);
+}
+
+}  // namespace unlatch::hil

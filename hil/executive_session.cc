@@ -1,0 +1,142 @@
+// How a session begins and ends, and what the executive says in between.
+#include "hil/executive.h"
+#include "hil/pacer.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr std::int64_t kHelloInterval_ns = 100'000'000;
+constexpr std::int64_t kLook_ns = 1'000'000;
+constexpr int kFarewells = 3;  // the last State, repeated for transports that lose messages
+constexpr std::int64_t kFarewellInterval_ns = 5'000'000;
+
+}  // namespace
+
+// --- The beginning: nothing here is in the cycle --------------------------------------------------------------------
+
+bool Executive::introduce(std::string& failure) {
+  if (options_.pace == Pace::kFast) return say_hello(), true;
+  const std::int64_t give_up_ns = get_monotonic_ns() + options_.start_timeout_ns;
+  do {
+    if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
+    say_hello();
+    if (wait_for_introductions(get_monotonic_ns() + kHelloInterval_ns)) return true;
+    if (!refusal_.empty()) return failure = refusal_, false;
+  } while (get_monotonic_ns() < give_up_ns);
+  failure = "no answer from the flight software " + roster_.list_missing() + " within " +
+            std::to_string(options_.start_timeout_ns / 1'000'000'000) +
+            " s: start it on the same transport, with the name that the scenario requires";
+  return false;
+}
+
+bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
+  while (!roster_.is_complete() && refusal_.empty() && get_monotonic_ns() < deadline_ns) {
+    drain();
+    sleep_until_ns(get_monotonic_ns() + kLook_ns);
+  }
+  return roster_.is_complete() && refusal_.empty();
+}
+
+void Executive::say_hello() {
+  send_until_taken(hello_);
+  for (const Catalog& item : catalog_) send_until_taken(item);
+}
+
+// A large catalog does not fit the ring at once; without anybody at its other end we do not wait for ever.
+void Executive::send_until_taken(const Message& message) {
+  for (int attempt = 0; attempt < 100 && !link_.send(message); ++attempt) {
+    sleep_until_ns(get_monotonic_ns() + kLook_ns);
+  }
+}
+
+// --- What is said while it runs -------------------------------------------------------------------------------------
+
+void Executive::publish_state(RunStatus status) noexcept {
+  const std::int32_t parts = simulation_.get_part_count();
+  const bool record = recorder_.wants_state(simulation_.get_tick()) || status != RunStatus::kRunning;
+  state_.session = options_.session;
+  state_.sequence = state_sequence_++;
+  state_.hash = hash_;
+  state_.status = static_cast<std::int32_t>(status);
+  for (std::int32_t part = parts - 1; part >= 0; --part) {  // part 0 comes last: it is the token of lockstep
+    simulation_.fill_state(part, dt_ns_, state_);
+    link_.send(state_);
+    if (record) recorder_.state(state_);
+  }
+  sent_ns_ = get_monotonic_ns();
+  turnaround_open_ = true;
+  for (Participant& participant : roster_.all()) {
+    if (participant.waiting_since_ns < 0) participant.waiting_since_ns = sent_ns_;
+  }
+}
+
+void Executive::resend_state(RunStatus status) noexcept {
+  state_.status = static_cast<std::int32_t>(status);
+  for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) {
+    simulation_.fill_state(part, dt_ns_, state_);
+    link_.send(state_);
+  }
+  ++resent_;
+}
+
+void Executive::publish_event(Event event, double time, bool notice) noexcept {
+  event.session = options_.session;
+  event.sequence = event_sequence_++;
+  event.tick = simulation_.get_tick() - (notice ? 0 : 1);  // of the step that it happened in
+  event.time = time;
+  link_.send(event);
+  recorder_.event(event);
+  if (notice) notices_.try_enqueue(event);
+}
+
+void Executive::publish_notice(std::string_view name, std::string_view subject) noexcept {
+  Event event;
+  set_name(event.name, name);
+  set_name(event.subject, subject);
+  publish_event(event, simulation_.get_time(), true);
+}
+
+void Executive::publish_health(std::int64_t now_ns) noexcept {
+  Health health;
+  health.session = options_.session;
+  health.tick = simulation_.get_tick();
+  health.wall_ns = now_ns - started_ns_;
+  health.step_p50_ns = timing_.step.calc_percentile(0.5);
+  health.step_max_ns = timing_.step.get_max();
+  health.wakeup_p50_ns = timing_.wakeup.calc_percentile(0.5);
+  health.wakeup_max_ns = timing_.wakeup.get_max();
+  health.overruns = timing_.overruns;
+  health.dropped = calc_dropped();
+  health.rejected = desk_.get_rejected();
+  link_.send(health);
+  health_ns_ = now_ns;
+}
+
+std::int64_t Executive::calc_dropped() const noexcept {
+  return link_.get_dropped_out() + link_.get_dropped_in() + desk_.get_dropped();
+}
+
+// --- The end: nothing here is in the cycle --------------------------------------------------------------------------
+
+LogEnd Executive::conclude(RunStatus status, std::string message) {
+  for (int i = 0; i < kFarewells; ++i) {
+    resend_state(status);
+    sleep_until_ns(get_monotonic_ns() + kFarewellInterval_ns);
+  }
+  resent_ -= kFarewells;
+  publish_health(get_monotonic_ns());
+
+  LogEnd end;
+  end.tick = simulation_.get_tick();
+  end.hash = hash_;
+  end.status = status;
+  end.message = std::move(message);
+  end.timing = timing_.summarize();
+  end.timing.late_commands = desk_.get_late();
+  end.timing.rejected = desk_.get_rejected();
+  end.timing.dropped = calc_dropped();
+  end.timing.resent = resent_;
+  return end;
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,99 @@
+// An LCM event log as a file: LCM's own tools read what is written here. Written and read by our own hand for two
+// reasons: every byte is covered by a checksum, and a reader of damaged files must bound what it believes.
+//
+//   event   = sync word, number, timestamp in microseconds, lengths, channel, data; big-endian
+//   sealed  = an event on a channel that begins with kSealPrefix; its data ends in a CRC-64 of every byte of the file
+//   since
+//             the previous seal, that event's header included
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace unlatch::hil {
+
+inline constexpr std::string_view kSealPrefix = "UNLATCH_LOG_";
+
+// A log cannot be opened, written, or is not what it should be; what() says which, where and what to do.
+class LogError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// CRC-64/XZ, to be continued from a previous result.
+[[nodiscard]] std::uint64_t calc_crc64(std::span<const std::uint8_t> bytes, std::uint64_t crc = 0) noexcept;
+
+class LogFileWriter {
+ public:
+  // Creates or replaces the file; an empty path means one without a name that vanishes with the writer. Throws
+  // LogError.
+  explicit LogFileWriter(const std::string& path);
+
+  // Appends an event; sealed if its channel says so. False once anything could not be written (disk full): the log then
+  // ends with the last complete event, and get_error() says why.
+  bool append(std::int64_t timestamp_us, std::string_view channel, std::span<const std::uint8_t> data);
+  // Hands what was appended to the operating system: from then on it survives the process.
+  bool flush();
+  [[nodiscard]] const std::string& get_error() const { return error_; }
+  [[nodiscard]] std::int64_t get_bytes() const { return bytes_; }
+
+  // For reading a nameless file back: the stream, rewound. Nothing may be appended afterwards.
+  [[nodiscard]] std::FILE* rewind();
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  bool fail(const char* what);
+
+  std::string path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::vector<std::uint8_t> buffer_;
+  std::uint64_t crc_ = 0;
+  std::int64_t number_ = 0;
+  std::int64_t bytes_ = 0;
+  std::string error_;
+};
+
+struct LogEvent {
+  std::int64_t timestamp_us = 0;
+  std::string channel;
+  std::vector<std::uint8_t> data;  // without the checksum, if sealed
+  bool sealed = false;
+};
+
+class LogFileReader {
+ public:
+  explicit LogFileReader(const std::string& path);  // throws LogError
+  // Reads from a stream that stays the caller's; `name` is for messages.
+  LogFileReader(std::FILE* stream, std::string name);
+
+  enum class Result {
+    kEvent,
+    kEnd,        // the file ends between two events
+    kTruncated,  // the file ends inside an event: its writer was killed, or a length is damaged
+    kDamaged,    // what stands there is no event, or a checksum does not agree
+  };
+  // Reuses the memory of `event`. After any result but kEvent, get_offset() says where it came to.
+  [[nodiscard]] Result next(LogEvent& event);
+  [[nodiscard]] std::int64_t get_offset() const { return offset_; }
+  [[nodiscard]] const std::string& get_name() const { return name_; }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Close> owned_;
+  std::FILE* file_;
+  std::string name_;
+  std::uint64_t crc_ = 0;
+  std::int64_t offset_ = 0;  // of the next event
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,72 @@
+// Writes a recording (hil/log_format.h) from a thread of its own. The cyclic thread pushes into rings and never waits
+// for the disk; in real time what finds a ring full is counted, and the recording is then not replayable; at other
+// paces the cyclic thread waits for room.
+#pragma once
+
+#include <readerwriterqueue/readerwritercircularbuffer.h>
+
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <variant>
+
+#include "hil/log_format.h"
+
+namespace unlatch::hil {
+
+class Recorder {
+ public:
+  // Writes the header. An empty path records into a nameless file without State messages, for looking at the run
+  // afterwards. Throws LogError.
+  Recorder(const std::string& path, const LogHeader& header);
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  // Cyclic thread, in this order within a tick. No allocation; no system call in real time.
+  [[nodiscard]] bool wants_state(std::int64_t tick) const noexcept {
+    return state_every_ > 0 && tick % state_every_ == 0;
+  }
+  void state(const State& part) noexcept;
+  void event(const Event& event) noexcept { push(event); }
+  void change(const LogChange& change) noexcept { push(change); }
+  void tick(std::int64_t tick, std::int64_t hash) noexcept;  // seals what came before
+
+  // After the cyclic thread is done, from any one thread: writes what is left and the end, completes `end.unrecorded`.
+  void close(LogEnd& end);
+  // What went wrong with the file; empty if nothing did. After close().
+  [[nodiscard]] const std::string& get_error() const { return writer_.get_error(); }
+  // A nameless recording, to be read while the recorder lives. After close().
+  [[nodiscard]] std::FILE* rewind() { return writer_.rewind(); }
+
+ private:
+  struct Mark {
+    std::int64_t tick, hash, lost;
+    std::int32_t states;  // State messages in the other ring that belong before it
+  };
+  using Item = std::variant<Mark, LogChange, Event>;
+
+  void push(const Item& item) noexcept;
+  void run(const std::stop_token& stopping);
+  bool drain();
+  void write(const Item& item);
+  template <class M>
+  void write_message(const M& message);
+
+  const bool may_wait_;
+  const double us_per_tick_;
+  std::int64_t state_every_ = 0;  // ticks
+
+  moodycamel::BlockingReaderWriterCircularBuffer<Item> items_{8192};
+  moodycamel::BlockingReaderWriterCircularBuffer<State> states_{256};
+  std::int32_t states_of_tick_ = 0;  // cyclic thread
+  std::int64_t items_lost_ = 0;      // cyclic thread, until close()
+  std::int64_t states_lost_ = 0;     // the same; reported, but a replay does not need them
+
+  LogFileWriter writer_;
+  LogTick record_;                    // recorder thread
+  std::vector<std::uint8_t> buffer_;  // recorder thread
+  std::jthread thread_;
+};
+
+}  // namespace unlatch::hil

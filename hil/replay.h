@@ -1,0 +1,33 @@
+// Runs a recording again and compares the state's hash at every tick.
+#pragma once
+
+#include <optional>
+
+#include "hil/replay_reader.h"
+#include "hil/run_analysis.h"
+
+namespace unlatch::hil {
+
+struct ReplayDifference {
+  std::int64_t tick = 0;
+  std::int64_t recorded = 0, replayed = 0;  // hashes
+};
+
+struct ReplayResult {
+  std::int64_t compared = 0;                   // ticks whose hashes were compared
+  std::optional<ReplayDifference> difference;  // the first
+  std::string mismatch;                        // another difference than a hash: the run ends otherwise than recorded
+  [[nodiscard]] bool agrees() const { return !difference && mismatch.empty(); }
+};
+
+// The scenario of a recording, from the text in it. Throws ScenarioError, SimulationError or LogError (this program
+// compiles the scenario to another model).
+Scenario load_recorded_scenario(const LogHeader& header);
+PlanOptions get_recorded_options(const LogHeader& header);
+void check_model_hash(const LogHeader& header, const Simulation& simulation, const std::string& name);
+
+// Steps `simulation`, which must be at its initial state, through the recording; stops at the first difference.
+// `analysis` may be null. A recording that lost inputs throws LogError: it cannot be replayed.
+ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,30 @@
+// Runs without flight software, and what all runs have in common.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "hil/recorder.h"
+#include "hil/run_analysis.h"
+#include "hil/scenario.h"
+#include "hil/simulation.h"
+
+namespace unlatch::hil {
+
+// A random session number, > 0.
+std::int64_t draw_session();
+
+// What a recording of this run begins with.
+LogHeader build_log_header(const Scenario& scenario, const Simulation& simulation, Pace pace, std::int64_t session,
+                           std::int64_t last_tick);
+
+// Steps as fast as it can to `last_tick`, analysing as it goes and recording if `recorder` is not null. `stop` ends it,
+// as aborted; `tick` shows how far it is. Either may be touched by other threads.
+LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
+                const std::atomic<bool>& stop, std::atomic<std::int64_t>& tick);
+
+// "singular pivot at joint 'nose1', tick 412 (t = 0.412 s)", of a step that failed.
+std::string describe_fault(const LogEnd& end, const Model& model, double dt);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,162 @@
+#include "hil/simulation.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <utility>
+
+namespace unlatch::hil {
+namespace {
+
+constexpr std::align_val_t kAlignment{64};  // a cache line; the workspace asks for it
+
+std::string join(const std::vector<ModelError>& errors) {
+  std::string text;
+  for (const ModelError& error : errors) {
+    if (!text.empty()) text += '\n';
+    text += error.where + ": " + error.what + "; " + error.mend;
+  }
+  return text;
+}
+
+Plan compile_or_throw(const Model& model, const PlanOptions& options) {
+  PlanResult result = compile_plan(model, options);
+  if (!result.plan) throw SimulationError(std::move(result.errors));
+  return *std::move(result.plan);
+}
+
+// How many of `total` items fall into part `part` of `room` each.
+std::int32_t calc_share(std::size_t total, std::int32_t part, std::size_t room) {
+  const std::size_t first = static_cast<std::size_t>(part) * room;
+  return total <= first ? 0 : static_cast<std::int32_t>(std::min(total - first, room));
+}
+
+std::size_t calc_parts(std::size_t total, std::size_t room) { return (total + room - 1) / room; }
+
+BodyState to_message(const unlatch::BodyState& body) {
+  return {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
+          body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
+}
+
+// The names of a sensor's values after the sensor's own.
+std::span<const char* const> get_components(Sensor::Kind kind) {
+  static constexpr const char* kVector[] = {".x", ".y", ".z"};
+  static constexpr const char* kQuaternion[] = {".w", ".x", ".y", ".z"};
+  static constexpr const char* kRowValues[] = {".x", ".y", ".z", ".rot_x", ".rot_y", ".rot_z"};
+  static constexpr const char* kScalar[] = {""};
+  switch (sensor_width(kind)) {
+    case 3:
+      return kVector;
+    case 4:
+      return kQuaternion;
+    case 6:
+      return kRowValues;
+    default:
+      return kScalar;
+  }
+}
+
+Catalog make_item(CatalogKind kind, std::size_t index, const std::string& name, const char* unit) {
+  Catalog item;
+  item.kind = static_cast<std::int32_t>(kind);
+  item.index = static_cast<std::int32_t>(index);
+  set_name(item.name, name);
+  set_name(item.unit, unit);
+  return item;
+}
+
+}  // namespace
+
+SimulationError::SimulationError(std::vector<ModelError> errors_in)
+    : std::runtime_error(join(errors_in)), errors(std::move(errors_in)) {}
+
+void Simulation::Free::operator()(std::byte* memory) const noexcept { ::operator delete(memory, kAlignment); }
+
+Simulation::Memory Simulation::allocate(std::size_t bytes) {
+  Memory memory(static_cast<std::byte*>(::operator new(bytes, kAlignment)));
+  std::memset(memory.get(), 0, bytes);  // no page is met for the first time while stepping
+  return memory;
+}
+
+Simulation::Simulation(const Model& model, const PlanOptions& options)
+    : model_(model),
+      plan_(compile_or_throw(model_, options)),
+      state_memory_(allocate(plan_.get_state_bytes())),
+      workspace_memory_(allocate(plan_.get_workspace_bytes())),
+      state_(plan_, {state_memory_.get(), plan_.get_state_bytes()}),
+      workspace_(plan_, {workspace_memory_.get(), plan_.get_workspace_bytes()}) {
+  for (const Channel& channel : model_.channels) channels_.push_back(channel.initial);
+  init_state(plan_, state_);
+  if (update_outputs(plan_, Inputs{channels_}, state_, workspace_) != StepStatus::kOk) {
+    throw SimulationError({{"model '" + model_.name + "'", "its accelerations at the initial state cannot be computed",
+                            "look for joints that hold the same freedom twice"}});
+  }
+}
+
+std::int32_t Simulation::get_part_count() const noexcept {
+  const std::size_t parts = std::max({calc_parts(state_.bodies.size(), kBodiesPerPart),
+                                      calc_parts(workspace_.sensors.size(), kSensorsPerPart),
+                                      calc_parts(state_.joints.size(), kJointsPerPart), std::size_t{1}});
+  return static_cast<std::int32_t>(parts);
+}
+
+void Simulation::fill_state(std::int32_t part, std::int64_t dt_ns, State& message) const noexcept {
+  message.tick = get_tick();
+  message.time_ns = get_tick() * dt_ns;
+  message.part = part;
+  message.parts = get_part_count();
+  message.body_count = calc_share(state_.bodies.size(), part, kBodiesPerPart);
+  message.sensor_count = calc_share(workspace_.sensors.size(), part, kSensorsPerPart);
+  message.joint_count = calc_share(state_.joints.size(), part, kJointsPerPart);
+  const auto first = static_cast<std::size_t>(part);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(message.body_count); ++i) {
+    message.bodies[i] = to_message(state_.bodies[first * kBodiesPerPart + i]);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(message.sensor_count); ++i) {
+    message.sensors[i] = workspace_.sensors[first * kSensorsPerPart + i];
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(message.joint_count); ++i) {
+    message.modes[i] = static_cast<std::uint8_t>(state_.joints[first * kJointsPerPart + i].mode);
+  }
+}
+
+std::vector<Catalog> build_catalog(const Model& model) {
+  std::vector<Catalog> items;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    items.push_back(make_item(CatalogKind::kBody, i, model.bodies[i].name, ""));
+  }
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    items.push_back(make_item(CatalogKind::kJoint, i, model.joints[i].name, ""));
+  }
+  for (std::size_t i = 0; i < model.channels.size(); ++i) {
+    const Channel& channel = model.channels[i];
+    Catalog item = make_item(CatalogKind::kChannel, i, channel.name, channel.unit.c_str());
+    item.minimum = channel.minimum;
+    item.maximum = channel.maximum;
+    item.initial = channel.initial;
+    item.safe = channel.safe;
+    items.push_back(item);
+  }
+  std::size_t value = 0;
+  for (const Sensor& sensor : model.sensors) {
+    for (const char* component : get_components(sensor.kind)) {
+      items.push_back(make_item(CatalogKind::kSensor, value++, sensor.name + component, sensor_unit(sensor.kind)));
+    }
+  }
+  for (std::size_t i = 0; i < model.signals.size(); ++i) {
+    items.push_back(make_item(CatalogKind::kSignal, i, model.signals[i], "1"));
+  }
+  return items;
+}
+
+std::vector<Event> build_event_messages(const Model& model) {
+  std::vector<Event> messages;
+  for (const unlatch::Event& event : model.events) {
+    Event& message = messages.emplace_back();
+    set_name(message.name, event.name);
+    set_name(message.subject, event.subject);
+  }
+  return messages;
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,75 @@
+// One run of a model: the plan, the memory that the kernel steps in, and the channels' values. The constructor
+// allocates, nothing after it does.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "hil/messages.h"
+#include "kernel/model.h"
+#include "kernel/plan.h"
+#include "kernel/step.h"
+
+namespace unlatch::hil {
+
+// The model does not compile; what() has one line an error.
+class SimulationError : public std::runtime_error {
+ public:
+  explicit SimulationError(std::vector<ModelError> errors_in);
+  std::vector<ModelError> errors;
+};
+
+class Simulation {
+ public:
+  Simulation(const Model& model, const PlanOptions& options);  // throws SimulationError
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  // One tick with the channels' present values. On any status but kOk nothing has changed.
+  StepReport step() noexcept { return unlatch::step(plan_, Inputs{channels_}, state_, workspace_); }
+
+  // The value of each channel, what the next step will read.
+  std::span<double> channels() noexcept { return channels_; }
+  std::span<const double> channels() const noexcept { return channels_; }
+
+  const Model& model() const noexcept { return model_; }
+  const Plan& plan() const noexcept { return plan_; }
+  const unlatch::State& state() const noexcept { return state_; }
+  const Workspace& workspace() const noexcept { return workspace_; }
+
+  std::int64_t get_tick() const noexcept { return state_.header->tick; }
+  double get_time() const noexcept { return static_cast<double>(get_tick()) * plan_.options.dt; }  // s
+  std::int64_t calc_hash() const noexcept { return static_cast<std::int64_t>(unlatch::calc_hash(state_)); }
+
+  // State messages that one tick takes.
+  std::int32_t get_part_count() const noexcept;
+  // Writes bodies, sensors and joint modes of one part, and its counts; session, sequence, status and hash are the
+  // caller's.
+  void fill_state(std::int32_t part, std::int64_t dt_ns, State& message) const noexcept;
+
+ private:
+  struct Free {
+    void operator()(std::byte* memory) const noexcept;
+  };
+  using Memory = std::unique_ptr<std::byte, Free>;
+  static Memory allocate(std::size_t bytes);
+
+  Model model_;
+  Plan plan_;
+  Memory state_memory_, workspace_memory_;
+  unlatch::State state_;
+  Workspace workspace_;
+  std::vector<double> channels_;
+};
+
+// One message per body, joint, channel, sensor value and signal; session is left 0.
+std::vector<Catalog> build_catalog(const Model& model);
+// For each event of the model the message that tells of it, with its name and subject alone.
+std::vector<Event> build_event_messages(const Model& model);
+
+}  // namespace unlatch::hil
