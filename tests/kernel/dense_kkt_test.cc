@@ -308,6 +308,16 @@ TEST(RandomModel, StartsOnItsRowsAtPositionAndSpeed) {
   EXPECT_EQ(seen, kPointRows | kRotationRows);
 }
 
+TEST(RandomModel, IsAValidModel) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    RandomModelOptions options;
+    options.mass_ratio = seed % 2 == 0 ? 1e8 : 10;
+    for (const ModelError& error : validate(build_random_model(seed, options))) {
+      ADD_FAILURE() << "seed " << seed << ", " << error.where << ": " << error.what << "; " << error.mend;
+    }
+  }
+}
+
 TEST(RandomModel, KeepsTheMassRatioAndTheSeed) {
   RandomModelOptions options;
   options.bodies = 60;
