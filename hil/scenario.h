@@ -1,0 +1,50 @@
+// A scenario: the model, how to step it, who must answer, what to watch, read from a YAML file. The language is described in
+// hil/scenarios/README.md.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/scenario_error.h"
+#include "hil/shapes.h"
+#include "kernel/model.h"
+
+namespace unlatch::hil {
+
+// The flight software that must answer, and what happens when it does not.
+struct FlightSoftware {
+  enum class Policy {
+    kHold,   // channels keep their last values
+    kZero,   // channels go to 0, or to the nearest value of their range
+    kSafe,   // channels go to their safe values
+    kPause,  // the run waits
+    kAbort,  // the run ends
+  };
+  std::vector<std::string> required;  // names of participants
+  double timeout = 0.25;              // s of wall time without an answer
+  Policy policy = Policy::kHold;
+};
+extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy
+
+struct Scenario {
+  std::string file;                    // as given to the loader, for messages
+  std::string text;                    // of the file: with `overrides` it makes this scenario again
+  std::vector<std::string> overrides;  // PATH=VALUE, in the order in which they were applied
+  std::string name, title;
+  double dt = 0, until = 0;  // s; until is a whole number of steps
+  Model model;
+  FlightSoftware flight_software;
+  std::vector<std::vector<Shape>> shapes;       // of each body
+  std::vector<std::pair<int, int>> clearance;   // pairs of bodies whose distance is watched
+  std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"
+};
+
+// Both throw ScenarioError with every mistake of the file and of the physics (validate()) at once. An unreadable file is
+// a ScenarioError as well.
+Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
+Scenario load_scenario_text(const std::string& text, const std::string& file,
+                            const std::vector<std::string>& overrides = {});
+
+}  // namespace unlatch::hil

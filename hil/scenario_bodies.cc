@@ -1,0 +1,169 @@
+// Bodies: mass, inertia, where they are and how they move at the start.
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "hil/scenario_reader.h"
+
+namespace unlatch::hil {
+namespace {
+
+// A quaternion this far from unit length is a mistake, nearer it is rounding and is normalised.
+constexpr double kUnitTolerance = 1e-3;
+
+Eigen::Matrix3d read_inertia(const YamlNode& node, Mistakes& mistakes) {
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  const bool rows = node.is_sequence() && !node.items.empty() && node.items[0].is_sequence();
+  if (!rows) {
+    const std::vector<double> diagonal = read_numbers(node, 3, "kg m2", mistakes);
+    for (int i = 0; i < 3; ++i) inertia(i, i) = diagonal[static_cast<std::size_t>(i)];
+    return inertia;
+  }
+  if (node.items.size() != 3)
+    mistakes.add(node.mark, "an inertia of " + std::to_string(node.items.size()) + " rows", "three rows of three");
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, node.items.size()); ++i) {
+    const std::vector<double> row = read_numbers(node.items[i], 3, "kg m2", mistakes);
+    inertia.row(static_cast<Eigen::Index>(i)) << row[0], row[1], row[2];
+  }
+  return inertia;
+}
+
+}  // namespace
+
+void ScenarioReader::read_bodies(YamlMap& top) {
+  top.require("bodies");
+  for_each_named(top, "bodies", "body",
+                 [&](const std::string& name, const YamlNode& node) { read_body(name, node); });
+  place_bodies();
+}
+
+void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
+  Body body;
+  body.name = name;
+  YamlMap map(node, "body '" + name + "'", mistakes_);
+  body.mass = map.number("mass", "kg");
+  if (const YamlNode* inertia = map.require("inertia")) body.inertia = read_inertia(*inertia, mistakes_);
+  body.p_WB = map.vector("position", "m", Eigen::Vector3d::Zero());
+  if (const YamlNode* attitude = map.find("attitude")) body.q_WB = read_attitude(*attitude);
+  body.v_WB = map.vector("velocity", "m/s", Eigen::Vector3d::Zero());
+  body.w_WB_B = map.vector("rate", "rad/s", Eigen::Vector3d::Zero());
+  Placement placement;
+  placement.relative_to = map.find("relative_to");
+  const YamlNode* shape = map.find("shape");
+  scenario_.shapes.push_back(shape ? read_shapes(*shape) : std::vector<Shape>());
+  map.finish();
+  bodies_.push_back(name);
+  model_.bodies.push_back(std::move(body));
+  placements_.push_back(placement);
+}
+
+// Turns what was given relative to another body into the inertial frame, parents first.
+void ScenarioReader::place_bodies() {
+  for (std::size_t i = 0; i < placements_.size(); ++i)
+    if (const YamlNode* parent = placements_[i].relative_to) {
+      placements_[i].parent = read_choice(*parent, "body", bodies_, mistakes_);
+      if (placements_[i].parent < 0) flawed_.insert("body '" + bodies_[i] + "'");
+    }
+  bool progress = true;
+  while (progress) {
+    progress = false;
+    for (std::size_t i = 0; i < placements_.size(); ++i) {
+      Placement& placement = placements_[i];
+      const auto parent = static_cast<std::size_t>(placement.parent);
+      if (placement.placed || (placement.parent >= 0 && !placements_[parent].placed)) continue;
+      placement.placed = progress = true;
+      if (placement.parent < 0) continue;
+      const Body& a = model_.bodies[parent];
+      Body& b = model_.bodies[i];
+      const Eigen::Matrix3d R_WA = a.q_WB.toRotationMatrix();
+      const Eigen::Vector3d arm = R_WA * b.p_WB, w_WA = R_WA * a.w_WB_B;
+      b.w_WB_B = b.q_WB.conjugate() * a.w_WB_B + b.w_WB_B;
+      b.v_WB = a.v_WB + w_WA.cross(arm) + R_WA * b.v_WB;
+      b.p_WB = a.p_WB + arm;
+      b.q_WB = (a.q_WB * b.q_WB).normalized();
+      if (is_flawed("body '" + a.name + "'")) flawed_.insert("body '" + b.name + "'");
+    }
+  }
+  for (std::size_t i = 0; i < placements_.size(); ++i) {
+    if (placements_[i].placed) continue;
+    std::string chain = bodies_[i];
+    std::size_t at = i;
+    do {
+      at = static_cast<std::size_t>(placements_[at].parent);
+      chain += " -> " + bodies_[at];
+    } while (at != i && chain.size() < 200);
+    mistakes_.add(placements_[i].relative_to->mark, "relative_to goes round in a circle: " + chain,
+                  "give one of them its place in the inertial frame");
+    flawed_.insert("body '" + bodies_[i] + "'");
+  }
+}
+
+Eigen::Quaterniond ScenarioReader::read_attitude(const YamlNode& node) {
+  if (!node.is_mapping()) {
+    const std::vector<double> n = read_numbers(node, 4, "", mistakes_);
+    Eigen::Quaterniond q(n[0], n[1], n[2], n[3]);
+    if (node.is_sequence() && !(std::abs(q.norm() - 1) <= kUnitTolerance)) {
+      mistakes_.add(node.mark, "a quaternion of length " + std::to_string(q.norm()), "[w, x, y, z] of length 1");
+      return Eigen::Quaterniond::Identity();
+    }
+    return node.is_sequence() ? q.normalized() : Eigen::Quaterniond::Identity();
+  }
+  const YamlNode* rotations = node.find("rotate");
+  if (!rotations) return Eigen::Quaterniond(read_frame(node)).normalized();
+  YamlMap map(node, "an attitude", mistakes_);
+  map.find("rotate");
+  map.finish();
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  for (const YamlNode& item : rotations->items) {
+    if (!item.is_sequence() || item.items.size() != 2) {
+      mistakes_.add(item.mark, "not a rotation", "write [axis, angle in rad]: [z, 0.1]");
+      continue;
+    }
+    const int axis = read_choice(item.items[0], "axis", axis_names(), mistakes_);
+    const double angle = read_number(item.items[1], "rad", 0.0, mistakes_);
+    if (axis >= 0) q = q * Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis));
+  }
+  if (!rotations->is_sequence()) mistakes_.add(rotations->mark, "not a list of rotations", "write [[z, 0.1], …]");
+  return q.normalized();
+}
+
+// Two or three perpendicular axes make a right-handed frame.
+Eigen::Matrix3d ScenarioReader::read_frame(const YamlNode& node) {
+  constexpr double kRightAngle = 1e-9;  // rad; what is less exact is not rounding but a mistake
+  const std::size_t before = mistakes_.count();
+  YamlMap map(node, "a frame", mistakes_);
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Zero();
+  std::vector<int> given;
+  for (int i = 0; i < 3; ++i) {
+    const YamlNode* axis = map.find(axis_names()[static_cast<std::size_t>(i)]);
+    if (!axis) continue;
+    given.push_back(i);
+    const Eigen::Vector3d v = read_vector(*axis, "", Eigen::Vector3d::Zero(), mistakes_);
+    if (!(v.norm() > 1e-12) || !std::isfinite(v.norm()))
+      mistakes_.add(axis->mark, "an axis without direction", "give a vector that is not zero");
+    else
+      frame.col(i) = v.normalized();
+  }
+  map.finish();
+  const auto reject = [&](const std::string& what, const std::string& mend) -> Eigen::Matrix3d {
+    if (mistakes_.count() == before) mistakes_.add(node.mark, what, mend);
+    return Eigen::Matrix3d::Identity();
+  };
+  if (given.size() < 2) return reject("a frame of fewer than two axes", "give two of x, y, z; the third follows");
+  for (std::size_t i = 0; i < given.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double cosine = frame.col(given[i]).dot(frame.col(given[j]));
+      if (!(std::abs(cosine) < kRightAngle))
+        return reject("axes that are not perpendicular: the cosine between them is " + std::to_string(cosine),
+                      "make them perpendicular to 1e-9");
+    }
+  if (mistakes_.count() != before) return Eigen::Matrix3d::Identity();
+  if (given.size() == 3 && frame.determinant() < 0)
+    return reject("a left-handed frame", "z is x cross y; turn one axis round");
+  const int missing = given.size() == 3 ? 2 : 3 - given[0] - given[1];
+  const int a = (missing + 1) % 3, b = (missing + 2) % 3;
+  frame.col(b) = (frame.col(b) - frame.col(a) * frame.col(a).dot(frame.col(b))).normalized();
+  frame.col(missing) = frame.col(a).cross(frame.col(b));
+  return frame;
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,77 @@
+#include "hil/scenario_error.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace unlatch::hil {
+namespace {
+
+// Levenshtein distance.
+std::size_t calc_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string join_lines(const std::vector<ScenarioMistake>& mistakes) {
+  std::string text;
+  for (const ScenarioMistake& mistake : mistakes) text += (text.empty() ? "" : "\n") + mistake.to_string();
+  return text;
+}
+
+}  // namespace
+
+std::string ScenarioMistake::to_string() const {
+  std::string text = file;
+  if (!override_text.empty())
+    text += ": --set " + override_text;
+  else if (mark.line > 0)
+    text += ":" + std::to_string(mark.line) + ":" + std::to_string(mark.column);
+  return text + ": " + what + (mend.empty() ? "" : "; " + mend);
+}
+
+ScenarioError::ScenarioError(std::vector<ScenarioMistake> mistakes_in)
+    : std::runtime_error(join_lines(mistakes_in)), mistakes(std::move(mistakes_in)) {}
+
+void Mistakes::add(const SourceMark& mark, std::string what, std::string mend) {
+  ScenarioMistake mistake{file_, mark, "", std::move(what), std::move(mend)};
+  if (mark.override_index >= 0) mistake.override_text = overrides_.at(static_cast<std::size_t>(mark.override_index));
+  list_.push_back(std::move(mistake));
+}
+
+void Mistakes::throw_if_any() {
+  if (list_.empty()) return;
+  const auto place = [](const ScenarioMistake& m) {
+    return std::make_tuple(m.mark.override_index, m.mark.line, m.mark.column);
+  };
+  std::stable_sort(list_.begin(), list_.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  throw ScenarioError(list_);
+}
+
+std::string suggest(const std::string& wrong, const std::vector<std::string>& known) {
+  constexpr std::size_t kListed = 16;  // names named; the rest is counted
+  if (known.empty()) return "there are none";
+  std::string text;
+  if (wrong.size() <= 64) {
+    const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+      return calc_distance(wrong, a) < calc_distance(wrong, b);
+    });
+    if (calc_distance(wrong, *nearest) <= std::max<std::size_t>(2, nearest->size() / 3))
+      text = "did you mean '" + *nearest + "'? ";
+  }
+  text += "known: ";
+  for (std::size_t i = 0; i < std::min(known.size(), kListed); ++i) text += (i > 0 ? ", " : "") + known[i];
+  if (known.size() > kListed) text += " and " + std::to_string(known.size() - kListed) + " more";
+  return text;
+}
+
+}  // namespace unlatch::hil

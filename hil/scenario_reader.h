@@ -1,0 +1,98 @@
+// Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
+// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc and scenario_shapes.cc.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hil/scenario.h"
+#include "hil/yaml_reader.h"
+
+namespace unlatch::hil {
+
+class ScenarioReader {
+ public:
+  ScenarioReader(Scenario& scenario, Mistakes& mistakes)
+      : scenario_(scenario), model_(scenario.model), mistakes_(mistakes) {}
+  void read(const YamlNode& root);
+
+ private:
+  // Top level.
+  void read_step(YamlMap& top);
+  void read_gravity(YamlMap& top);
+  void read_flight_software(YamlMap& top);
+  void report_physics();
+
+  // Sections, in the order in which they are read: each may name what was read before.
+  void read_bodies(YamlMap& top);
+  void read_channels(YamlMap& top);
+  void read_signals(YamlMap& top);
+  void read_joints(YamlMap& top);
+  void read_elements(YamlMap& top);
+  void read_sensors(YamlMap& top);
+  void read_events(YamlMap& top);
+  void read_clearance(YamlMap& top);
+
+  // Bodies.
+  struct Placement {
+    const YamlNode* relative_to = nullptr;
+    int parent = kNone;
+    bool placed = false;
+  };
+  void read_body(const std::string& name, const YamlNode& node);
+  void place_bodies();
+  Eigen::Quaterniond read_attitude(const YamlNode& node);
+  std::vector<Shape> read_shapes(const YamlNode& node);
+  Shape read_shape(const YamlNode& node);
+
+  // Joints.
+  void read_joint(const std::string& name, const YamlNode& node);
+  void read_modes(const YamlNode& node, Joint& joint);
+  RowSet read_rows(const YamlNode& node);
+  RowSet read_joint_kind(YamlMap& mode, Joint& joint);
+  void read_between(YamlMap& map, int& base, int& follower);
+  Eigen::Matrix3d read_frame(const YamlNode& node);
+
+  // Elements. They are numbered by type, so they are read into their lists first and numbered afterwards.
+  void read_element(const std::string& name, const YamlNode& node);
+  void read_load(YamlMap& map, Load load);
+  void read_point_spring(YamlMap& map, PointSpring spring);
+  void read_joint_spring(YamlMap& map, JointSpring spring);
+  void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
+  Profile read_profile(const YamlNode& node, const std::string& unit);
+
+  // Sensors and events.
+  void read_sensor(const std::string& name, const YamlNode& node);
+  void read_event(const YamlNode& node);
+  Condition read_condition(const YamlNode& node);
+  void read_parts(const YamlNode& node, const std::string& kind, Condition& condition);
+  void read_joint_condition(const YamlNode& node, const std::string& kind, Condition& condition);
+  void read_threshold(YamlMap& map, const std::string& unit, Condition& condition);
+  void collect_signals(const YamlNode& events);
+  Action read_action(const YamlNode& node);
+  int read_mode_of(YamlMap& map, const std::string& key, int joint);
+
+  // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and remembers its place.
+  void for_each_named(YamlMap& top, const std::string& section, const std::string& kind,
+                      const std::function<void(const std::string&, const YamlNode&)>& read_item);
+  // Runs `read_item`, remembers where `where` was written, and whether it had mistakes: then what validate() finds
+  // there is a mere consequence.
+  void read_item_at(const std::string& where, const YamlNode& node, const std::function<void()>& read_item);
+  bool is_flawed(const std::string& where) const { return flawed_.count(where) > 0; }
+
+  Scenario& scenario_;
+  Model& model_;
+  Mistakes& mistakes_;
+  std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
+  std::vector<Placement> placements_;
+  std::map<std::string, const YamlNode*> nodes_;  // by ModelError::where
+  std::set<std::string> flawed_;
+};
+
+const std::vector<std::string>& axis_names();  // x y z
+const std::vector<std::string>& row_names();   // x … rot_z
+
+}  // namespace unlatch::hil

@@ -1,0 +1,59 @@
+// A YAML text as a tree of nodes with their places. The text comes from outside, so it is bounded before and while it is
+// read: at most 1 MiB, valid UTF-8 without control bytes, at most 32 levels and 200,000 nodes, one document, no anchors,
+// aliases or tags. Nothing in the tree is shared, so a walk over it visits each node once.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace unlatch::hil {
+
+// Where something was written: line and column count from 1; 0 is "the file as a whole". What came from an override has
+// the override's number instead.
+struct SourceMark {
+  int line = 0;
+  int column = 0;
+  int override_index = -1;
+};
+
+struct YamlNode;
+
+struct YamlKey {
+  std::string text;
+  SourceMark mark;
+};
+
+struct YamlNode {
+  enum class Kind { kNull, kScalar, kSequence, kMapping };
+  Kind kind = Kind::kNull;
+  SourceMark mark;
+  std::string text;             // of a scalar
+  std::vector<YamlKey> keys;    // of a mapping, in the order of the file, duplicates included
+  std::vector<YamlNode> items;  // of a sequence, or the values of a mapping
+  bool sparse = false;          // a sequence that an override began: its null items mean "the default"
+
+  bool is_scalar() const { return kind == Kind::kScalar; }
+  bool is_sequence() const { return kind == Kind::kSequence; }
+  bool is_mapping() const { return kind == Kind::kMapping; }
+  const YamlNode* find(std::string_view key) const;  // the first value of that key, or null
+  YamlNode* find(std::string_view key);
+};
+
+// "a number or text", "a list", "a mapping", "nothing"
+const char* kind_name(YamlNode::Kind kind);
+
+// The text is not YAML, or beyond the bounds.
+class YamlError : public std::runtime_error {
+ public:
+  YamlError(SourceMark mark_in, const std::string& what_in, std::string mend_in)
+      : std::runtime_error(what_in), mark(mark_in), mend(std::move(mend_in)) {}
+  SourceMark mark;
+  std::string mend;
+};
+
+// Throws YamlError. All marks carry `override_index`.
+YamlNode parse_yaml(const std::string& text, int override_index = -1);
+
+}  // namespace unlatch::hil

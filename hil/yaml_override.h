@@ -1,0 +1,15 @@
+// Overrides of the command line, PATH=VALUE, put into a YAML tree before it is read, so that they are checked like the
+// file itself. PATH goes down through mappings by `.key` and through lists by `[3]` or `.3`; an entry of a list that has
+// a name is reached by `.name`, or `.name:subject` where several share the name (events). What is missing is inserted.
+#pragma once
+
+#include <string>
+
+#include "hil/yaml_document.h"
+
+namespace unlatch::hil {
+
+// Throws YamlError with the override's number as its place.
+void apply_override(const std::string& text, int override_index, YamlNode& root);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,258 @@
+// What is wrong with a model: every mistake at once, each where it is and what would be right.
+#include "kernel/validate.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace unlatch {
+namespace {
+
+constexpr double kRelative = 1e-9;  // inertias: rounding of what was typed or computed elsewhere
+
+struct Named {
+  std::string where, name;
+};
+
+// Names are given, and each once within its kind.
+void check_names(const std::vector<Named>& list, ModelErrors& errors) {
+  std::vector<std::string> seen;
+  for (const Named& item : list) {
+    if (item.name.empty()) errors.push_back({item.where, "it has no name", "give it one", "name"});
+    seen.push_back(item.name);
+  }
+  std::sort(seen.begin(), seen.end());
+  for (std::size_t i = 1; i < seen.size(); ++i) {
+    if (seen[i].empty() || seen[i] != seen[i - 1] || (i > 1 && seen[i] == seen[i - 2])) continue;
+    const auto at = std::find_if(list.begin(), list.end(), [&](const Named& item) { return item.name == seen[i]; });
+    errors.push_back({at->where, "more than one has this name", "give each its own", "name"});
+  }
+}
+
+void check_all_names(const Model& model, ModelErrors& errors) {
+  const auto check = [&](const char* kind, const auto& items, const auto& get_name) {
+    std::vector<Named> list;
+    for (const auto& item : items) list.push_back({quoted(kind, get_name(item)), get_name(item)});
+    check_names(list, errors);
+  };
+  const auto name_of = [](const auto& item) { return item.name; };
+  const auto itself = [](const std::string& name) { return name; };
+  std::vector<std::string> elements;
+  for (int i = 0; i < model.element_count(); ++i) elements.push_back(model.element_name(i));
+  check("body", model.bodies, name_of);
+  check("joint", model.joints, name_of);
+  check("element", elements, itself);
+  check("channel", model.channels, name_of);
+  check("signal", model.signals, itself);
+  check("sensor", model.sensors, name_of);
+}
+
+void check_finite(const std::string& where, const std::string& key, bool finite, ModelErrors& errors) {
+  if (!finite) errors.push_back({where, key + " is not finite", "give a finite value", key});
+}
+
+void check_not_negative(const std::string& where, const std::string& key, double value, ModelErrors& errors) {
+  if (!(value >= 0) || !std::isfinite(value))
+    errors.push_back({where, key + " is " + show(value), "0 or more, and finite", key});
+}
+
+// --- Bodies ---------------------------------------------------------------------------------------------------------
+
+void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "inertia"});
+  };
+  if (!J.allFinite()) return report("its inertia is not finite", "give finite moments of inertia");
+  const double scale = J.cwiseAbs().maxCoeff();
+  if ((J - J.transpose()).cwiseAbs().maxCoeff() > kRelative * scale)
+    return report("its inertia is not symmetric", "entry (i, j) equals entry (j, i)");
+  const Eigen::Vector3d moments =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(J, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
+  if (!(moments[0] > 0))
+    return report("its inertia is not positive definite: principal moments " + show(moments),
+                  "all principal moments are greater than 0");
+  if (moments[0] + moments[1] < moments[2] * (1 - kRelative))
+    report("its inertia breaks the triangle inequality: principal moments " + show(moments),
+           "no body's largest principal moment exceeds the sum of the other two");
+}
+
+void validate_bodies(const Model& model, ModelErrors& errors) {
+  constexpr double kShortest = 1e-6;  // a quaternion shorter than this has no direction worth trusting
+  if (model.bodies.empty()) errors.push_back({"model", "it has no bodies", "give at least one", "bodies"});
+  for (const Body& body : model.bodies) {
+    const std::string where = quoted("body", body.name);
+    if (!(body.mass > 0) || !std::isfinite(body.mass))
+      errors.push_back({where, "its mass is " + show(body.mass) + " kg", "greater than 0, and finite", "mass"});
+    check_inertia(where, body.inertia, errors);
+    check_finite(where, "position", body.p_WB.allFinite(), errors);
+    check_finite(where, "velocity", body.v_WB.allFinite(), errors);
+    check_finite(where, "rate", body.w_WB_B.allFinite(), errors);
+    const double length = body.q_WB.norm();
+    if (!(length > kShortest) || !std::isfinite(length))
+      errors.push_back(
+          {where, "its attitude quaternion has the length " + show(length), "(w, x, y, z) of length 1", "attitude"});
+  }
+}
+
+// --- Elements -------------------------------------------------------------------------------------------------------
+
+void check_table(const std::string& where, const Profile& profile, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "profile"});
+  };
+  const std::vector<double>& t = profile.times;
+  if (t.empty() || t.size() != profile.values.size())
+    return report(
+        "its table has " + std::to_string(t.size()) + " times and " + std::to_string(profile.values.size()) + " values",
+        "as many of each, at least one");
+  for (const std::vector<double>* list : {&profile.times, &profile.values})
+    for (const double value : *list)
+      if (!std::isfinite(value)) return report("its table has a value that is not finite", "finite times and values");
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if (!(t[i] > t[i - 1]))
+      return report("its table's times do not increase: " + show(t[i - 1]) + ", " + show(t[i]),
+                    "each time is later than the one before");
+}
+
+void check_profile(const std::string& where, const Profile& profile, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "profile"});
+  };
+  switch (profile.kind) {
+    case Profile::Kind::kConstant:
+      check_finite(where, "profile", std::isfinite(profile.value), errors);
+      break;
+    case Profile::Kind::kExponential:
+      check_finite(where, "profile", std::isfinite(profile.initial) && std::isfinite(profile.final), errors);
+      if (!(profile.tau > 0) || !std::isfinite(profile.tau))
+        report("its time constant tau is " + show(profile.tau) + " s", "greater than 0, and finite");
+      break;
+    case Profile::Kind::kTable:
+      check_table(where, profile, errors);
+      break;
+    case Profile::Kind::kHarmonic:
+      for (const Profile::Harmonic& h : profile.harmonics)
+        if (!std::isfinite(h.amplitude) || !std::isfinite(h.frequency) || !std::isfinite(h.phase)) {
+          report("a harmonic is not finite", "finite amplitude, frequency and phase");
+          break;
+        }
+  }
+}
+
+void check_pair(const Model& model, const std::string& where, int base, int follower, ModelErrors& errors) {
+  if (base != kGround && !is_index(base, model.bodies.size()))
+    errors.push_back({where, "its base is no body", "a body's index, or kGround", "between"});
+  if (!is_index(follower, model.bodies.size()))
+    errors.push_back({where, "its follower is no body", "a body's index", "between"});
+  else if (base == follower)
+    errors.push_back({where, "it connects a body with itself", "name two bodies", "between"});
+}
+
+void check_unit(const std::string& where, const std::string& key, const Eigen::Vector3d& axis, ModelErrors& errors) {
+  if (!(std::abs(axis.norm() - 1) < kRelative))
+    errors.push_back({where, key + " has the length " + show(axis.norm()), "a vector that is not zero", key});
+}
+
+void validate_loads(const Model& model, ModelErrors& errors) {
+  for (const Load& load : model.loads) {
+    const std::string where = quoted("element", load.name);
+    if (!is_index(load.body, model.bodies.size()))
+      errors.push_back({where, "it acts on no body", "a body's index", "body"});
+    if (load.channel != kNone && !is_index(load.channel, model.channels.size()))
+      errors.push_back({where, "its channel does not exist", "a channel's index, or kNone", "channel"});
+    check_finite(where, "point", load.point.allFinite(), errors);
+    check_finite(where, "direction", load.direction.allFinite(), errors);
+    check_profile(where, load.profile, errors);
+  }
+}
+
+void validate_springs(const Model& model, ModelErrors& errors) {
+  for (const PointSpring& spring : model.point_springs) {
+    const std::string where = quoted("element", spring.name);
+    check_pair(model, where, spring.base, spring.follower, errors);
+    check_finite(where, "point", spring.point_base.allFinite(), errors);
+    check_finite(where, "follower_point", spring.point_follower.allFinite(), errors);
+    check_not_negative(where, "stiffness", spring.stiffness, errors);
+    check_not_negative(where, "damping", spring.damping, errors);
+    check_not_negative(where, "free_length", spring.free_length, errors);
+  }
+  for (const JointSpring& spring : model.joint_springs) {
+    const std::string where = quoted("element", spring.name);
+    if (!is_index(spring.joint, model.joints.size()))
+      errors.push_back({where, "it is on no joint", "a joint's index", "joint"});
+    if (!is_index(spring.axis, kRows)) errors.push_back({where, "it has no axis", "x … rot_z", "axis"});
+    check_finite(where, "effort", std::isfinite(spring.effort), errors);
+    check_finite(where, "rest", std::isfinite(spring.rest), errors);
+    check_not_negative(where, "stiffness", spring.stiffness, errors);
+    check_not_negative(where, "damping", spring.damping, errors);
+  }
+  for (const PlaneTorsion& torsion : model.plane_torsions) {
+    const std::string where = quoted("element", torsion.name);
+    check_pair(model, where, torsion.base, torsion.follower, errors);
+    check_unit(where, "normal", torsion.normal_base, errors);
+    check_unit(where, "axis", torsion.axis_follower, errors);
+    check_not_negative(where, "stiffness", torsion.stiffness, errors);
+    check_not_negative(where, "damping", torsion.damping, errors);
+  }
+}
+
+// --- Channels, sensors, gravity -------------------------------------------------------------------------------------
+
+void validate_channels(const Model& model, ModelErrors& errors) {
+  for (const Channel& channel : model.channels) {
+    const std::string where = quoted("channel", channel.name);
+    const std::string range = "[" + show(channel.minimum) + ", " + show(channel.maximum) + "]";
+    if (!std::isfinite(channel.minimum) || !std::isfinite(channel.maximum) || !(channel.minimum <= channel.maximum)) {
+      errors.push_back({where, "its range is " + range, "[smallest, largest], finite", "range"});
+      continue;
+    }
+    const auto check = [&](const char* key, double value) {
+      if (!(channel.minimum <= value && value <= channel.maximum))
+        errors.push_back({where, std::string(key) + " is " + show(value), "within its range " + range, key});
+    };
+    check("initial", channel.initial);
+    check("safe", channel.safe);
+  }
+}
+
+void validate_sensors(const Model& model, ModelErrors& errors) {
+  using Kind = Sensor::Kind;
+  for (const Sensor& sensor : model.sensors) {
+    const std::string where = quoted("sensor", sensor.name);
+    const bool of_body = sensor.kind <= Kind::kSpecificForce, of_signal = sensor.kind == Kind::kContact;
+    const std::size_t subjects =
+        of_body ? model.bodies.size() : (of_signal ? model.signals.size() : model.joints.size());
+    const std::string key = of_body ? "body" : (of_signal ? "signal" : "joint");
+    if (!is_index(sensor.subject, subjects))
+      errors.push_back({where, "its " + key + " does not exist", "the index of a " + key, key});
+    const int first = sensor.kind == Kind::kAngle ? kRotX : kX;
+    const int last = sensor.kind == Kind::kDisplacement ? kZ : kRotZ;
+    if (sensor.kind >= Kind::kDisplacement && (sensor.axis < first || sensor.axis > last))
+      errors.push_back(
+          {where, "its axis is not one of this kind", std::string(kRowNames[first]) + " … " + kRowNames[last], "axis"});
+    check_finite(where, "point", sensor.point.allFinite(), errors);
+  }
+}
+
+void validate_gravity(const Gravity& gravity, ModelErrors& errors) {
+  check_finite("gravity", "uniform", gravity.uniform.allFinite(), errors);
+  check_finite("gravity", "centre", gravity.centre.allFinite(), errors);
+  check_not_negative("gravity", "mu", gravity.mu, errors);
+}
+
+}  // namespace
+
+std::vector<ModelError> validate(const Model& model) {
+  ModelErrors errors;
+  check_all_names(model, errors);
+  validate_gravity(model.gravity, errors);
+  validate_bodies(model, errors);
+  validate_channels(model, errors);
+  validate_joints(model, errors);
+  validate_loads(model, errors);
+  validate_springs(model, errors);
+  validate_sensors(model, errors);
+  validate_events(model, errors);
+  return errors;
+}
+
+}  // namespace unlatch
