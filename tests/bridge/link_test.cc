@@ -1,9 +1,11 @@
 // The rings of hil/link.h, and the pump that serves them. Meant for ThreadSanitizer as well.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <thread>
 
 #include "bridge/pump.h"
+#include "tests/support/malloc_guard.h"
 
 namespace unlatch::test {
 namespace {
@@ -43,6 +45,23 @@ TEST(Link, AFullRingRefusesAndCounts) {
   }
   EXPECT_FALSE(link.take(message));
   EXPECT_TRUE(link.send(make_state(6)));  // there is room again
+}
+
+TEST(Link, NeitherRingsNorCodecAllocate) {
+  if (!kCountsAllocations) GTEST_SKIP() << "this build's malloc belongs to a sanitizer";
+  hil::Link link(4, 4);
+  Message message = make_state(7);
+  std::array<std::uint8_t, hil::kMaxWireBytes> bytes{};
+  const AllocationCount count;
+  for (int round = 0; round < 10; ++round) {  // fuller than full, then empty, past the ring's end
+    for (int i = 0; i < 6; ++i) link.send(message);
+    for (int i = 0; i < 6; ++i) link.deliver(message);
+    while (link.take(message) && link.receive(message)) {
+    }
+    const std::size_t length = hil::encode(message, bytes);
+    ASSERT_TRUE(hil::decode(hil::MessageKind::kState, std::span(bytes).first(length), message));
+  }
+  EXPECT_EQ(count.get(), 0);
 }
 
 TEST(Link, ThreadsExchangeEverythingInOrder) {
