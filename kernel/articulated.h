@@ -105,4 +105,32 @@ UNLATCH_INLINE void operator+=(ArticulatedT<T>& A, const ArticulatedT<T>& B) {
   A.I = A.I + B.I;
 }
 
+// LDLᵀ of a symmetric 3×3: unit lower triangle and the pivots' inverses.
+template <class T>
+struct Factor3T {
+  T l10, l20, l21, i0, i1, i2;
+};
+template <class T>
+UNLATCH_INLINE Vec3T<T> solve(const Factor3T<T>& f, const Vec3T<T>& b) {
+  const T y1 = b.y - f.l10 * b.x, y2 = (b.z - f.l20 * b.x) - f.l21 * y1;
+  const T z = y2 * f.i2, y = y1 * f.i1 - f.l21 * z;
+  return {(b.x * f.i0 - f.l10 * y) - f.l20 * z, y, z};
+}
+
+// Block LDLᵀ of a whole articulated block, by linear and angular part: what a body that nothing holds needs.
+template <class T>
+struct FreeFactorT {
+  Factor3T<T> M;  // of M
+  Mat3T<T> W;     // M⁻¹ H
+  Factor3T<T> K;  // of I − Hᵀ M⁻¹ H
+};
+using FreeFactor = FreeFactorT<double>;
+
+template <class T>
+UNLATCH_INLINE SpatialT<T> solve(const FreeFactorT<T>& f, const ArticulatedT<T>& A, const SpatialT<T>& b) {
+  const Vec3T<T> y = solve(f.M, b.lin);
+  const Vec3T<T> ang = solve(f.K, b.ang - transpose_times(A.H, y));
+  return {y - f.W * ang, ang};
+}
+
 }  // namespace unlatch

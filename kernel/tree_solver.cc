@@ -27,13 +27,26 @@ void update_freedoms(NodeFactor& node, const JointFrame& f, const Vec3& arm) {
   node.freedoms = static_cast<std::int8_t>(count);
 }
 
-// The pivots of a body that nothing holds: its six unit directions, so that they solve its own block.
-void update_free_directions(NodeFactor& node) {
-  for (int k = 0; k < 3; ++k) {
-    node.pivots[k].s = {column(kIdentity3, k), {0, 0, 0}};
-    node.pivots[k + 3].s = {{0, 0, 0}, column(kIdentity3, k)};
-  }
-  node.freedoms = kRows;
+// False if a pivot vanished beside the diagonal entry that it came from.
+bool factor3(const Sym3& s, const Sym3& whole, Factor3T<double>& f) {
+  f.i0 = 1.0 / s.xx;
+  f.l10 = s.xy * f.i0;
+  f.l20 = s.xz * f.i0;
+  const double d1 = s.yy - f.l10 * s.xy, e = s.yz - f.l10 * s.xz;
+  f.i1 = 1.0 / d1;
+  f.l21 = e * f.i1;
+  const double d2 = (s.zz - f.l20 * s.xz) - f.l21 * e;
+  f.i2 = 1.0 / d2;
+  return s.xx > kSingular * whole.xx && d1 > kSingular * whole.yy && d2 > kSingular * whole.zz;
+}
+
+bool factor_free(NodeFactor& node) {
+  const Articulated& A = node.A;
+  if (!factor3(A.M, A.M, node.free.M)) return false;
+  const Mat3& W = node.free.W = {solve(node.free.M, A.H.x), solve(node.free.M, A.H.y), solve(node.free.M, A.H.z)};
+  const Sym3 K{A.I.xx - dot(A.H.x, W.x), A.I.yy - dot(A.H.y, W.y), A.I.zz - dot(A.H.z, W.z),
+               A.I.xy - dot(A.H.x, W.y), A.I.xz - dot(A.H.x, W.z), A.I.yz - dot(A.H.y, W.z)};
+  return factor3(K, A.I, node.free.K);
 }
 
 // Takes the node's freedoms out of A one by one: what remains is what its parent carries. False if a pivot vanished.
@@ -55,10 +68,7 @@ bool factor_node(const Plan& plan, const State& state, const PlanNode& node, Nod
   if (node.joint == kNone || (factor.rows = get_active_rows(plan, state, node.joint)) == 0) {
     factor.rows = 0;
     factor.freedoms = 0;
-    if (node.leaf) return true;  // a single free body: solve_free_leaf() needs no factor
-    update_free_directions(factor);
-    Articulated rest;
-    return eliminate(factor, false, rest);
+    return node.leaf || factor_free(factor);  // a single free body has its inertia's inverse in the plan
   }
   const JointFrame& f = ws.frames[at(node.joint)];
   update_freedoms(factor, f, get_arm(f, node));
@@ -73,21 +83,18 @@ bool factor_node(const Plan& plan, const State& state, const PlanNode& node, Nod
 
 // Leaves to root: the node's load, less what its freedoms take, goes to its parent.
 void reduce_load(const PlanNode& node, NodeFactor& factor, Workspace& ws) {
-  Spatial b = factor.load;
-  if (factor.rows != 0) {
-    const JointFrame& f = ws.frames[at(node.joint)];
-    const Spatial& bias = ws.bias[at(node.joint)];
-    factor.bias.ang = node.side * bias.ang;
-    factor.bias.lin = node.side * bias.lin - cross(factor.bias.ang, get_arm(f, node));
-    b = b -
-        (node.leaf ? Spatial{factor.A.M.xx * factor.bias.lin, factor.A.I * factor.bias.ang} : factor.A * factor.bias);
-  }
+  if (factor.rows == 0) return;
+  const Spatial& bias = ws.bias[at(node.joint)];
+  factor.bias.ang = node.side * bias.ang;
+  factor.bias.lin = node.side * bias.lin - cross(factor.bias.ang, get_arm(ws.frames[at(node.joint)], node));
+  Spatial b = factor.load - (node.leaf ? Spatial{factor.A.M.xx * factor.bias.lin, factor.A.I * factor.bias.ang}
+                                       : factor.A * factor.bias);
   for (int k = 0; k < factor.freedoms; ++k) {
     Pivot& pivot = factor.pivots[k];
     pivot.beta = dot(pivot.s, b);
     b = b - (pivot.beta * pivot.inverse) * pivot.U;
   }
-  if (factor.rows == 0 || node.parent == kNone) return;
+  if (node.parent == kNone) return;
   Spatial& parent = ws.factors[at(node.parent)].load;
   parent.lin += b.lin;
   parent.ang += b.ang + cross(factor.offset, b.lin);
@@ -109,7 +116,7 @@ void update_multipliers(const PlanNode& node, const NodeFactor& factor, const Sp
 // Root to leaves: the node's acceleration from its parent's.
 void update_acceleration(const Plan& plan, const PlanNode& node, const NodeFactor& factor, Workspace& ws) {
   Spatial a{{0, 0, 0}, {0, 0, 0}};
-  if (factor.rows != 0 && node.parent != kNone) {
+  if (node.parent != kNone) {
     const Spatial& parent = ws.accelerations[at(plan.nodes[at(node.parent)].body)];
     a = {parent.lin + cross(parent.ang, factor.offset), parent.ang};
   }
@@ -117,18 +124,16 @@ void update_acceleration(const Plan& plan, const PlanNode& node, const NodeFacto
     const Pivot& pivot = factor.pivots[k];
     a = a + ((pivot.beta - dot(pivot.U, a)) * pivot.inverse) * pivot.s;
   }
-  if (factor.rows != 0) {
-    a = a + factor.bias;
-    update_multipliers(node, factor, a, ws);
-  }
+  a = a + factor.bias;
+  update_multipliers(node, factor, a, ws);
   ws.accelerations[at(node.body)] = a;
 }
 
-void solve_free_leaf(const Plan& plan, const PlanNode& node, const NodeFactor& factor, Workspace& ws) {
+Spatial solve_free(const Plan& plan, const PlanNode& node, const NodeFactor& factor, const Workspace& ws) {
+  if (!node.leaf) return solve(factor.free, factor.A, factor.load);
   const PlanBody& body = plan.bodies[at(node.body)];
   const Mat3& R = ws.kinematics[at(node.body)].R;
-  ws.accelerations[at(node.body)] = {(1.0 / body.mass) * factor.load.lin,
-                                     R * (body.inverse * transpose_times(R, factor.load.ang))};
+  return {(1.0 / body.mass) * factor.load.lin, R * (body.inverse * transpose_times(R, factor.load.ang))};
 }
 
 }  // namespace
@@ -153,8 +158,8 @@ void solve(const Plan& plan, Workspace& ws) noexcept {
   for (int k = 0; k < count; ++k) {
     const PlanNode& node = plan.nodes[at(k)];
     const NodeFactor& factor = ws.factors[at(k)];
-    if (node.leaf && factor.rows == 0)
-      solve_free_leaf(plan, node, factor, ws);
+    if (factor.rows == 0)
+      ws.accelerations[at(node.body)] = solve_free(plan, node, factor, ws);
     else
       update_acceleration(plan, node, factor, ws);
   }

@@ -4,9 +4,9 @@
 // The same factorisation in closed form: with A the block of a body and all beyond it, and S the freedoms that its
 // joint leaves, the multipliers' Schur complement is
 //     A − A S (Sᵀ A S)⁻¹ Sᵀ A,
-// so a joint with k freedoms is k rank-one downdates (Pivot: s, U = A s, 1/sᵀAs), whichever rows it holds. A body that
-// nothing holds has six freedoms, and the same six downdates solve its block. The multipliers come back on the way down
-// as the wrench A' a − b' that crosses the joint. All vectors are in world axes at each body's own origin, so that
+// so a joint with k freedoms is k rank-one downdates (Pivot: s, U = A s, 1/sᵀAs), whichever rows it holds. The block of
+// a body that nothing holds is solved by its linear and angular parts. The multipliers come back on the way down as the
+// wrench A a − b that crosses the joint. All vectors are in world axes at each body's own origin, so that
 // passing to the parent is a translation. About 550 flop per revolute joint and body.
 #pragma once
 

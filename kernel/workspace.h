@@ -49,8 +49,11 @@ struct NodeFactor {
   Spatial bias;          // what the joint imposes besides its freedoms, at the body's origin
   Spatial load;          // force and torque on the body and all beyond it
   RowSet rows;           // that hold it to its parent or to the ground; 0: it moves freely
-  std::int8_t freedoms;  // pivots in use
-  Pivot pivots[kRows];
+  std::int8_t freedoms;  // pivots in use; 0 where no row holds
+  union {
+    Pivot pivots[kRows];  // where rows hold
+    FreeFactor free;      // where none does
+  };
 };
 
 // Derivative of a BodyState.

@@ -1,0 +1,189 @@
+// What holds of every step, whatever the model.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <thread>
+
+#include "kernel/balance.h"
+#include "kernel/kinematics.h"
+#include "kernel/rows.h"
+#include "kernel/stiffness.h"
+#include "tests/support/malloc_guard.h"
+#include "tests/support/random_model.h"
+#include "tests/support/reference_models.h"
+#include "tests/support/simulation.h"
+#include "tests/support/small_models.h"
+
+namespace unlatch::test {
+namespace {
+
+Model build_boosters() { return build_soyuz(load_reference("soyuz_nominal")); }
+
+std::vector<std::uint64_t> run_hashes(Simulation& simulation, int ticks) {
+  std::vector<std::uint64_t> hashes;
+  for (int i = 0; i < ticks; ++i) {
+    EXPECT_EQ(simulation.advance().status, StepStatus::kOk);
+    hashes.push_back(calc_hash(simulation.state));
+  }
+  return hashes;
+}
+
+constexpr int kAllPhases = 900;  // ticks of 1 ms: the boosters pass hinge, slider, contact, nozzle and free flight
+
+TEST(Step, DoesNotAllocateInAnyPhase) {
+  if (!kCountsAllocations) GTEST_SKIP() << "a sanitizer's malloc cannot be counted";
+  Simulation boosters(build_boosters()), array(build_solar(load_reference("solar_elastic")));
+  const AllocationCount count;
+  for (int i = 0; i < kAllPhases; ++i) (void)boosters.advance();
+  for (int i = 0; i < 9000; ++i) (void)array.advance();  // both latches
+  EXPECT_EQ(count.get(), 0);
+  EXPECT_EQ(boosters.state.joints[3].mode, 2);
+}
+
+TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
+  Simulation clean(build_boosters()), dirty(build_boosters());
+  const Workspace layout = dirty.workspace;
+  for (int i = 0; i < kAllPhases; ++i) {
+    std::byte* first = reinterpret_cast<std::byte*>(layout.kinematics.data());
+    const std::size_t bytes = dirty.plan.get_workspace_bytes();
+    std::fill_n(reinterpret_cast<double*>(first), bytes / sizeof(double), std::numeric_limits<double>::quiet_NaN());
+    dirty.workspace = Workspace(dirty.plan, {first, bytes});
+    ASSERT_EQ(clean.advance().status, StepStatus::kOk);
+    ASSERT_EQ(dirty.advance().status, StepStatus::kOk);
+    ASSERT_EQ(calc_hash(clean.state), calc_hash(dirty.state)) << "tick " << i;
+  }
+}
+
+TEST(Step, ARestoredStateGoesTheSameWayAgain) {
+  Simulation simulation(build_boosters());
+  std::vector<std::byte> saved;
+  for (int i = 0; i < kAllPhases; ++i) {
+    const std::span<std::byte> bytes = simulation.state.get_bytes();
+    saved.assign(bytes.begin(), bytes.end());
+    ASSERT_EQ(simulation.advance().status, StepStatus::kOk);
+    const std::uint64_t first = calc_hash(simulation.state);
+    std::copy(saved.begin(), saved.end(), bytes.begin());
+    ASSERT_EQ(simulation.advance().status, StepStatus::kOk);
+    ASSERT_EQ(calc_hash(simulation.state), first) << "tick " << i;
+  }
+}
+
+TEST(Step, AddressesDoNotMatter) {
+  const Model model = build_boosters();
+  Simulation here(model);
+  const Plan moved_plan = here.plan;
+  std::vector<double> state_memory(moved_plan.get_state_bytes() / 8 + 1);
+  Block workspace_memory(moved_plan.get_workspace_bytes() + 640);
+  State state(moved_plan, {reinterpret_cast<std::byte*>(state_memory.data() + 1), moved_plan.get_state_bytes()});
+  Workspace workspace(moved_plan, workspace_memory.get().subspan(576));
+  init_state(moved_plan, state);
+  for (int i = 0; i < kAllPhases; ++i) {
+    ASSERT_EQ(here.advance().status, StepStatus::kOk);
+    ASSERT_EQ(step(moved_plan, {here.commands}, state, workspace).status, StepStatus::kOk);
+    ASSERT_EQ(calc_hash(state), calc_hash(here.state)) << "tick " << i;
+  }
+}
+
+TEST(Step, TwoThreadsShareOnePlan) {
+  Simulation alone(build_boosters());
+  const Plan& plan = alone.plan;
+  std::uint64_t hashes[2] = {0, 0};
+  {
+    std::vector<std::jthread> threads;
+    for (std::uint64_t& hash : hashes)
+      threads.emplace_back([&plan, &hash] {
+        Block state_memory(plan.get_state_bytes()), workspace_memory(plan.get_workspace_bytes());
+        State state(plan, state_memory.get());
+        Workspace workspace(plan, workspace_memory.get());
+        init_state(plan, state);
+        for (int i = 0; i < kAllPhases; ++i) (void)step(plan, {}, state, workspace);
+        hash = calc_hash(state);
+      });
+  }
+  const std::uint64_t expected = run_hashes(alone, kAllPhases).back();
+  EXPECT_EQ(hashes[0], expected);
+  EXPECT_EQ(hashes[1], expected);
+}
+
+TEST(Step, AFaultLeavesTheLastGoodState) {
+  Model model = build_pendulum(true, 1);
+  Load wild;
+  wild.name = "wild";
+  wild.direction = {1e308, 1e308, 0};
+  wild.profile.value = 1e308;
+  wild.on = false;
+  model.loads.push_back(wild);
+  Action on;
+  on.kind = Action::Kind::kSwitch;
+  on.value = 1;
+  model.events.push_back({"go wild", "bar", when_time(0.0055), 0, {on}, false});
+  Simulation simulation(model);
+  run_hashes(simulation, 5);
+  const std::uint64_t before = calc_hash(simulation.state);
+  const StepReport report = simulation.advance();
+  EXPECT_NE(report.status, StepStatus::kOk);
+  EXPECT_EQ(calc_hash(simulation.state), before);
+  EXPECT_EQ(simulation.state.header->tick, 5);
+}
+
+// Free systems without dissipation: momenta to rounding, energy to the order of the method, rows to rounding.
+TEST(Step, KeepsMomentaEnergyAndJointsOfRandomFreeSystems) {
+  constexpr double kMomentum = 1e-10, kEnergy = 1e-6, kDrift = 1e-11;  // relative; a second of motion at 1 ms
+  for (std::uint64_t seed = 100; seed < 140; ++seed) {
+    RandomModelOptions options;
+    options.bodies = 2 + static_cast<int>(seed % 9);
+    options.grounded_chance = 0;
+    const Model model = build_random_model(seed, options);
+    Simulation s(model);
+    update_kinematics(s.plan, s.state, s.workspace);
+    const Balance before = calc_balance(s.plan, s.state, s.workspace);
+    double drift = 0;
+    for (int i = 0; i < 1000; ++i) {
+      ASSERT_EQ(s.advance().status, StepStatus::kOk) << "seed " << seed << " tick " << i;
+      drift = std::max(drift, calc_drift(s.plan, s.state, s.workspace));
+    }
+    update_kinematics(s.plan, s.state, s.workspace);
+    const Balance after = calc_balance(s.plan, s.state, s.workspace);
+    EXPECT_LT(norm(after.momentum - before.momentum), kMomentum * (1 + norm(before.momentum))) << "seed " << seed;
+    EXPECT_LT(norm(after.angular_momentum - before.angular_momentum),
+              kMomentum * (1 + norm(before.angular_momentum)) * 100)
+        << "seed " << seed;
+    EXPECT_LT(std::abs(after.kinetic - before.kinetic), kEnergy * before.kinetic) << "seed " << seed;
+    EXPECT_LT(drift, kDrift) << "seed " << seed;
+  }
+}
+
+// The simple pendulum of the IFToMM multibody benchmark library (problem A01): a point mass on a massless bar of 1 m.
+TEST(Step, FollowsTheBenchmarkPendulum) {
+  constexpr double kPosition = 1e-8;  // m; ten seconds at 1 ms
+  Model model;
+  model.bodies.push_back(box("mass", 1, 1e-12, 1e-12, 1e-12));
+  model.bodies[0].p_WB = {-1, 0, 0};
+  model.gravity.uniform = {0, -9.81, 0};
+  Joint joint;
+  joint.name = "pivot";
+  joint.point_follower = {1, 0, 0};
+  joint.modes = {{"revolute", kRevoluteRows}};
+  model.joints.push_back(joint);
+  Simulation s(model);
+  run_hashes(s, 10000);
+  EXPECT_NEAR(s.state.bodies[0].p.x, -0.275087462576117, kPosition);
+  EXPECT_NEAR(s.state.bodies[0].p.y, -0.961419205099125, kPosition);
+}
+
+TEST(Step, KnowsHowFastALatchSwings) {
+  const Model model = build_solar(load_reference("solar_elastic"));
+  Simulation s(model);
+  const std::vector<ElementFrequency> found = calc_frequencies(s.plan, s.state, s.workspace);
+  ASSERT_EQ(found.size(), 4u);
+  // A drive and its latch pull along the same freedom, so their frequencies are as the roots of their stiffnesses.
+  const double drive = model.joint_springs[0].stiffness, latch = model.joint_springs[1].stiffness;
+  EXPECT_NEAR(found[1].omega / found[0].omega, std::sqrt(latch / drive), 1e-12);
+  // The outer panel alone, turning about its hinge, is the slowest that the second latch could have to hold.
+  EXPECT_GT(found[3].omega, std::sqrt(900 / (4.99 + 11 * 1.0013)));
+}
+
+}  // namespace
+}  // namespace unlatch::test
