@@ -91,11 +91,19 @@ Piece build_piece(const Shape& shape) {
   return piece;
 }
 
-Eigen::Isometry3d to_isometry(const Pose& pose) {
+// Debian's FCL was built with Eigen's vectors, which want 16-byte alignment; this project builds without them, and
+// Eigen then aligns nothing. Only transforms cross the border.
+struct alignas(16) AlignedPose {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.translate(pose.p_WB);
-  X.rotate(pose.q_WB.normalized());
-  return X;
+};
+static_assert(sizeof(Eigen::Isometry3d) == 16 * sizeof(double));
+
+AlignedPose calc_piece_pose(const Piece& piece, const Pose& body) {
+  AlignedPose pose;
+  pose.X.translate(body.p_WB);
+  pose.X.rotate(body.q_WB.normalized());
+  pose.X = pose.X * piece.X_BS;
+  return pose;
 }
 
 double calc_distance(const Piece& a, const Pose& at_a, const Piece& b, const Pose& at_b) {
@@ -104,9 +112,9 @@ double calc_distance(const Piece& a, const Pose& at_a, const Piece& b, const Pos
   request.enable_signed_distance = false;
   request.distance_tolerance = 1e-7;
   request.gjk_solver_type = fcl::GST_LIBCCD;
+  const AlignedPose X_a = calc_piece_pose(a, at_a), X_b = calc_piece_pose(b, at_b);
   fcl::DistanceResultd result;
-  fcl::distance(a.geometry.get(), to_isometry(at_a) * a.X_BS, b.geometry.get(), to_isometry(at_b) * b.X_BS, request,
-                result);
+  fcl::distance(a.geometry.get(), X_a.X, b.geometry.get(), X_b.X, request, result);
   return std::max(0.0, result.min_distance);
 }
 
