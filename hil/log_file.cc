@@ -46,7 +46,7 @@ std::uint64_t calc_crc64(std::span<const std::uint8_t> bytes, std::uint64_t crc)
 
 LogFileWriter::LogFileWriter(const std::string& path) : path_(path.empty() ? "temporary log" : path) {
   file_.reset(path.empty() ? std::tmpfile() : std::fopen(path.c_str(), "wb"));
-  if (!file_) throw LogError(explain(path_, "cannot be created"));
+  if (!file_) throw LogWriteError(explain(path_, "cannot be created"));
 }
 
 bool LogFileWriter::fail(const char* what) {

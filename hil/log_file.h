@@ -25,6 +25,11 @@ class LogError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+// A log cannot be created or written: the environment's fault, not the log's.
+class LogWriteError : public LogError {
+ public:
+  using LogError::LogError;
+};
 
 // CRC-64/XZ, to be continued from a previous result.
 [[nodiscard]] std::uint64_t calc_crc64(std::span<const std::uint8_t> bytes, std::uint64_t crc = 0) noexcept;
@@ -32,7 +37,7 @@ class LogError : public std::runtime_error {
 class LogFileWriter {
  public:
   // Creates or replaces the file; an empty path means one without a name that vanishes with the writer. Throws
-  // LogError.
+  // LogWriteError.
   explicit LogFileWriter(const std::string& path);
 
   // Appends an event; sealed if its channel says so. False once anything could not be written (disk full): the log then

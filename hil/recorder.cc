@@ -29,7 +29,7 @@ Recorder::Recorder(const std::string& path, const LogHeader& header)
       writer_(path) {
   encode(header, buffer_);
   writer_.append(0, kHeaderChannel, buffer_);
-  if (!writer_.flush()) throw LogError(writer_.get_error());
+  if (!writer_.flush()) throw LogWriteError(writer_.get_error());
   thread_ = std::jthread([this](const std::stop_token& stopping) { run(stopping); });
 }
 

@@ -17,7 +17,7 @@ namespace unlatch::hil {
 class Recorder {
  public:
   // Writes the header. An empty path records into a nameless file without State messages, for looking at the run
-  // afterwards. Throws LogError.
+  // afterwards. Throws LogWriteError.
   Recorder(const std::string& path, const LogHeader& header);
   ~Recorder();
   Recorder(const Recorder&) = delete;

@@ -1,6 +1,6 @@
 #include "hil/replay.h"
 
-#include <cmath>
+#include "hil/run.h"
 
 namespace unlatch::hil {
 namespace {
@@ -68,17 +68,13 @@ Scenario load_recorded_scenario(const LogHeader& header) {
   return load_scenario_text(header.scenario_text, header.scenario_path, header.overrides);
 }
 
-PlanOptions get_recorded_options(const LogHeader& header) {
-  PlanOptions options;
-  options.dt = header.dt;
-  return options;
-}
-
-void check_model_hash(const LogHeader& header, const Simulation& simulation, const std::string& name) {
-  if (static_cast<std::int64_t>(simulation.plan().hash) == header.model_hash) return;
+std::unique_ptr<Simulation> build_recorded_simulation(const LogHeader& header, const Scenario& scenario,
+                                                      const std::string& name) {
+  auto simulation = build_simulation(scenario);
+  if (static_cast<std::int64_t>(simulation->plan().hash) == header.model_hash) return simulation;
   throw LogError(name + ": scenario '" + header.scenario_name +
-                 "' compiles to another model here than in the program that " + "recorded it (" + header.program +
-                 ", " + header.compiler + "); replay it with that one");
+                 "' compiles to another model here than in the program that recorded it (" + header.program + ", " +
+                 header.compiler + "); replay it with that one");
 }
 
 // A tick's inputs are stepped with once the next record shows that its step was made.

@@ -1,6 +1,7 @@
 // Runs a recording again and compares the state's hash at every tick.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "hil/replay_reader.h"
@@ -20,11 +21,12 @@ struct ReplayResult {
   [[nodiscard]] bool agrees() const { return !difference && mismatch.empty(); }
 };
 
-// The scenario of a recording, from the text in it. Throws ScenarioError, SimulationError or LogError (this program
-// compiles the scenario to another model).
+// The scenario of a recording, from the text in it. Throws ScenarioError.
 Scenario load_recorded_scenario(const LogHeader& header);
-PlanOptions get_recorded_options(const LogHeader& header);
-void check_model_hash(const LogHeader& header, const Simulation& simulation, const std::string& name);
+// Its simulation. Throws LogError if this program compiles the scenario to another model; `name`: the recording's, for
+// that.
+std::unique_ptr<Simulation> build_recorded_simulation(const LogHeader& header, const Scenario& scenario,
+                                                      const std::string& name);
 
 // Steps `simulation`, which must be at its initial state, through the recording; stops at the first difference.
 // `analysis` may be null. A recording that lost inputs throws LogError: it cannot be replayed.

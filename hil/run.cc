@@ -57,6 +57,22 @@ class RunRecord {
 
 }  // namespace
 
+std::unique_ptr<Simulation> build_simulation(const Scenario& scenario) {
+  PlanOptions options;
+  options.dt = scenario.dt;
+  try {
+    return std::make_unique<Simulation>(scenario.model, options);
+  } catch (const SimulationError& error) {
+    std::vector<ScenarioMistake> mistakes;
+    for (const ModelError& mistake : error.errors) {
+      const auto place = scenario.marks.find(mistake.where);
+      mistakes.push_back({scenario.file, place == scenario.marks.end() ? SourceMark{} : place->second, "",
+                          mistake.where + ": " + mistake.what, mistake.mend});
+    }
+    throw ScenarioError(std::move(mistakes));
+  }
+}
+
 std::int64_t draw_session() {
   std::random_device device;
   return std::uniform_int_distribution<std::int64_t>(1, std::numeric_limits<std::int64_t>::max())(device);

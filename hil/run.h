@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "hil/recorder.h"
@@ -11,6 +12,9 @@
 #include "hil/simulation.h"
 
 namespace unlatch::hil {
+
+// The scenario compiled for its own step. Throws ScenarioError with the places of the offending elements.
+std::unique_ptr<Simulation> build_simulation(const Scenario& scenario);
 
 // A random session number, > 0.
 std::int64_t draw_session();

@@ -14,6 +14,7 @@
 #include "kernel/model.h"
 #include "kernel/plan.h"
 #include "kernel/step.h"
+#include "kernel/stiffness.h"
 
 namespace unlatch::hil {
 
@@ -36,6 +37,9 @@ class Simulation {
   // The value of each channel, what the next step will read.
   std::span<double> channels() noexcept { return channels_; }
   std::span<const double> channels() const noexcept { return channels_; }
+
+  // h·ω and so on of the springs at the present state; overwrites the workspace.
+  std::vector<ElementFrequency> calc_frequencies() { return unlatch::calc_frequencies(plan_, state_, workspace_); }
 
   const Model& model() const noexcept { return model_; }
   const Plan& plan() const noexcept { return plan_; }

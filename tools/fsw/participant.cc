@@ -1,0 +1,146 @@
+#include "tools/fsw/participant.h"
+
+#include <chrono>
+
+namespace unlatch::fsw {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+using hil::AckStatus;
+using hil::MessageKind;
+using hil::RunStatus;
+
+constexpr auto kPollWait = 50ms;
+
+// The same number in every run, so that the order in which commands are applied is too. FNV-1a of the name, 31 bits.
+std::int32_t calc_id(const std::string& name) {
+  std::uint32_t hash = 2166136261u;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  return static_cast<std::int32_t>(hash >> 1);
+}
+
+}  // namespace
+
+Participant::Participant(bridge::Port& port, const std::string& name) : port_(port), name_(name), id_(calc_id(name)) {}
+
+Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>& stop) {
+  Outcome outcome;
+  auto heard = Clock::now();
+  hil::Message message;
+  while (!stop.load(std::memory_order_relaxed)) {
+    if (!port_.poll(message, kPollWait)) {
+      if (std::chrono::duration<double>(Clock::now() - heard).count() < patience_s) continue;
+      outcome.explanation = session_ == 0 ? "no simulator was heard" : "the simulator has fallen silent";
+      return outcome;
+    }
+    if (message.kind == MessageKind::kHello) {
+      hear_hello(message.hello);
+    } else if (message.kind == MessageKind::kCatalog && message.catalog.session == session_) {
+      vehicle_.learn(message.catalog);
+    } else if (message.kind == MessageKind::kState && message.state.session == session_ && session_ != 0) {
+      hear_state(message.state);
+      if (has_ended(message.state, outcome)) return outcome;
+    } else {
+      continue;  // another session, or nothing that concerns us
+    }
+    heard = Clock::now();
+    if (!refusal_.empty()) {
+      outcome.explanation = refusal_;
+      return outcome;
+    }
+    if (message.kind != MessageKind::kState) answer_hello();
+  }
+  outcome.explanation = "stopped";
+  return outcome;
+}
+
+void Participant::hear_hello(const hil::Hello& hello) {
+  if (hello.session == session_) return;  // said again
+  session_ = hello.session;
+  attached_ = false;
+  answered_tick_ = -1;
+  last_command_ = 0;
+  vehicle_.begin(hello);
+  if (hello.schema_hash != hil::kSchemaHash || hello.protocol != hil::kProtocolVersion) {
+    refuse(hello.session, "built for another version of the message schema");
+  }
+}
+
+// Once the catalog is complete; and again whenever the simulator says hello again, because it has not heard us then.
+void Participant::answer_hello() {
+  if (session_ == 0 || !vehicle_.is_known()) return;
+  if (!attached_) {
+    const std::string missing = sequence_.attach(vehicle_);
+    if (!missing.empty()) return refuse(session_, "the vehicle lacks " + missing);
+    attached_ = true;
+  }
+  hil::HelloAck ack;
+  ack.session = session_;
+  ack.schema_hash = hil::kSchemaHash;
+  ack.participant = id_;
+  ack.status = static_cast<std::int32_t>(AckStatus::kReady);
+  hil::set_name(ack.name, name_);
+  port_.publish(ack);
+}
+
+void Participant::refuse(std::int64_t session, const std::string& reason) {
+  refusal_ = reason;
+  hil::HelloAck ack;
+  ack.session = session;
+  ack.schema_hash = hil::kSchemaHash;
+  ack.participant = id_;
+  ack.status = static_cast<std::int32_t>(AckStatus::kRefused);
+  hil::set_name(ack.name, name_);
+  hil::set_name(ack.reason, reason);
+  port_.publish(ack);
+}
+
+void Participant::hear_state(const hil::State& state) {
+  if (!attached_ || state.tick < answered_tick_ || !vehicle_.sense(state)) return;
+  if (state.tick > answered_tick_) {
+    commands_.clear();
+    sequence_.update(state.time_ns, vehicle_, commands_);
+    answered_tick_ = state.tick;
+    answer_commands_.clear();
+    for (const Commands::Setting& setting : commands_.get()) {
+      hil::Command command;
+      command.session = session_;
+      command.sequence = ++last_command_;
+      command.tick = state.tick;
+      command.valid_until_tick = -1;
+      command.value = setting.value;
+      command.participant = id_;
+      command.channel = setting.channel;
+      answer_commands_.push_back(command);
+    }
+  }
+  answer(state);
+}
+
+void Participant::answer(const hil::State& state) {
+  for (const hil::Command& command : answer_commands_) port_.publish(command);
+  hil::StepAck ack;
+  ack.session = session_;
+  ack.sequence = state.sequence;
+  ack.tick = state.tick;
+  ack.last_command = last_command_;
+  ack.participant = id_;
+  ack.command_count = static_cast<std::int32_t>(answer_commands_.size());
+  port_.publish(ack);
+}
+
+bool Participant::has_ended(const hil::State& state, Outcome& outcome) const {
+  switch (static_cast<RunStatus>(state.status)) {
+    case RunStatus::kDone:
+      return outcome = {true, "the run is done"}, true;
+    case RunStatus::kFaulted:
+      return outcome = {true, "the simulator reports a fault"}, true;
+    case RunStatus::kAborted:
+      return outcome = {true, "the run was aborted"}, true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace unlatch::fsw

@@ -1,0 +1,50 @@
+// The protocol's side of flight software: introduces itself, answers every State with commands and an acknowledgement,
+// answers a State that is sent again exactly as before, and leaves when the session ends. docs:
+// bridge/schema/README.md.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "bridge/port.h"
+#include "tools/fsw/separation_sequence.h"
+#include "tools/fsw/vehicle.h"
+
+namespace unlatch::fsw {
+
+class Participant {
+ public:
+  Participant(bridge::Port& port, const std::string& name);
+
+  struct Outcome {
+    bool done = false;        // a session came to its planned end
+    std::string explanation;  // for people
+  };
+  // Takes part in one session. Gives up when nothing is heard of a simulator for `patience_s`, or when `stop` is set.
+  Outcome run(double patience_s, const std::atomic<bool>& stop);
+
+ private:
+  void hear_hello(const hil::Hello& hello);
+  void hear_state(const hil::State& state);
+  void answer_hello();
+  void refuse(std::int64_t session, const std::string& reason);
+  void answer(const hil::State& state);
+  [[nodiscard]] bool has_ended(const hil::State& state, Outcome& outcome) const;
+
+  bridge::Port& port_;
+  const std::string name_;
+  const std::int32_t id_;
+
+  Vehicle vehicle_;
+  SeparationSequence sequence_;
+  Commands commands_;
+  std::int64_t session_ = 0;  // 0: none yet
+  bool attached_ = false;     // to this session's vehicle
+  std::string refusal_;       // why not
+  std::int64_t answered_tick_ = -1;
+  std::int64_t last_command_ = 0;              // sequence number
+  std::vector<hil::Command> answer_commands_;  // to answered_tick_
+};
+
+}  // namespace unlatch::fsw

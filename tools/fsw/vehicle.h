@@ -1,0 +1,54 @@
+// What flight software sees of the simulator: names and sensor values, as its messages tell them.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hil/messages.h"
+
+namespace unlatch::fsw {
+
+class Vehicle {
+ public:
+  // A new session: everything is unknown again.
+  void begin(const hil::Hello& hello);
+  void learn(const hil::Catalog& item);
+  // Every channel and sensor value that the Hello announced has been named.
+  [[nodiscard]] bool is_known() const;
+
+  // Takes one part of a tick's State; true once all parts of that tick are there (part 0 comes last).
+  bool sense(const hil::State& part);
+
+  [[nodiscard]] int find_channel(const std::string& name) const { return find(channels_, name); }
+  [[nodiscard]] int find_sensor(const std::string& name) const { return find(sensor_names_, name); }
+  [[nodiscard]] double get_sensor(int index) const { return sensors_[static_cast<std::size_t>(index)]; }
+
+ private:
+  using Names = std::map<std::string, int>;
+  static int find(const Names& names, const std::string& name);
+
+  Names channels_, sensor_names_;
+  std::vector<double> sensors_;
+  std::size_t channel_count_ = 0;
+  std::int64_t sensed_tick_ = -1;
+  std::int32_t parts_sensed_ = 0;
+};
+
+// What flight software wants, for one tick.
+class Commands {
+ public:
+  struct Setting {
+    int channel;
+    double value;
+  };
+  void set(int channel, double value) { settings_.push_back({channel, value}); }
+  void clear() { settings_.clear(); }
+  [[nodiscard]] const std::vector<Setting>& get() const { return settings_; }
+
+ private:
+  std::vector<Setting> settings_;
+};
+
+}  // namespace unlatch::fsw

@@ -1,0 +1,24 @@
+// The options with which every tool names its transport.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "bridge/port.h"
+
+namespace unlatch::tools {
+
+struct TransportOptions {
+  std::string name;
+  bridge::DdsOptions dds;
+  bridge::LcmOptions lcm;
+};
+
+// Adds --transport (required; inproc only where it makes sense), --domain, --interface, --lcm-url.
+void add_transport_options(CLI::App& command, TransportOptions& options, bool with_inproc);
+
+// dds or lcm. Throws bridge::PortError.
+std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role);
+
+}  // namespace unlatch::tools

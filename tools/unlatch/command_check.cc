@@ -1,0 +1,122 @@
+// unlatch check: validates a scenario and prints its plan.
+#include <cmath>
+
+#include "hil/run.h"
+#include "kernel/stiffness.h"
+#include "tools/exit_codes.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+// An explicit Runge–Kutta step resolves h ω up to the first, and is stable up to the second.
+constexpr double kAccurate = 0.2, kStable = 2.8;
+
+void print_heading(const char* text) { std::printf("\n%s\n", paint(stdout, Colour::kBold, text).c_str()); }
+
+std::string get_body_name(const Model& model, int body) {
+  return body == kGround ? "ground" : model.bodies[static_cast<std::size_t>(body)].name;
+}
+
+std::string list_rows(RowSet rows) {
+  std::string text;
+  for (int row = 0; row < kRows; ++row) {
+    if (has_row(rows, row)) text += (text.empty() ? "" : " ") + std::string(kRowNames[row]);
+  }
+  return text.empty() ? "none" : text;
+}
+
+void print_bodies(const Model& model) {
+  print_heading("Bodies");
+  for (const Body& body : model.bodies) {
+    std::printf("  %-16s mass %.6g kg, inertia %.6g %.6g %.6g kg m2\n", body.name.c_str(), body.mass,
+                body.inertia(0, 0), body.inertia(1, 1), body.inertia(2, 2));
+  }
+}
+
+void print_joints(const Model& model) {
+  if (model.joints.empty()) return;
+  print_heading("Joints, their modes and rows (* initial)");
+  for (const Joint& joint : model.joints) {
+    std::printf("  %s: %s – %s\n", joint.name.c_str(), get_body_name(model, joint.base).c_str(),
+                get_body_name(model, joint.follower).c_str());
+    for (std::size_t mode = 0; mode < joint.modes.size(); ++mode) {
+      const int count = __builtin_popcount(joint.modes[mode].rows);
+      std::printf("    %c %-14s %d rows: %s\n", static_cast<int>(mode) == joint.mode ? '*' : ' ',
+                  joint.modes[mode].name.c_str(), count, list_rows(joint.modes[mode].rows).c_str());
+    }
+  }
+}
+
+// Leaves to root, as the factorisation goes: the reverse of the plan's nodes.
+void print_elimination(const Model& model, const Plan& plan) {
+  print_heading("Elimination order, leaves to root");
+  for (auto node = plan.nodes.rbegin(); node != plan.nodes.rend(); ++node) {
+    const std::string body = model.bodies[static_cast<std::size_t>(node->body)].name;
+    if (node->parent != kNone) {
+      const auto& parent = plan.nodes[static_cast<std::size_t>(node->parent)];
+      std::printf("  %-16s through %s into %s\n", body.c_str(),
+                  model.joints[static_cast<std::size_t>(node->joint)].name.c_str(),
+                  model.bodies[static_cast<std::size_t>(parent.body)].name.c_str());
+    } else if (node->joint != kNone) {
+      std::printf("  %-16s root, held to the ground by %s\n", body.c_str(),
+                  model.joints[static_cast<std::size_t>(node->joint)].name.c_str());
+    } else {
+      std::printf("  %-16s root\n", body.c_str());
+    }
+  }
+  for (const std::int32_t loop : plan.loops) {
+    std::printf("  %s closes a loop\n", model.joints[static_cast<std::size_t>(loop)].name.c_str());
+  }
+}
+
+void print_elements(const Model& model, hil::Simulation& simulation) {
+  const Plan& plan = simulation.plan();
+  const auto frequencies = simulation.calc_frequencies();
+  if (frequencies.empty()) return;
+  print_heading("Elastic elements, h = step");
+  for (const ElementFrequency& element : frequencies) {
+    const double h_omega = plan.options.dt * element.omega, h_decay = plan.options.dt * element.decay;
+    const double worst = std::max(h_omega, h_decay);
+    std::string verdict = "resolved";
+    if (worst > kStable)
+      verdict = paint(stdout, Colour::kRed, "unstable: make the step smaller, or the element softer");
+    else if (worst > kAccurate)
+      verdict = paint(stdout, Colour::kYellow, "stable, but not resolved accurately");
+    std::printf("  %-20s h*omega %-10.4g h*decay %-10.4g %s\n", model.element_name(element.element).c_str(), h_omega,
+                h_decay, verdict.c_str());
+  }
+}
+
+int run(const ScenarioOptions& options) {
+  const hil::Scenario scenario = load(options);
+  const auto simulation = hil::build_simulation(scenario);
+  const Plan& plan = simulation->plan();
+  std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
+  std::printf("  step %g s, %lld ticks to %g s; %zu channels, %d sensor values, %zu signals, %zu events\n", scenario.dt,
+              static_cast<long long>(calc_last_tick(scenario)), scenario.until, scenario.model.channels.size(),
+              plan.sensor_count, scenario.model.signals.size(), scenario.model.events.size());
+  print_bodies(scenario.model);
+  print_joints(scenario.model);
+  print_elimination(scenario.model, plan);
+  print_elements(scenario.model, *simulation);
+  print_heading("Memory");
+  std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
+  std::printf("\n%s\n", paint(stdout, Colour::kGreen, options.path + " is valid").c_str());
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ScenarioOptions>();
+  CLI::App* command =
+      app.add_subcommand("check",
+                         "Validates a scenario and prints its plan; every mistake with file, line and column.\n"
+                         "Example: unlatch check hil/scenarios/boosters/scenario.yaml");
+  add_scenario_options(*command, *options);
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace unlatch::tools

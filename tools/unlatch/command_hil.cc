@@ -1,0 +1,208 @@
+// unlatch hil: a scenario with flight software in the loop. The cyclic thread steps; the bridge's threads carry its
+// messages; a recorder's thread writes; this thread watches. What engineers read off the run is found by replaying the
+// recording, which also proves that it replays.
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "bridge/pump.h"
+#include "hil/executive.h"
+#include "hil/executive_notices.h"
+#include "hil/pacer.h"
+#include "hil/run.h"
+#include "tools/exit_codes.h"
+#include "tools/fsw/participant.h"
+#include "tools/interrupt.h"
+#include "tools/transport.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/report.h"
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+struct HilOptions {
+  ScenarioOptions scenario;
+  TransportOptions transport;
+  hil::Pace pace = hil::Pace::kRealtime;
+  double start_timeout_s = 20;
+  std::string json, log;
+};
+
+// With `--transport inproc` the reference flight software runs in a thread of this process; else it is a process of its
+// own.
+class FlightSoftwareThread {
+ public:
+  FlightSoftwareThread(bridge::InprocHub& hub, const std::string& name)
+      : port_(hub.open(bridge::Role::kParticipant)), participant_(*port_, name) {
+    thread_ = std::jthread([this] { outcome_ = participant_.run(kPatience_s, stop_); });
+  }
+  ~FlightSoftwareThread() { stop_.store(true); }
+
+ private:
+  static constexpr double kPatience_s = 60;
+  std::unique_ptr<bridge::Port> port_;
+  fsw::Participant participant_;
+  fsw::Participant::Outcome outcome_;
+  std::atomic<bool> stop_{false};
+  std::jthread thread_;
+};
+
+std::string describe(const hil::Event& notice, const hil::FlightSoftware& flight_software) {
+  const std::string name(hil::get_name(notice.name)), subject(hil::get_name(notice.subject));
+  const std::string at = "t = " + std::to_string(notice.time) + " s: ";
+  if (name == hil::kJoined) return "flight software '" + subject + "' takes part";
+  if (name == hil::kResumed) return at + "flight software '" + subject + "' is back, the run goes on";
+  return at + "flight software '" + subject + "' has not answered for " + std::to_string(flight_software.timeout) +
+         " s; policy '" + name.substr(hil::kPolicyPrefix.size()) + "' is applied";
+}
+
+class Session {
+ public:
+  Session(const HilOptions& options)
+      : options_(options),
+        scenario_(load(options.scenario)),
+        simulation_(hil::build_simulation(scenario_)),
+        last_tick_(calc_last_tick(scenario_)),
+        session_(hil::draw_session()),
+        header_(hil::build_log_header(scenario_, *simulation_, options.pace, session_, last_tick_)),
+        link_(kRoomOut + hil::build_catalog(scenario_.model).size()) {}
+
+  int run() {
+    connect();
+    recorder_.emplace(options_.log, header_);
+    hil::LogEnd end = run_executive();
+    flight_software_.clear();
+    pump_.reset();
+    recorder_->close(end);
+    return report(end);
+  }
+
+ private:
+  static constexpr std::size_t kRoomOut = 1024;  // messages
+
+  void connect() {
+    if (options_.transport.name != "inproc") {
+      port_ = open_port(options_.transport, bridge::Role::kSimulator);
+    } else {
+      port_ = hub_.open(bridge::Role::kSimulator);
+      if (options_.pace != hil::Pace::kFast) {
+        for (const std::string& name : scenario_.flight_software.required) {
+          flight_software_.push_back(std::make_unique<FlightSoftwareThread>(hub_, name));
+        }
+      }
+    }
+    pump_ = std::make_unique<bridge::Pump>(link_, *port_);
+  }
+
+  hil::LogEnd run_executive() {
+    hil::ExecutiveOptions options;
+    options.pace = options_.pace;
+    options.session = session_;
+    options.last_tick = last_tick_;
+    options.flight_software = scenario_.flight_software;
+    options.start_timeout_ns = static_cast<std::int64_t>(options_.start_timeout_s * 1e9);
+    hil::Executive executive(*simulation_, link_, *recorder_, scenario_.name, options);
+
+    hil::LogEnd end;
+    std::atomic<bool> ended{false};
+    std::jthread cyclic([&] {
+      if (options_.pace == hil::Pace::kRealtime) {
+        for (const std::string& refused : hil::request_real_time()) std::fprintf(stderr, "%s\n", refused.c_str());
+      }
+      end = executive.run();
+      ended.store(true, std::memory_order_release);
+    });
+    watch(executive, ended);
+    return cyclic.join(), end;
+  }
+
+  void watch(hil::Executive& executive, const std::atomic<bool>& ended) {
+    const std::atomic<bool>& interrupted = catch_interrupts();
+    Progress progress(scenario_.dt, last_tick_);
+    bool last_look = false;
+    while (!last_look) {
+      last_look = ended.load(std::memory_order_acquire);
+      if (interrupted.load()) executive.request_stop();
+      hil::Event notice;
+      while (executive.take_notice(notice)) {
+        progress.clear();
+        const std::string text = describe(notice, scenario_.flight_software);
+        const bool good = hil::get_name(notice.name) == hil::kJoined;
+        std::fprintf(stderr, "%s\n", good ? text.c_str() : paint(stderr, Colour::kYellow, text).c_str());
+      }
+      progress.show(executive.get_tick());
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    progress.clear();
+  }
+
+  // The recording, from its file or, without --log, from the nameless one.
+  hil::LogFileReader open_recording() {
+    if (!options_.log.empty()) return hil::LogFileReader(options_.log);
+    return {recorder_->rewind(), "the recording"};
+  }
+
+  int report(const hil::LogEnd& end) {
+    if (!recorder_->get_error().empty()) throw OutputError(recorder_->get_error());
+    const auto again = hil::build_simulation(scenario_);
+    hil::RunAnalysis analysis(scenario_, *again, {end.tick});
+    hil::RecordingReader recording(open_recording());
+    std::optional<hil::ReplayResult> replayed;
+    std::string message = end.message;
+    try {
+      replayed = hil::replay(recording, *again, &analysis);
+    } catch (const hil::LogError& error) {
+      message += (message.empty() ? "" : "; ") + std::string(error.what());
+    }
+    std::string status = get_status_name(end.status);
+    if (replayed && !replayed->agrees()) status = "different";
+    const RunReport report{scenario_, *again,     analysis,          status,  message, end.tick,
+                           end.hash,  end.timing, recording.notices, replayed};
+    print_report(get_people_stream(options_.json), report);
+    write_json(build_json(report), options_.json);
+    return status == "ok" ? kExitDone : kExitFailed;
+  }
+
+  const HilOptions& options_;
+  const hil::Scenario scenario_;
+  const std::unique_ptr<hil::Simulation> simulation_;
+  const std::int64_t last_tick_, session_;
+  const hil::LogHeader header_;
+  hil::Link link_;
+  bridge::InprocHub hub_;
+  std::unique_ptr<bridge::Port> port_;
+  std::unique_ptr<bridge::Pump> pump_;
+  std::vector<std::unique_ptr<FlightSoftwareThread>> flight_software_;
+  std::optional<hil::Recorder> recorder_;
+};
+
+}  // namespace
+
+void add_hil(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<HilOptions>();
+  CLI::App* command = app.add_subcommand(
+      "hil",
+      "Runs a scenario with flight software in the loop.\n"
+      "Example, in two terminals:\n"
+      "  unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log\n"
+      "  unlatch-fsw --transport dds");
+  add_scenario_options(*command, options->scenario);
+  add_transport_options(*command, options->transport, true);
+  const std::map<std::string, hil::Pace> paces{
+      {"realtime", hil::Pace::kRealtime}, {"lockstep", hil::Pace::kLockstep}, {"fast", hil::Pace::kFast}};
+  command
+      ->add_option("--pace", options->pace,
+                   "realtime: by the clock; lockstep: by the answers; fast: without flight software")
+      ->required()
+      ->transform(CLI::CheckedTransformer(paces));
+  command->add_option("--start-timeout", options->start_timeout_s, "how long to wait for the flight software, s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  command->add_option("--log", options->log, "file for a recording, an LCM event log that `unlatch replay` reads");
+  command->callback([options, &exit_code] { exit_code = Session(*options).run(); });
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,33 @@
+// The subcommands of `unlatch`. Each adds itself to the command line; the program then runs the one that was chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/scenario.h"
+
+namespace unlatch::tools {
+
+// Each sets `exit_code` when it has run. Errors of the user's files, the middleware and so on leave as exceptions;
+// main.cc turns them into messages and exit codes.
+void add_check(CLI::App& app, int& exit_code);
+void add_run(CLI::App& app, int& exit_code);
+void add_hil(CLI::App& app, int& exit_code);
+void add_replay(CLI::App& app, int& exit_code);
+void add_log(CLI::App& app, int& exit_code);
+
+// What check, run and hil say about their scenario.
+struct ScenarioOptions {
+  std::string path;
+  std::vector<std::string> overrides;
+  double until = 0, dt = 0;  // s; 0: as the scenario says
+};
+void add_scenario_options(CLI::App& command, ScenarioOptions& options);
+
+// Throws hil::ScenarioError.
+hil::Scenario load(const ScenarioOptions& options);
+std::int64_t calc_last_tick(const hil::Scenario& scenario);
+
+}  // namespace unlatch::tools

@@ -1,0 +1,49 @@
+// unlatch: the command line.
+#include <cstdio>
+
+#include "bridge/port.h"
+#include "hil/log_file.h"
+#include "hil/simulation.h"
+#include "tools/exit_codes.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/report.h"
+
+int main(int argc, char** argv) {
+  using namespace unlatch;
+  CLI::App app{
+      "unlatch: separation and deployment dynamics in hard real time, with flight software in the loop.\n"
+      "Exit codes: 0 done, 1 the run or comparison failed, 2 usage or input wrong, 3 environment."};
+  app.set_version_flag("--version", "unlatch " UNLATCH_VERSION);
+  app.require_subcommand(1);
+  int exit_code = tools::kExitDone;
+  tools::add_check(app, exit_code);
+  tools::add_run(app, exit_code);
+  tools::add_hil(app, exit_code);
+  tools::add_replay(app, exit_code);
+  tools::add_log(app, exit_code);
+
+  const auto fail = [](const char* what, int code) {
+    std::fprintf(stderr, "%s\n", what);
+    return code;
+  };
+  try {
+    app.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? tools::kExitDone : tools::kExitUsage;
+  } catch (const hil::ScenarioError& error) {
+    return fail(error.what(), tools::kExitUsage);
+  } catch (const hil::SimulationError& error) {
+    return fail(error.what(), tools::kExitUsage);
+  } catch (const hil::LogWriteError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const hil::LogError& error) {
+    return fail(error.what(), tools::kExitUsage);
+  } catch (const bridge::PortError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const tools::OutputError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const std::exception& error) {
+    return fail(error.what(), tools::kExitFailed);
+  }
+}

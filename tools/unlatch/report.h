@@ -1,0 +1,42 @@
+// The result of a run, of any kind, as JSON for programs and as tables for people.
+#pragma once
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/replay.h"
+#include "hil/run_analysis.h"
+
+namespace unlatch::tools {
+
+struct RunReport {
+  const hil::Scenario& scenario;
+  const hil::Simulation& simulation;  // at its last state
+  const hil::RunAnalysis& analysis;
+  std::string status = "ok";        // or fault, aborted, truncated, damaged, different
+  std::string message;              // why, if not ok
+  std::int64_t tick = 0, hash = 0;  // of the last state
+  hil::TimingSummary timing;
+  std::vector<hil::Event> notices;  // participants and policies
+  std::optional<hil::ReplayResult> replay;
+};
+
+std::string to_hex(std::int64_t hash);
+const char* get_status_name(hil::RunStatus status);
+
+nlohmann::ordered_json build_json(const RunReport& report);
+void print_report(std::FILE* to, const RunReport& report);
+
+// Where --json goes: nowhere, standard output ("-"), or a file. Throws OutputError.
+class OutputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+void write_json(const nlohmann::ordered_json& json, const std::string& target);
+// People's text goes to standard error when standard output is JSON's.
+inline std::FILE* get_people_stream(const std::string& json_target) { return json_target == "-" ? stderr : stdout; }
+
+}  // namespace unlatch::tools

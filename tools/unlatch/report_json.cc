@@ -1,0 +1,160 @@
+#include <cerrno>
+#include <cstring>
+
+#include "tools/unlatch/report.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
+
+Json build_sample(const hil::Sample& sample, const Model& model) {
+  Json bodies = Json::object(), reactions = Json::object();
+  for (std::size_t i = 0; i < sample.bodies.size(); ++i) {
+    const BodyState& body = sample.bodies[i];
+    bodies[model.bodies[i].name] = {{"p", to_json(body.p)},
+                                    {"q", Json::array({body.q.w, body.q.x, body.q.y, body.q.z})},
+                                    {"v", to_json(body.v)},
+                                    {"w", to_json(body.w)},
+                                    {"modal", Json::array()}};
+  }
+  for (const hil::ReactionSample& reaction : sample.reactions) {
+    Json rows = Json::array(), values = Json::array();
+    for (int row = 0; row < kRows; ++row) {
+      if (!has_row(reaction.rows, row)) continue;
+      rows.push_back(kRowNames[row]);
+      values.push_back(reaction.multipliers[static_cast<std::size_t>(row)]);
+    }
+    reactions[reaction.joint] = {{"mode", reaction.mode}, {"rows", rows}, {"lambda", values}};
+  }
+  return {{"t", sample.time}, {"bodies", bodies}, {"reactions", reactions}};
+}
+
+Json build_clearance(const hil::Clearance& clearance, const Model& model) {
+  const auto name = [&model](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
+  return {{"pair", Json::array({name(clearance.a), name(clearance.b)})},
+          {"min", clearance.smallest},
+          {"t", clearance.time}};
+}
+
+Json build_audit(const EventAudit& audit) {
+  return {{"t", audit.time},
+          {"momentum_jump", to_json(audit.jump.momentum)},
+          {"angular_momentum_jump", to_json(audit.jump.angular_momentum)},
+          {"energy_jump", audit.jump.kinetic},
+          {"entitled",
+           {{"momentum_jump", to_json(audit.entitled.momentum)},
+            {"angular_momentum_jump", to_json(audit.entitled.angular_momentum)},
+            {"energy_jump", audit.entitled.kinetic}}}};
+}
+
+Json to_json(const hil::DurationSummary& summary) {
+  return {{"p50", summary.p50},
+          {"p99", summary.p99},
+          {"p999", summary.p999},
+          {"max", summary.max},
+          {"count", summary.count}};
+}
+
+Json to_json(const hil::TimingSummary& timing) {
+  static constexpr const char* kReasons[] = {"wrong_session", "past_tick",    "duplicate",       "expired",
+                                             "not_finite",    "out_of_range", "unknown_channel", "malformed"};
+  Json rejected = Json::object();
+  for (std::size_t i = 0; i < hil::kRejectReasons; ++i) rejected[kReasons[i]] = timing.rejected[i];
+  return {{"step_ns", to_json(timing.step)},
+          {"wakeup_ns", to_json(timing.wakeup)},
+          {"turnaround_ns", to_json(timing.turnaround)},
+          {"overruns", timing.overruns},
+          {"late_wakeups", timing.late_wakeups},
+          {"long_steps", timing.long_steps},
+          {"late_commands", timing.late_commands},
+          {"dropped", timing.dropped},
+          {"resent", timing.resent},
+          {"rejected", rejected}};
+}
+
+Json to_json(const hil::ReplayResult& replay) {
+  Json json = {{"ticks_compared", replay.compared}, {"agrees", replay.agrees()}};
+  if (replay.difference) {
+    json["first_difference"] = {{"tick", replay.difference->tick},
+                                {"recorded", to_hex(replay.difference->recorded)},
+                                {"replayed", to_hex(replay.difference->replayed)}};
+  }
+  if (!replay.mismatch.empty()) json["mismatch"] = replay.mismatch;
+  return json;
+}
+
+}  // namespace
+
+std::string to_hex(std::int64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+const char* get_status_name(hil::RunStatus status) {
+  switch (status) {
+    case hil::RunStatus::kDone:
+      return "ok";
+    case hil::RunStatus::kFaulted:
+      return "fault";
+    default:
+      return "aborted";
+  }
+}
+
+nlohmann::ordered_json build_json(const RunReport& report) {
+  const Model& model = report.scenario.model;
+  Json json = {{"schema", 1},
+               {"scenario", report.scenario.name},
+               {"status", report.status},
+               {"dt", report.simulation.plan().options.dt},
+               {"ticks", report.tick},
+               {"hash", to_hex(report.hash)}};
+  if (!report.message.empty()) json["message"] = report.message;
+  json["events"] = Json::array();
+  for (const auto& entry : report.analysis.timeline) {
+    json["events"].push_back({{"t", entry.time}, {"name", entry.name}, {"subject", entry.subject}});
+  }
+  json["notices"] = Json::array();
+  for (const hil::Event& notice : report.notices) {
+    json["notices"].push_back(
+        {{"t", notice.time}, {"name", hil::get_name(notice.name)}, {"subject", hil::get_name(notice.subject)}});
+  }
+  json["samples"] = Json::array();
+  for (const hil::Sample& sample : report.analysis.samples) json["samples"].push_back(build_sample(sample, model));
+  json["clearance"] = Json::array();
+  for (const auto& clearance : report.analysis.clearances()) {
+    json["clearance"].push_back(build_clearance(clearance, model));
+  }
+  json["tip_off"] = Json::array();
+  for (const hil::TipOff& tip_off : report.analysis.tip_offs) {
+    json["tip_off"].push_back(
+        {{"t", tip_off.time}, {"body", tip_off.body}, {"joint", tip_off.joint}, {"w", to_json(tip_off.w)}});
+  }
+  json["joints"] = Json::object();
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const auto mode = static_cast<std::size_t>(report.simulation.state().joints[i].mode);
+    json["joints"][model.joints[i].name] = model.joints[i].modes[mode].name;
+  }
+  json["audit"] = Json::array();
+  for (const EventAudit& audit : report.analysis.audits) json["audit"].push_back(build_audit(audit));
+  json["timing"] = to_json(report.timing);
+  if (report.replay) json["replay"] = to_json(*report.replay);
+  return json;
+}
+
+void write_json(const nlohmann::ordered_json& json, const std::string& target) {
+  if (target.empty()) return;
+  const std::string text = json.dump(1) + "\n";
+  std::FILE* const file = target == "-" ? stdout : std::fopen(target.c_str(), "wb");
+  if (file == nullptr) throw OutputError(target + ": cannot be created: " + std::strerror(errno));
+  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+  const int error = errno;
+  if (file != stdout) std::fclose(file);
+  if (!written) throw OutputError(target + ": cannot be written: " + std::strerror(error));
+}
+
+}  // namespace unlatch::tools

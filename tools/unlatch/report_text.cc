@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tools/unlatch/report.h"
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+constexpr double kDegPerRad = 57.29577951308232;
+
+void print_heading(std::FILE* to, const char* text) {
+  std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
+}
+
+// The model's events and what the executive said, in one order of time.
+void print_timeline(std::FILE* to, const RunReport& report) {
+  std::vector<hil::TimelineEntry> entries = report.analysis.timeline;
+  for (const hil::Event& notice : report.notices) {
+    entries.push_back(
+        {notice.time, std::string(hil::get_name(notice.name)), std::string(hil::get_name(notice.subject))});
+  }
+  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+  print_heading(to, "Events");
+  if (entries.empty()) std::fputs("  none\n", to);
+  for (const auto& entry : entries) {
+    std::fprintf(to, "  %12.6f s  %-20s %s\n", entry.time, entry.name.c_str(), entry.subject.c_str());
+  }
+  if (report.analysis.postponed > 0) {
+    std::fprintf(to,
+                 "  %lld instants of events were left to the next tick: the bound on splits of a step was reached\n",
+                 static_cast<long long>(report.analysis.postponed));
+  }
+}
+
+void print_clearances(std::FILE* to, const RunReport& report) {
+  if (report.analysis.clearances().empty()) return;
+  print_heading(to, "Smallest clearances");
+  const auto& bodies = report.scenario.model.bodies;
+  for (const hil::Clearance& clearance : report.analysis.clearances()) {
+    const std::string pair =
+        bodies[static_cast<std::size_t>(clearance.a)].name + " – " + bodies[static_cast<std::size_t>(clearance.b)].name;
+    std::fprintf(to, "  %-28s %9.4f m at %9.4f s%s\n", pair.c_str(), clearance.smallest, clearance.time,
+                 clearance.smallest > 0 ? "" : paint(to, Colour::kRed, "  they touch").c_str());
+  }
+}
+
+void print_tip_offs(std::FILE* to, const RunReport& report) {
+  if (report.analysis.tip_offs.empty()) return;
+  print_heading(to, "Tip-off rates (body axes)");
+  for (const hil::TipOff& tip_off : report.analysis.tip_offs) {
+    std::fprintf(to, "  %-12s at %10.6f s   %9.4f %9.4f %9.4f deg/s   |w| %8.4f deg/s\n", tip_off.body.c_str(),
+                 tip_off.time, tip_off.w.x * kDegPerRad, tip_off.w.y * kDegPerRad, tip_off.w.z * kDegPerRad,
+                 norm(tip_off.w) * kDegPerRad);
+  }
+}
+
+void print_reactions(std::FILE* to, const RunReport& report) {
+  const auto& joints = report.scenario.model.joints;
+  if (joints.empty()) return;
+  print_heading(to, "Peak reactions (on the follower; N, N m) and the mode at the end");
+  std::fprintf(to, "  %-12s", "joint");
+  for (const char* row : kRowNames) std::fprintf(to, " %12s", row);
+  std::fputs("  mode\n", to);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    std::fprintf(to, "  %-12s", joints[i].name.c_str());
+    for (const hil::PeakReaction& peak : report.analysis.peaks[i]) std::fprintf(to, " %12.5g", peak.value);
+    const auto mode = static_cast<std::size_t>(report.simulation.state().joints[i].mode);
+    std::fprintf(to, "  %s\n", joints[i].modes[mode].name.c_str());
+  }
+}
+
+void print_durations(std::FILE* to, const char* name, const hil::DurationSummary& summary) {
+  if (summary.count == 0) return;
+  const auto us = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
+  std::fprintf(to, "  %-22s %10.1f %10.1f %10.1f %10.1f\n", name, us(summary.p50), us(summary.p99), us(summary.p999),
+               us(summary.max));
+}
+
+void print_timing(std::FILE* to, const hil::TimingSummary& timing) {
+  if (timing.step.count == 0) return;
+  print_heading(to, "Timing");
+  std::fprintf(to, "  %-22s %10s %10s %10s %10s\n", "microseconds", "p50", "p99", "p99.9", "max");
+  print_durations(to, "step", timing.step);
+  print_durations(to, "wake-up latency", timing.wakeup);
+  print_durations(to, "state out, answer in", timing.turnaround);
+  if (timing.wakeup.count > 0) {
+    std::fprintf(to, "  overruns %lld (woken late %lld, worked too long %lld), late commands %lld\n",
+                 static_cast<long long>(timing.overruns), static_cast<long long>(timing.late_wakeups),
+                 static_cast<long long>(timing.long_steps), static_cast<long long>(timing.late_commands));
+  }
+  std::int64_t refused = 0;
+  for (const std::int64_t count : timing.rejected) refused += count;
+  if (timing.turnaround.count > 0 || timing.dropped > 0) {
+    std::fprintf(to, "  messages dropped %lld, states sent again %lld, commands refused %lld\n",
+                 static_cast<long long>(timing.dropped), static_cast<long long>(timing.resent),
+                 static_cast<long long>(refused));
+  }
+}
+
+// Joints that could have let go and have not.
+void print_still_held(std::FILE* to, const RunReport& report) {
+  const Model& model = report.scenario.model;
+  if (report.analysis.tip_offs.empty()) return;
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    const auto mode = static_cast<std::size_t>(report.simulation.state().joints[i].mode);
+    const bool can_be_free =
+        std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& m) { return m.rows == 0; });
+    if (!can_be_free || joint.modes[mode].rows == 0) continue;
+    const std::string base =
+        joint.base == kGround ? "the ground" : model.bodies[static_cast<std::size_t>(joint.base)].name;
+    const std::string text = model.bodies[static_cast<std::size_t>(joint.follower)].name + " stayed on " + base + ": " +
+                             joint.name + " is still in mode '" + joint.modes[mode].name + "'";
+    std::fprintf(to, "\n%s\n", paint(to, Colour::kRed, text).c_str());
+  }
+}
+
+void print_replay(std::FILE* to, const hil::ReplayResult& replay) {
+  if (replay.agrees()) {
+    const std::string text = "replayed: every bit agrees at all " + std::to_string(replay.compared) + " ticks compared";
+    std::fprintf(to, "  %s\n", paint(to, Colour::kGreen, text).c_str());
+  } else if (replay.difference) {
+    std::fprintf(
+        to, "  %s\n",
+        paint(to, Colour::kRed,
+              "replayed: first difference at tick " + std::to_string(replay.difference->tick) + " (recorded " +
+                  to_hex(replay.difference->recorded) + ", replayed " + to_hex(replay.difference->replayed) + ")")
+            .c_str());
+  } else {
+    std::fprintf(to, "  %s\n", paint(to, Colour::kRed, "replayed: " + replay.mismatch).c_str());
+  }
+}
+
+}  // namespace
+
+void print_report(std::FILE* to, const RunReport& report) {
+  const double dt = report.simulation.plan().options.dt;
+  print_timeline(to, report);
+  print_clearances(to, report);
+  print_tip_offs(to, report);
+  print_reactions(to, report);
+  print_timing(to, report.timing);
+  print_still_held(to, report);
+  const bool ok = report.status == "ok";
+  std::fprintf(to, "\n%s: %s, %lld ticks of %g s, t = %g s, state hash %s\n",
+               paint(to, Colour::kBold, report.scenario.name).c_str(),
+               paint(to, ok ? Colour::kGreen : Colour::kRed, report.status).c_str(),
+               static_cast<long long>(report.tick), dt, static_cast<double>(report.tick) * dt,
+               to_hex(report.hash).c_str());
+  if (!report.message.empty()) std::fprintf(to, "  %s\n", report.message.c_str());
+  if (report.replay) print_replay(to, *report.replay);
+}
+
+}  // namespace unlatch::tools

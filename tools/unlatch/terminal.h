@@ -1,0 +1,34 @@
+// Text for people: colours on a terminal alone, a progress line that does not flood a file.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+namespace unlatch::tools {
+
+enum class Colour { kBold, kGreen, kYellow, kRed, kDim };
+
+// `text` in a colour if `stream` is a terminal and NO_COLOR is not set; else as it is.
+std::string paint(std::FILE* stream, Colour colour, const std::string& text);
+
+// How far a run is, on standard error: a line that is written over on a terminal; elsewhere a line each quarter. Silent
+// for runs that take less than a second.
+class Progress {
+ public:
+  Progress(double dt, std::int64_t last_tick);
+  void show(std::int64_t tick);
+  void clear();  // before anything else is printed
+
+ private:
+  const double dt_;  // s
+  const std::int64_t last_tick_;
+  const bool terminal_;
+  const std::chrono::steady_clock::time_point started_;
+  std::chrono::steady_clock::time_point shown_;
+  std::int64_t quarter_ = 0;
+  bool line_open_ = false;
+};
+
+}  // namespace unlatch::tools
