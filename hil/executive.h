@@ -73,9 +73,9 @@ class Executive {
   Go wait_lockstep() noexcept;
   Go pause(Participant& participant) noexcept;
   void drain() noexcept;
-  void hear(const Message& message) noexcept;
+  void hear(const Message& message, std::int64_t arrived_ns) noexcept;
   void hear_hello(const HelloAck& hello) noexcept;
-  void hear_ack(const StepAck& ack) noexcept;
+  void hear_ack(const StepAck& ack, std::int64_t arrived_ns) noexcept;
   bool is_answered() noexcept;
   [[nodiscard]] Participant* find_overdue(std::int64_t now_ns) noexcept;
   [[nodiscard]] Go lose(Participant& participant) noexcept;

@@ -69,13 +69,13 @@ Executive::Go Executive::pause(Participant& participant) noexcept {
 // Have all required participants answered this tick?
 bool Executive::is_answered() noexcept {
   const std::int64_t tick = simulation_.get_tick();
-  bool anyone = false;
+  std::int64_t last_ns = 0;
   for (const Participant& participant : roster_.all()) {
     if (!participant.required || participant.lost) continue;
     if (!participant.has_answered(tick)) return false;
-    anyone = true;
+    last_ns = std::max(last_ns, participant.ack_arrived_ns);
   }
-  if (turnaround_open_ && anyone) timing_.turnaround.record(get_monotonic_ns() - sent_ns_);
+  if (turnaround_open_ && last_ns > 0) timing_.turnaround.record(last_ns - sent_ns_);
   turnaround_open_ = false;
   return true;
 }
@@ -93,15 +93,16 @@ Participant* Executive::find_overdue(std::int64_t now_ns) noexcept {
 // --- Hearing --------------------------------------------------------------------------------------------------------
 
 void Executive::drain() noexcept {
-  for (int i = 0; i < kMessagesPerLook && link_.receive(message_); ++i) hear(message_);
+  std::int64_t arrived_ns = 0;
+  for (int i = 0; i < kMessagesPerLook && link_.receive(message_, arrived_ns); ++i) hear(message_, arrived_ns);
 }
 
-void Executive::hear(const Message& message) noexcept {
+void Executive::hear(const Message& message, std::int64_t arrived_ns) noexcept {
   switch (message.kind) {
     case MessageKind::kCommand:
       return desk_.offer(message.command, roster_.find(message.command.participant), simulation_.get_tick());
     case MessageKind::kStepAck:
-      return hear_ack(message.step_ack);
+      return hear_ack(message.step_ack, arrived_ns);
     case MessageKind::kHelloAck:
       return hear_hello(message.hello_ack);
     default:
@@ -126,9 +127,10 @@ void Executive::hear_hello(const HelloAck& hello) noexcept {
   if (participant != nullptr && !known) publish_notice(kJoined, name);
 }
 
-void Executive::hear_ack(const StepAck& ack) noexcept {
+void Executive::hear_ack(const StepAck& ack, std::int64_t arrived_ns) noexcept {
   Participant* const participant = roster_.find(ack.participant);
   if (ack.session != options_.session || participant == nullptr || ack.tick < participant->ack.tick) return;
+  if (ack.tick > participant->ack.tick) participant->ack_arrived_ns = arrived_ns;
   participant->ack = ack;
   // Alive: it owes nothing, or an answer to a later State, counted from now.
   participant->waiting_since_ns = ack.tick >= simulation_.get_tick() ? -1 : get_monotonic_ns();

@@ -31,7 +31,8 @@ struct Participant {
   bool ready = false;  // has introduced itself
   bool lost = false;   // the policy was applied; it takes no further part
   std::int32_t id = 0;
-  StepAck ack;                         // the latest
+  StepAck ack;  // the latest
+  std::int64_t ack_arrived_ns = 0;
   std::int64_t waiting_since_ns = -1;  // wall time since which it owes an answer; -1: it owes none
   SeenCommands seen;
 

@@ -11,7 +11,7 @@ namespace unlatch::hil {
 struct Timing {
   Histogram step;        // the kernel's step alone
   Histogram wakeup;      // deadline to awake; real time
-  Histogram turnaround;  // State sent to last answer received
+  Histogram turnaround;  // State sent to last answer delivered
   std::int64_t overruns = 0, late_wakeups = 0, long_steps = 0;
 
   // A tick that was awake `latency_ns` after its deadline, ended at `end_ns`, and had until `next_deadline_ns`.

@@ -6,6 +6,7 @@
 #include <readerwriterqueue/readerwritercircularbuffer.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -24,11 +25,24 @@ class Link {
 
   // Cyclic thread. False when the ring is full, which is counted; false when there is nothing to receive.
   bool send(const Message& message) noexcept { return put(out_, message, dropped_out_); }
-  bool receive(Message& message) noexcept { return in_.try_dequeue(message); }
+  bool receive(Message& message) noexcept {
+    std::int64_t arrived_ns;
+    return receive(message, arrived_ns);
+  }
+  // Also when it was delivered, by CLOCK_MONOTONIC.
+  bool receive(Message& message, std::int64_t& arrived_ns) noexcept {
+    if (!in_.try_dequeue(arrival_)) return false;
+    message = arrival_.message;
+    arrived_ns = arrival_.at_ns;
+    return true;
+  }
 
   // Bridge threads.
   bool take(Message& message) noexcept { return out_.try_dequeue(message); }
-  bool deliver(const Message& message) noexcept { return put(in_, message, dropped_in_); }
+  bool deliver(const Message& message) noexcept {
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    return put(in_, Arrival{message, std::chrono::nanoseconds(now).count()}, dropped_in_);
+  }
 
   // Messages that found a ring full. From any thread.
   [[nodiscard]] std::int64_t get_dropped_out() const noexcept { return dropped_out_.load(std::memory_order_relaxed); }
@@ -37,24 +51,32 @@ class Link {
  private:
   // Of this queue only the try_ calls are used: they are two atomic counters and a copy. Its semaphores would enter the
   // kernel only to wake a thread that waits in them, and none ever does.
-  using Ring = moodycamel::BlockingReaderWriterCircularBuffer<Message>;
+  template <class T>
+  using Ring = moodycamel::BlockingReaderWriterCircularBuffer<T>;
+  struct Arrival {
+    Message message;
+    std::int64_t at_ns = 0;
+  };
 
-  static bool put(Ring& ring, const Message& message, std::atomic<std::int64_t>& dropped) noexcept {
+  template <class T>
+  static bool put(Ring<T>& ring, const T& message, std::atomic<std::int64_t>& dropped) noexcept {
     if (ring.try_enqueue(message)) return true;
     dropped.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
 
   // So that the cyclic thread never meets a page for the first time.
-  static void touch(Ring& ring, std::size_t capacity) {
-    Message message{State{}};
+  template <class T>
+  static void touch(Ring<T>& ring, std::size_t capacity) {
+    T message{State{}};
     for (std::size_t i = 0; i < capacity; ++i) ring.try_enqueue(message);
     while (ring.try_dequeue(message)) {
     }
   }
 
-  Ring out_;
-  Ring in_;
+  Ring<Message> out_;
+  Ring<Arrival> in_;
+  Arrival arrival_;  // of the cyclic thread
   std::atomic<std::int64_t> dropped_out_{0};
   std::atomic<std::int64_t> dropped_in_{0};
 };
