@@ -43,7 +43,9 @@ double calc_segment_distance(const Vector& p, const Vector& u, const Vector& q, 
 }
 
 double calc_round_distance(const Shape& a, const Pose& at_a, const Shape& b, const Pose& at_b) {
-  const auto axis = [](const Shape& s) { return s.kind == Shape::Kind::kCapsule ? Vector(s.to - s.from) : Vector::Zero(); };
+  const auto axis = [](const Shape& s) {
+    return s.kind == Shape::Kind::kCapsule ? Vector(s.to - s.from) : Vector::Zero();
+  };
   const double between = calc_segment_distance(at_a.p_WB + at_a.q_WB * a.from, at_a.q_WB * axis(a),
                                                at_b.p_WB + at_b.q_WB * b.from, at_b.q_WB * axis(b));
   return std::max(0.0, between - a.radius - b.radius);
@@ -77,15 +79,23 @@ Piece build_piece(const Shape& shape) {
       piece.geometry = std::make_shared<fcl::Sphered>(shape.radius);
       piece.X_BS.translate(shape.from);
       return piece;
-    case Shape::Kind::kCapsule: piece.geometry = std::make_shared<fcl::Capsuled>(shape.radius, length); break;
-    case Shape::Kind::kCylinder: piece.geometry = std::make_shared<fcl::Cylinderd>(shape.radius, length); break;
-    case Shape::Kind::kCone: piece.geometry = std::make_shared<fcl::Coned>(shape.radius, length); break;
+    case Shape::Kind::kCapsule:
+      piece.geometry = std::make_shared<fcl::Capsuled>(shape.radius, length);
+      break;
+    case Shape::Kind::kCylinder:
+      piece.geometry = std::make_shared<fcl::Cylinderd>(shape.radius, length);
+      break;
+    case Shape::Kind::kCone:
+      piece.geometry = std::make_shared<fcl::Coned>(shape.radius, length);
+      break;
     case Shape::Kind::kBox:
       piece.geometry = std::make_shared<fcl::Boxd>(shape.size);
       piece.X_BS.translate(shape.from);
       piece.X_BS.rotate(shape.q_BS);
       return piece;
-    case Shape::Kind::kHull: piece.geometry = build_hull(shape.points); return piece;
+    case Shape::Kind::kHull:
+      piece.geometry = build_hull(shape.points);
+      return piece;
   }
   piece.X_BS = calc_axis_pose(shape);
   return piece;

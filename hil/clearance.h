@@ -18,10 +18,10 @@ struct Pose {
 };
 
 struct Clearance {
-  int a = 0, b = 0;                                         // bodies
-  double now = std::numeric_limits<double>::infinity();     // m, at the last update; 0 if they touch or overlap
+  int a = 0, b = 0;                                           // bodies
+  double now = std::numeric_limits<double>::infinity();       // m, at the last update; 0 if they touch or overlap
   double smallest = std::numeric_limits<double>::infinity();  // m, of all updates
-  double time = 0;                                          // s, when it was smallest
+  double time = 0;                                            // s, when it was smallest
 };
 
 // Spheres and capsules against each other: closed form, exact to rounding. All else: FCL's convex distance (GJK), to

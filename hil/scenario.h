@@ -1,5 +1,5 @@
-// A scenario: the model, how to step it, who must answer, what to watch, read from a YAML file. The language is described in
-// hil/scenarios/README.md.
+// A scenario: the model, how to step it, who must answer, what to watch, read from a YAML file. The language is
+// described in hil/scenarios/README.md.
 #pragma once
 
 #include <map>
@@ -36,13 +36,13 @@ struct Scenario {
   double dt = 0, until = 0;  // s; until is a whole number of steps
   Model model;
   FlightSoftware flight_software;
-  std::vector<std::vector<Shape>> shapes;       // of each body
-  std::vector<std::pair<int, int>> clearance;   // pairs of bodies whose distance is watched
-  std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"
+  std::vector<std::vector<Shape>> shapes;      // of each body
+  std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
+  std::map<std::string, SourceMark> marks;     // places of the elements, by ModelError::where: "body 'core'"
 };
 
-// Both throw ScenarioError with every mistake of the file and of the physics (validate()) at once. An unreadable file is
-// a ScenarioError as well.
+// Both throw ScenarioError with every mistake of the file and of the physics (validate()) at once. An unreadable file
+// is a ScenarioError as well.
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
 Scenario load_scenario_text(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides = {});

@@ -31,8 +31,7 @@ Eigen::Matrix3d read_inertia(const YamlNode& node, Mistakes& mistakes) {
 
 void ScenarioReader::read_bodies(YamlMap& top) {
   top.require("bodies");
-  for_each_named(top, "bodies", "body",
-                 [&](const std::string& name, const YamlNode& node) { read_body(name, node); });
+  for_each_named(top, "bodies", "body", [&](const std::string& name, const YamlNode& node) { read_body(name, node); });
   place_bodies();
 }
 
@@ -83,17 +82,26 @@ void ScenarioReader::place_bodies() {
       if (is_flawed("body '" + a.name + "'")) flawed_.insert("body '" + b.name + "'");
     }
   }
+  report_circles();
+}
+
+// What could not be placed is part of a circle of relative_to, or hangs on one. Each circle is reported once, at its
+// first body.
+void ScenarioReader::report_circles() {
+  std::vector<bool> seen(placements_.size(), false);
   for (std::size_t i = 0; i < placements_.size(); ++i) {
     if (placements_[i].placed) continue;
+    flawed_.insert("body '" + bodies_[i] + "'");
     std::string chain = bodies_[i];
-    std::size_t at = i;
+    std::size_t at = i, steps = 0;
     do {
       at = static_cast<std::size_t>(placements_[at].parent);
-      chain += " -> " + bodies_[at];
-    } while (at != i && chain.size() < 200);
+      if (chain.size() < 200) chain += " -> " + bodies_[at];
+    } while (at != i && !seen[at] && ++steps < placements_.size());
+    if (at != i) continue;
+    for (std::size_t k = i; !seen[k]; k = static_cast<std::size_t>(placements_[k].parent)) seen[k] = true;
     mistakes_.add(placements_[i].relative_to->mark, "relative_to goes round in a circle: " + chain,
                   "give one of them its place in the inertial frame");
-    flawed_.insert("body '" + bodies_[i] + "'");
   }
 }
 

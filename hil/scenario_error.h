@@ -12,10 +12,10 @@ namespace unlatch::hil {
 
 struct ScenarioMistake {
   std::string file;
-  SourceMark mark;            // line and column 0: the file as a whole
-  std::string override_text;  // the override that brought it in, if one did
-  std::string what;           // what is wrong
-  std::string mend;           // what would be right
+  SourceMark mark;                // line and column 0: the file as a whole
+  std::string override_text;      // the override that brought it in, if one did
+  std::string what;               // what is wrong
+  std::string mend;               // what would be right
   std::string to_string() const;  // "file:line:column: what; mend"
 };
 

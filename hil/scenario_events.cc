@@ -24,9 +24,9 @@ void ScenarioReader::read_sensors(YamlMap& top) {
 }
 
 void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) {
-  static const std::vector<std::string> kTypes{"position",       "attitude", "velocity", "rate",         "acceleration",
-                                               "specific_force", "contact",  "reaction", "displacement", "angle",
-                                               "speed"};  // in the order of Sensor::Kind
+  static const std::vector<std::string> kTypes{
+      "position", "attitude", "velocity",     "rate",  "acceleration", "specific_force",
+      "contact",  "reaction", "displacement", "angle", "speed"};  // in the order of Sensor::Kind
   YamlMap map(node, "sensor '" + name + "'", mistakes_);
   const int type = map.choice("type", "sensor type", kTypes);
   if (type < 0) return;  // which keys are right depends on it
@@ -59,8 +59,7 @@ void ScenarioReader::read_event(const YamlNode& node) {
   if (const YamlNode* name = map.require("name")) event.name = read_name(*name, mistakes_);
   if (const YamlNode* subject = map.find("subject")) event.subject = read_name(*subject, mistakes_);
   bool enabled = true;
-  const std::string where =
-      "event '" + event.name + "'" + (event.subject.empty() ? "" : " of '" + event.subject + "'");
+  const std::string where = "event '" + event.name + "'" + (event.subject.empty() ? "" : " of '" + event.subject + "'");
   const auto read_rest = [&] {
     if (const YamlNode* when = map.require("when")) event.when = read_condition(*when);
     event.delay = map.number("delay", "s", 0.0);
@@ -192,7 +191,8 @@ Action ScenarioReader::read_action(const YamlNode& node) {
         return (modes[static_cast<std::size_t>(action.mode)].rows & ~mode.rows) != 0;
       });
       if (!modes.empty() && !adds)
-        mistakes_.add(value.mark, "this latch adds no rows to any other mode", "latch a mode with more rows, or set_mode");
+        mistakes_.add(value.mark, "this latch adds no rows to any other mode",
+                      "latch a mode with more rows, or set_mode");
     }
   } else if (kind == "raise") {
     action.kind = Action::Kind::kRaise;

@@ -89,7 +89,7 @@ RowSet ScenarioReader::read_rows(const YamlNode& node) {
 
 // The common joints by name. `axis` is the axis about which they turn, along which they slide, or the plane's normal.
 RowSet ScenarioReader::read_joint_kind(YamlMap& mode, Joint& joint) {
-  static const std::vector<std::string> kKinds{"free",      "ball",   "weld",      "revolute",       "prismatic",
+  static const std::vector<std::string> kKinds{"free",        "ball",   "weld",      "revolute",       "prismatic",
                                                "cylindrical", "planar", "universal", "revolute_slider"};
   constexpr RowSet kAll = kPointRows | kRotationRows;
   const int choice = mode.choice("kind", "joint kind", kKinds);

@@ -44,6 +44,7 @@ class ScenarioReader {
   };
   void read_body(const std::string& name, const YamlNode& node);
   void place_bodies();
+  void report_circles();
   Eigen::Quaterniond read_attitude(const YamlNode& node);
   std::vector<Shape> read_shapes(const YamlNode& node);
   Shape read_shape(const YamlNode& node);

@@ -19,8 +19,7 @@ Shape ScenarioReader::read_shape(const YamlNode& node) {
   const std::string kind = outer.only_one_of(kKinds, "a kind");
   outer.finish();
   if (kind.empty()) return shape;
-  shape.kind =
-      static_cast<Shape::Kind>(std::find(kKinds.begin(), kKinds.end(), kind) - kKinds.begin());  // same order
+  shape.kind = static_cast<Shape::Kind>(std::find(kKinds.begin(), kKinds.end(), kind) - kKinds.begin());  // same order
   const YamlNode& value = *node.find(kind);
   YamlMap map(value, kind, mistakes_);
   const auto reject = [&](const std::string& what, const std::string& mend) { mistakes_.add(value.mark, what, mend); };

@@ -22,7 +22,7 @@ struct Shape {
   double radius = 0;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_BS = Eigen::Quaterniond::Identity();
-  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> points{};
 };
 
 }  // namespace unlatch::hil

@@ -1,6 +1,6 @@
-// A YAML text as a tree of nodes with their places. The text comes from outside, so it is bounded before and while it is
-// read: at most 1 MiB, valid UTF-8 without control bytes, at most 32 levels and 200,000 nodes, one document, no anchors,
-// aliases or tags. Nothing in the tree is shared, so a walk over it visits each node once.
+// A YAML text as a tree of nodes with their places. The text comes from outside, so it is bounded before and while it
+// is read: at most 1 MiB, valid UTF-8 without control bytes, at most 32 levels and 200,000 nodes, one document, no
+// anchors, aliases or tags. Nothing in the tree is shared, so a walk over it visits each node once.
 #pragma once
 
 #include <stdexcept>

@@ -52,8 +52,7 @@ YamlNode& find_named(YamlNode& list, const std::string& part, const SourceMark& 
     if (found) throw YamlError(mark, "several entries are called '" + part + "'", "write name:subject, or its number");
     found = &item;
   }
-  if (!found)
-    throw YamlError(mark, "no entry '" + part + "' in this list", "give a number from 0, or an entry's name");
+  if (!found) throw YamlError(mark, "no entry '" + part + "' in this list", "give a number from 0, or an entry's name");
   return *found;
 }
 

@@ -1,6 +1,7 @@
 // Overrides of the command line, PATH=VALUE, put into a YAML tree before it is read, so that they are checked like the
-// file itself. PATH goes down through mappings by `.key` and through lists by `[3]` or `.3`; an entry of a list that has
-// a name is reached by `.name`, or `.name:subject` where several share the name (events). What is missing is inserted.
+// file itself. PATH goes down through mappings by `.key` and through lists by `[3]` or `.3`; an entry of a list that
+// has a name is reached by `.name`, or `.name:subject` where several share the name (events). What is missing is
+// inserted.
 #pragma once
 
 #include <string>

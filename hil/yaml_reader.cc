@@ -15,8 +15,7 @@ std::string quote(const std::string& text) {
 }
 
 void expect(const YamlNode& node, const std::string& wanted, Mistakes& mistakes) {
-  mistakes.add(node.mark, "a value of the wrong type: " + std::string(kind_name(node.kind)),
-               "this must be " + wanted);
+  mistakes.add(node.mark, "a value of the wrong type: " + std::string(kind_name(node.kind)), "this must be " + wanted);
 }
 
 std::string describe_units(const std::string& unit) {
@@ -180,10 +179,11 @@ std::string YamlMap::only_one_of(const std::vector<std::string>& keys, const std
   std::string found;
   for (const std::string& key : keys) {
     if (!find(key)) continue;
-    if (!found.empty())
+    if (!found.empty()) {
       mistakes_.add(node_.mark, what_ + " has both " + found + " and " + key, "write one of them");
-    else
-      found = key;
+      return "";
+    }
+    found = key;
   }
   if (found.empty() && node_.is_mapping()) {
     std::string list;

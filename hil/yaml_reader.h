@@ -41,7 +41,7 @@ class YamlMap {
   Eigen::Vector3d vector(const std::string& key, const std::string& unit, std::optional<Eigen::Vector3d> fallback = {});
   int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices);  // required
   int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices, int fallback);
-  // Of these keys, the one that is there; a mistake unless it is exactly one. `need`: "a condition".
+  // Of these keys, the one that is there; "" and a mistake unless it is exactly one. `need` says what for.
   std::string only_one_of(const std::vector<std::string>& keys, const std::string& need);
   void finish();
 

@@ -18,7 +18,7 @@ struct EventCheck {
 
   bool check_subject(const char* kind, int subject, std::size_t size, const std::string& key) {
     if (is_index(subject, size)) return true;
-    report(std::string("it names a ") + kind + " that does not exist", std::string("the index of a ") + kind, key);
+    report(std::string("the ") + kind + " that it names does not exist", std::string("the index of one ") + kind, key);
     return false;
   }
 

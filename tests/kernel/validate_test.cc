@@ -165,7 +165,8 @@ TEST(Validate, SuggestsVelocitiesThatMatch) {
   model.bodies[0].w_WB_B = {0.3, 0.2, 0.5};
   const std::vector<ModelError> errors = validate(model);
   ASSERT_EQ(errors.size(), 1u);
-  EXPECT_NE(errors[0].mend.find("velocity [0, 0.5, -0.4] m/s (inertial) and rate [0.3, 0.2, 0] rad/s"), std::string::npos)
+  EXPECT_NE(errors[0].mend.find("velocity [0, 0.5, -0.4] m/s (inertial) and rate [0.3, 0.2, 0] rad/s"),
+            std::string::npos)
       << errors[0].mend;
 }
 
