@@ -17,16 +17,19 @@ namespace unlatch {
 inline constexpr int kGround = -1;  // "body" index of the inertial frame
 inline constexpr int kNone = -1;    // "no channel", "no element", …
 
+// Unaligned, so that the model has one layout whether or not the user's own Eigen vectorises.
+using Attitude = Eigen::Quaternion<double, Eigen::DontAlign>;
+
 // --- Bodies ---------------------------------------------------------------------------------------------------------
 
 struct Body {
   std::string name;
-  double mass = 0;                                           // kg, > 0
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();         // about the centre of mass, body axes, kg m²
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();            // initial position of the centre of mass, m
-  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();  // initial attitude, body to inertial
-  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();    // initial velocity of the centre of mass, inertial axes, m/s
-  Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();  // initial angular velocity, body axes, rad/s
+  double mass = 0;                                    // kg, > 0
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, body axes, kg m²
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();     // initial position of the centre of mass, m
+  Attitude q_WB = Attitude::Identity();               // initial attitude, body to inertial
+  Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();     // initial velocity of the centre of mass, inertial axes, m/s
+  Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();   // initial angular velocity, body axes, rad/s
 };
 
 // --- Joints ---------------------------------------------------------------------------------------------------------

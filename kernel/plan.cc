@@ -163,11 +163,6 @@ PlanResult compile_plan(const Model& model, const PlanOptions& options) {
   Topology topology = compile_topology(model, options.root);
   plan.nodes = std::move(topology.nodes);
   plan.loops = std::move(topology.loops);
-  for (const std::int32_t j : plan.loops)
-    result.errors.push_back({"joint '" + model.joints[at(j)].name + "'",
-                             "it closes a loop of joints; only trees can be stepped",
-                             "leave it out, or replace it by a spring"});
-  if (!result.errors.empty()) return result;
 
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body));
   compile_events(model, plan);

@@ -195,6 +195,7 @@ StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace&
   if (run.report.status == StepStatus::kOk && !is_finite(ws.accepted)) run.report.status = StepStatus::kNotFinite;
   if (run.report.status != StepStatus::kOk) return finish(run);
 
+  run.report.redundant = ws.loop_redundant;
   update_sensors(plan, ws.accepted, ws);
   ++ws.accepted.header->tick;
   copy(ws.accepted, state);

@@ -47,6 +47,7 @@ struct StepReport {
   StepStatus status = StepStatus::kOk;
   std::int32_t joint = kNone;          // kSingular: index of the joint
   std::int32_t substeps = 0;           // integrations done, 1 without events
+  std::int32_t redundant = 0;          // rows of closed loops that follow from the others, at the end of the step
   std::int32_t postponed = 0;          // instants left to the next tick because the bound on splits was reached
   std::span<const FiredEvent> events;  // in the order in which they acted; lives in the workspace until the next step
   std::span<const EventAudit> audits;

@@ -1,6 +1,7 @@
 #include "kernel/tree_solver.h"
 
 #include "kernel/kinematics.h"
+#include "kernel/loops.h"
 
 namespace unlatch {
 namespace {
@@ -82,13 +83,17 @@ bool factor_node(const Plan& plan, const State& state, const PlanNode& node, Nod
 }
 
 // Leaves to root: the node's load, less what its freedoms take, goes to its parent.
-void reduce_load(const PlanNode& node, NodeFactor& factor, Workspace& ws) {
+void reduce_load(const PlanNode& node, Bias biased, NodeFactor& factor, Workspace& ws) {
   if (factor.rows == 0) return;
-  const Spatial& bias = ws.bias[at(node.joint)];
-  factor.bias.ang = node.side * bias.ang;
-  factor.bias.lin = node.side * bias.lin - cross(factor.bias.ang, get_arm(ws.frames[at(node.joint)], node));
-  Spatial b = factor.load - (node.leaf ? Spatial{factor.A.M.xx * factor.bias.lin, factor.A.I * factor.bias.ang}
-                                       : factor.A * factor.bias);
+  Spatial b = factor.load;
+  factor.bias = {{0, 0, 0}, {0, 0, 0}};
+  if (biased == Bias::kApplied) {
+    const Spatial& bias = ws.bias[at(node.joint)];
+    factor.bias.ang = node.side * bias.ang;
+    factor.bias.lin = node.side * bias.lin - cross(factor.bias.ang, get_arm(ws.frames[at(node.joint)], node));
+    b = b -
+        (node.leaf ? Spatial{factor.A.M.xx * factor.bias.lin, factor.A.I * factor.bias.ang} : factor.A * factor.bias);
+  }
   for (int k = 0; k < factor.freedoms; ++k) {
     Pivot& pivot = factor.pivots[k];
     pivot.beta = dot(pivot.s, b);
@@ -147,13 +152,13 @@ int factor(const Plan& plan, const State& state, Workspace& ws) noexcept {
   }
   for (int k = count - 1; k >= 0; --k)
     if (!factor_node(plan, state, plan.nodes[at(k)], ws.factors[at(k)], ws)) return k;
+  if (!plan.loops.empty()) factor_loops(plan, state, ws);
   return kNone;
 }
 
-void solve(const Plan& plan, Workspace& ws) noexcept {
+void sweep(const Plan& plan, Workspace& ws, Bias bias) noexcept {
   const int count = static_cast<int>(plan.nodes.size());
-  for (int k = 0; k < count; ++k) ws.factors[at(k)].load = ws.forces[at(plan.nodes[at(k)].body)];
-  for (int k = count - 1; k >= 0; --k) reduce_load(plan.nodes[at(k)], ws.factors[at(k)], ws);
+  for (int k = count - 1; k >= 0; --k) reduce_load(plan.nodes[at(k)], bias, ws.factors[at(k)], ws);
   for (double& lambda : ws.multipliers) lambda = 0;
   for (int k = 0; k < count; ++k) {
     const PlanNode& node = plan.nodes[at(k)];
@@ -163,6 +168,12 @@ void solve(const Plan& plan, Workspace& ws) noexcept {
     else
       update_acceleration(plan, node, factor, ws);
   }
+}
+
+void solve(const Plan& plan, Workspace& ws) noexcept {
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) ws.factors[k].load = ws.forces[at(plan.nodes[k].body)];
+  sweep(plan, ws, Bias::kApplied);
+  if (!plan.loops.empty()) close_loops(plan, ws);
 }
 
 }  // namespace unlatch

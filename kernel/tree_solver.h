@@ -15,11 +15,17 @@
 
 namespace unlatch {
 
-// Factors at ws.kinematics and ws.frames, for the modes in `state`. Returns kNone, or the node whose pivot vanished.
+// Factors at ws.kinematics and ws.frames, for the modes in `state`, loops included. Returns kNone, or the node whose
+// pivot vanished.
 int factor(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
 // Accelerations and multipliers for ws.forces and ws.bias, with the latest factor(): M a = F + Gᵀ λ, rows as biased.
 // With velocity or position biases and no forces the same call gives velocity or position corrections and impulses.
 void solve(const Plan& plan, Workspace& ws) noexcept;
+
+// The tree's own solution for the loads that stand in ws.factors, with or without the rows' biases: what solve() and
+// the columns of the loops are made of.
+enum class Bias { kApplied, kIgnored };
+void sweep(const Plan& plan, Workspace& ws, Bias bias) noexcept;
 
 }  // namespace unlatch

@@ -1,7 +1,6 @@
 // Joints: legal frames and modes, and an initial state in which the rows of the initial mode hold.
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
 
 #include "kernel/validate.h"
 
@@ -170,21 +169,6 @@ bool check_joint(const Model& model, const std::string& where, const Joint& join
   return errors.size() == before;
 }
 
-bool may_hold(const Joint& joint) {
-  return std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows != 0; });
-}
-
-void check_parallel_joints(const Model& model, ModelErrors& errors) {
-  std::map<std::pair<int, int>, const Joint*> seen;
-  for (const Joint& joint : model.joints) {
-    if (!may_hold(joint) || joint.base == joint.follower) continue;
-    const auto [at, is_new] = seen.emplace(std::minmax(joint.base, joint.follower), &joint);
-    if (!is_new)
-      errors.push_back({quoted("joint", joint.name), "joint '" + at->second->name + "' connects the same two bodies",
-                        "one joint with the rows of both; or modes without rows, to measure only", "between"});
-  }
-}
-
 }  // namespace
 
 void validate_joints(const Model& model, ModelErrors& errors) {
@@ -197,7 +181,6 @@ void validate_joints(const Model& model, ModelErrors& errors) {
     check_orientation(where, joint, initial, errors);
     check_velocity(where, joint, model, initial, errors);
   }
-  check_parallel_joints(model, errors);
 }
 
 }  // namespace unlatch

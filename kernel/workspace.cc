@@ -39,6 +39,12 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   arena.take(ws.coordinates, joints * kRows);
   arena.take(ws.speeds, joints * kRows);
   arena.take(ws.factors, nodes);
+  const std::size_t loop_rows = plan.loops.size() * kRows;
+  arena.take(ws.loop_rows, loop_rows);
+  arena.take(ws.loop_columns, loop_rows * bodies);
+  arena.take(ws.loop_multipliers, loop_rows * joints * kRows);
+  arena.take(ws.loop_matrix, loop_rows * loop_rows);
+  arena.take(ws.loop_solution, loop_rows);
   for (State* state : {&ws.stage, &ws.trial, &ws.accepted}) {
     std::span<std::byte> block;
     arena.take(block, plan.get_state_bytes());

@@ -56,6 +56,13 @@ struct NodeFactor {
   };
 };
 
+// One row of a joint that closes a loop. Computed by factor_loops().
+struct LoopRow {
+  std::int32_t joint, row, base, follower;
+  Spatial on_base, on_follower;  // unit wrenches at the bodies' origins
+  bool independent;              // of the rows before it
+};
+
 // Derivative of a BodyState.
 struct BodyRate {
   Vec3 p;
@@ -83,6 +90,15 @@ struct Workspace {
 
   // per node of the elimination order
   std::span<NodeFactor> factors;
+
+  // per row of the joints that close loops, k in all
+  std::span<LoopRow> loop_rows;
+  std::span<Spatial> loop_columns;     // accelerations of all bodies per unit multiplier, k × bodies
+  std::span<double> loop_multipliers;  // of the tree's joints, likewise, k × 6 joints
+  std::span<double> loop_matrix;       // Λ, then its factor, k × k
+  std::span<double> loop_solution;     // k
+  std::int32_t loop_count = 0;         // rows that are active
+  std::int32_t loop_redundant = 0;     // of these, rows that follow from the others
 
   // states: a stage of the Runge–Kutta step, the end of a trial sub-step, and how far the step has got
   State stage, trial, accepted;

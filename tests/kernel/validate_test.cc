@@ -105,12 +105,6 @@ INSTANTIATE_TEST_SUITE_P(
             "joint 'pin'", "rad along rot_x"},
         Bad{"Slip", [](Model& m) { m.bodies[1].v_WB.z() = 0.25; }, "joint 'pin'", "0.25 m/s along z"},
         Bad{"Spin", [](Model& m) { m.bodies[1].w_WB_B.x() = 0.5; }, "joint 'pin'", "0.5 rad/s along rot_x"},
-        Bad{"Parallel",
-            [](Model& m) {
-              m.joints.push_back(m.joints[0]);
-              m.joints[1].name = "second";
-            },
-            "joint 'second'", "joint 'pin' connects the same two"},
         Bad{"Tau",
             [](Model& m) {
               m.loads[0].profile.kind = Profile::Kind::kExponential;

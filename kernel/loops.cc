@@ -1,0 +1,135 @@
+#include "kernel/loops.h"
+
+#include <algorithm>
+
+#include "kernel/kinematics.h"
+#include "kernel/tree_solver.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// A pivot this small beside the row's own diagonal entry: the row follows from those before it.
+constexpr double kRedundant = 1e-10;
+
+double& entry(Workspace& ws, int row, int column) { return ws.loop_matrix[at(row) * ws.loop_rows.size() + at(column)]; }
+
+// What row `row` of a joint does with unit multiplier: a wrench at each body's origin.
+LoopRow build_row(const Plan& plan, const JointFrame& f, int joint, int row) {
+  const PlanJoint& j = plan.joints[at(joint)];
+  LoopRow out{joint, row, j.base, j.follower, {}, {}, false};
+  if (row < kRotX) {
+    const Vec3& n = column(f.n, row);
+    out.on_follower = {n, cross(f.r_follower, n)};
+    out.on_base = {-n, -cross(f.r_base, n)};
+  } else {
+    const Vec3& m = column(f.m, row - kRotX);
+    out.on_follower = {{0, 0, 0}, m};
+    out.on_base = {{0, 0, 0}, -m};
+  }
+  return out;
+}
+
+// The row's relative acceleration, for body accelerations `a`.
+double apply_row(const LoopRow& row, std::span<const Spatial> a) {
+  const double follower = dot(row.on_follower, a[at(row.follower)]);
+  return row.base == kGround ? follower : follower + dot(row.on_base, a[at(row.base)]);
+}
+
+std::span<Spatial> get_column(const Plan& plan, Workspace& ws, int k) {
+  return ws.loop_columns.subspan(at(k) * plan.bodies.size(), plan.bodies.size());
+}
+
+std::span<double> get_column_multipliers(const Plan& plan, Workspace& ws, int k) {
+  const std::size_t count = plan.joints.size() * kRows;
+  return ws.loop_multipliers.subspan(at(k) * count, count);
+}
+
+void update_column(const Plan& plan, Workspace& ws, int k) {
+  const LoopRow& row = ws.loop_rows[at(k)];
+  for (NodeFactor& node : ws.factors) node.load = {{0, 0, 0}, {0, 0, 0}};
+  for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
+    if (plan.nodes[n].body == row.follower) ws.factors[n].load = row.on_follower;
+    if (plan.nodes[n].body == row.base) ws.factors[n].load = row.on_base;
+  }
+  sweep(plan, ws, Bias::kIgnored);
+  std::copy(ws.accelerations.begin(), ws.accelerations.end(), get_column(plan, ws, k).begin());
+  std::copy(ws.multipliers.begin(), ws.multipliers.end(), get_column_multipliers(plan, ws, k).begin());
+}
+
+// LDLᵀ of Λ in place, row by row: the unit lower triangle below the diagonal, the pivots on it. Redundant rows get
+// none.
+void factor_matrix(Workspace& ws) {
+  ws.loop_redundant = 0;
+  for (int r = 0; r < ws.loop_count; ++r) {
+    const double own = entry(ws, r, r);
+    double pivot = own;
+    for (int c = 0; c < r; ++c) {
+      if (!ws.loop_rows[at(c)].independent) continue;
+      double sum = entry(ws, r, c);
+      for (int k = 0; k < c; ++k)
+        if (ws.loop_rows[at(k)].independent) sum -= entry(ws, r, k) * entry(ws, k, k) * entry(ws, c, k);
+      entry(ws, r, c) = sum / entry(ws, c, c);
+      pivot -= entry(ws, r, c) * sum;
+    }
+    entry(ws, r, r) = pivot;
+    ws.loop_rows[at(r)].independent = pivot > kRedundant * own;
+    ws.loop_redundant += ws.loop_rows[at(r)].independent ? 0 : 1;
+  }
+}
+
+void solve_matrix(Workspace& ws) {
+  for (int r = 0; r < ws.loop_count; ++r) {
+    if (!ws.loop_rows[at(r)].independent) {
+      ws.loop_solution[at(r)] = 0;
+      continue;
+    }
+    for (int c = 0; c < r; ++c)
+      ws.loop_solution[at(r)] -= ws.loop_rows[at(c)].independent ? entry(ws, r, c) * ws.loop_solution[at(c)] : 0;
+  }
+  for (int r = ws.loop_count - 1; r >= 0; --r) {
+    if (!ws.loop_rows[at(r)].independent) continue;
+    ws.loop_solution[at(r)] /= entry(ws, r, r);
+    for (int below = r + 1; below < ws.loop_count; ++below)
+      if (ws.loop_rows[at(below)].independent)
+        ws.loop_solution[at(r)] -= entry(ws, below, r) * ws.loop_solution[at(below)];
+  }
+}
+
+}  // namespace
+
+void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept {
+  ws.loop_count = ws.loop_redundant = 0;
+  for (const std::int32_t joint : plan.loops)
+    for (int r = 0; r < kRows; ++r)
+      if (has_row(get_active_rows(plan, state, joint), r))
+        ws.loop_rows[at(ws.loop_count++)] = build_row(plan, ws.frames[at(joint)], joint, r);
+  for (int k = 0; k < ws.loop_count; ++k) update_column(plan, ws, k);
+  for (int r = 0; r < ws.loop_count; ++r)
+    for (int c = 0; c <= r; ++c) entry(ws, r, c) = apply_row(ws.loop_rows[at(r)], get_column(plan, ws, c));
+  factor_matrix(ws);
+}
+
+void close_loops(const Plan& plan, Workspace& ws) noexcept {
+  for (int r = 0; r < ws.loop_count; ++r) {
+    const LoopRow& row = ws.loop_rows[at(r)];
+    const JointFrame& f = ws.frames[at(row.joint)];
+    const Spatial& bias = ws.bias[at(row.joint)];
+    const double target =
+        row.row < kRotX ? dot(column(f.n, row.row), bias.lin) : dot(column(f.m, row.row - kRotX), bias.ang);
+    ws.loop_solution[at(r)] = target - apply_row(row, ws.accelerations);
+  }
+  solve_matrix(ws);
+  for (int k = 0; k < ws.loop_count; ++k) {
+    const double mu = ws.loop_solution[at(k)];
+    const std::span<const Spatial> a = get_column(plan, ws, k);
+    const std::span<const double> lambda = get_column_multipliers(plan, ws, k);
+    for (std::size_t b = 0; b < a.size(); ++b) ws.accelerations[b] = ws.accelerations[b] + mu * a[b];
+    for (std::size_t i = 0; i < lambda.size(); ++i) ws.multipliers[i] += mu * lambda[i];
+  }
+  for (int k = 0; k < ws.loop_count; ++k)
+    ws.multipliers[at(ws.loop_rows[at(k)].joint) * kRows + at(ws.loop_rows[at(k)].row)] = ws.loop_solution[at(k)];
+}
+
+}  // namespace unlatch
