@@ -1,0 +1,123 @@
+#!/usr/bin/python3
+"""Draws cost against n and lists the ratios to the peers, from what solve_bench left in bench/results.
+
+Usage: bench/plot.py    (reads results/solve_bench.csv, writes results/solve.svg, solve.png and ratios.md)
+"""
+import csv
+import math
+import pathlib
+import re
+
+import matplotlib
+matplotlib.use("Agg")
+matplotlib.rcParams["svg.hashsalt"] = "unlatch"  # the same file from the same numbers
+import matplotlib.pyplot as plt
+
+RESULTS = pathlib.Path(__file__).parent / "results"
+SHAPES = ["star", "chain", "bintree"]
+TITLES = {"star": "Star", "chain": "Chain", "bintree": "Binary tree"}
+# who: label, colour, line, marker
+STYLES = {
+    "unlatch": ("unlatch, everything", "#c1121f", "-", "o"),
+    "unlatch_factor_solve": ("unlatch, factor + solve", "#c1121f", "--", "o"),
+    "textbook": ("textbook blocks (Eigen)", "#1d3557", "-", "s"),
+    "eigen_sparse": ("Eigen SimplicialLDLT", "#457b9d", "-", "^"),
+    "eigen_dense": ("Eigen dense LDLT", "#7fa7c4", "-", "v"),
+    "simbody": ("Simbody 3.7", "#2a9d5c", "-", "D"),
+    "mujoco": ("MuJoCo 2.2", "#e09f3e", "-", "P"),
+}
+# Issue 3: slower, faster, shape, n, at least. Against solvers that start from given blocks it is factor + solve that counts.
+TARGETS = [
+    ("mujoco", "unlatch", "star", 5, 11),
+    ("textbook", "unlatch_factor_solve", "star", 5, 18),
+    ("simbody", "unlatch", "chain", 64, 5),
+    ("textbook", "unlatch_factor_solve", "chain", 64, 14),
+    ("textbook", "unlatch_factor_solve", "star", 1024, 38),
+    ("textbook", "unlatch_factor_solve", "bintree", 1024, 26),
+]
+FITTED = (8, 2048)  # n
+
+
+def read_medians():
+    """{(who, shape): {n: ns per solve}}"""
+    with open(RESULTS / "solve_bench.csv", newline="") as file:
+        lines = file.readlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("name,"))
+    medians = {}
+    for row in csv.DictReader(lines[start:]):
+        match = re.fullmatch(r"solve/(\w+)/(\w+)/(\d+)_median", row["name"])
+        if match:
+            who, shape, n = match.groups()
+            medians.setdefault((who, shape), {})[int(n)] = float(row["cpu_time"])
+    return medians
+
+
+def calc_exponent(curve):
+    """Slope of log cost over log n, least squares."""
+    points = [(math.log(n), math.log(t)) for n, t in curve.items() if FITTED[0] <= n <= FITTED[1]]
+    mean_x = sum(x for x, _ in points) / len(points)
+    mean_y = sum(y for _, y in points) / len(points)
+    return sum((x - mean_x) * (y - mean_y) for x, y in points) / sum((x - mean_x) ** 2 for x, _ in points)
+
+
+def draw(medians):
+    plt.rcParams.update({"font.size": 9, "font.family": "DejaVu Sans", "svg.fonttype": "none"})
+    figure, axes = plt.subplots(1, 3, figsize=(12, 4.6), sharey=True)
+    for axis, shape in zip(axes, SHAPES):
+        for who, (label, colour, line, marker) in STYLES.items():
+            curve = sorted(medians.get((who, shape), {}).items())
+            if not curve:
+                continue
+            ours = who.startswith("unlatch")
+            axis.loglog([n for n, _ in curve], [t / 1e3 for _, t in curve], line, color=colour, marker=marker,
+                        markersize=3.5, markerfacecolor="white" if line == "--" else colour,
+                        linewidth=1.8 if ours else 1.1, label=label, zorder=3 if ours else 2)
+        axis.set_title(TITLES[shape])
+        axis.set_xlabel("bodies")
+        axis.grid(True, which="major", color="#dddddd", linewidth=0.6)
+        axis.tick_params(which="minor", length=2)
+        axis.spines[["top", "right"]].set_visible(False)
+    axes[0].set_ylabel("time of one acceleration solve, µs")
+    labels = {}
+    for axis in axes:
+        labels.update({label: handle for handle, label in zip(*axis.get_legend_handles_labels())})
+    order = [label for label, *_ in STYLES.values() if label in labels]
+    figure.legend([labels[label] for label in order], order, loc="lower center", ncol=len(order), frameon=False,
+                  columnspacing=1.4, handlelength=2.2)
+    figure.tight_layout(rect=(0, 0.06, 1, 1))
+    figure.savefig(RESULTS / "solve.svg", metadata={"Date": None})
+    figure.savefig(RESULTS / "solve.png", dpi=130)
+
+
+def write_ratios(medians):
+    with open(RESULTS / "ratios.md", "w") as out:
+        out.write("| | ns | peer, ns | ratio | target | |\n|---|---|---|---|---|---|\n")
+        for slower, faster, shape, n, target in TARGETS:
+            ours = medians.get((faster, shape), {}).get(n)
+            theirs = medians.get((slower, shape), {}).get(n)
+            if ours is None or theirs is None:
+                continue
+            ratio = theirs / ours
+            verdict = "reached" if ratio >= target else f"short by a factor of {target / ratio:.1f}"
+            out.write(f"| {shape} {n}: {slower} / {faster} | {ours:.0f} | {theirs:.0f} | {ratio:.1f} | {target} | {verdict} |\n")
+        out.write(f"\n| exponent of cost in n, {FITTED[0]}…{FITTED[1]} | star | chain | bintree |\n|---|---|---|---|\n")
+        for who in STYLES:
+            cells = [medians.get((who, shape), {}) for shape in SHAPES]
+            if all(len(curve) > 2 for curve in cells):
+                out.write(f"| {who} | " + " | ".join(f"{calc_exponent(curve):.2f}" for curve in cells) + " |\n")
+        out.write("\n| ns per body | 5 | 64 | 1024 | 4096 | 16384 | 100000 |\n|---|---|---|---|---|---|---|\n")
+        for who in ("unlatch", "unlatch_factor_solve", "textbook"):
+            for shape in SHAPES:
+                curve = medians.get((who, shape), {})
+                cells = [f"{curve[n] / n:.0f}" if n in curve else "–" for n in (5, 64, 1024, 4096, 16384, 100000)]
+                out.write(f"| {who}, {shape} | " + " | ".join(cells) + " |\n")
+
+
+def main():
+    medians = read_medians()
+    draw(medians)
+    write_ratios(medians)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+// solve/<who>/<shape>/<n>: one acceleration solve of n bodies by unlatch and by its peers; plan/<shape>/<n>: compiling
+// the plan. bench/README.md says what each call includes. Before anything is timed its answer is compared with
+// unlatch's, and the program ends at once if they differ: a bench of different physics is worthless.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+
+#include "bench/solve_solver.h"
+#include "kernel/plan.h"
+
+namespace unlatch::bench {
+namespace {
+
+// Largest differences, relative to the largest entry. Exact solvers differ by rounding, which a long chain amplifies.
+constexpr double kAgreement = 1e-9;
+// SimplicialLDLT solves a matrix with −1e-8 in its corner: rows give way by 1e-8 of their multipliers.
+constexpr double kRegularisedAgreement = 1e-4;
+
+struct Peer {
+  const char* name;
+  MakeSolver build;
+  int largest[3];  // n, per shape; beyond it the peer cannot, or takes too long
+  bool linear;
+  double agreement;
+};
+
+const Peer kPeers[] = {
+    {"unlatch", build_unlatch, {100000, 100000, 100000}, true, kAgreement},
+    {"unlatch_factor_solve", build_unlatch_factor_solve, {100000, 100000, 100000}, true, kAgreement},
+    {"textbook", build_textbook, {4096, 4096, 4096}, true, kAgreement},
+    {"eigen_sparse", build_eigen_sparse, {1024, 1024, 1024}, true, kRegularisedAgreement},
+    {"eigen_dense", build_eigen_dense, {64, 64, 64}, false, kAgreement},
+#ifdef UNLATCH_BENCH_SIMBODY
+    {"simbody", build_simbody, {4096, 4096, 4096}, true, kAgreement},
+#endif
+#ifdef UNLATCH_BENCH_MUJOCO
+    {"mujoco", build_mujoco, {1024, 64, 1024}, false, kAgreement},  // its reader nests elements 100 deep at most
+#endif
+};
+
+// Powers of two from 8 to 2048 are the sizes over which the order of the cost is fitted.
+constexpr int kFitted[] = {8, 16, 32, 64, 128, 256, 512, 1024, 2048};
+constexpr int kOthers[] = {5, 4096, 16384, 100000};
+
+double calc_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0, difference = a.size() == b.size() ? 0 : HUGE_VAL;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    largest = std::max(largest, std::abs(b[i]));
+    const double d = std::abs(a[i] - b[i]);
+    difference = d <= difference ? difference : d;  // NaN counts as a difference
+  }
+  return difference / largest;
+}
+
+void check_or_abort(const Peer& peer, Shape shape, const Model& model, const Solution& answer) {
+  const std::unique_ptr<Solver> reference = build_unlatch(model);
+  const Solution expected = reference->build_solution();
+  const double accelerations = calc_difference(answer.accelerations, expected.accelerations);
+  const double multipliers = answer.multipliers.empty() ? 0 : calc_difference(answer.multipliers, expected.multipliers);
+  if (accelerations <= peer.agreement && multipliers <= peer.agreement) return;
+  std::fprintf(
+      stderr,
+      "solve_bench: %s and unlatch disagree on %s/%zu: accelerations by %.1e, multipliers by %.1e of the largest "
+      "(allowed %.0e). They do not solve the same system; their times would say nothing.\n",
+      peer.name, get_name(shape), model.bodies.size(), accelerations, multipliers, peer.agreement);
+  std::abort();
+}
+
+void run_solve(benchmark::State& bench, const Peer& peer, Shape shape) {
+  const int n = static_cast<int>(bench.range(0));
+  const Model model = build_solve_model(shape, n);
+  const std::unique_ptr<Solver> solver = peer.build(model);
+  solver->solve();
+  check_or_abort(peer, shape, model, solver->build_solution());
+  for (auto _ : bench) {
+    solver->solve();
+    benchmark::ClobberMemory();
+  }
+  bench.SetComplexityN(n);
+}
+
+void run_plan(benchmark::State& bench, Shape shape) {
+  const Model model = build_solve_model(shape, static_cast<int>(bench.range(0)));
+  for (auto _ : bench) benchmark::DoNotOptimize(compile_plan(model, {}));
+}
+
+void register_solves() {
+  for (const Peer& peer : kPeers)
+    for (const Shape shape : kShapes) {
+      const int largest = peer.largest[static_cast<int>(shape)];
+      const std::string name = std::string("solve/") + peer.name + "/" + get_name(shape);
+      const auto run = [&peer, shape](benchmark::State& bench) { run_solve(bench, peer, shape); };
+      auto* fitted = benchmark::RegisterBenchmark(name.c_str(), run);
+      for (const int n : kFitted)
+        if (n <= largest) fitted->Arg(n);
+      if (peer.linear) fitted->Complexity(benchmark::oN);
+      auto* others = benchmark::RegisterBenchmark(name.c_str(), run);
+      for (const int n : kOthers)
+        if (n <= largest) others->Arg(n);
+    }
+}
+
+void register_plans() {
+  for (const Shape shape : kShapes) {
+    const auto run = [shape](benchmark::State& bench) { run_plan(bench, shape); };
+    benchmark::RegisterBenchmark((std::string("plan/") + get_name(shape)).c_str(), run)
+        ->Arg(5)
+        ->Arg(1024)
+        ->Arg(100000)
+        ->Unit(benchmark::kMicrosecond);
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::bench
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  unlatch::bench::register_solves();
+  unlatch::bench::register_plans();
+  try {
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "solve_bench: %s\n", error.what());
+    return 1;
+  }
+  benchmark::Shutdown();
+}
