@@ -49,7 +49,8 @@ void RunAnalysis::add_event(const FiredEvent& fired) {
     const Joint& joint = model.joints[static_cast<std::size_t>(action.subject)];
     if (joint.modes[static_cast<std::size_t>(action.mode)].rows != 0) continue;
     const auto body = static_cast<std::size_t>(joint.follower);
-    tip_offs.push_back({fired.time, model.bodies[body].name, joint.name, simulation_.state().bodies[body].w});
+    const std::string base = joint.base == kGround ? "ground" : model.bodies[static_cast<std::size_t>(joint.base)].name;
+    tip_offs.push_back({fired.time, model.bodies[body].name, base, joint.name, simulation_.state().bodies[body].w});
   }
 }
 

@@ -35,8 +35,8 @@ struct Sample {
 // A body let go: its state at the end of the step in which a joint to it became free.
 struct TipOff {
   double time = 0;
-  std::string body, joint;
-  Vec3 w{};  // body axes, rad/s
+  std::string body, base, joint;  // base: what it was joined to
+  Vec3 w{};                       // body axes, rad/s
 };
 
 struct PeakReaction {

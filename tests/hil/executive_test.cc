@@ -1,0 +1,201 @@
+// The cyclic executive: beginnings, real time, what is refused, what it takes from the heap.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "hil/pacer.h"
+#include "tests/hil/session_support.h"
+#include "tests/support/malloc_guard.h"
+
+namespace unlatch::test {
+namespace {
+
+using hil::Pace;
+using hil::Reject;
+using hil::RunStatus;
+using Habits = FakeParticipant::Habits;
+
+TEST(Executive, SaysWhoIsMissingAtTheStart) {
+  const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
+  const auto simulation = hil::build_simulation(scenario);
+  hil::ExecutiveOptions options;
+  options.last_tick = 10;
+  options.flight_software = scenario.flight_software;
+  options.start_timeout_ns = 150'000'000;
+  hil::Link link(64, 64);
+  hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, Pace::kLockstep, 1, 10));
+  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  hil::LogEnd end = executive.run();
+  recorder.close(end);
+  EXPECT_EQ(end.status, RunStatus::kAborted);
+  EXPECT_NE(end.message.find("no answer from the flight software 'fsw'"), std::string::npos) << end.message;
+}
+
+TEST(Executive, PassesOnWhyAParticipantRefuses) {
+  Habits habits;
+  habits.refuses = true;
+  const SessionResult result = run_session(Pace::kLockstep, habits);
+  EXPECT_EQ(result.end.status, RunStatus::kAborted);
+  EXPECT_NE(result.end.message.find("the vehicle lacks channel warp"), std::string::npos) << result.end.message;
+}
+
+TEST(Executive, RefusesAndCountsWhatIsWrong) {
+  Habits habits;
+  habits.mischief = [](std::int64_t tick, hil::Link& link, std::int64_t session) {
+    if (tick != 20) return;
+    hil::Command good;
+    good.session = session;
+    good.sequence = 1000;
+    good.tick = 20;
+    good.valid_until_tick = -1;
+    good.value = 0.5;
+    good.participant = FakeParticipant::kId;
+    auto send = [&link, good, next = std::int64_t{1000}](auto&& spoil) mutable {
+      hil::Command bad = good;
+      bad.sequence = next++;
+      spoil(bad);
+      link.deliver(bad);
+    };
+    send([](hil::Command& c) { c.session += 1; });
+    send([](hil::Command& c) { c.participant = 99; });
+    send([](hil::Command& c) { c.tick = 19; });
+    send([](hil::Command& c) { c.valid_until_tick = 19; });
+    send([](hil::Command& c) { c.value = std::numeric_limits<double>::quiet_NaN(); });
+    send([](hil::Command& c) { c.value = std::numeric_limits<double>::infinity(); });
+    send([](hil::Command& c) { c.value = 1.01; });
+    send([](hil::Command& c) { c.channel = 2; });
+    send([](hil::Command& c) { c.channel = -1; });
+    send([](hil::Command& c) { c.tick = -5; });
+  };
+  const SessionResult result = run_session(Pace::kLockstep, habits);
+  const auto count = [&](Reject reason) { return result.end.timing.rejected[static_cast<std::size_t>(reason)]; };
+  EXPECT_EQ(count(Reject::kWrongSession), 2);
+  EXPECT_EQ(count(Reject::kPastTick), 1);
+  EXPECT_EQ(count(Reject::kExpired), 1);
+  EXPECT_EQ(count(Reject::kNotFinite), 2);
+  EXPECT_EQ(count(Reject::kOutOfRange), 1);
+  EXPECT_EQ(count(Reject::kUnknownChannel), 2);
+  EXPECT_EQ(count(Reject::kMalformed), 1);
+  EXPECT_EQ(result.end.hash, run_session(Pace::kLockstep, {}).end.hash);
+}
+
+TEST(Realtime, KeepsItsPaceOverTheWholeRun) {
+  const std::int64_t begin_ns = hil::get_monotonic_ns();
+  const SessionResult result = run_session(Pace::kRealtime, {}, "", {"flight_software.timeout=10"});
+  const std::int64_t took_ns = hil::get_monotonic_ns() - begin_ns;
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_GE(took_ns, 50'000'000);  // 50 ticks of 1 ms: it cannot be earlier; how late depends on the machine
+  EXPECT_EQ(result.end.timing.wakeup.count, 50);
+}
+
+TEST(Realtime, ALateCommandIsAppliedAtTheNextTickAndCounted) {
+  const std::string log = make_path("log");
+  Habits habits;
+  habits.mischief = [](std::int64_t tick, hil::Link& link, std::int64_t session) {
+    if (tick != 25) return;
+    hil::Command late;
+    late.session = session;
+    late.sequence = 1000;
+    late.tick = 5;
+    late.valid_until_tick = -1;
+    late.value = 0.77;
+    late.participant = FakeParticipant::kId;
+    link.deliver(late);
+    late.sequence = 1001;
+    late.valid_until_tick = 6;  // too late for this one
+    link.deliver(late);
+  };
+  const SessionResult result = run_session(Pace::kRealtime, habits, log, {"flight_software.timeout=10"});
+  EXPECT_EQ(result.end.status, RunStatus::kDone);
+  EXPECT_GE(result.end.timing.late_commands, 1);
+  EXPECT_EQ(result.end.timing.rejected[static_cast<std::size_t>(Reject::kExpired)], 1);
+  EXPECT_TRUE(replay_log(log).result.agrees());
+}
+
+TEST(Realtime, SilenceEndsInThePolicy) {
+  const std::string log = make_path("log");
+  Habits habits;
+  habits.dies_at = 12;
+  const SessionResult result =
+      run_session(Pace::kRealtime, habits, log, {"flight_software.policy=safe", "step.until=0.4"});
+  EXPECT_EQ(result.end.status, RunStatus::kDone);
+  ASSERT_EQ(result.notices.size(), 2u);
+  EXPECT_EQ(result.notices[1], "policy.safe");
+  EXPECT_EQ(result.channels, (std::vector<double>{0.3, 0.25}));
+  const ReplayedLog replayed = replay_log(log);
+  EXPECT_TRUE(replayed.result.agrees());
+  EXPECT_EQ(replayed.result.compared, 401);
+}
+
+// Whatever run() allocates at its beginning and end, a longer run allocates no more.
+TEST(Executive, CycleDoesNotAllocate) {
+  if (!kCountsAllocations) GTEST_SKIP() << "a sanitizer has its own malloc";
+  for (const Pace pace : {Pace::kLockstep, Pace::kRealtime}) {
+    long counts[2];
+    const char* const lengths[2] = {"step.until=0.01", "step.until=0.3"};
+    for (int i = 0; i < 2; ++i) {
+      const hil::Scenario scenario =
+          hil::load_scenario_text(kSessionScenario, "session.yaml", {lengths[i], "flight_software.timeout=10"});
+      const auto simulation = hil::build_simulation(scenario);
+      hil::ExecutiveOptions options;
+      options.pace = pace;
+      options.session = 1;
+      options.last_tick = static_cast<std::int64_t>(scenario.until / scenario.dt + 0.5);
+      options.flight_software = scenario.flight_software;
+      hil::Link link(256, 256);
+      hil::Recorder recorder(make_path("log"),
+                             hil::build_log_header(scenario, *simulation, pace, 1, options.last_tick));
+      hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+      hil::LogEnd end;
+      {
+        FakeParticipant participant(link, {});
+        const AllocationCount count;
+        end = executive.run();
+        counts[i] = count.get();
+      }
+      recorder.close(end);
+      EXPECT_EQ(end.status, RunStatus::kDone);
+    }
+    EXPECT_EQ(counts[0], counts[1]) << "pace " << static_cast<int>(pace);
+  }
+}
+
+TEST(Histogram, PercentilesAreWithinOneBucketOfTheTruth) {
+  constexpr std::uint32_t kSeed = 20181011;
+  SCOPED_TRACE(kSeed);
+  constexpr double kBucket = 1.0 / 64;  // 64 buckets an octave
+  std::mt19937 random(kSeed);
+  std::lognormal_distribution<double> durations(9, 2);
+  std::vector<std::int64_t> samples;
+  hil::Histogram histogram;
+  for (int i = 0; i < 20000; ++i) {
+    samples.push_back(std::llround(durations(random)));
+    histogram.record(samples.back());
+  }
+  std::sort(samples.begin(), samples.end());
+  for (const double fraction : {0.5, 0.99, 0.999}) {
+    const auto truth = samples[static_cast<std::size_t>(std::ceil(fraction * 20000)) - 1];
+    const std::int64_t found = histogram.calc_percentile(fraction);
+    EXPECT_GE(found, truth);
+    EXPECT_LE(static_cast<double>(found), static_cast<double>(truth) * (1 + kBucket) + 1);
+  }
+  EXPECT_EQ(histogram.get_max(), samples.back());
+  EXPECT_EQ(histogram.get_count(), 20000);
+}
+
+TEST(CommandDesk, SequenceNumbersAreToldApartInAnyOrder) {
+  hil::SeenCommands seen;
+  EXPECT_TRUE(seen.insert(3));
+  EXPECT_TRUE(seen.insert(1));
+  EXPECT_FALSE(seen.insert(3));
+  EXPECT_FALSE(seen.has_all(3, 3));
+  EXPECT_TRUE(seen.has_all(3, 1));
+  EXPECT_TRUE(seen.insert(2));
+  EXPECT_TRUE(seen.has_all(3, 3));
+  EXPECT_TRUE(seen.has_all(0, 0));
+}
+
+}  // namespace
+}  // namespace unlatch::test

@@ -1,0 +1,220 @@
+// A small session: a scenario with one commanded thruster, and a participant that can be told to misbehave.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hil/executive.h"
+#include "hil/replay.h"
+#include "hil/run.h"
+
+namespace unlatch::test {
+
+inline const char* const kSessionScenario = R"(unlatch: 1
+name: session
+step: {dt: 0.001, until: 0.05}
+bodies:
+  core: {mass: 100, inertia: [10, 20, 25]}
+  pod:
+    mass: 5
+    inertia: [1, 1, 1]
+    position: [2, 0, 0]
+channels:
+  throttle: {initial: 0.5, range: [0.2, 1], safe: 0.3}
+  trim: {initial: 0.1, range: [-1, 1], safe: 0.25}
+joints:
+  latch:
+    between: [core, pod]
+    point: [2, 0, 0]
+    modes:
+      held: {kind: weld}
+      free: {rows: []}
+    mode: held
+elements:
+  engine: {type: thrust, body: core, direction: [1, 0, 0], profile: 5000, channel: throttle}
+  jet: {type: force, body: pod, direction: [0, 1, 0], profile: 20, channel: trim}
+sensors:
+  gyro: {type: rate, body: core}
+events:
+  - name: leave
+    subject: pod
+    when: {time: 0.0205}
+    then: [{set_mode: {joint: latch, mode: free}}]
+flight_software: {required: [fsw], timeout: 0.05, policy: hold}
+)";
+
+inline std::string make_path(const std::string& name) {
+  const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+  return (std::filesystem::temp_directory_path() /
+          (std::string("unlatch_") + info->test_suite_name() + "_" + info->name() + "_" + name))
+      .string();
+}
+
+// Speaks to the other end of a Link, in a thread of its own. Every State is answered with the commands of `program`.
+class FakeParticipant {
+ public:
+  struct Habits {
+    bool ack_first = false;     // the acknowledgement overtakes the commands
+    bool reversed = false;      // commands arrive last first
+    bool twice = false;         // everything arrives twice
+    std::int64_t deaf_at = -1;  // this tick's State is not heard the first `deaf_times`
+    int deaf_times = 0;
+    std::int64_t commands_lost_at = -1;          // the first time this tick is answered, its commands get lost
+    std::int64_t dies_at = -1;                   // answers nothing from this tick on
+    std::chrono::milliseconds returns_after{0};  // 0: never; else answers again so long after it died
+    bool refuses = false;
+    std::function<void(std::int64_t tick, hil::Link& link, std::int64_t session)> mischief;
+  };
+  static constexpr std::int32_t kId = 7;
+
+  FakeParticipant(hil::Link& link, Habits habits) : link_(link), habits_(std::move(habits)) {
+    thread_ = std::jthread([this](const std::stop_token& stopping) {
+      hil::Message message;
+      while (!stopping.stop_requested()) {
+        if (link_.take(message)) {
+          hear(message);
+        } else {
+          std::this_thread::sleep_for(std::chrono::microseconds(20));
+        }
+      }
+    });
+  }
+
+ private:
+  // Throttle changes at every 10th tick, trim at every 15th; at 30 both do.
+  static std::vector<std::pair<int, double>> program(std::int64_t tick) {
+    std::vector<std::pair<int, double>> settings;
+    if (tick % 10 == 0) settings.emplace_back(0, 0.5 + 0.005 * static_cast<double>(tick));
+    if (tick % 15 == 0) settings.emplace_back(1, -0.01 * static_cast<double>(tick));
+    if (tick == 30) settings.emplace_back(0, 0.9);  // the later command wins
+    return settings;
+  }
+
+  void hear(const hil::Message& message) {
+    if (message.kind == hil::MessageKind::kHello) {
+      hil::HelloAck ack;
+      ack.session = session_ = message.hello.session;
+      ack.schema_hash = hil::kSchemaHash;
+      ack.participant = kId;
+      ack.status = static_cast<int>(habits_.refuses ? hil::AckStatus::kRefused : hil::AckStatus::kReady);
+      hil::set_name(ack.name, "fsw");
+      hil::set_name(ack.reason, "the vehicle lacks channel warp");
+      link_.deliver(ack);
+    } else if (message.kind == hil::MessageKind::kState && message.state.part == 0) {
+      hear_state(message.state);
+    }
+  }
+
+  void hear_state(const hil::State& state) {
+    const auto now = std::chrono::steady_clock::now();
+    if (habits_.dies_at >= 0 && state.tick >= habits_.dies_at) {
+      if (!died_) died_ = now;
+      if (habits_.returns_after.count() == 0 || now - *died_ < habits_.returns_after) return;
+    }
+    if (state.tick == habits_.deaf_at && habits_.deaf_times-- > 0) return;
+    if (state.tick > answered_) {
+      answered_ = state.tick;
+      answer_.clear();
+      for (const auto& [channel, value] : program(state.tick)) {
+        hil::Command command;
+        command.session = session_;
+        command.sequence = ++sequence_;
+        command.tick = state.tick;
+        command.valid_until_tick = -1;
+        command.value = value;
+        command.participant = kId;
+        command.channel = channel;
+        answer_.push_back(command);
+      }
+      if (habits_.mischief) habits_.mischief(state.tick, link_, session_);
+    }
+    for (int i = 0; i < (habits_.twice ? 2 : 1); ++i) send(state);
+  }
+
+  void send(const hil::State& state) {
+    hil::StepAck ack;
+    ack.session = session_;
+    ack.sequence = state.sequence;
+    ack.tick = state.tick;
+    ack.last_command = sequence_;
+    ack.participant = kId;
+    ack.command_count = static_cast<std::int32_t>(answer_.size());
+    if (habits_.ack_first) link_.deliver(ack);
+    std::vector<hil::Command> commands = answer_;
+    if (habits_.reversed) std::reverse(commands.begin(), commands.end());
+    if (state.tick == habits_.commands_lost_at) {
+      commands.clear();
+      habits_.commands_lost_at = -1;
+    }
+    for (const hil::Command& command : commands) link_.deliver(command);
+    if (!habits_.ack_first) link_.deliver(ack);
+  }
+
+  hil::Link& link_;
+  Habits habits_;
+  std::int64_t session_ = 0, answered_ = -1, sequence_ = 0;
+  std::vector<hil::Command> answer_;
+  std::optional<std::chrono::steady_clock::time_point> died_;
+  std::jthread thread_;
+};
+
+struct SessionResult {
+  hil::LogEnd end;
+  std::vector<std::string> notices;
+  std::vector<double> channels;  // at the end
+};
+
+// A whole session; `log` empty: not kept.
+inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& habits, const std::string& log = "",
+                                 const std::vector<std::string>& overrides = {}, bool with_participant = true) {
+  const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
+  const auto simulation = hil::build_simulation(scenario);
+  hil::ExecutiveOptions options;
+  options.pace = pace;
+  options.session = 4711;
+  options.last_tick = static_cast<std::int64_t>(scenario.until / scenario.dt + 0.5);
+  options.flight_software = scenario.flight_software;
+  options.start_timeout_ns = 2'000'000'000;
+  options.resend_ns = 5'000'000;
+  hil::Link link(256, 256);
+  hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, options.session, options.last_tick));
+  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  SessionResult result;
+  {
+    std::optional<FakeParticipant> participant;
+    if (with_participant) participant.emplace(link, habits);
+    result.end = executive.run();
+  }
+  recorder.close(result.end);
+  hil::Event notice;
+  while (executive.take_notice(notice)) result.notices.emplace_back(hil::get_name(notice.name));
+  result.channels.assign(simulation->channels().begin(), simulation->channels().end());
+  return result;
+}
+
+struct ReplayedLog {
+  hil::ReplayResult result;
+  std::string shortfall;
+  bool damaged = false, complete = false;
+};
+
+inline ReplayedLog replay_log(const std::string& path) {
+  hil::RecordingReader recording{hil::LogFileReader(path)};
+  const hil::Scenario scenario = hil::load_recorded_scenario(recording.header);
+  const auto simulation = hil::build_recorded_simulation(recording.header, scenario, path);
+  ReplayedLog replayed;
+  replayed.result = hil::replay(recording, *simulation, nullptr);
+  replayed.shortfall = recording.shortfall;
+  replayed.damaged = recording.damaged;
+  replayed.complete = recording.end.has_value();
+  return replayed;
+}
+
+}  // namespace unlatch::test
