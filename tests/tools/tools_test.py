@@ -1,0 +1,287 @@
+#!/usr/bin/env python3
+"""Facts about the executables, with real processes. Run by ctest in a network namespace of its own:
+
+    tools_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+UNLATCH, FSW = str(BIN / "unlatch"), str(BIN / "unlatch-fsw")
+SCENARIOS = SOURCE / "hil/scenarios"
+BOOSTERS = str(SCENARIOS / "boosters/scenario.yaml")
+DEAD_NOZZLE = str(SCENARIOS / "boosters/dead-nozzle.yaml")
+REFERENCE = str(SCENARIOS / "boosters/reference.yaml")
+
+HANG = 120  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
+PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine is no dead flight software
+
+
+def call(*arguments):
+    return subprocess.run(list(map(str, arguments)), capture_output=True, text=True, timeout=HANG)
+
+
+def start(*arguments, stderr=subprocess.DEVNULL):
+    return subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL, stderr=stderr, text=True)
+
+
+class ToolsTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="unlatch_tools_")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def begin(self, *arguments, **options):
+        process = start(*arguments, **options)
+
+        def end():
+            process.kill()
+            process.wait()
+            if process.stderr:
+                process.stderr.close()
+
+        self.addCleanup(end)
+        return process
+
+    def run_ok(self, *arguments, code=0):
+        result = call(*arguments)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout[-2000:]}\n{result.stderr[-2000:]}")
+        return result
+
+    def run_json(self, *arguments, code=0):
+        return json.loads(self.run_ok(*arguments, "--json", "-", code=code).stdout)
+
+    def run_over(self, transport, *arguments, code=0, scenario=BOOSTERS):
+        """A session with the flight software as a process of its own, unless the transport is inproc."""
+        if transport != "inproc":
+            self.begin(FSW, "--transport", transport)
+        return self.run_json(UNLATCH, "hil", scenario, "--transport", transport, *arguments, code=code)
+
+    # --- check and run ------------------------------------------------------------------------------------------
+
+    def test_check_prints_the_plan(self):
+        text = self.run_ok(UNLATCH, "check", BOOSTERS).stdout
+        for part in ["booster4", "slider", "y z rot_x rot_z", "Elimination order", "bytes", "is valid"]:
+            self.assertIn(part, text)
+        array = self.run_ok(UNLATCH, "check", SCENARIOS / "array/reference.yaml").stdout
+        self.assertIn("h*omega", array)
+
+    def test_every_mistake_has_file_and_line(self):
+        text = Path(REFERENCE).read_text().replace("mass: 98500", "mass: -1").replace("mode: hinge", "mode: hnge", 1)
+        bad = self.folder / "bad.yaml"
+        bad.write_text(text)
+        lines = text.splitlines()
+        wrong = [1 + next(i for i, line in enumerate(lines) if part in line) for part in ("mass: -1", "mode: hnge")]
+        for command in (["check"], ["run", "--json", self.folder / "r.json", "--log", self.folder / "r.log"]):
+            result = self.run_ok(UNLATCH, command[0], bad, *command[1:], code=2)
+            self.assertRegex(result.stderr, rf"bad\.yaml:{wrong[0]}:\d+: ")
+            self.assertRegex(result.stderr, rf"bad\.yaml:{wrong[1]}:\d+: ")
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["bad.yaml"], "nothing half-written")
+
+    def test_usage_errors_exit_2(self):
+        for arguments in (
+            [],
+            ["fly"],
+            ["run"],
+            ["run", REFERENCE, "--bogus"],
+            ["run", REFERENCE, "--until", "-1"],
+            ["run", REFERENCE, "--sample", "99"],
+            ["run", REFERENCE, "--set", "bodies.nobody.mass=1"],
+            ["run", self.folder / "missing.yaml"],
+            ["hil", BOOSTERS, "--transport", "pigeon", "--pace", "fast"],
+            ["hil", BOOSTERS, "--transport", "inproc"],
+            ["replay", self.folder / "missing.log"],
+            ["replay", REFERENCE],
+            ["log", "--transport", "inproc", "--out", self.folder / "x"],
+        ):
+            result = self.run_ok(UNLATCH, *arguments, code=2)
+            self.assertEqual(result.stdout, "")
+            self.assertNotEqual(result.stderr.strip(), "")
+        self.run_ok(FSW, "--transport", "inproc", code=2)
+
+    def test_help_teaches_with_an_example(self):
+        for command in ("check", "run", "hil", "replay", "log"):
+            self.assertIn("Example", self.run_ok(UNLATCH, command, "--help").stdout)
+        self.assertIn("Example", self.run_ok(FSW, "--help").stdout)
+
+    def test_json_on_standard_output_is_alone(self):
+        result = self.run_ok(UNLATCH, "run", REFERENCE, "--json", "-", "--sample", "0,0.5,1.00049,2")
+        report = json.loads(result.stdout)
+        self.assertEqual(report["schema"], 1)
+        self.assertEqual((report["scenario"], report["status"], report["dt"], report["ticks"]),
+                         ("boosters", "ok", 0.001, 2000))
+        self.assertRegex(report["hash"], r"^[0-9a-f]{16}$")
+        self.assertEqual([sample["t"] for sample in report["samples"]], [0, 0.5, 1.0, 2.0])
+        self.assertIn("not on a tick", result.stderr)
+        self.assertIn("Events", result.stderr)
+        first, last = report["samples"][0], report["samples"][-1]
+        nose = first["reactions"]["nose1"]
+        self.assertEqual((nose["mode"], nose["rows"]), ("hinge", ["x", "y", "z", "rot_x", "rot_z"]))
+        self.assertEqual(len(nose["lambda"]), 5)
+        self.assertEqual(last["reactions"]["nose1"], {"mode": "free", "rows": [], "lambda": []})
+        self.assertEqual(sorted(last["bodies"]["core"]), ["modal", "p", "q", "v", "w"])
+        self.assertEqual(len([e for e in report["events"] if e["name"] == "liftoff"]), 4)
+        self.assertEqual(len(report["clearance"]), 4)
+        self.assertTrue(report["audit"])
+        self.assertEqual(report["timing"]["step_ns"]["count"], 2000)
+
+    def test_files_that_cannot_be_written_exit_3(self):
+        nowhere = self.folder / "no/such/folder/file"
+        for option in ("--json", "--log"):
+            result = self.run_ok(UNLATCH, "run", REFERENCE, "--until", "0.01", option, nowhere, code=3)
+            self.assertIn(str(nowhere), result.stderr)
+        if Path("/dev/full").exists():
+            self.run_ok(UNLATCH, "run", REFERENCE, "--until", "0.01", "--json", "/dev/full", code=3)
+            self.run_ok(UNLATCH, "run", REFERENCE, "--until", "0.01", "--log", "/dev/full", code=3)
+
+    def test_a_run_replays(self):
+        log = self.folder / "run.log"
+        report = self.run_json(UNLATCH, "run", REFERENCE, "--log", log, "--until", "1", "--dt", "0.002",
+                               "--set", "bodies.core.mass=99000")
+        again = self.run_json(UNLATCH, "replay", log)
+        self.assertEqual(again["replay"], {"ticks_compared": 501, "agrees": True})
+        self.assertEqual((again["hash"], again["events"], again["samples"]),
+                         (report["hash"], report["events"], report["samples"]))
+
+    # --- in the loop --------------------------------------------------------------------------------------------
+
+    def test_lockstep_gives_the_same_bits_over_every_transport(self):
+        reports = [self.run_over(transport, "--pace", "lockstep", "--until", "1.5", *PATIENT)
+                   for transport in ("inproc", "dds", "lcm")]
+        self.assertEqual(len({report["hash"] for report in reports}), 1)
+        for report in reports:
+            self.assertTrue(report["replay"]["agrees"])
+            names = {event["name"] for event in report["events"]}
+            self.assertEqual(names, {"ties_cut", "cutoff", "release", "contact", "nozzle", "liftoff"})
+
+    def test_a_dead_contact_keeps_its_nozzle_shut_and_its_nose_on_the_core(self):
+        report = self.run_over("inproc", "--pace", "lockstep", "--until", "3", *PATIENT, scenario=DEAD_NOZZLE)
+        times = {(e["name"], e["subject"]): e["t"] for e in report["events"]}
+        self.assertNotIn(("contact", "booster1"), times)
+        self.assertNotIn(("nozzle", "booster1"), times)
+        self.assertIn(("nozzle", "booster2"), times)
+        self.assertGreater(times["liftoff", "booster1"], times["liftoff", "booster2"] + 0.1)
+        text = self.run_ok(UNLATCH, "hil", DEAD_NOZZLE, "--transport", "inproc", "--pace", "lockstep", "--until", "3",
+                           *PATIENT).stdout
+        self.assertIn("booster1 stayed on core", text)
+        self.assertIn("core and booster1 touch", text)
+
+    def test_realtime_is_heard_by_a_logger_and_replays(self):
+        log, heard = self.folder / "run.log", self.folder / "heard.log"
+        logger = self.begin(UNLATCH, "log", "--transport", "dds", "--out", heard)
+        report = self.run_over("dds", "--pace", "realtime", "--until", "1.5", "--log", log, *PATIENT)
+        self.assertEqual(report["status"], "ok")
+        self.assertEqual(logger.wait(HANG), 0)
+        self.assertGreater(heard.read_bytes().count(b"UNLATCH_STATE"), 100)
+        again = self.run_json(UNLATCH, "replay", log)
+        self.assertTrue(again["replay"]["agrees"])
+        self.assertEqual(again["hash"], report["hash"])
+        result = self.run_ok(UNLATCH, "replay", heard, code=2)
+        self.assertIn("not a recording", result.stderr)
+
+    def kill_flight_software(self, policy, pace, code):
+        """Kills it with SIGKILL mid-run; returns the report and what was said to people."""
+        log = self.folder / f"{policy}-{pace}.log"
+        result_file = self.folder / f"{policy}-{pace}.json"
+        fsw = self.begin(FSW, "--transport", "dds")
+        simulator = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", pace, "--until", "30",
+                               "--set", "flight_software.timeout=0.5", "--set", f"flight_software.policy={policy}",
+                               "--log", log, "--json", result_file, stderr=subprocess.PIPE)
+        said = ""
+        while "takes part" not in said:
+            line = simulator.stderr.readline()
+            self.assertNotEqual(line, "", said)
+            said += line
+        time.sleep(0.3)
+        fsw.kill()
+        if code is None:
+            return simulator, log, said
+        said += simulator.communicate(timeout=HANG)[1]
+        self.assertEqual(simulator.returncode, code, said[-2000:])
+        again = self.run_json(UNLATCH, "replay", log, code=0)
+        self.assertTrue(again["replay"]["agrees"])
+        report = json.loads(result_file.read_text())
+        self.assertEqual(again["notices"], report["notices"])
+        self.assertEqual(again["hash"], report["hash"])
+        return report, said
+
+    def test_killed_flight_software_ends_in_the_policy_hold(self):
+        report, said = self.kill_flight_software("hold", "lockstep", 0)
+        self.assertEqual([n["name"] for n in report["notices"]], ["participant.joined", "policy.hold"])
+        self.assertEqual((report["status"], report["ticks"]), ("ok", 30000))
+        self.assertIn("has not answered for 0.5", said)
+
+    def test_killed_flight_software_ends_in_the_policy_abort(self):
+        report, said = self.kill_flight_software("abort", "realtime", 1)
+        self.assertEqual(report["status"], "aborted")
+        self.assertEqual(report["notices"][-1]["name"], "policy.abort")
+        self.assertIn("policy 'abort' is applied", said)
+
+    def test_a_paused_run_can_be_interrupted_and_its_recording_replays(self):
+        simulator, log, said = self.kill_flight_software("pause", "realtime", None)
+        while "policy 'pause'" not in said:
+            line = simulator.stderr.readline()
+            self.assertNotEqual(line, "", said)
+            said += line
+        simulator.send_signal(signal.SIGINT)
+        simulator.communicate(timeout=HANG)
+        self.assertEqual(simulator.returncode, 1)
+        again = self.run_json(UNLATCH, "replay", log)
+        self.assertEqual((again["status"], again["message"]), ("aborted", "interrupted"))
+        self.assertTrue(again["replay"]["agrees"])
+
+    def test_a_killed_simulator_leaves_a_recording_that_replays(self):
+        seed = int.from_bytes(os.urandom(4), "big")
+        print(f"seed {seed}")
+        delays = random.Random(seed)
+        for i in range(5):
+            log = self.folder / f"killed{i}.log"
+            simulator = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "realtime", "--until",
+                                   "30", "--log", log, *PATIENT)
+            while not log.exists() or log.stat().st_size < 100_000:  # well under way
+                self.assertIsNone(simulator.poll())
+                time.sleep(0.01)
+            time.sleep(delays.uniform(0, 0.15))
+            simulator.kill()
+            simulator.wait()
+            again = self.run_json(UNLATCH, "replay", log)
+            self.assertEqual(again["status"], "truncated")
+            self.assertTrue(again["replay"]["agrees"])
+            self.assertGreater(again["replay"]["ticks_compared"], 100)
+
+    def test_flight_software_that_never_comes_is_named(self):
+        result = self.run_ok(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "lockstep", "--start-timeout",
+                             "0.3", code=1)
+        self.assertIn("no answer from the flight software 'fsw'", result.stdout)
+
+    def test_flight_software_refuses_a_vehicle_that_it_does_not_know(self):
+        report = self.run_over("dds", "--pace", "lockstep", scenario=self.write_strange_vehicle(), code=1)
+        self.assertEqual(report["status"], "aborted")
+        self.assertIn("lacks channel verniers", report["message"])
+
+    def write_strange_vehicle(self):
+        path = self.folder / "strange.yaml"
+        path.write_text("unlatch: 1\nname: strange\nstep: {dt: 0.001, until: 1}\n"
+                        "bodies:\n  core: {mass: 1, inertia: [1, 1, 1]}\n"
+                        "channels:\n  warp: {initial: 0, range: [0, 1]}\n"
+                        "elements:\n  engine: {type: thrust, body: core, direction: [1, 0, 0], profile: 1, channel: warp}\n"
+                        "flight_software: {required: [fsw]}\n")
+        return path
+
+    def test_flight_software_gives_up_without_a_simulator(self):
+        result = self.run_ok(FSW, "--transport", "dds", "--patience", "0.3", code=1)
+        self.assertIn("no simulator was heard", result.stderr)
+
+
+if __name__ == "__main__":
+    del sys.argv[1:3]
+    unittest.main(verbosity=2)
