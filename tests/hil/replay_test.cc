@@ -106,6 +106,27 @@ TEST_F(Replay, AChannelThatDoesNotExistIsADifferenceNotACrash) {
   EXPECT_FALSE(replay_log(edited_).result.agrees());
 }
 
+// A fault is part of the run: the replay runs into the same one.
+TEST(FastRun, AFaultIsReportedRecordedAndReplayed) {
+  const hil::Scenario scenario = hil::load_scenario_text(
+      kSessionScenario, "session.yaml",
+      {"elements.engine.profile=1e308", "elements.engine.direction=[0, 1000, 0]", "elements.engine.point=[1, 0, 0]"});
+  const auto simulation = hil::build_simulation(scenario);
+  hil::RunAnalysis analysis(scenario, *simulation, {});
+  const std::string path = make_path("log");
+  hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 50));
+  const std::atomic<bool> stop{false};
+  std::atomic<std::int64_t> tick{0};
+  hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, 50, stop, tick);
+  recorder.close(end);
+  EXPECT_EQ(end.status, hil::RunStatus::kFaulted);
+  EXPECT_EQ(end.tick, 0);
+  EXPECT_NE(end.message.find("tick 0"), std::string::npos) << end.message;
+  const ReplayedLog replayed = replay_log(path);
+  EXPECT_TRUE(replayed.result.agrees()) << replayed.result.mismatch;
+  EXPECT_EQ(replayed.result.compared, 1);
+}
+
 TEST(FastRun, RecordsAndReplays) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", {"bodies.core.mass=120"});
   const auto simulation = hil::build_simulation(scenario);
