@@ -1,6 +1,7 @@
 // MuJoCo's mj_forward() on the same tree, written as an MJCF document without shapes, contacts or actuators.
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Eigenvalues>
 #include <sstream>
 #include <stdexcept>
 
@@ -52,9 +53,12 @@ class Document {
       const Vector3d axis = q.conjugate() * joint->axes.col(2);
       out_ << "<joint type='hinge' pos='" << joint->point_follower << "' axis='" << axis << "'/>";
     }
-    const Eigen::Matrix3d& I = body.inertia;
-    out_ << "<inertial pos='0 0 0' mass='" << body.mass << "' fullinertia='" << I(0, 0) << ' ' << I(1, 1) << ' '
-         << I(2, 2) << ' ' << I(0, 1) << ' ' << I(0, 2) << ' ' << I(1, 2) << "'/>";
+    // Principal axes from Eigen: MuJoCo's own diagonalisation is good for 1e-9 only.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(body.inertia);
+    Eigen::Matrix3d axes = principal.eigenvectors();
+    axes.col(2) = axes.col(0).cross(axes.col(1));
+    out_ << "<inertial pos='0 0 0' quat='" << Quaterniond(axes) << "' mass='" << body.mass << "' diaginertia='"
+         << Vector3d(principal.eigenvalues()) << "'/>";
     for (const Joint* child : children_[static_cast<std::size_t>(index)]) write_body(child->follower, child);
     out_ << "</body>";
   }
