@@ -24,6 +24,7 @@ STYLES = {
     "eigen_sparse": ("Eigen SimplicialLDLT", "#457b9d", "-", "^"),
     "eigen_dense": ("Eigen dense LDLT", "#7fa7c4", "-", "v"),
     "simbody": ("Simbody 3.7", "#2a9d5c", "-", "D"),
+    "simbody_solve": ("Simbody, solve alone", "#2a9d5c", "--", "D"),
     "mujoco": ("MuJoCo 2.2", "#e09f3e", "-", "P"),
 }
 # Issue 3: slower, faster, shape, n, at least. Against solvers that start from given blocks it is factor + solve that counts.
@@ -31,6 +32,7 @@ TARGETS = [
     ("mujoco", "unlatch", "star", 5, 11),
     ("textbook", "unlatch_factor_solve", "star", 5, 18),
     ("simbody", "unlatch", "chain", 64, 5),
+    ("simbody_solve", "unlatch_factor_solve", "chain", 64, 5),
     ("textbook", "unlatch_factor_solve", "chain", 64, 14),
     ("textbook", "unlatch_factor_solve", "star", 1024, 38),
     ("textbook", "unlatch_factor_solve", "bintree", 1024, 26),

@@ -37,6 +37,7 @@ const Peer kPeers[] = {
     {"eigen_dense", build_eigen_dense, {64, 64, 64}, false, kAgreement},
 #ifdef UNLATCH_BENCH_SIMBODY
     {"simbody", build_simbody, {4096, 4096, 4096}, true, kAgreement},
+    {"simbody_solve", build_simbody_solve, {4096, 4096, 4096}, true, kAgreement},
 #endif
 #ifdef UNLATCH_BENCH_MUJOCO
     {"mujoco", build_mujoco, {1024, 64, 1024}, false, kAgreement},  // its reader nests elements 100 deep at most

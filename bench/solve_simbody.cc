@@ -1,4 +1,6 @@
-// Simbody's realize(Acceleration) on the same tree, positions and velocities changed before each call.
+// Simbody's realize(Acceleration) on the same tree. Either positions and velocities count as changed before each call,
+// so that everything is computed anew, or only the stages are invalidated: then Simbody keeps what belongs to the
+// positions, its factorisation (articulated inertias) included, and merely solves.
 #include <Simbody.h>
 
 #include "bench/solve_solver.h"
@@ -22,8 +24,14 @@ SimTK::Body::Rigid build_body(const Body& body) {
 
 class Simbody final : public Solver {
  public:
-  explicit Simbody(const Model& model)
-      : model_(model), matter_(system_), forces_(system_), gravity_(forces_, matter_, to_vec(model.gravity.uniform)) {
+  enum class Keep { kNothing, kFactorisation };
+
+  Simbody(const Model& model, Keep keep)
+      : model_(model),
+        keep_(keep),
+        matter_(system_),
+        forces_(system_),
+        gravity_(forces_, matter_, to_vec(model.gravity.uniform)) {
     bodies_.push_back(SimTK::MobilizedBody::Free(matter_.Ground(), build_body(model.bodies[0])));
     for (const Joint& joint : model.joints) {
       const Body& base = get_body(joint.base);
@@ -46,8 +54,12 @@ class Simbody final : public Solver {
   }
 
   void solve() override {
-    (void)state_.updQ();
-    (void)state_.updU();
+    if (keep_ == Keep::kNothing) {
+      (void)state_.updQ();
+      (void)state_.updU();
+    } else {
+      state_.invalidateAllCacheAtOrAbove(SimTK::Stage::Position);
+    }
     system_.realize(state_, SimTK::Stage::Acceleration);
   }
 
@@ -72,6 +84,7 @@ class Simbody final : public Solver {
   }
 
   Model model_;
+  Keep keep_;
   SimTK::MultibodySystem system_;
   SimTK::SimbodyMatterSubsystem matter_;
   SimTK::GeneralForceSubsystem forces_;
@@ -82,6 +95,11 @@ class Simbody final : public Solver {
 
 }  // namespace
 
-std::unique_ptr<Solver> build_simbody(const Model& model) { return std::make_unique<Simbody>(model); }
+std::unique_ptr<Solver> build_simbody(const Model& model) {
+  return std::make_unique<Simbody>(model, Simbody::Keep::kNothing);
+}
+std::unique_ptr<Solver> build_simbody_solve(const Model& model) {
+  return std::make_unique<Simbody>(model, Simbody::Keep::kFactorisation);
+}
 
 }  // namespace unlatch::bench

@@ -21,7 +21,8 @@ std::unique_ptr<Solver> build_unlatch_factor_solve(const Model& model);  // fact
 std::unique_ptr<Solver> build_textbook(const Model& model);
 std::unique_ptr<Solver> build_eigen_dense(const Model& model);
 std::unique_ptr<Solver> build_eigen_sparse(const Model& model);
-std::unique_ptr<Solver> build_mujoco(const Model& model);   // if UNLATCH_BENCH_MUJOCO
-std::unique_ptr<Solver> build_simbody(const Model& model);  // if UNLATCH_BENCH_SIMBODY
+std::unique_ptr<Solver> build_mujoco(const Model& model);         // if UNLATCH_BENCH_MUJOCO
+std::unique_ptr<Solver> build_simbody(const Model& model);        // if UNLATCH_BENCH_SIMBODY
+std::unique_ptr<Solver> build_simbody_solve(const Model& model);  // the same, with the last factorisation
 
 }  // namespace unlatch::bench

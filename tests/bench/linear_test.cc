@@ -1,0 +1,50 @@
+// The cost of a solve grows with the number of bodies and no faster, as a ratio within one process.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "bench/solve_solver.h"
+
+namespace unlatch::bench {
+namespace {
+
+constexpr int kSmall = 64, kLarge = 1024;
+// Time per body may grow by this factor over a sixteenfold n: caches cost some (the small system lies in L2, the large
+// one does not), a term in n log n would cost 1.7 and one in n² 16.
+constexpr double kGrowth = 1.6;
+constexpr int kPairs = 41;
+
+double measure_per_body(Solver& solver, int n) {
+  const int calls = 8 * kLarge / n;  // as many bodies in either size
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < calls; ++i) solver.solve();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / (calls * n);
+}
+
+// Small and large in turn, so that whatever else the machine does falls on both.
+double calc_growth(Shape shape) {
+  const std::unique_ptr<Solver> small = build_unlatch(build_solve_model(shape, kSmall));
+  const std::unique_ptr<Solver> large = build_unlatch(build_solve_model(shape, kLarge));
+  std::vector<double> ratios;
+  for (int i = 0; i < kPairs; ++i) {
+    const double before = measure_per_body(*small, kSmall);
+    ratios.push_back(measure_per_body(*large, kLarge) / before);
+  }
+  std::nth_element(ratios.begin(), ratios.begin() + kPairs / 2, ratios.end());
+  return ratios[kPairs / 2];
+}
+
+TEST(Bench, CostIsLinearInTheNumberOfBodies) {
+  for (const Shape shape : {Shape::kStar, Shape::kChain}) {
+    const double growth = calc_growth(shape);
+    RecordProperty(get_name(shape), std::to_string(growth));
+    EXPECT_LT(growth, kGrowth) << get_name(shape) << ": time per body at n = " << kLarge << " over n = " << kSmall;
+    EXPECT_GT(growth, 1 / kGrowth) << get_name(shape) << ": a small system costs more per body than a large one";
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::bench
