@@ -13,12 +13,20 @@ std::string to_text(double value) {
   return text;
 }
 
+// CLI::PositiveNumber says so in four hundred digits.
+std::string check_seconds(const std::string& text) {
+  double value = 0;
+  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)
+             ? std::string{}
+             : "'" + text + "' is not a positive number of seconds";
+}
+
 }  // namespace
 
 void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
   command.add_option("SCENARIO", options.path, "scenario file (.yaml)")->required();
-  command.add_option("--until", options.until, "end of the run, s")->check(CLI::PositiveNumber);
-  command.add_option("--dt", options.dt, "step, s")->check(CLI::PositiveNumber);
+  command.add_option("--until", options.until, "end of the run, s")->check(check_seconds);
+  command.add_option("--dt", options.dt, "step, s")->check(check_seconds);
   command
       .add_option("--set", options.overrides,
                   "PATH=VALUE: replaces one value of the scenario, e.g. bodies.core.mass=98000; repeatable")
