@@ -64,7 +64,7 @@ def calc_exponent(curve):
 
 def draw(medians):
     plt.rcParams.update({"font.size": 9, "font.family": "DejaVu Sans", "svg.fonttype": "none"})
-    figure, axes = plt.subplots(1, 3, figsize=(12, 4.6), sharey=True)
+    figure, axes = plt.subplots(1, 3, figsize=(11, 4.8), sharey=True)
     for axis, shape in zip(axes, SHAPES):
         for who, (label, colour, line, marker) in STYLES.items():
             curve = sorted(medians.get((who, shape), {}).items())
@@ -84,9 +84,9 @@ def draw(medians):
     for axis in axes:
         labels.update({label: handle for handle, label in zip(*axis.get_legend_handles_labels())})
     order = [label for label, *_ in STYLES.values() if label in labels]
-    figure.legend([labels[label] for label in order], order, loc="lower center", ncol=len(order), frameon=False,
+    figure.legend([labels[label] for label in order], order, loc="lower center", ncol=4, frameon=False,
                   columnspacing=1.4, handlelength=2.2)
-    figure.tight_layout(rect=(0, 0.06, 1, 1))
+    figure.tight_layout(rect=(0, 0.1, 1, 1))
     figure.savefig(RESULTS / "solve.svg", metadata={"Date": None})
     figure.savefig(RESULTS / "solve.png", dpi=130)
 
