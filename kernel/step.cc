@@ -15,12 +15,18 @@
 #include "kernel/guards.h"
 #include "kernel/integrator.h"
 #include "kernel/sensors.h"
+#include "kernel/tree_solver.h"
 
 namespace unlatch {
 namespace {
 
 // Of the guard's change over the sub-step: events that would cross within this part of it are taken as simultaneous.
 constexpr double kSimultaneous = 1e-6;
+
+// Why factor() stopped at a node: the motion has blown up, or its geometry is singular.
+StepStatus get_pivot_status(const Plan& plan, const Workspace& ws, int node) {
+  return has_finite_block(plan, ws, node) ? StepStatus::kSingular : StepStatus::kNotFinite;
+}
 
 // How one step goes on: everything that its parts share.
 struct Run {
@@ -36,7 +42,7 @@ struct Run {
   }
   bool check(int failed_node) {
     node = failed_node;
-    return failed_node == kNone || fail(StepStatus::kSingular);
+    return failed_node == kNone || fail(get_pivot_status(plan, ws, failed_node));
   }
 };
 
@@ -117,7 +123,8 @@ void accept(Run& run) {
 
 bool act_at(Run& run, double now) {
   const StepStatus status = act(run.plan, run.inputs, now, run.ws.accepted, run.ws, run.node);
-  return status == StepStatus::kOk || run.fail(status);
+  return status == StepStatus::kOk ||
+         run.fail(status == StepStatus::kSingular ? get_pivot_status(run.plan, run.ws, run.node) : status);
 }
 
 // From `now` to the end of the step, or to the first event before it. Returns where it got to.

@@ -156,6 +156,14 @@ int factor(const Plan& plan, const State& state, Workspace& ws) noexcept {
   return kNone;
 }
 
+bool has_finite_block(const Plan& plan, const Workspace& ws, int node) noexcept {
+  const Articulated& A = ws.factors[at(node)].A;
+  double sum = ((A.M.xx + A.M.yy) + (A.M.zz + A.I.xx)) + (A.I.yy + A.I.zz);
+  if (const int joint = plan.nodes[at(node)].joint; joint != kNone)
+    sum += dot(ws.frames[at(joint)].r_base, ws.frames[at(joint)].r_follower);
+  return std::isfinite(sum);
+}
+
 void sweep(const Plan& plan, Workspace& ws, Bias bias) noexcept {
   const int count = static_cast<int>(plan.nodes.size());
   for (int k = count - 1; k >= 0; --k) reduce_load(plan.nodes[at(k)], bias, ws.factors[at(k)], ws);

@@ -19,6 +19,9 @@ namespace unlatch {
 // pivot vanished.
 int factor(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
+// Whether what factor() took in at a node, masses and arms, was finite.
+bool has_finite_block(const Plan& plan, const Workspace& ws, int node) noexcept;
+
 // Accelerations and multipliers for ws.forces and ws.bias, with the latest factor(): M a = F + Gᵀ λ, rows as biased.
 // With velocity or position biases and no forces the same call gives velocity or position corrections and impulses.
 void solve(const Plan& plan, Workspace& ws) noexcept;

@@ -10,9 +10,6 @@
 namespace unlatch::tools {
 namespace {
 
-// An explicit Runge–Kutta step resolves h ω up to the first, and is stable up to the second.
-constexpr double kAccurate = 0.2, kStable = 2.8;
-
 void print_heading(const char* text) { std::printf("\n%s\n", paint(stdout, Colour::kBold, text).c_str()); }
 
 std::string get_body_name(const Model& model, int body) {

@@ -27,7 +27,7 @@ struct HilOptions {
   TransportOptions transport;
   hil::Pace pace = hil::Pace::kRealtime;
   double start_timeout_s = 20;
-  std::string json, log;
+  OutputOptions output;
 };
 
 // With `--transport inproc` the reference flight software runs in a thread of this process; else it is a process of its
@@ -70,8 +70,12 @@ class Session {
         link_(kRoomOut + hil::build_catalog(scenario_.model).size()) {}
 
   int run() {
+    warn_of_unstable_elements(scenario_);
+    if (options_.pace == hil::Pace::kFast && !scenario_.flight_software.required.empty()) {
+      std::fprintf(stderr, "note: at pace fast the flight software that the scenario requires takes no part\n");
+    }
     connect();
-    recorder_.emplace(options_.log, header_);
+    recorder_.emplace(options_.output.log, header_);
     hil::LogEnd end = run_executive();
     flight_software_.clear();
     pump_.reset();
@@ -140,7 +144,7 @@ class Session {
 
   // The recording, from its file or, without --log, from the nameless one.
   hil::LogFileReader open_recording() {
-    if (!options_.log.empty()) return hil::LogFileReader(options_.log);
+    if (!options_.output.log.empty()) return hil::LogFileReader(options_.output.log);
     return {recorder_->rewind(), "the recording"};
   }
 
@@ -160,8 +164,8 @@ class Session {
     if (replayed && !replayed->agrees()) status = "different";
     const RunReport report{scenario_, *again,     analysis,          status,  message, end.tick,
                            end.hash,  end.timing, recording.notices, replayed};
-    print_report(get_people_stream(options_.json), report);
-    write_json(build_json(report), options_.json);
+    print_report(get_people_stream(options_.output.json), report);
+    write_json(build_json(report), options_.output.json);
     return status == "ok" ? kExitDone : kExitFailed;
   }
 
@@ -200,8 +204,7 @@ void add_hil(CLI::App& app, int& exit_code) {
   command->add_option("--start-timeout", options->start_timeout_s, "how long to wait for the flight software, s")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
-  command->add_option("--log", options->log, "file for a recording, an LCM event log that `unlatch replay` reads");
+  add_output_options(*command, options->output);
   command->callback([options, &exit_code] { exit_code = Session(*options).run(); });
 }
 

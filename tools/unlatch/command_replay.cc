@@ -52,7 +52,8 @@ void add_replay(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("replay",
                          "Runs a recording again, compares the state's hash at every tick, and names the first "
-                         "difference (exit code 1).\nExample: unlatch replay run.log --json -");
+                         "difference (exit code 1). A recording that was cut short replays up to its end, with status "
+                         "'truncated' and exit code 0.\nExample: unlatch replay run.log --json -");
   command->add_option("LOG", options->log, "recording made by --log")->required();
   command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
   command->callback([options, &exit_code] { exit_code = run(*options); });

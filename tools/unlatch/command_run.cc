@@ -17,7 +17,7 @@ namespace {
 struct RunOptions {
   ScenarioOptions scenario;
   std::vector<double> samples;  // s
-  std::string json, log;
+  OutputOptions output;
 };
 
 // Samples are taken at ticks; a time between two is moved, and that is said.
@@ -59,13 +59,14 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
 int run(const RunOptions& options) {
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);
+  warn_of_unstable_elements(scenario);
   const auto simulated = hil::build_simulation(scenario);
   hil::Simulation& simulation = *simulated;
   hil::RunAnalysis analysis(scenario, simulation, calc_sample_ticks(options, scenario.dt, last_tick));
 
   std::optional<hil::Recorder> recorder;
-  if (!options.log.empty()) {
-    recorder.emplace(options.log, hil::build_log_header(scenario, simulation, hil::Pace::kFast, 0, last_tick));
+  if (!options.output.log.empty()) {
+    recorder.emplace(options.output.log, hil::build_log_header(scenario, simulation, hil::Pace::kFast, 0, last_tick));
   }
   hil::LogEnd end = run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, last_tick);
   if (recorder) {
@@ -76,8 +77,8 @@ int run(const RunOptions& options) {
   const RunReport report{scenario,    simulation,  analysis, get_status_name(end.status),
                          end.message, end.tick,    end.hash, end.timing,
                          {},          std::nullopt};
-  print_report(get_people_stream(options.json), report);
-  write_json(build_json(report), options.json);
+  print_report(get_people_stream(options.output.json), report);
+  write_json(build_json(report), options.output.json);
   return end.status == hil::RunStatus::kDone ? kExitDone : kExitFailed;
 }
 
@@ -94,8 +95,7 @@ void add_run(CLI::App& app, int& exit_code) {
       ->add_option("--sample", options->samples,
                    "times at which the JSON has all bodies and reactions, s (default: the end)")
       ->delimiter(',');
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
-  command->add_option("--log", options->log, "file for a recording, an LCM event log that `unlatch replay` reads");
+  add_output_options(*command, options->output);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

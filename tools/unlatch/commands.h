@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/scenario.h"
+#include "hil/simulation.h"
 
 namespace unlatch::tools {
 
@@ -29,5 +30,17 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options);
 // Throws hil::ScenarioError.
 hil::Scenario load(const ScenarioOptions& options);
 std::int64_t calc_last_tick(const hil::Scenario& scenario);
+
+// Says on standard error which springs the step cannot integrate stably; `check` shows all of them.
+void warn_of_unstable_elements(const hil::Scenario& scenario);
+
+// The step times an element's ω or damping rate: beyond the first RK4 loses accuracy, beyond the second stability.
+inline constexpr double kAccurate = 0.2, kStable = 2.8;
+
+// The outputs that run and hil may write; a recording is a file, and another one than the JSON's.
+struct OutputOptions {
+  std::string json, log;
+};
+void add_output_options(CLI::App& command, OutputOptions& options);
 
 }  // namespace unlatch::tools

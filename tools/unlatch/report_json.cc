@@ -41,6 +41,14 @@ Json build_clearance(const hil::Clearance& clearance, const Model& model) {
 
 Json build_audit(const EventAudit& audit) {
   return {{"t", audit.time},
+          {"before",
+           {{"momentum", to_json(audit.before.momentum)},
+            {"angular_momentum", to_json(audit.before.angular_momentum)},
+            {"kinetic_energy", audit.before.kinetic}}},
+          {"after",
+           {{"momentum", to_json(audit.before.momentum + audit.jump.momentum)},
+            {"angular_momentum", to_json(audit.before.angular_momentum + audit.jump.angular_momentum)},
+            {"kinetic_energy", audit.before.kinetic + audit.jump.kinetic}}},
           {"momentum_jump", to_json(audit.jump.momentum)},
           {"angular_momentum_jump", to_json(audit.jump.angular_momentum)},
           {"energy_jump", audit.jump.kinetic},

@@ -71,6 +71,23 @@ void print_reactions(std::FILE* to, const RunReport& report) {
   }
 }
 
+// What events changed beyond what they were entitled to: nothing for a release, its impulse and loss for a latch.
+void print_audit(std::FILE* to, const std::vector<EventAudit>& audits) {
+  if (audits.empty()) return;
+  double momentum = 0, angular = 0, energy = 0, entitled = 0;
+  for (const EventAudit& audit : audits) {
+    momentum = std::max(momentum, norm(audit.jump.momentum - audit.entitled.momentum));
+    angular = std::max(angular, norm(audit.jump.angular_momentum - audit.entitled.angular_momentum));
+    energy = std::max(energy, std::abs(audit.jump.kinetic - audit.entitled.kinetic));
+    entitled = std::max(entitled, std::abs(audit.entitled.kinetic));
+  }
+  print_heading(to, "Audit of momentum and energy");
+  std::fprintf(to,
+               "  at %zu instants of events, largest change beyond the entitled: %.3g kg m/s, %.3g kg m2/s, %.3g J\n",
+               audits.size(), momentum, angular, energy);
+  std::fprintf(to, "  largest change of kinetic energy that an event was entitled to: %.6g J\n", entitled);
+}
+
 void print_durations(std::FILE* to, const char* name, const hil::DurationSummary& summary) {
   if (summary.count == 0) return;
   const auto us = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
@@ -161,6 +178,7 @@ void print_report(std::FILE* to, const RunReport& report) {
   print_clearances(to, report);
   print_tip_offs(to, report);
   print_reactions(to, report);
+  print_audit(to, report.analysis.audits);
   print_timing(to, report.timing);
   print_verdicts(to, report);
   const bool ok = report.status == "ok";
@@ -169,8 +187,8 @@ void print_report(std::FILE* to, const RunReport& report) {
                paint(to, ok ? Colour::kGreen : Colour::kRed, report.status).c_str(),
                static_cast<long long>(report.tick), dt, static_cast<double>(report.tick) * dt,
                to_hex(report.hash).c_str());
-  if (!report.message.empty()) std::fprintf(to, "  %s\n", report.message.c_str());
   if (report.replay) print_replay(to, *report.replay);
+  if (!report.message.empty()) std::fprintf(to, "  %s\n", report.message.c_str());
 }
 
 }  // namespace unlatch::tools

@@ -1,10 +1,14 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include "hil/run.h"
 #include "tools/unlatch/commands.h"
 
 namespace unlatch::tools {
 namespace {
+
+constexpr double kSameTime = 1e-6;  // of a step
 
 // All digits: what is read back is what was typed.
 std::string to_text(double value) {
@@ -38,7 +42,33 @@ hil::Scenario load(const ScenarioOptions& options) {
   std::vector<std::string> overrides = options.overrides;
   if (options.dt > 0) overrides.push_back("step.dt=" + to_text(options.dt));
   if (options.until > 0) overrides.push_back("step.until=" + to_text(options.until));
-  return hil::load_scenario(options.path, overrides);
+  hil::Scenario scenario = hil::load_scenario(options.path, overrides);
+  const double end = static_cast<double>(calc_last_tick(scenario)) * scenario.dt;
+  if (std::abs(end - scenario.until) > kSameTime * scenario.dt) {
+    std::fprintf(stderr, "note: %.9g s is not on a tick; the run ends at %.9g s\n", scenario.until, end);
+  }
+  return scenario;
+}
+
+void warn_of_unstable_elements(const hil::Scenario& scenario) {
+  for (const ElementFrequency& element : hil::build_simulation(scenario)->calc_frequencies()) {
+    if (scenario.dt * std::max(element.omega, element.decay) <= kStable) continue;
+    std::fprintf(stderr,
+                 "warning: element '%s' is too stiff for this step and will be unstable: h*omega %.3g, h*decay %.3g; "
+                 "see `unlatch check`\n",
+                 scenario.model.element_name(element.element).c_str(), scenario.dt * element.omega,
+                 scenario.dt * element.decay);
+  }
+}
+
+void add_output_options(CLI::App& command, OutputOptions& options) {
+  command.add_option("--json", options.json, "file for the result as JSON, or - for standard output");
+  command.add_option("--log", options.log, "file for a recording, an LCM event log that `unlatch replay` reads");
+  command.parse_complete_callback([&options] {
+    if (options.log == "-") throw CLI::ValidationError("--log", "a recording goes to a file, not to standard output");
+    if (!options.log.empty() && options.log == options.json)
+      throw CLI::ValidationError("--log", "the recording and the JSON need different files");
+  });
 }
 
 std::int64_t calc_last_tick(const hil::Scenario& scenario) { return std::llround(scenario.until / scenario.dt); }
