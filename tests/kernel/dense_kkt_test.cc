@@ -127,7 +127,7 @@ TEST(DenseKkt, RowsAreTheDerivativesOfTheConstraints) {
     const SystemState state = disturb(model, random);
     const DenseKkt kkt = build_dense_kkt(model, state);
     RealVector accelerations(kkt.speed.size());
-    for (Real& a : accelerations) a = random.uniform(-1, 1);
+    for (Real& a : accelerations) a = static_cast<Real>(random.uniform(-1, 1));
     const RealVector first = kkt.rows * kkt.speed, second = kkt.rows * accelerations - kkt.bias;
 
     for (std::size_t k = 0; k < kkt.names.size(); ++k) {
@@ -323,7 +323,7 @@ TEST(RandomModel, KeepsTheMassRatioAndTheSeed) {
   options.bodies = 60;
   options.mass_ratio = 1e8;
   const Model one = build_random_model(3, options), same = build_random_model(3, options);
-  double least = INFINITY, most = 0;
+  double least = HUGE_VAL, most = 0;
   for (std::size_t b = 0; b < one.bodies.size(); ++b) {
     least = std::min(least, one.bodies[b].mass);
     most = std::max(most, one.bodies[b].mass);
