@@ -68,10 +68,6 @@ template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> transpose_times(const Mat3T<T>& m, const Vec3T<T>& a) {
   return {dot(m.x, a), dot(m.y, a), dot(m.z, a)};
 }
-template <class T>
-[[gnu::always_inline]] constexpr Mat3T<T> transpose_times(const Mat3T<T>& a, const Mat3T<T>& b) {
-  return {transpose_times(a, b.x), transpose_times(a, b.y), transpose_times(a, b.z)};
-}
 inline const Vec3& column(const Mat3& m, int k) { return k == 0 ? m.x : (k == 1 ? m.y : m.z); }
 inline constexpr Mat3 kIdentity3{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 

@@ -66,7 +66,6 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, RowSet read, int
                 read != 0,
                 angles,
                 first_mode,
-                static_cast<std::int32_t>(joint.modes.size()),
                 {}};
   out.initial = {joint.mode, {0, 0, 0}, {0, 0, 0}, {1, 0, 0, 0}};
   for (int k = 0; k < 3; ++k)

@@ -46,9 +46,9 @@ struct PlanJoint {
   Quat quat_base, quat_follower;          // the same as quaternions
   bool shared_axes;                       // the two frames coincide
   bool universal;
-  bool measured;                        // a spring, guard or sensor reads its coordinates
-  std::uint8_t angles;                  // bit k: somebody reads the angle about axis k of the rotation frame
-  std::int32_t first_mode, mode_count;  // into Plan::modes
+  bool measured;            // a spring, guard or sensor reads its coordinates
+  std::uint8_t angles;      // bit k: somebody reads the angle about axis k of the rotation frame
+  std::int32_t first_mode;  // into Plan::modes
   JointState initial;
 };
 
