@@ -16,8 +16,10 @@ class Unlatch : public Solver {
 
   Solution build_solution() const override {
     std::vector<double> bodies;
-    for (const Spatial& a : simulation_.workspace.accelerations)
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+      const Spatial a = simulation_.workspace.accelerations[b];
       bodies.insert(bodies.end(), {a.lin.x, a.lin.y, a.lin.z, a.ang.x, a.ang.y, a.ang.z});
+    }
     Solution solution{calc_coordinates(model_, bodies), {}};
     for (std::size_t j = 0; j < model_.joints.size(); ++j)
       for (std::size_t r = 0; r < kHingeRows; ++r)
@@ -43,10 +45,7 @@ class UnlatchFactorSolve final : public Unlatch {
  public:
   using Unlatch::Unlatch;
 
-  void solve() override {
-    check(factor(simulation_.plan, simulation_.state, simulation_.workspace));
-    unlatch::solve(simulation_.plan, simulation_.workspace);
-  }
+  void solve() override { check(factor_and_solve(simulation_.plan, simulation_.state, simulation_.workspace, {})); }
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "kernel/balance.h"
 
+#include "kernel/kinematics.h"
+
 namespace unlatch {
 namespace {
 
@@ -11,7 +13,7 @@ Balance calc_balance(const Plan& plan, const State& state, const Workspace& ws) 
   Balance sum{{0, 0, 0}, {0, 0, 0}, 0};
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     const BodyState& s = state.bodies[b];
-    const BodyKinematics& k = ws.kinematics[b];
+    const BodyKinematics k = ws.kinematics[b];
     const Vec3 momentum = plan.bodies[b].mass * s.v;
     const Vec3 spin = k.J * k.w;
     sum.momentum += momentum;
@@ -24,7 +26,7 @@ Balance calc_balance(const Plan& plan, const State& state, const Workspace& ws) 
 Balance calc_impulse_entitlement(const Plan& plan, const State& state, const Workspace& ws) noexcept {
   Balance sum{{0, 0, 0}, {0, 0, 0}, 0};
   for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-    const JointFrame& f = ws.frames[j];
+    const JointFrame f = get_joint_frame(plan, state, ws, static_cast<int>(j));
     Vec3 impulse{0, 0, 0}, turn{0, 0, 0};
     for (int r = 0; r < kRows; ++r) {
       const double lambda = ws.multipliers[j * kRows + at(r)];

@@ -8,6 +8,7 @@
 #include "kernel/guards.h"
 #include "kernel/integrator.h"
 #include "kernel/kinematics.h"
+#include "kernel/lane_state.h"
 
 namespace unlatch {
 namespace {
@@ -32,7 +33,7 @@ bool is_due(const Plan& plan, std::size_t e, double now, const State& state, con
 // Rows that the new mode adds hold from now on where they are.
 void close_rows(const Plan& plan, State& state, const Workspace& ws, int joint, RowSet added) {
   JointState& memory = state.joints[at(joint)];
-  const Vec3& displacement = ws.frames[at(joint)].displacement;
+  const Vec3 displacement = get_joint_frame(plan, state, ws, joint).displacement;
   if (has_row(added, kX)) memory.offset.x = displacement.x;
   if (has_row(added, kY)) memory.offset.y = displacement.y;
   if (has_row(added, kZ)) memory.offset.z = displacement.z;
@@ -118,15 +119,15 @@ StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state,
     if (count == 0) return StepStatus::kOk;
 
     Balance entitled{{0, 0, 0}, {0, 0, 0}, 0};
+    load_modes(plan, state, ws);
     if (added != 0) {
-      update_joint_frames(plan, state, ws);  // the rows that hold have changed
       if (node = apply_impulse(plan, state, ws); node != kNone) return StepStatus::kSingular;
       entitled = calc_impulse_entitlement(plan, state, ws);
-      update_kinematics(plan, state, ws);
+      update_kinematics(plan, ws);
     }
     if (at(ws.audit_count) < ws.audits.size())
       ws.audits[at(ws.audit_count++)] = {now, before, difference(calc_balance(plan, state, ws), before), entitled};
-    if (node = evaluate(plan, inputs, state, now, ws); node != kNone) return StepStatus::kSingular;
+    if (node = evaluate_lanes(plan, inputs, state, now, true, ws); node != kNone) return StepStatus::kSingular;
     for (double& tolerance : ws.tolerances) tolerance = 0;
     update_guards(plan, inputs, state, now, ws, ws.guards);
   }

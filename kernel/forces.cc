@@ -2,6 +2,7 @@
 
 #include "kernel/elementary.h"
 #include "kernel/kinematics.h"
+#include "kernel/lane_access.h"
 #include "kernel/step.h"
 
 namespace unlatch {
@@ -42,8 +43,9 @@ double calc_profile(const Plan& plan, const PlanProfile& profile, double s) {
 // A force at an arm from the body's origin, or a torque; nothing can push the ground.
 void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
   if (body == kGround) return;
-  ws.forces[at(body)].lin += force;
-  ws.forces[at(body)].ang += torque;
+  const LaneSlot slot = ws.slots[at(body)];
+  add_vec(ws.lanes.data(), slot, kForce, force);
+  add_vec(ws.lanes.data(), slot, kForce + 3, torque);
 }
 
 void add_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
@@ -53,7 +55,7 @@ void add_loads(const Plan& plan, const Inputs& inputs, const State& state, doubl
     if (scale == 0) continue;
     const double command = load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)];
     const double size = calc_profile(plan, plan.profiles[at(load.profile)], t - element.switched_on) * scale * command;
-    const Mat3& R = ws.kinematics[at(load.body)].R;
+    const Mat3 R = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation);
     const Vec3 vector = size * (load.world ? load.direction : R * load.direction);
     if (load.torque)
       push(ws, load.body, {0, 0, 0}, vector);
@@ -66,8 +68,8 @@ void add_point_springs(const Plan& plan, const State& state, double t, Workspace
   for (const PlanPointSpring& spring : plan.point_springs) {
     const double scale = calc_scale(state.elements[at(spring.element)], t);
     if (scale == 0) continue;
-    const BodyFrame base = get_body_frame(state, ws, spring.base);
-    const BodyFrame follower = get_body_frame(state, ws, spring.follower);
+    const BodyFrame base = get_body_frame(ws, spring.base);
+    const BodyFrame follower = get_body_frame(ws, spring.follower);
     const Vec3 r_base = base.R * spring.point_base, r_follower = follower.R * spring.point_follower;
     const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
     const double length = norm(line);
@@ -91,7 +93,7 @@ void add_joint_springs(const Plan& plan, const State& state, double t, Workspace
                          spring.damping * ws.speeds[coordinate]) *
                         scale;
     const PlanJoint& joint = plan.joints[at(spring.joint)];
-    const JointFrame& f = ws.frames[at(spring.joint)];
+    const JointFrame f = get_joint_frame(plan, state, ws, spring.joint);
     if (spring.axis < kRotX) {
       const Vec3 force = size * column(f.n, spring.axis);
       push(ws, joint.follower, force, cross(f.r_follower, force));
@@ -111,8 +113,8 @@ void add_plane_torsions(const Plan& plan, const State& state, double t, Workspac
   for (const PlanPlaneTorsion& spring : plan.plane_torsions) {
     const double scale = calc_scale(state.elements[at(spring.element)], t);
     if (scale == 0) continue;
-    const BodyFrame base = get_body_frame(state, ws, spring.base);
-    const BodyFrame follower = get_body_frame(state, ws, spring.follower);
+    const BodyFrame base = get_body_frame(ws, spring.base);
+    const BodyFrame follower = get_body_frame(ws, spring.follower);
     const Vec3 normal = base.R * spring.normal_base, axis = follower.R * spring.axis_follower;
     const Vec3 across = cross(normal, axis);
     const double size = norm(across);
@@ -142,10 +144,7 @@ Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
 }
 
 void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
-    const BodyKinematics& k = ws.kinematics[b];
-    ws.forces[b] = {plan.bodies[b].mass * calc_gravity(plan, state.bodies[b].p), -cross(k.w, k.J * k.w)};
-  }
+  plan.kernels->init_forces(plan, ws);
   add_loads(plan, inputs, state, t, ws);
   add_point_springs(plan, state, t, ws);
   add_joint_springs(plan, state, t, ws);

@@ -3,6 +3,7 @@
 // factorisation.
 #pragma once
 
+#include "kernel/lane_kernels.h"
 #include "kernel/plan.h"
 #include "kernel/workspace.h"
 
@@ -10,19 +11,25 @@ namespace unlatch {
 
 struct Inputs;
 
-// Accelerations, reactions, coordinates and speeds of `state` at time t, s. Returns kNone, or the node whose pivot
-// vanished.
+// Loads `state` into the lanes and evaluates it: accelerations, reactions, coordinates and speeds at time t, s. Returns
+// kNone, or the node whose pivot vanished.
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
-// ws.rates[stage] from the latest evaluation, which was of `state`.
-void update_rates(const Plan& plan, const State& state, int stage, Workspace& ws) noexcept;
+// The same for poses and velocities that stand in the lanes already; `state` for its joints, elements and signals. The
+// stages of a sub-step do without multipliers.
+int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, bool multipliers,
+                   Workspace& ws) noexcept;
 
-// `to` = `from` after h seconds. Needs ws.rates[0] of `from`, and leaves it as it is. Returns as evaluate().
+// What the latest evaluation was of is where the next sub-steps begin.
+inline void keep_start(const Plan& plan, Workspace& ws) noexcept { plan.kernels->keep_start(plan, ws); }
+
+// `to` = `from` after h seconds, in the lanes too. `from` is what keep_start() kept, and it stays kept. Returns as
+// evaluate().
 int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, State& to,
               Workspace& ws) noexcept;
 
 // Adds the velocity change that closes the active rows: a perfectly plastic impulse, left in ws.multipliers, N s and N
-// m s. Needs ws.kinematics and ws.frames of `state`. Returns as evaluate().
+// m s. Needs the lanes to hold `state`, its modes but not yet its joint frames. Returns as evaluate().
 int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept;
 
 }  // namespace unlatch

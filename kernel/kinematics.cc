@@ -1,6 +1,8 @@
 #include "kernel/kinematics.h"
 
 #include "kernel/elementary.h"
+#include "kernel/lane_access.h"
+#include "kernel/rows.h"
 
 namespace unlatch {
 namespace {
@@ -34,26 +36,41 @@ Quat calc_relative_attitude(const Plan& plan, const State& state, int joint) noe
   return conjugate(base) * (state.bodies[at(j.follower)].q * j.quat_follower);
 }
 
-void update_kinematics(const Plan& plan, const State& state, Workspace& ws) noexcept {
-  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
-    BodyKinematics& k = ws.kinematics[b];
-    k.R = rotation_matrix(state.bodies[b].q);
-    k.w = k.R * state.bodies[b].w;
-    k.J = rotate(k.R, plan.bodies[b].inertia);
-  }
+BodyFrame get_body_frame(const Workspace& ws, int body) noexcept {
+  if (body == kGround) return {kIdentity3, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  const double* lanes = ws.lanes.data();
+  const LaneSlot slot = ws.slots[at(body)];
+  return {read_mat(lanes, slot, kRotation), read_vec(lanes, slot, kPose), read_vec(lanes, slot, kVelocity),
+          read_vec(lanes, slot, kOmega)};
 }
 
 Mat3 calc_follower_axes(const Plan& plan, const Workspace& ws, int joint) noexcept {
   const PlanJoint& j = plan.joints[at(joint)];
-  return ws.kinematics[at(j.follower)].R * j.rotation_follower;
+  return get_body_frame(ws, j.follower).R * j.rotation_follower;
 }
 
-void update_joint_frames(const Plan& plan, const State& state, Workspace& ws) noexcept {
-  for (int j = 0; j < static_cast<int>(plan.joints.size()); ++j) {
+JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace& ws, int joint) noexcept {
+  const PlanJoint& j = plan.joints[at(joint)];
+  if (j.loose != kNone) return ws.loose_frames[at(j.loose)];
+  const double* lanes = ws.lanes.data();
+  const LaneSlot slot = ws.slots[at(j.child)];
+  const Spatial slip = read_spatial(lanes, slot, kSlip);
+  return {read_vec(lanes, slot, kArmBase),
+          read_vec(lanes, slot, kArmFollower),
+          read_mat(lanes, slot, kAxes),
+          read_mat(lanes, slot, j.rotation_row),
+          is_crossed(j, get_active_rows(plan, state, joint)),
+          read_vec(lanes, slot, kGap),
+          slip.lin,
+          slip.ang};
+}
+
+void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept {
+  plan.kernels->update_joints(plan, ws, kind);
+  for (const std::int32_t j : plan.loose_joints) {
     const PlanJoint& joint = plan.joints[at(j)];
-    const BodyFrame base = get_body_frame(state, ws, joint.base);
-    const BodyFrame follower = get_body_frame(state, ws, joint.follower);
-    JointFrame& f = ws.frames[at(j)];
+    const BodyFrame base = get_body_frame(ws, joint.base), follower = get_body_frame(ws, joint.follower);
+    JointFrame& f = ws.loose_frames[at(joint.loose)];
     f.r_follower = follower.R * joint.point_follower;
     f.r_base = (follower.p - base.p) + f.r_follower;
     f.n = base.R * joint.axes;
@@ -61,16 +78,18 @@ void update_joint_frames(const Plan& plan, const State& state, Workspace& ws) no
     f.w_rel = follower.w - base.w;
     f.v_rel = (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base));
     f.displacement = transpose_times(f.n, f.r_base - base.R * joint.point_base);
-    f.crossed = joint.universal && (get_active_rows(plan, state, j) & kRotationRows) == row_bit(kRotZ);
-    if (f.crossed) f.m = universal_frame(f.m, calc_follower_axes(plan, ws, j));
+    f.crossed = is_crossed(joint, get_active_rows(plan, state, j));
+    if (f.crossed) f.m = universal_frame(f.m, follower.R * joint.rotation_follower);
   }
+  for (const std::int32_t j : plan.loops)
+    ws.loose_bias[at(plan.joints[at(j)].loose)] = calc_bias(plan, state, ws, j, kind);
 }
 
 void update_coordinates(const Plan& plan, const State& state, Workspace& ws) noexcept {
   for (int j = 0; j < static_cast<int>(plan.joints.size()); ++j) {
     const PlanJoint& joint = plan.joints[at(j)];
     if (!joint.measured) continue;
-    const JointFrame& f = ws.frames[at(j)];
+    const JointFrame f = get_joint_frame(plan, state, ws, j);
     double* coordinates = &ws.coordinates[at(j) * kRows];
     double* speeds = &ws.speeds[at(j) * kRows];
     coordinates[kX] = f.displacement.x;
@@ -82,7 +101,7 @@ void update_coordinates(const Plan& plan, const State& state, Workspace& ws) noe
       coordinates[kRotX + k] = 0;
     }
     if (joint.angles == 0) continue;
-    const Mat3 base = get_body_frame(state, ws, joint.base).R * joint.rotation_base;
+    const Mat3 base = get_body_frame(ws, joint.base).R * joint.rotation_base;
     const Mat3 follower = calc_follower_axes(plan, ws, j);
     for (int k = 0; k < 3; ++k)
       if ((joint.angles >> k & 1) != 0)

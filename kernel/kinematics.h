@@ -1,6 +1,7 @@
 // Where everything is and how it moves at one stage: rotation matrices, world inertias, joint frames and coordinates.
 #pragma once
 
+#include "kernel/lane_kernels.h"
 #include "kernel/plan.h"
 #include "kernel/workspace.h"
 
@@ -11,21 +12,19 @@ struct BodyFrame {
   Mat3 R;
   Vec3 p, v, w;  // world axes
 };
-inline BodyFrame get_body_frame(const State& state, const Workspace& ws, int body) noexcept {
-  if (body == kGround) return {kIdentity3, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-  const BodyState& s = state.bodies[static_cast<std::size_t>(body)];
-  const BodyKinematics& k = ws.kinematics[static_cast<std::size_t>(body)];
-  return {k.R, s.p, s.v, k.w};
-}
+BodyFrame get_body_frame(const Workspace& ws, int body) noexcept;
 
-// ws.kinematics from the poses and velocities of `state`.
-void update_kinematics(const Plan& plan, const State& state, Workspace& ws) noexcept;
+// Any joint's frame, wherever it is kept.
+JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace& ws, int joint) noexcept;
 
-// ws.frames; needs ws.kinematics.
-void update_joint_frames(const Plan& plan, const State& state, Workspace& ws) noexcept;
+// Rotations, angular velocities and inertias of all bodies.
+inline void update_kinematics(const Plan& plan, Workspace& ws) noexcept { plan.kernels->update_kinematics(plan, ws); }
 
-// ws.coordinates and ws.speeds of the joints that a spring, guard or sensor reads; needs ws.frames. Angles are counted
-// on from those in the state's joints.
+// Frames of all joints and the right-hand sides of their rows; needs kinematics.
+void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept;
+
+// ws.coordinates and ws.speeds of the joints that a spring, guard or sensor reads; needs the joints' frames. Angles are
+// counted on from those in the state's joints.
 void update_coordinates(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
 // The rotation frame as the follower carries it, in world axes.
@@ -37,6 +36,11 @@ double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept;
 
 // Relative attitude of a joint's rotation frame, follower to base.
 Quat calc_relative_attitude(const Plan& plan, const State& state, int joint) noexcept;
+
+// Whether a universal joint's rotation frame follows its cross.
+inline bool is_crossed(const PlanJoint& joint, RowSet rows) noexcept {
+  return joint.universal && (rows & kRotationRows) == row_bit(kRotZ);
+}
 
 // Which rows of a joint hold now.
 inline RowSet get_active_rows(const Plan& plan, const State& state, int joint) noexcept {

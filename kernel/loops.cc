@@ -1,9 +1,7 @@
 #include "kernel/loops.h"
 
-#include <algorithm>
-
 #include "kernel/kinematics.h"
-#include "kernel/tree_solver.h"
+#include "kernel/lane_access.h"
 
 namespace unlatch {
 namespace {
@@ -18,7 +16,7 @@ double& entry(Workspace& ws, int row, int column) { return ws.loop_matrix[at(row
 // What row `row` of a joint does with unit multiplier: a wrench at each body's origin.
 LoopRow build_row(const Plan& plan, const JointFrame& f, int joint, int row) {
   const PlanJoint& j = plan.joints[at(joint)];
-  LoopRow out{joint, row, j.base, j.follower, {}, {}, false};
+  LoopRow out{joint, j.loose, row, j.base, j.follower, {}, {}, false};
   if (row < kRotX) {
     const Vec3& n = column(f.n, row);
     out.on_follower = {n, cross(f.r_follower, n)};
@@ -31,31 +29,42 @@ LoopRow build_row(const Plan& plan, const JointFrame& f, int joint, int row) {
   return out;
 }
 
-// The row's relative acceleration, for body accelerations `a`.
-double apply_row(const LoopRow& row, std::span<const Spatial> a) {
-  const double follower = dot(row.on_follower, a[at(row.follower)]);
-  return row.base == kGround ? follower : follower + dot(row.on_base, a[at(row.base)]);
+// The row's relative acceleration, in the latest solution.
+double apply_row(const LoopRow& row, const Workspace& ws) {
+  const double follower = dot(row.on_follower, ws.accelerations[at(row.follower)]);
+  return row.base == kGround ? follower : follower + dot(row.on_base, ws.accelerations[at(row.base)]);
 }
 
-std::span<Spatial> get_column(const Plan& plan, Workspace& ws, int k) {
-  return ws.loop_columns.subspan(at(k) * plan.bodies.size(), plan.bodies.size());
-}
-
-std::span<double> get_column_multipliers(const Plan& plan, Workspace& ws, int k) {
-  const std::size_t count = plan.joints.size() * kRows;
-  return ws.loop_multipliers.subspan(at(k) * count, count);
-}
-
-void update_column(const Plan& plan, Workspace& ws, int k) {
-  const LoopRow& row = ws.loop_rows[at(k)];
-  for (NodeFactor& node : ws.factors) node.load = {{0, 0, 0}, {0, 0, 0}};
-  for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
-    if (plan.nodes[n].body == row.follower) ws.factors[n].load = row.on_follower;
-    if (plan.nodes[n].body == row.base) ws.factors[n].load = row.on_base;
+// The loads of a sweep: those of `source`, or none, in the rows of the accelerations.
+void init_loads(const Plan& plan, Workspace& ws, Source source) {
+  for (const LaneGroup& group : plan.groups) {
+    double* loads = ws.lanes.data() + group.data + kAcceleration * group.width;
+    const double* forces = ws.lanes.data() + group.data + kForce * group.width;
+    for (int i = 0; i < 6 * group.width; ++i) loads[i] = source == Source::kForces ? forces[i] : 0;
   }
-  sweep(plan, ws, Bias::kIgnored);
-  std::copy(ws.accelerations.begin(), ws.accelerations.end(), get_column(plan, ws, k).begin());
-  std::copy(ws.multipliers.begin(), ws.multipliers.end(), get_column_multipliers(plan, ws, k).begin());
+}
+
+void add_wrench(const LoopRow& row, double size, Workspace& ws) {
+  const auto add = [&](int body, const Spatial& wrench) {
+    if (body == kGround) return;
+    add_vec(ws.lanes.data(), ws.slots[at(body)], kAcceleration, size * wrench.lin);
+    add_vec(ws.lanes.data(), ws.slots[at(body)], kAcceleration + 3, size * wrench.ang);
+  };
+  add(row.follower, row.on_follower);
+  add(row.base, row.on_base);
+}
+
+void sweep_tree(const Plan& plan, Workspace& ws, const Sweep& sweep) {
+  plan.kernels->reduce(plan, ws, sweep);
+  plan.kernels->substitute(plan, ws, sweep);
+}
+
+// Column k of Λ: what its row's unit wrench does along all rows.
+void update_column(const Plan& plan, Workspace& ws, int k) {
+  init_loads(plan, ws, Source::kNothing);
+  add_wrench(ws.loop_rows[at(k)], 1, ws);
+  sweep_tree(plan, ws, {Source::kGiven, false, false});
+  for (int r = k; r < ws.loop_count; ++r) entry(ws, r, k) = apply_row(ws.loop_rows[at(r)], ws);
 }
 
 // LDLᵀ of Λ in place, row by row: the unit lower triangle below the diagonal, the pivots on it. Redundant rows get
@@ -104,32 +113,32 @@ void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept 
   for (const std::int32_t joint : plan.loops)
     for (int r = 0; r < kRows; ++r)
       if (has_row(get_active_rows(plan, state, joint), r))
-        ws.loop_rows[at(ws.loop_count++)] = build_row(plan, ws.frames[at(joint)], joint, r);
+        ws.loop_rows[at(ws.loop_count++)] = build_row(plan, get_joint_frame(plan, state, ws, joint), joint, r);
   for (int k = 0; k < ws.loop_count; ++k) update_column(plan, ws, k);
-  for (int r = 0; r < ws.loop_count; ++r)
-    for (int c = 0; c <= r; ++c) entry(ws, r, c) = apply_row(ws.loop_rows[at(r)], get_column(plan, ws, c));
   factor_matrix(ws);
 }
 
-void close_loops(const Plan& plan, Workspace& ws) noexcept {
+void solve_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept {
+  sweep_tree(plan, ws, {sweep.source, sweep.biased, sweep.multipliers && ws.loop_count == 0});
+  for (const std::int32_t joint : plan.loose_joints)
+    for (std::size_t r = 0; r < kRows; ++r) ws.multipliers.get(at(joint), r) = 0;
+  if (ws.loop_count == 0) return;
   for (int r = 0; r < ws.loop_count; ++r) {
     const LoopRow& row = ws.loop_rows[at(r)];
-    const JointFrame& f = ws.frames[at(row.joint)];
-    const Spatial& bias = ws.bias[at(row.joint)];
+    const JointFrame& f = ws.loose_frames[at(row.loose)];
+    const Spatial& bias = ws.loose_bias[at(row.loose)];
     const double target =
         row.row < kRotX ? dot(column(f.n, row.row), bias.lin) : dot(column(f.m, row.row - kRotX), bias.ang);
-    ws.loop_solution[at(r)] = target - apply_row(row, ws.accelerations);
+    ws.loop_solution[at(r)] = (sweep.biased ? target : 0) - apply_row(row, ws);
   }
   solve_matrix(ws);
-  for (int k = 0; k < ws.loop_count; ++k) {
-    const double mu = ws.loop_solution[at(k)];
-    const std::span<const Spatial> a = get_column(plan, ws, k);
-    const std::span<const double> lambda = get_column_multipliers(plan, ws, k);
-    for (std::size_t b = 0; b < a.size(); ++b) ws.accelerations[b] = ws.accelerations[b] + mu * a[b];
-    for (std::size_t i = 0; i < lambda.size(); ++i) ws.multipliers[i] += mu * lambda[i];
+  init_loads(plan, ws, sweep.source);
+  for (int r = 0; r < ws.loop_count; ++r) {
+    const LoopRow& row = ws.loop_rows[at(r)];
+    add_wrench(row, ws.loop_solution[at(r)], ws);
+    ws.multipliers.get(at(row.joint), at(row.row)) = ws.loop_solution[at(r)];
   }
-  for (int k = 0; k < ws.loop_count; ++k)
-    ws.multipliers[at(ws.loop_rows[at(k)].joint) * kRows + at(ws.loop_rows[at(k)].row)] = ws.loop_solution[at(k)];
+  sweep_tree(plan, ws, {Source::kGiven, sweep.biased, sweep.multipliers});
 }
 
 }  // namespace unlatch

@@ -2,19 +2,22 @@
 // matrix
 //   Λ μ = c − W a₀,   Λ = W H⁻¹ Wᵀ,   a = a₀ + H⁻¹ Wᵀ μ,
 // where row r of W is the pair of unit wrenches that the row puts on its two bodies and a₀ the tree's own solution. The
-// tree's pattern is untouched; the cost is O(k n) and k³/6. Rows that follow from the others (a planar four-bar in
-// space, a Bricard linkage) show as vanishing pivots of Λ; they are left out, get no multiplier, and are counted.
+// tree's pattern is untouched; the cost is k + 2 sweeps over the tree and k³/6. The last sweep has the rows' wrenches
+// among the loads, so that the multipliers of the tree's joints come out with it. Rows that follow from the others (a
+// planar four-bar in space, a Bricard linkage) show as vanishing pivots of Λ; they are left out, get no multiplier, and
+// are counted.
 #pragma once
 
+#include "kernel/lane_kernels.h"
 #include "kernel/plan.h"
 #include "kernel/workspace.h"
 
 namespace unlatch {
 
-// The columns H⁻¹ Wᵀ and the factor of Λ for the active rows of plan.loops. Needs the tree's factor and ws.frames.
+// The factor of Λ for the active rows of plan.loops. Needs the tree's factor and the joints' frames.
 void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
-// Corrects ws.accelerations and ws.multipliers, which hold the tree's own solution, for the loops' rows with ws.bias.
-void close_loops(const Plan& plan, Workspace& ws) noexcept;
+// Accelerations and multipliers of tree and loops, with the latest factors.
+void solve_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept;
 
 }  // namespace unlatch

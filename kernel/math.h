@@ -45,7 +45,7 @@ template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> cross(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
+[[gnu::always_inline]] inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 
 // Three columns. As a rotation R_AB its columns are B's axes in A.
 template <class T>
@@ -68,7 +68,7 @@ template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> transpose_times(const Mat3T<T>& m, const Vec3T<T>& a) {
   return {dot(m.x, a), dot(m.y, a), dot(m.z, a)};
 }
-inline const Vec3& column(const Mat3& m, int k) { return k == 0 ? m.x : (k == 1 ? m.y : m.z); }
+[[gnu::always_inline]] inline const Vec3& column(const Mat3& m, int k) { return k == 0 ? m.x : (k == 1 ? m.y : m.z); }
 inline constexpr Mat3 kIdentity3{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // Symmetric 3x3.
@@ -122,8 +122,8 @@ template <class T>
   return {(a.w * b.w - a.x * b.x) - (a.y * b.y + a.z * b.z), (a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y),
           (a.w * b.y - a.x * b.z) + (a.y * b.w + a.z * b.x), (a.w * b.z + a.x * b.y) + (a.z * b.w - a.y * b.x)};
 }
-constexpr Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
-inline Quat normalized(const Quat& q) {
+[[gnu::always_inline]] constexpr Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
+[[gnu::always_inline]] inline Quat normalized(const Quat& q) {
   const double s = 1.0 / std::sqrt(norm_squared(q));
   return {q.w * s, q.x * s, q.y * s, q.z * s};
 }

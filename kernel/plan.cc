@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernel/kinematics.h"
+#include "kernel/lane_kernels.h"
 #include "kernel/model_hash.h"
 #include "kernel/topology.h"
 
@@ -22,11 +23,8 @@ Eigen::Matrix3d get_attitude(const Model& model, int body) {
 }
 
 PlanBody compile_body(const Body& body) {
-  const Eigen::Matrix3d inverse = body.inertia.inverse();
-  return {body.mass,
-          to_sym(body.inertia),
-          to_sym(inverse),
-          {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
+  return {
+      body.mass, to_sym(body.inertia), {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
 }
 
 // Which coordinates of a joint a spring, guard or sensor reads; the others are not computed. Bit r: Row r.
@@ -145,6 +143,9 @@ void check_options(const Model& model, const PlanOptions& options, std::vector<M
   if (options.max_splits < 1)
     errors.push_back(
         {"step", "max_splits is " + std::to_string(options.max_splits), "allow at least one event per step"});
+  if (!is_supported(options.lanes))
+    errors.push_back({"step", std::string("this build or this processor has no ") + get_name(options.lanes),
+                      "leave the lanes to be chosen"});
   if (options.root < kNone || options.root >= static_cast<int>(model.bodies.size()))
     errors.push_back({"step", "root is not a body of the model", "name one of its bodies, or leave it out"});
 }
@@ -170,6 +171,8 @@ PlanResult compile_plan(const Model& model, const PlanOptions& options) {
     plan.joints.push_back(compile_joint(model, model.joints[j], read[j], static_cast<int>(plan.modes.size())));
     for (const JointMode& mode : model.joints[j].modes) plan.modes.push_back(mode.rows);
   }
+  compile_lanes(model, plan);
+  plan.kernels = &get_kernels(options.lanes);
   plan.gravity = to_vec(model.gravity.uniform);
   plan.mu = model.gravity.mu;
   plan.mu_centre = to_vec(model.gravity.centre);

@@ -10,16 +10,25 @@
 #include <optional>
 #include <vector>
 
+#include "kernel/lanes.h"
 #include "kernel/math.h"
 #include "kernel/model.h"
 #include "kernel/state.h"
 
 namespace unlatch {
 
+struct LaneKernels;
+
+// Instruction sets: numbers that one instruction works on.
+enum class Lanes { kAuto, kScalar, kTwo, kFour, kEight };
+bool is_supported(Lanes lanes);     // by this build on this processor
+const char* get_name(Lanes lanes);  // "scalar", "sse2" or "neon", "avx2", "avx512"; of kAuto, what it stands for
+
 struct PlanOptions {
-  double dt = 0.001;   // s, > 0
-  int max_splits = 8;  // sub-steps that events may cut one step into, at most; later ones act at the next tick
-  int root = kNone;    // body at the root of its tree; by default the one that makes the tree shallowest
+  double dt = 0.001;           // s, > 0
+  int max_splits = 8;          // sub-steps that events may cut one step into, at most; later ones act at the next tick
+  int root = kNone;            // body at the root of its tree; by default the one that makes the tree shallowest
+  Lanes lanes = Lanes::kAuto;  // how wide to compute: for tests and benches, every choice gives the same bits
 };
 
 // A body in the elimination order: parents before children, so that forward is root to leaves and backward the reverse.
@@ -34,7 +43,6 @@ struct PlanNode {
 struct PlanBody {
   double mass;   // kg
   Sym3 inertia;  // body axes, kg m²
-  Sym3 inverse;  // of the inertia
   BodyState initial;
 };
 
@@ -50,6 +58,9 @@ struct PlanJoint {
   std::uint8_t angles;      // bit k: somebody reads the angle about axis k of the rotation frame
   std::int32_t first_mode;  // into Plan::modes
   JointState initial;
+  std::int32_t child = kNone;         // of a joint of the tree: the body that it holds to its parent
+  std::int32_t loose = kNone;         // of any other joint: its place in Plan::loose_joints
+  std::int32_t rotation_row = kAxes;  // of a joint of the tree: where the rotation rows' axes are in the child's lane
 };
 
 struct PlanProfile {
@@ -115,7 +126,18 @@ class Plan {
   std::vector<PlanBody> bodies;
   std::vector<PlanJoint> joints;
   std::vector<RowSet> modes;
-  std::vector<std::int32_t> loops;  // joints that close a loop over the tree
+  std::vector<std::int32_t> loops;         // joints that close a loop over the tree
+  std::vector<std::int32_t> loose_joints;  // joints that are no edge of the tree: those, and ones that never hold
+
+  // lanes, see lanes.h
+  std::vector<LaneGroup> groups;           // parents before children
+  std::vector<std::int32_t> lane_nodes;    // per lane: its node, or kNone
+  std::vector<LaneSlot> lane_parents;      // per lane: where its parent is
+  std::vector<double> lane_constants;      // blocks of LaneConstant rows
+  std::vector<LaneSlot> body_slots;        // per body
+  std::vector<LaneSlot> multiplier_slots;  // per joint: the six multipliers
+  std::int32_t lane_numbers = 0;           // size of Workspace::lanes
+  const LaneKernels* kernels = nullptr;    // the stages of the step, compiled for this processor
 
   Vec3 gravity{};
   double mu = 0;

@@ -15,8 +15,8 @@ void write(double* out, const Vec3& a) {
 
 // Of a point fixed in the body, body axes; `g` is taken away first: zero, or free fall for an accelerometer.
 Vec3 calc_acceleration(const Workspace& ws, int body, const Vec3& point, const Vec3& g) {
-  const BodyKinematics& k = ws.kinematics[at(body)];
-  const Spatial& a = ws.accelerations[at(body)];
+  const BodyKinematics k = ws.kinematics[at(body)];
+  const Spatial a = ws.accelerations[at(body)];
   const Vec3 r = k.R * point;
   return transpose_times(k.R, (a.lin - g) + (cross(a.ang, r) + cross(k.w, cross(k.w, r))));
 }

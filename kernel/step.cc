@@ -62,7 +62,7 @@ int count_crossings(const Workspace& ws) {
 bool try_substep(Run& run, double now, double h) {
   ++run.report.substeps;
   if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, h, run.ws.trial, run.ws))) return false;
-  if (!run.check(evaluate(run.plan, run.inputs, run.ws.trial, now + h, run.ws))) return false;
+  if (!run.check(evaluate_lanes(run.plan, run.inputs, run.ws.trial, now + h, true, run.ws))) return false;
   update_guards(run.plan, run.inputs, run.ws.trial, now + h, run.ws, run.ws.guards);
   return true;
 }
@@ -137,7 +137,7 @@ double advance(Run& run, double now, double end, int& splits) {
   const double target = reaches_due && due < end - slack ? due : end;
   std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_low.begin());
   std::fill(ws.tolerances.begin(), ws.tolerances.end(), 0.0);
-  update_rates(run.plan, ws.accepted, 0, ws);
+  keep_start(run.plan, ws);
   if (!try_substep(run, now, target - now)) return end;
 
   double reached = target;

@@ -1,5 +1,8 @@
 #include "kernel/workspace.h"
 
+#include <algorithm>
+
+#include "kernel/lane_access.h"
 #include "kernel/plan.h"
 #include "kernel/step.h"
 
@@ -27,25 +30,19 @@ class Arena {
 
 std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   Arena arena(memory);
-  const std::size_t bodies = plan.bodies.size(), joints = plan.joints.size(), nodes = plan.nodes.size(),
-                    events = plan.events.size();
-  arena.take(ws.kinematics, bodies);
-  arena.take(ws.forces, bodies);
-  arena.take(ws.accelerations, bodies);
-  for (std::span<BodyRate>& rates : ws.rates) arena.take(rates, bodies);
-  arena.take(ws.frames, joints);
-  arena.take(ws.bias, joints);
-  arena.take(ws.multipliers, joints * kRows);
+  const std::size_t bodies = plan.bodies.size(), joints = plan.joints.size(), events = plan.events.size();
+  arena.take(ws.lanes, static_cast<std::size_t>(plan.lane_numbers));
+  arena.take(ws.phases, plan.groups.size());
+  arena.take(ws.slots, bodies + joints);
   arena.take(ws.coordinates, joints * kRows);
   arena.take(ws.speeds, joints * kRows);
-  arena.take(ws.factors, nodes);
+  arena.take(ws.loose_frames, plan.loose_joints.size());
+  arena.take(ws.loose_bias, plan.loose_joints.size());
   const std::size_t loop_rows = plan.loops.size() * kRows;
   arena.take(ws.loop_rows, loop_rows);
-  arena.take(ws.loop_columns, loop_rows * bodies);
-  arena.take(ws.loop_multipliers, loop_rows * joints * kRows);
   arena.take(ws.loop_matrix, loop_rows * loop_rows);
   arena.take(ws.loop_solution, loop_rows);
-  for (State* state : {&ws.stage, &ws.trial, &ws.accepted}) {
+  for (State* state : {&ws.trial, &ws.accepted}) {
     std::span<std::byte> block;
     arena.take(block, plan.get_state_bytes());
     if (memory != nullptr) *state = State(plan, block);
@@ -64,7 +61,25 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
 
 }  // namespace
 
-Workspace::Workspace(const Plan& plan, std::span<std::byte> memory) noexcept { lay_out(plan, memory.data(), *this); }
+Workspace::Workspace(const Plan& plan, std::span<std::byte> memory) noexcept {
+  lay_out(plan, memory.data(), *this);
+  std::copy(plan.body_slots.begin(), plan.body_slots.end(), slots.begin());
+  std::copy(plan.multiplier_slots.begin(), plan.multiplier_slots.end(),
+            slots.begin() + static_cast<std::ptrdiff_t>(plan.body_slots.size()));
+  kinematics = {lanes.data(), slots.first(plan.body_slots.size())};
+  accelerations = {lanes.data(), slots.first(plan.body_slots.size())};
+  multipliers = {lanes.data(), slots.subspan(plan.body_slots.size())};
+}
+
+Spatial read_acceleration(const double* lanes, LaneSlot slot) noexcept {
+  return read_spatial(lanes, slot, kAcceleration);
+}
+
+BodyKinematics read_kinematics(const double* lanes, LaneSlot slot) noexcept {
+  const double* from = lanes + slot.offset + kInertia * slot.stride;
+  const auto J = [&](int row) { return from[row * slot.stride]; };
+  return {read_mat(lanes, slot, kRotation), read_vec(lanes, slot, kOmega), {J(0), J(1), J(2), J(3), J(4), J(5)}};
+}
 
 std::size_t Plan::get_workspace_bytes() const {
   Workspace scratch;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "kernel/articulated.h"
+#include "kernel/lanes.h"
 #include "kernel/math.h"
 #include "kernel/model.h"
 #include "kernel/state.h"
@@ -17,14 +18,14 @@ class Plan;
 struct FiredEvent;
 struct EventAudit;
 
-// A body at one stage. Computed by update_kinematics().
+// A body at one stage. Computed by the kernels' update_kinematics.
 struct BodyKinematics {
   Mat3 R;  // R_WB
   Vec3 w;  // w_WB in world axes, rad/s
   Sym3 J;  // inertia in world axes, kg m²
 };
 
-// A joint at one stage, world axes. Computed by update_joint_frames().
+// A joint at one stage, world axes. Computed by the kernels' update_joints, or by update_loose_joints().
 struct JointFrame {
   Vec3 r_base, r_follower;  // from each body's origin to the follower's point, m
   Mat3 n;                   // axes of the point–plane rows
@@ -34,40 +35,43 @@ struct JointFrame {
   Vec3 v_rel, w_rel;        // velocity of the point seen from the base; relative angular velocity, world axes
 };
 
-// One eliminated freedom of a joint. Computed by factor(), `beta` by solve().
-struct Pivot {
-  Spatial s;       // its direction at the child's origin
-  Spatial U;       // A s
-  double inverse;  // 1 / sᵀ A s
-  double beta;     // sᵀ b
-};
+// What lies in the lanes as the bodies of the model: index it by the body.
+template <class T, T (*kRead)(const double* lanes, LaneSlot slot)>
+class BodyView {
+ public:
+  BodyView() = default;
+  BodyView(const double* lanes, std::span<const LaneSlot> slots) : lanes_(lanes), slots_(slots) {}
+  std::size_t size() const { return slots_.size(); }
+  T operator[](std::size_t body) const { return kRead(lanes_, slots_[body]); }
 
-// The block LDLᵀ at one node. Computed by factor(), the loads by solve().
-struct NodeFactor {
-  Articulated A;         // of the body and all beyond it
-  Vec3 offset;           // from the parent's origin, or the ground's, m
-  Spatial bias;          // what the joint imposes besides its freedoms, at the body's origin
-  Spatial load;          // force and torque on the body and all beyond it
-  RowSet rows;           // that hold it to its parent or to the ground; 0: it moves freely
-  std::int8_t freedoms;  // pivots in use; 0 where no row holds
-  union {
-    Pivot pivots[kRows];  // where rows hold
-    FreeFactor free;      // where none does
-  };
+ private:
+  const double* lanes_ = nullptr;
+  std::span<const LaneSlot> slots_;
+};
+Spatial read_acceleration(const double* lanes, LaneSlot slot) noexcept;
+BodyKinematics read_kinematics(const double* lanes, LaneSlot slot) noexcept;
+
+// The multipliers of all joints, six each in the order of Row: 0 for rows that do not hold; N, N m.
+class MultiplierView {
+ public:
+  MultiplierView() = default;
+  MultiplierView(double* lanes, std::span<const LaneSlot> slots) : lanes_(lanes), slots_(slots) {}
+  std::size_t size() const { return slots_.size() * kRows; }
+  double operator[](std::size_t i) const { return get(i / kRows, i % kRows); }
+  double& get(std::size_t joint, std::size_t row) const {
+    return lanes_[slots_[joint].offset + static_cast<std::ptrdiff_t>(row) * slots_[joint].stride];
+  }
+
+ private:
+  double* lanes_ = nullptr;
+  std::span<const LaneSlot> slots_;
 };
 
 // One row of a joint that closes a loop. Computed by factor_loops().
 struct LoopRow {
-  std::int32_t joint, row, base, follower;
-  Spatial on_base, on_follower;  // unit wrenches at the bodies' origins
-  bool independent;              // of the rows before it
-};
-
-// Derivative of a BodyState.
-struct BodyRate {
-  Vec3 p;
-  Quat q;
-  Vec3 v, w;
+  std::int32_t joint, loose, row, base, follower;  // loose: the joint's place among those that are no edge
+  Spatial on_base, on_follower;                    // unit wrenches at the bodies' origins
+  bool independent;                                // of the rows before it
 };
 
 struct Workspace {
@@ -75,33 +79,31 @@ struct Workspace {
   // `memory`: at least plan.get_workspace_bytes(), aligned to 64.
   Workspace(const Plan& plan, std::span<std::byte> memory) noexcept;
 
-  // per body, model order
-  std::span<BodyKinematics> kinematics;
-  std::span<Spatial> forces;         // applied force and torque at the body origin, gyroscopic torque included; N, N m
-  std::span<Spatial> accelerations;  // of the latest solve; m/s², rad/s², world axes
-  std::span<BodyRate> rates[4];      // of the stages of the Runge–Kutta step
+  // the bodies and the joints of the tree, see lanes.h
+  std::span<double> lanes;
+  std::span<LanePhase> phases;  // per group
+  std::span<LaneSlot> slots;    // per body, then per joint: where it is in the lanes
+  BodyView<BodyKinematics, read_kinematics> kinematics;
+  BodyView<Spatial, read_acceleration> accelerations;  // of the latest solve; m/s², rad/s², world axes
+  MultiplierView multipliers;
 
   // per joint, model order
-  std::span<JointFrame> frames;
-  std::span<Spatial> bias;        // right-hand side of the rows: along n and m, world axes
-  std::span<double> multipliers;  // 6 per joint in the order of Row, 0 for rows that do not hold; N, N m
   std::span<double> coordinates;  // 6 per joint that is read: displacement along n, m; angle about m, rad
   std::span<double> speeds;       // 6 per joint: their rates
 
-  // per node of the elimination order
-  std::span<NodeFactor> factors;
+  // per joint that is no edge of the tree
+  std::span<JointFrame> loose_frames;
+  std::span<Spatial> loose_bias;  // right-hand side of the rows: along n and m, world axes
 
   // per row of the joints that close loops, k in all
   std::span<LoopRow> loop_rows;
-  std::span<Spatial> loop_columns;     // accelerations of all bodies per unit multiplier, k × bodies
-  std::span<double> loop_multipliers;  // of the tree's joints, likewise, k × 6 joints
-  std::span<double> loop_matrix;       // Λ, then its factor, k × k
-  std::span<double> loop_solution;     // k
-  std::int32_t loop_count = 0;         // rows that are active
-  std::int32_t loop_redundant = 0;     // of these, rows that follow from the others
+  std::span<double> loop_matrix;    // Λ, then its factor, k × k
+  std::span<double> loop_solution;  // k
+  std::int32_t loop_count = 0;      // rows that are active
+  std::int32_t loop_redundant = 0;  // of these, rows that follow from the others
 
-  // states: a stage of the Runge–Kutta step, the end of a trial sub-step, and how far the step has got
-  State stage, trial, accepted;
+  // states: the end of a trial sub-step, and how far the step has got
+  State trial, accepted;
 
   // per event
   std::span<double> guards;                   // at the latest evaluation

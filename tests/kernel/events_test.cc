@@ -168,8 +168,7 @@ TEST(Events, ALatchConservesMomentumAndLosesWhatItMay) {
     }
   }
   ASSERT_TRUE(latched);
-  update_kinematics(s.plan, s.state, s.workspace);
-  update_joint_frames(s.plan, s.state, s.workspace);
+  update_motion(s);
   update_coordinates(s.plan, s.state, s.workspace);
   EXPECT_NEAR(s.workspace.coordinates[kRotZ], 0.5, 1e-9);  // it stays where it latched
   EXPECT_NEAR(s.workspace.speeds[kRotZ], 0, 1e-12);

@@ -46,7 +46,7 @@ Model build_pair() {
 }
 
 Balance get_balance(Simulation& s) {
-  update_kinematics(s.plan, s.state, s.workspace);
+  update_motion(s);
   return calc_balance(s.plan, s.state, s.workspace);
 }
 

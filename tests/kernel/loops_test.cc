@@ -147,7 +147,7 @@ Model build_linkage(const std::vector<Eigen::Vector3d>& points, const std::vecto
 void expect_to_swing_freely(const Model& model, int redundant) {
   Simulation s(model);
   const auto energy = [&] {
-    update_kinematics(s.plan, s.state, s.workspace);
+    update_motion(s);
     double potential = 0;
     for (const unlatch::BodyState& b : s.state.bodies) potential -= dot(s.plan.gravity, b.p);
     return calc_balance(s.plan, s.state, s.workspace).kinetic + potential;

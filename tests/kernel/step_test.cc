@@ -46,7 +46,7 @@ TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
   Simulation clean(build_boosters()), dirty(build_boosters());
   const Workspace layout = dirty.workspace;
   for (int i = 0; i < kAllPhases; ++i) {
-    std::byte* first = reinterpret_cast<std::byte*>(layout.kinematics.data());
+    std::byte* first = reinterpret_cast<std::byte*>(layout.lanes.data());
     const std::size_t bytes = dirty.plan.get_workspace_bytes();
     std::fill_n(reinterpret_cast<double*>(first), bytes / sizeof(double), std::numeric_limits<double>::quiet_NaN());
     dirty.workspace = Workspace(dirty.plan, {first, bytes});
@@ -137,14 +137,14 @@ TEST(Step, KeepsMomentaEnergyAndJointsOfRandomFreeSystems) {
     options.grounded_chance = 0;
     const Model model = build_random_model(seed, options);
     Simulation s(model);
-    update_kinematics(s.plan, s.state, s.workspace);
+    update_motion(s);
     const Balance before = calc_balance(s.plan, s.state, s.workspace);
     double drift = 0;
     for (int i = 0; i < 1000; ++i) {
       ASSERT_EQ(s.advance().status, StepStatus::kOk) << "seed " << seed << " tick " << i;
       drift = std::max(drift, calc_drift(s.plan, s.state, s.workspace));
     }
-    update_kinematics(s.plan, s.state, s.workspace);
+    update_motion(s);
     const Balance after = calc_balance(s.plan, s.state, s.workspace);
     EXPECT_LT(norm(after.momentum - before.momentum), kMomentum * (1 + norm(before.momentum))) << "seed " << seed;
     EXPECT_LT(norm(after.angular_momentum - before.angular_momentum),

@@ -120,8 +120,7 @@ TEST(TreeSolver, PlasticImpulsesAgreeWithADenseSolve) {
       simulation.state.joints[j].mode = mode;
       dense_state.modes[j] = mode;
     }
-    update_kinematics(simulation.plan, simulation.state, simulation.workspace);
-    update_joint_frames(simulation.plan, simulation.state, simulation.workspace);
+    update_motion(simulation);
     ASSERT_EQ(apply_impulse(simulation.plan, simulation.state, simulation.workspace), kNone);
     EXPECT_LT(calc_disagreement(simulation, solve_plastic_impulse(model, dense_state)), kAgreement) << "seed " << seed;
   }

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "kernel/kinematics.h"
+#include "kernel/lane_state.h"
 #include "kernel/step.h"
 
 namespace unlatch::test {
@@ -54,5 +56,12 @@ class Simulation {
  private:
   Block state_memory_, workspace_memory_;
 };
+
+// Kinematics and joint frames of the present state, which only an evaluation leaves in the workspace otherwise.
+inline void update_motion(Simulation& s) {
+  load_state(s.plan, s.state, s.workspace);
+  update_kinematics(s.plan, s.workspace);
+  update_joints(s.plan, s.state, BiasKind::kAcceleration, s.workspace);
+}
 
 }  // namespace unlatch::test

@@ -1,0 +1,315 @@
+// Stages of the step that move bodies and measure joints, on lanes: kinematics, weight, joint frames and their biases,
+// Runge–Kutta, corrections. Compiled once per instruction set, see pack.h.
+#pragma once
+
+#include "kernel/lane_kernels.h"
+#include "kernel/lane_view.h"
+
+namespace unlatch::UNLATCH_ISA {
+
+// Calls stage(view of the block, view of the constants, group, parents) for parts of T's width.
+template <class T, class Stage>
+UNLATCH_INLINE void for_parts(const Plan& plan, double* lanes, const LaneGroup& group, const Stage& stage) {
+  for (int lane = 0; lane < group.width; lane += T::kWidth)
+    stage(View<T>{lanes + group.data + lane, group.width},
+          View<T, const double>{plan.lane_constants.data() + group.constants + lane, group.width},
+          Parents<T>{group.link, lanes, plan.lane_parents.data() + group.first + lane});
+}
+
+// The widest pack that this build uses for a group.
+template <int kWidest, class Stage>
+UNLATCH_INLINE void for_group(const Plan& plan, double* lanes, const LaneGroup& group, const Stage& stage) {
+  if (kWidest >= 8 && group.width == 8) return for_parts<Pack<kWidest >= 8 ? 8 : 1>>(plan, lanes, group, stage);
+  if (kWidest >= 4 && group.width >= 4) return for_parts<Pack<kWidest >= 4 ? 4 : 1>>(plan, lanes, group, stage);
+  if (kWidest >= 2 && group.width >= 2) return for_parts<Pack<kWidest >= 2 ? 2 : 1>>(plan, lanes, group, stage);
+  for_parts<Pack<1>>(plan, lanes, group, stage);
+}
+
+template <int kWidest, class Stage>
+UNLATCH_INLINE void for_groups(const Plan& plan, Workspace& ws, const Stage& stage) {
+  const LaneGroup* end = plan.groups.data() + plan.groups.size();
+  for (const LaneGroup* group = plan.groups.data(); group != end; ++group)
+    for_group<kWidest>(plan, ws.lanes.data(), *group,
+                       [&](const auto& v, const auto& c, const auto& parents) { stage(*group, v, c, parents); });
+}
+
+template <class T>
+UNLATCH_INLINE QuatT<T> normalized(const QuatT<T>& q) {
+  const T s = T(1) / sqrt(norm_squared(q));
+  return {q.w * s, q.x * s, q.y * s, q.z * s};
+}
+
+// --- Kinematics and weight ------------------------------------------------------------------------------------------
+
+template <int kWidest>
+void update_kinematics(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto& v, const auto& c, const auto&) {
+    const auto R = rotation_matrix(v.get_quat(kPose + 3));
+    v.set(kRotation, R);
+    v.set(kOmega, R * v.get_vec(kVelocity + 3));
+    v.set(kInertia, rotate(R, c.get_sym(kBodyInertia)));
+  });
+}
+
+template <int kWidest>
+void init_forces(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto& c, const auto&) {
+    Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
+    if (plan.mu != 0) {
+      const Vec3T<T> r = v.get_vec(kPose) - Vec3T<T>{T(plan.mu_centre.x), T(plan.mu_centre.y), T(plan.mu_centre.z)};
+      const T r2 = dot(r, r);
+      g = g - (T(plan.mu) / (r2 * sqrt(r2))) * r;
+    }
+    const Vec3T<T> w = v.get_vec(kOmega);
+    v.set(kForce, c.get(kMass) * g);
+    v.set(kForce + 3, -cross(w, v.get_sym(kInertia) * w));
+  });
+}
+
+// --- Joints ---------------------------------------------------------------------------------------------------------
+
+template <class T>
+struct Frame {
+  Mat3T<T> R;
+  Vec3T<T> p, v, w;
+};
+
+template <class T, class Source>
+UNLATCH_INLINE Frame<T> get_frame(const Source& from) {
+  return {from.get_mat(kRotation), from.get_vec(kPose), from.get_vec(kVelocity), from.get_vec(kOmega)};
+}
+
+template <class T>
+UNLATCH_INLINE Frame<T> get_ground() {
+  const T o(0.0), i(1.0);
+  const Vec3T<T> zero{o, o, o};
+  return {{{i, o, o}, {o, i, o}, {o, o, i}}, zero, zero, zero};
+}
+
+template <class T>
+struct JointMotion {
+  Frame<T> base, follower;
+  Vec3T<T> r_base, r_follower, gap, v_rel, w_rel;
+  Mat3T<T> n, m;
+};
+
+// In its modes with rot_z as the only rotation row a universal joint's rotation frame follows the cross: x of the base,
+// y of the follower, and their common normal, which the row is about.
+template <class T>
+UNLATCH_INLINE void cross_axes(const View<T>& v, const View<T, const double>& c, const LaneGroup& group,
+                               JointMotion<T>& j) {
+  const T crossed = v.get(group.crossed);
+  const Vec3T<T> normal = cross(j.m.x, j.follower.R * c.get_vec(kFollowerY));
+  const Vec3T<T> z = (T(1) / sqrt(dot(normal, normal))) * normal;
+  j.m.y = select(crossed, cross(z, j.m.x), j.m.y);
+  j.m.z = select(crossed, z, j.m.z);
+}
+
+template <class T>
+UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const View<T>& v, const View<T, const double>& c,
+                                         const Parents<T>& parents) {
+  const Frame<T> child = get_frame<T>(v);
+  const Frame<T> parent = group.link == LaneLink::kRoot ? get_ground<T>() : get_frame<T>(parents);
+  JointMotion<T> j;
+  j.base = group.child_is_base ? child : parent;
+  j.follower = group.child_is_base ? parent : child;
+  j.r_follower = j.follower.R * c.get_vec(kPointFollower);
+  j.r_base = (j.follower.p - j.base.p) + j.r_follower;
+  j.n = j.base.R * c.get_mat(kBaseAxes);
+  j.gap = transpose_times(j.n, j.r_base - j.base.R * c.get_vec(kPointBase));
+  j.w_rel = j.follower.w - j.base.w;
+  j.v_rel = (j.follower.v + cross(j.follower.w, j.r_follower)) - (j.base.v + cross(j.base.w, j.r_base));
+  j.m = group.shared_axes ? j.n : j.base.R * c.get_mat(kRotationAxes);
+  if (group.universal) cross_axes(v, c, group, j);
+  v.set(kArmBase, j.r_base);
+  v.set(kArmFollower, j.r_follower);
+  v.set(kAxes, j.n);
+  if (!group.shared_axes) v.set(group.rotation_axes, j.m);
+  v.set(kGap, j.gap);
+  v.set(kSlip, j.v_rel);
+  v.set(kSlip + 3, j.w_rel);
+  v.set(kOffset, child.p - parent.p);
+  return j;
+}
+
+// The right-hand sides of the rows, (4.11) and (4.12):
+//   point–plane: w_b × (w_b × r_b) + 2 w_b × v_rel − w_f × (w_f × r_f)
+//   n fixed in the base:   d/dt n·(w_f − w_b) = n·(α_f − α_b + w_f × w_b) = 0, so α_f − α_b = w_b × w_f along n;
+//   n = N/|N|, N = x_b × y_f: g = x_b·y_f, dg/dt = −N·w_rel, so N·α_rel = −(dN/dt)·w_rel.
+template <class T>
+UNLATCH_INLINE SpatialT<T> calc_acceleration_bias(const LaneGroup& group, const View<T>& v,
+                                                  const View<T, const double>& c, const JointMotion<T>& j) {
+  const Vec3T<T>&wb = j.base.w, &wf = j.follower.w;
+  SpatialT<T> bias{(cross(wb, cross(wb, j.r_base)) + T(2) * cross(wb, j.v_rel)) - cross(wf, cross(wf, j.r_follower)),
+                   cross(wb, wf)};
+  if (group.universal) {
+    const Vec3T<T> y = j.follower.R * c.get_vec(kFollowerY);
+    const Vec3T<T> normal = cross(j.m.x, y);
+    const Vec3T<T> rate = cross(cross(wb, j.m.x), y) + cross(j.m.x, cross(wf, y));
+    const T size = -dot(rate, j.w_rel) / sqrt(dot(normal, normal));
+    bias.ang = select(v.get(group.crossed), size * j.m.z, bias.ang);
+  }
+  return bias;
+}
+
+// The gaps, reversed. Orientation: for every axis a whose place in the follower is kept, a × (where it has gone); a
+// universal joint's row: −x_b·y_f / |x_b × y_f|.
+template <class T>
+UNLATCH_INLINE SpatialT<T> calc_position_bias(const LaneGroup& group, const View<T>& v, const View<T, const double>& c,
+                                              const View<T>& offsets, const JointMotion<T>& j) {
+  const T o(0.0);
+  SpatialT<T> bias{-(j.n * (j.gap - offsets.get_vec(0))), {o, o, o}};
+  int part = group.carried_axes + 3;
+  for (int a = 0; a < 3; ++a) {
+    if ((group.carried >> a & 1) == 0) continue;
+    const Vec3T<T>& axis = a == 0 ? j.m.x : (a == 1 ? j.m.y : j.m.z);
+    bias.ang -= cross(axis, j.follower.R * v.get_vec(part));
+    part += 3;
+  }
+  if (group.universal) {
+    const Vec3T<T> y = j.follower.R * c.get_vec(kFollowerY);
+    const Vec3T<T> normal = cross(j.m.x, y);
+    const T size = dot(j.m.x, y) / sqrt(dot(normal, normal));
+    bias.ang = select(v.get(group.crossed), size * j.m.z, bias.ang);
+  }
+  return bias;
+}
+
+// A correction must not ask for anything along the freedoms: what it would ask is large beside the gaps.
+template <class T>
+UNLATCH_INLINE void remove_freedoms(const LaneGroup& group, const View<T>& v, const JointMotion<T>& j,
+                                    SpatialT<T>& bias) {
+  int part = group.freedom_parts;
+  for (int r = 0; r < kRows; ++r) {
+    if (!has_row(group.freedoms, r)) continue;
+    const Mat3T<T>& axes = r < kRotX ? j.n : j.m;
+    const Vec3T<T>& axis = r % 3 == 0 ? axes.x : (r % 3 == 1 ? axes.y : axes.z);
+    Vec3T<T>& along = r < kRotX ? bias.lin : bias.ang;
+    along -= (v.get(part + kMask) & dot(axis, along)) * axis;
+    part += kFreedomEnd;
+  }
+}
+
+template <int kWidest>
+void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
+  for_groups<kWidest>(
+      plan, ws, [&]<class T>(const LaneGroup& group, const View<T>& v, const auto& c, const Parents<T>& parents) {
+        if (!group.has_joint) return;
+        const JointMotion<T> j = calc_joint(group, v, c, parents);
+        SpatialT<T> bias;
+        if (kind == BiasKind::kAcceleration) {
+          bias = calc_acceleration_bias(group, v, c, j);
+        } else {
+          bias = kind == BiasKind::kVelocity ? SpatialT<T>{-j.v_rel, -j.w_rel}
+                                             : calc_position_bias(group, v, c, v.from(group.carried_axes), j);
+          remove_freedoms(group, v, j, bias);
+        }
+        // From the joint's point to the child's origin, with the child's sign.
+        if (group.child_is_base) bias = {-bias.lin, -bias.ang};
+        bias.lin -= cross(bias.ang, group.child_is_base ? j.r_base : j.r_follower);
+        v.set(kBias, bias);
+      });
+}
+
+// --- Runge–Kutta ----------------------------------------------------------------------------------------------------
+
+template <class T>
+struct Rates {
+  Vec3T<T> p;
+  QuatT<T> q;
+  Vec3T<T> v, w;
+};
+
+template <class T>
+UNLATCH_INLINE Rates<T> get_rates(const View<T>& v) {
+  return {v.get_vec(0), v.get_quat(3), v.get_vec(7), v.get_vec(10)};
+}
+template <class T>
+UNLATCH_INLINE void set_rates(const View<T>& v, const Rates<T>& k) {
+  v.set(0, k.p);
+  v.set(3, k.q);
+  v.set(7, k.v);
+  v.set(10, k.w);
+}
+// a + s b
+template <class T>
+UNLATCH_INLINE Rates<T> add(const Rates<T>& a, const T& s, const Rates<T>& b) {
+  return {a.p + s * b.p,
+          {a.q.w + s * b.q.w, a.q.x + s * b.q.x, a.q.y + s * b.q.y, a.q.z + s * b.q.z},
+          a.v + s * b.v,
+          a.w + s * b.w};
+}
+template <class T>
+UNLATCH_INLINE Rates<T> scale(const T& s, const Rates<T>& b) {
+  return {s * b.p, {s * b.q.w, s * b.q.x, s * b.q.y, s * b.q.z}, s * b.v, s * b.w};
+}
+
+// Of the present pose and velocity.
+template <class T>
+UNLATCH_INLINE Rates<T> calc_rates(const View<T>& v) {
+  return {v.get_vec(kVelocity), quaternion_rate(v.get_quat(kPose + 3), v.get_vec(kVelocity + 3)),
+          v.get_vec(kAcceleration), transpose_times(v.get_mat(kRotation), v.get_vec(kAcceleration + 3))};
+}
+
+template <int kWidest>
+void keep_start(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, []<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+    set_rates(v.from(kStart), get_rates(v.from(kPose)));
+    const Rates<T> k = calc_rates(v);
+    v.set(kFirst, k.v);
+    v.set(kFirst + 3, k.w);
+  });
+}
+
+template <int kWidest>
+void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
+  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+    const Rates<T> start = get_rates(v.from(kStart));
+    const Rates<T> k{start.v, quaternion_rate(start.q, start.w), v.get_vec(kFirst), v.get_vec(kFirst + 3)};
+    set_rates(v.from(kSum), scale(T(weight), k));
+    set_rates(v.from(kPose), add(start, T(h), k));
+  });
+}
+
+template <int kWidest>
+void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
+  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+    const Rates<T> k = calc_rates(v);
+    set_rates(v.from(kSum), add(get_rates(v.from(kSum)), T(weight), k));
+    set_rates(v.from(kPose), add(get_rates(v.from(kStart)), T(h), k));
+  });
+}
+
+template <int kWidest>
+void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
+  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+    const Rates<T> sum = add(get_rates(v.from(kSum)), T(weight), calc_rates(v));
+    Rates<T> end = add(get_rates(v.from(kStart)), T(h), sum);
+    end.q = normalized(end.q);
+    set_rates(v.from(kPose), end);
+  });
+}
+
+// --- Corrections ----------------------------------------------------------------------------------------------------
+
+template <int kWidest>
+void add_displacements(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, []<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+    const Vec3T<T> half = T(0.5) * v.get_vec(kAcceleration + 3);
+    const QuatT<T> q = v.get_quat(kPose + 3);
+    const QuatT<T> turn = QuatT<T>{T(0.0), half.x, half.y, half.z} * q;
+    v.set(kPose, v.get_vec(kPose) + v.get_vec(kAcceleration));
+    v.set(kPose + 3, normalized(QuatT<T>{q.w + turn.w, q.x + turn.x, q.y + turn.y, q.z + turn.z}));
+  });
+}
+
+template <int kWidest>
+void add_velocities(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, []<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+    const Vec3T<T> turn = transpose_times(v.get_mat(kRotation), v.get_vec(kAcceleration + 3));
+    v.set(kVelocity, v.get_vec(kVelocity) + v.get_vec(kAcceleration));
+    v.set(kVelocity + 3, v.get_vec(kVelocity + 3) + turn);
+  });
+}
+
+}  // namespace unlatch::UNLATCH_ISA

@@ -1,0 +1,109 @@
+#include "kernel/lane_state.h"
+
+#include <bit>
+
+#include "kernel/kinematics.h"
+#include "kernel/lane_access.h"
+#include "kernel/rows.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr BodyState kAtRest{{0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+static_assert(sizeof(BodyState) == (kStart - kPose) * sizeof(double));
+
+// All bits or none: what the kernels' masks are made of.
+double get_mask(bool holds) { return std::bit_cast<double>(holds ? ~std::uint64_t{0} : std::uint64_t{0}); }
+
+void load_body(const BodyState& body, double* lanes, LaneSlot slot) {
+  const double numbers[] = {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
+                            body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
+  double* to = lanes + slot.offset + kPose * slot.stride;
+  for (const double number : numbers) {
+    *to = number;
+    to += slot.stride;
+  }
+}
+
+// What one lane's mode makes of its parts. `rows`: that hold; 0 for an empty lane.
+void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int joint, RowSet rows, double* lanes,
+               LaneSlot slot, LanePhase& phase) {
+  const bool held = std::popcount(rows) >= 3;
+  get_number(lanes, slot, kHeld) = get_mask(held);
+  (held ? phase.held : phase.loose) = true;
+  int part = group.freedom_parts;
+  for (int r = 0; r < kRows; ++r) {
+    if (!has_row(group.freedoms, r)) continue;
+    const bool active = held && !has_row(rows, r);
+    get_number(lanes, slot, part + kMask) = get_mask(active);
+    get_number(lanes, slot, part + kKappa) = 0;
+    if (active) phase.freedoms = static_cast<RowSet>(phase.freedoms | row_bit(r));
+    part += kFreedomEnd;
+  }
+  part = group.row_parts;
+  for (int r = 0; r < kRows; ++r) {
+    if (!has_row(group.rows, r)) continue;
+    const bool active = !held && has_row(rows, r);
+    get_number(lanes, slot, part + kRowMask) = get_mask(active);
+    if (active) phase.rows = static_cast<RowSet>(phase.rows | row_bit(r));
+    part += kRowEnd;
+  }
+  const JointState* memory = joint == kNone ? nullptr : &state.joints[at(joint)];
+  write_vec(lanes, slot, group.carried_axes, memory == nullptr ? Vec3{0, 0, 0} : memory->offset);
+  part = group.carried_axes + kOffsetFields;
+  for (int a = 0; a < 3; ++a) {
+    if ((group.carried >> a & 1) == 0) continue;
+    write_vec(lanes, slot, part,
+              memory == nullptr ? Vec3{0, 0, 0} : calc_carried_axis(plan.joints[at(joint)], *memory, rows, a));
+    part += 3;
+  }
+  if (group.universal)
+    get_number(lanes, slot, group.crossed) = get_mask(joint != kNone && is_crossed(plan.joints[at(joint)], rows));
+}
+
+}  // namespace
+
+void load_state(const Plan& plan, const State& state, Workspace& ws) noexcept {
+  double* lanes = ws.lanes.data();
+  for (const LaneGroup& group : plan.groups)
+    for (int lane = 0; lane < group.width; ++lane) {
+      const int node = plan.lane_nodes[at(group.first + lane)];
+      load_body(node == kNone ? kAtRest : state.bodies[at(plan.nodes[at(node)].body)], lanes,
+                {group.data + lane, group.width});
+    }
+  load_modes(plan, state, ws);
+}
+
+void load_modes(const Plan& plan, const State& state, Workspace& ws) noexcept {
+  double* lanes = ws.lanes.data();
+  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+    const LaneGroup& group = plan.groups[g];
+    LanePhase& phase = ws.phases[g] = {0, 0, false, false};
+    if (!group.has_joint) {
+      phase.loose = true;
+      continue;
+    }
+    for (int lane = 0; lane < group.width; ++lane) {
+      const int node = plan.lane_nodes[at(group.first + lane)];
+      const int joint = node == kNone ? kNone : plan.nodes[at(node)].joint;
+      const RowSet rows = joint == kNone ? RowSet{0} : get_active_rows(plan, state, joint);
+      load_lane(plan, state, group, joint, rows, lanes, {group.data + lane, group.width}, phase);
+    }
+  }
+}
+
+void store_bodies(const Plan& plan, const Workspace& ws, State& state) noexcept {
+  const double* lanes = ws.lanes.data();
+  for (std::size_t b = 0; b < plan.body_slots.size(); ++b) {
+    const LaneSlot slot = plan.body_slots[b];
+    const double* q = lanes + slot.offset + (kPose + 3) * slot.stride;
+    state.bodies[b] = {read_vec(lanes, slot, kPose),
+                       {q[0], q[slot.stride], q[2 * slot.stride], q[3 * slot.stride]},
+                       read_vec(lanes, slot, kVelocity),
+                       read_vec(lanes, slot, kVelocity + 3)};
+  }
+}
+
+}  // namespace unlatch

@@ -1,0 +1,316 @@
+#include "kernel/lanes.h"
+
+#include <algorithm>
+#include <bit>
+#include <initializer_list>
+#include <tuple>
+#include <utility>
+
+#include "kernel/plan.h"
+
+namespace unlatch {
+namespace {
+
+constexpr int kWidest = 8;
+// A parent with so many children of one kind gets groups of its own for them.
+constexpr int kFanChildren = 4;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// What must be equal for two nodes to share a group.
+struct Kind {
+  bool leaf = false, has_joint = false, child_is_base = false, shared_axes = true, universal = false, loose = false;
+  RowSet freedoms = 0, rows = 0;
+  std::uint8_t carried = 0;
+
+  std::uint64_t get_key() const {
+    return static_cast<std::uint64_t>(leaf) | static_cast<std::uint64_t>(has_joint) << 1 |
+           static_cast<std::uint64_t>(child_is_base) << 2 | static_cast<std::uint64_t>(shared_axes) << 3 |
+           static_cast<std::uint64_t>(universal) << 4 | static_cast<std::uint64_t>(loose) << 5 |
+           static_cast<std::uint64_t>(freedoms) << 8 | static_cast<std::uint64_t>(rows) << 16 |
+           static_cast<std::uint64_t>(carried) << 24;
+  }
+};
+
+Kind find_kind(const Model& model, const PlanNode& node) {
+  Kind kind;
+  kind.leaf = node.leaf;
+  if (node.joint == kNone) {
+    kind.loose = true;
+    return kind;
+  }
+  const Joint& joint = model.joints[at(node.joint)];
+  kind.has_joint = true;
+  kind.child_is_base = node.side < 0;
+  kind.universal = joint.universal;
+  kind.shared_axes = !joint.rotation_axes.has_value() && !joint.universal;
+  for (const JointMode& mode : joint.modes) {
+    const int count = std::popcount(mode.rows);
+    if (count < 3) kind.loose = true;
+    if (count >= 3)
+      kind.freedoms = static_cast<RowSet>(kind.freedoms | (~mode.rows & (kPointRows | kRotationRows)));
+    else
+      kind.rows = static_cast<RowSet>(kind.rows | mode.rows);
+    const RowSet rotation = mode.rows & kRotationRows;
+    for (int a = 0; a < 3; ++a)
+      if (rotation == kRotationRows || rotation == (kRotationRows & ~row_bit(kRotX + a)))
+        kind.carried = static_cast<std::uint8_t>(kind.carried | 1u << a);
+  }
+  return kind;
+}
+
+// A node on its way to its place.
+struct Candidate {
+  int node;    // as the topology numbered it
+  int parent;  // in the new order
+  std::uint64_t key;
+  int rank;  // among its parent's children of this kind
+};
+
+class Layout {
+ public:
+  Layout(const Model& model, Plan& plan) : model_(model), plan_(plan), old_(std::move(plan.nodes)) {}
+
+  void compile() {
+    std::vector<int> level_of(old_.size(), 0), placed(old_.size(), kNone);
+    int levels = 0;
+    for (std::size_t k = 0; k < old_.size(); ++k) {
+      if (old_[k].parent != kNone) level_of[k] = level_of[at(old_[k].parent)] + 1;
+      levels = std::max(levels, level_of[k] + 1);
+    }
+    // The topology goes level by level, so each level is one stretch of it.
+    plan_.nodes.reserve(old_.size());
+    for (std::size_t begin = 0; begin < old_.size();) {
+      std::size_t end = begin;
+      while (end < old_.size() && level_of[end] == level_of[begin]) ++end;
+      place_level(begin, end, placed);
+      begin = end;
+    }
+    place_joints();
+  }
+
+ private:
+  struct Place {
+    int group, lane;
+  };
+
+  void place_level(std::size_t begin, std::size_t end, std::vector<int>& placed) {
+    std::vector<Candidate> level;
+    for (std::size_t k = begin; k < end; ++k) {
+      const int parent = old_[k].parent == kNone ? kNone : placed[at(old_[k].parent)];
+      level.push_back({static_cast<int>(k), parent, find_kind(model_, old_[k]).get_key(), 0});
+    }
+    const auto sort = [&](auto order) {
+      std::sort(level.begin(), level.end(), [&](const Candidate& a, const Candidate& b) {
+        const auto x = order(a), y = order(b);
+        return x != y ? x < y : a.node < b.node;
+      });
+    };
+    // Ranks need children of one parent and kind together; the groups need equal kinds and ranks together.
+    sort([](const Candidate& c) { return std::pair(c.key, c.parent); });
+    for (std::size_t i = 1; i < level.size(); ++i)
+      if (level[i].key == level[i - 1].key && level[i].parent == level[i - 1].parent)
+        level[i].rank = level[i - 1].rank + 1;
+    std::vector<Candidate> fans = take_fans(level);
+    sort([](const Candidate& c) { return std::tuple(c.key, c.rank, c.parent); });
+    for (std::size_t i = 0; i < fans.size();) i += place_fan(fans, i, placed);
+    for (std::size_t i = 0; i < level.size();) i += place_chunk(level, i, placed);
+  }
+
+  // Takes those children out of the level that are many enough, of one parent and kind, for groups of their own.
+  static std::vector<Candidate> take_fans(std::vector<Candidate>& level) {
+    std::vector<Candidate> fans, others;
+    for (std::size_t i = 0; i < level.size();) {
+      std::size_t siblings = i, kin = i;
+      while (kin < level.size() && level[kin].key == level[i].key) ++kin;
+      const std::size_t kind_begin = i;
+      while (i < kin) {
+        siblings = i;
+        while (siblings < kin && level[siblings].parent == level[i].parent) ++siblings;
+        const std::size_t count = siblings - i;
+        const bool fan =
+            level[i].parent != kNone && count >= kFanChildren && (count >= kWidest || 2 * count > kin - kind_begin);
+        (fan ? fans : others)
+            .insert((fan ? fans : others).end(), level.begin() + static_cast<std::ptrdiff_t>(i),
+                    level.begin() + static_cast<std::ptrdiff_t>(siblings));
+        i = siblings;
+      }
+    }
+    level = std::move(others);
+    return fans;
+  }
+
+  std::size_t place_fan(const std::vector<Candidate>& fans, std::size_t begin, std::vector<int>& placed) {
+    std::size_t end = begin;
+    while (end < fans.size() && fans[end].key == fans[begin].key && fans[end].parent == fans[begin].parent) ++end;
+    for (std::size_t i = begin; i < end; i += kWidest) {
+      const std::size_t count = std::min<std::size_t>(kWidest, end - i);
+      place_group(&fans[i], count, LaneLink::kFan, placed);
+      plan_.groups.back().fan_ends = i == begin;  // the sums begin with the last group
+      plan_.groups.back().fan_begins = i + count == end;
+    }
+    return end - begin;
+  }
+
+  // The next group from nodes of one kind: neighbours of the parents' lanes if that makes a good part of a group.
+  std::size_t place_chunk(const std::vector<Candidate>& level, std::size_t begin, std::vector<int>& placed) {
+    std::size_t kin = begin;
+    while (kin < level.size() && level[kin].key == level[begin].key && kin - begin < kWidest) ++kin;
+    std::size_t count = kin - begin;
+    if (level[begin].parent == kNone) return place_group(&level[begin], count, LaneLink::kRoot, placed);
+    const std::size_t neighbours = count_neighbours(level, begin, kin);
+    if (neighbours == count || neighbours >= 4)
+      return place_group(&level[begin], neighbours, LaneLink::kContiguous, placed);
+    return place_group(&level[begin], count, LaneLink::kGather, placed);
+  }
+
+  // How many from `begin` on have parents in neighbouring lanes of one group, with room for the empty lanes behind
+  // them.
+  std::size_t count_neighbours(const std::vector<Candidate>& level, std::size_t begin, std::size_t end) const {
+    const Place first = places_[at(level[begin].parent)];
+    const int room = plan_.groups[at(first.group)].width - first.lane;
+    std::size_t count = 1;
+    while (begin + count < end) {
+      const Place next = places_[at(level[begin + count].parent)];
+      if (next.group != first.group || next.lane != first.lane + static_cast<int>(count)) break;
+      ++count;
+    }
+    while (count > 0 && get_width(count) > room) --count;
+    return count;
+  }
+
+  static int get_width(std::size_t count) { return static_cast<int>(std::bit_ceil(count)); }
+
+  std::size_t place_group(const Candidate* members, std::size_t count, LaneLink link, std::vector<int>& placed) {
+    const Kind kind = find_kind(model_, old_[at(members[0].node)]);
+    LaneGroup group{};
+    group.first = static_cast<std::int32_t>(plan_.lane_nodes.size());
+    group.width = static_cast<std::uint8_t>(get_width(count));
+    group.count = static_cast<std::uint8_t>(count);
+    group.link = link;
+    group.leaf = kind.leaf;
+    group.has_joint = kind.has_joint;
+    group.child_is_base = kind.child_is_base;
+    group.shared_axes = kind.shared_axes;
+    group.universal = kind.universal;
+    group.may_be_loose = kind.loose || count < group.width;
+    group.freedoms = kind.freedoms;
+    group.rows = kind.rows;
+    group.carried = kind.carried;
+    lay_out(group);
+    for (std::size_t lane = 0; lane < group.width; ++lane) {
+      const Candidate& member = members[std::min(lane, count - 1)];
+      plan_.lane_parents.push_back(member.parent == kNone ? LaneSlot{0, 0} : get_slot(places_[at(member.parent)]));
+      plan_.lane_nodes.push_back(kNone);
+      if (lane >= count) continue;
+      placed[at(member.node)] = plan_.lane_nodes.back() = static_cast<std::int32_t>(plan_.nodes.size());
+      plan_.nodes.push_back(old_[at(member.node)]);
+      plan_.nodes.back().parent = member.parent;
+      places_.push_back({static_cast<int>(plan_.groups.size()), static_cast<int>(lane)});
+    }
+    // Empty lanes of a contiguous group lie beside the parents that are no parents of theirs, and give them nothing.
+    plan_.groups.push_back(group);
+    return count;
+  }
+
+  // Where the optional parts of the group's block begin, in rows, and where the block lies.
+  void lay_out(LaneGroup& group) {
+    int rows = group.has_joint ? kJointEnd : kBodyEnd;
+    const auto take = [&](std::uint16_t& part, int count) {
+      part = static_cast<std::uint16_t>(rows);
+      rows += count;
+    };
+    if (group.shared_axes)
+      group.rotation_axes = kAxes;
+    else
+      take(group.rotation_axes, 9);
+    if (group.universal) take(group.crossed, 1);
+    if (group.has_joint) take(group.carried_axes, kOffsetFields + 3 * std::popcount(group.carried));
+    if (group.may_be_loose) take(group.free, kFreeFields);
+    take(group.freedom_parts, kFreedomEnd * std::popcount(group.freedoms));
+    take(group.row_parts, kRowEnd * std::popcount(group.rows));
+    const int before = group.leaf ? 0 : kBlockFields;
+    group.data = used_ + before * group.width;
+    group.constants = constants_;
+    used_ += align((before + rows) * group.width);
+    constants_ += align(kConstants * group.width);
+  }
+  // Blocks begin at cache lines.
+  static std::int32_t align(int numbers) { return (numbers + 7) / 8 * 8; }
+
+  LaneSlot get_slot(const Place& place) const {
+    const LaneGroup& group = plan_.groups[at(place.group)];
+    return {group.data + place.lane, group.width};
+  }
+
+  void place_joints() {
+    plan_.body_slots.resize(model_.bodies.size());
+    plan_.multiplier_slots.assign(model_.joints.size(), {kNone, 1});
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
+      const PlanNode& node = plan_.nodes[k];
+      const LaneSlot slot = plan_.body_slots[at(node.body)] = get_slot(places_[k]);
+      if (node.joint == kNone) continue;
+      plan_.multiplier_slots[at(node.joint)] = {slot.offset + kMultipliers * slot.stride, slot.stride};
+      plan_.joints[at(node.joint)].child = node.body;
+      plan_.joints[at(node.joint)].rotation_row = plan_.groups[at(places_[k].group)].rotation_axes;
+    }
+    // Joints that are not in the tree keep their multipliers behind the lanes.
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      if (plan_.joints[j].child != kNone) continue;
+      plan_.joints[j].loose = static_cast<std::int32_t>(plan_.loose_joints.size());
+      plan_.loose_joints.push_back(static_cast<std::int32_t>(j));
+      plan_.multiplier_slots[j] = {used_, 1};
+      used_ += kRows;
+    }
+    plan_.lane_numbers = used_;
+    plan_.lane_constants.assign(at(constants_), 0.0);
+  }
+
+  const Model& model_;
+  Plan& plan_;
+  std::vector<PlanNode> old_;
+  std::vector<Place> places_;  // of the nodes in their new order
+  std::int32_t used_ = 0, constants_ = 0;
+};
+
+void fill(std::vector<double>& out, const LaneGroup& group, int lane, int row, std::initializer_list<double> values) {
+  for (const double value : values) out[at(group.constants + (row++) * group.width + lane)] = value;
+}
+
+void fill(std::vector<double>& out, const LaneGroup& group, int lane, int row, const Mat3& m) {
+  fill(out, group, lane, row, {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z});
+}
+
+void fill_constants(Plan& plan) {
+  std::vector<double>& out = plan.lane_constants;
+  for (const LaneGroup& group : plan.groups)
+    for (int lane = 0; lane < group.width; ++lane) {
+      const int node = plan.lane_nodes[at(group.first + lane)];
+      if (node == kNone) {
+        fill(out, group, lane, kMass, {1, 1, 1, 1, 0, 0, 0});
+        for (const int axes : {kBaseAxes, kRotationAxes}) fill(out, group, lane, axes, kIdentity3);
+        fill(out, group, lane, kFollowerY, {0, 1, 0});
+        continue;
+      }
+      const PlanBody& body = plan.bodies[at(plan.nodes[at(node)].body)];
+      const Sym3& J = body.inertia;
+      fill(out, group, lane, kMass, {body.mass, J.xx, J.yy, J.zz, J.xy, J.xz, J.yz});
+      if (!group.has_joint) continue;
+      const PlanJoint& joint = plan.joints[at(plan.nodes[at(node)].joint)];
+      fill(out, group, lane, kPointBase, {joint.point_base.x, joint.point_base.y, joint.point_base.z});
+      fill(out, group, lane, kPointFollower, {joint.point_follower.x, joint.point_follower.y, joint.point_follower.z});
+      fill(out, group, lane, kBaseAxes, joint.axes);
+      fill(out, group, lane, kRotationAxes, joint.rotation_base);
+      const Vec3& y = joint.rotation_follower.y;
+      fill(out, group, lane, kFollowerY, {y.x, y.y, y.z});
+    }
+}
+
+}  // namespace
+
+void compile_lanes(const Model& model, Plan& plan) {
+  Layout(model, plan).compile();
+  fill_constants(plan);
+}
+
+}  // namespace unlatch

@@ -1,0 +1,117 @@
+// Lanes: how the bodies of a plan lie side by side, so that siblings, levels and samples are computed together.
+//
+// The nodes of the tree, level by level, are cut into groups of 8, 4, 2 or 1. A group owns one block of
+// Workspace::lanes in which every field is a row of `width` numbers, one per lane: an array of structures of arrays.
+// The cut depends on the model alone, never on the processor; a narrower processor takes a wide group in parts. Since
+// lanes never meet, and children are added to a parent in one frozen order, every width gives the same bits.
+//
+// A lane that no node fills holds a body at rest which nothing holds; it gives its neighbours nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/model.h"
+
+namespace unlatch {
+
+class Plan;
+struct PlanNode;
+
+// Rows of a group's block. `k*End` closes a part; parts that a group does not need are left out, see LaneGroup.
+enum LaneField : std::int32_t {
+  // of a body with something beyond it, before the rest
+  kBlock = -27,  // A of the body and all beyond it: M, H, I (21), then the load (6)
+  // of the body
+  kPose = 0,                   // p_WB, q_WB at the stage
+  kVelocity = kPose + 7,       // v_WB, w_WB_B
+  kStart = kVelocity + 6,      // pose and velocity at the beginning of the sub-step
+  kSum = kStart + 13,          // weighted sum of the stages' rates
+  kFirst = kSum + 13,          // dv/dt, dw/dt at the beginning of the sub-step
+  kRotation = kFirst + 6,      // R_WB, column by column
+  kOmega = kRotation + 9,      // w_WB in world axes
+  kInertia = kOmega + 3,       // in world axes: xx yy zz xy xz yz
+  kForce = kInertia + 6,       // applied force and torque, gyroscopic torque included
+  kAcceleration = kForce + 6,  // of the latest solve, world axes
+  kBodyEnd = kAcceleration + 6,
+  // of the joint to the parent
+  kArmBase = kBodyEnd,          // from the base's origin to the follower's point
+  kArmFollower = kArmBase + 3,  // from the follower's
+  kAxes = kArmFollower + 3,     // n
+  kGap = kAxes + 9,             // displacement of the follower's point along n
+  kSlip = kGap + 3,             // v_rel, w_rel
+  kOffset = kSlip + 6,          // from the parent's origin to the child's
+  kBias = kOffset + 3,          // what the joint imposes on the child besides its freedoms, at the child's origin
+  kMultipliers = kBias + 6,     // in the order of Row
+  kHeld = kMultipliers + 6,     // mask: three rows or more hold, the child is eliminated through its freedoms
+  kJointEnd = kHeld + 1,
+};
+// A freedom's part: mask, U = A s, 1 / sᵀ A s, sᵀ b and later the freedom's acceleration, κ of an implicit spring.
+enum FreedomField : std::int32_t { kMask = 0, kU = 1, kInverse = 7, kBeta = 8, kKappa = 9, kFreedomEnd = 10 };
+// A row's part, where one or two hold: mask, its wrench w at the child's origin, A⁻¹ w, 1 / wᵀ A⁻¹ w, and μ.
+enum RowField : std::int32_t { kRowMask = 0, kWrench = 1, kReply = 7, kRowInverse = 13, kMu = 14, kRowEnd = 15 };
+inline constexpr int kBlockFields = -kBlock;
+inline constexpr int kFreeFields = 27;  // factor of A (21), then A⁻¹ b (6)
+
+// What a joint's mode keeps, per lane: the offsets of its point rows along n, and per carried axis where it is in the
+// follower, times its weight.
+inline constexpr int kOffsetFields = 3;
+
+// Constants of a lane, in Plan::lane_constants.
+enum LaneConstant : std::int32_t {
+  kMass = 0,
+  kBodyInertia = 1,
+  kPointBase = 7,
+  kPointFollower = 10,
+  kBaseAxes = 13,      // axes of the point–plane rows in base axes, column by column
+  kRotationAxes = 22,  // of the rotation rows
+  kFollowerY = 31,     // y of the rotation frame in follower axes
+  kConstants = 34,
+};
+
+// How a group finds its parents.
+enum class LaneLink : std::uint8_t {
+  kRoot,        // they have none
+  kFan,         // one parent for the whole group
+  kContiguous,  // the parents are neighbouring lanes of one group, in the same order
+  kGather,      // anywhere in the levels above
+};
+
+// What the modes of its joints make of a group. Computed by update_phases().
+struct LanePhase {
+  RowSet freedoms, rows;  // that some lane has
+  bool held, loose;       // some lane is held by three rows or more, by fewer
+};
+
+struct LaneGroup {
+  std::int32_t first;      // of its lanes: into Plan::lane_nodes and Plan::lane_parents
+  std::int32_t data;       // its block in Workspace::lanes, in numbers
+  std::int32_t constants;  // its block in Plan::lane_constants
+  std::uint8_t width;      // 1, 2, 4 or 8
+  std::uint8_t count;      // lanes in use
+  LaneLink link;
+  bool fan_begins, fan_ends;  // first and last group of a fan as the sums go, from the leaves to the root
+  bool leaf;                  // nothing is beyond any of its bodies
+  bool has_joint;             // to the parent or the ground
+  bool child_is_base;         // the joint's base is the child, not the parent
+  bool shared_axes;           // one frame for point–plane and rotation rows
+  bool universal;
+  bool may_be_loose;     // some mode leaves fewer than three rows, or a lane is empty
+  RowSet freedoms;       // that some mode of three rows or more leaves
+  RowSet rows;           // that some mode of one or two rows holds
+  std::uint8_t carried;  // bit a: some mode's orientation is measured by where axis a has gone
+  // where the optional parts begin, in rows
+  std::uint16_t rotation_axes, crossed, carried_axes, free, freedom_parts, row_parts;
+};
+
+// Where one body's or joint's numbers are: row r of it is lanes[offset + r · stride].
+struct LaneSlot {
+  std::int32_t offset;
+  std::int32_t stride;
+};
+
+// Orders the nodes of the tree by groups, parents before children, and lays out the lanes. O(n log n) for sorting.
+void compile_lanes(const Model& model, Plan& plan);
+
+}  // namespace unlatch
