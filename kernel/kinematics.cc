@@ -55,8 +55,8 @@ JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace
   const double* lanes = ws.lanes.data();
   const LaneSlot slot = ws.slots[at(j.child)];
   const Spatial slip = read_spatial(lanes, slot, kSlip);
-  return {read_vec(lanes, slot, kArmBase),
-          read_vec(lanes, slot, kArmFollower),
+  return {read_vec(lanes, slot, j.child == j.base ? kArmChild : kArmParent),
+          read_vec(lanes, slot, j.child == j.base ? kArmParent : kArmChild),
           read_mat(lanes, slot, kAxes),
           read_mat(lanes, slot, j.rotation_row),
           is_crossed(j, get_active_rows(plan, state, joint)),

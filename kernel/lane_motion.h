@@ -7,30 +7,34 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// Calls stage(view of the block, view of the constants, group, parents) for parts of T's width.
-template <class T, class Stage>
-UNLATCH_INLINE void for_parts(const Plan& plan, double* lanes, const LaneGroup& group, const Stage& stage) {
-  for (int lane = 0; lane < group.width; lane += T::kWidth)
-    stage(View<T>{lanes + group.data + lane, group.width},
-          View<T, const double>{plan.lane_constants.data() + group.constants + lane, group.width},
-          Parents<T>{group.link, lanes, plan.lane_parents.data() + group.first + lane});
+// Calls run(pack, width): the widest pack that this build has for a group, and the group's width, both to the compiler.
+template <int kWidest, class Run>
+UNLATCH_INLINE void for_width(const LaneGroup& group, const Run& run) {
+  constexpr int kFour = kWidest < 4 ? kWidest : 4, kTwo = kWidest < 2 ? kWidest : 2;
+  switch (group.width) {
+    case 8:
+      return run.template operator()<Pack<kWidest>, 8>();
+    case 4:
+      return run.template operator()<Pack<kFour>, 4>();
+    case 2:
+      return run.template operator()<Pack<kTwo>, 2>();
+    default:
+      return run.template operator()<Pack<1>, 1>();
+  }
 }
 
-// The widest pack that this build uses for a group.
-template <int kWidest, class Stage>
-UNLATCH_INLINE void for_group(const Plan& plan, double* lanes, const LaneGroup& group, const Stage& stage) {
-  if (kWidest >= 8 && group.width == 8) return for_parts<Pack<kWidest >= 8 ? 8 : 1>>(plan, lanes, group, stage);
-  if (kWidest >= 4 && group.width >= 4) return for_parts<Pack<kWidest >= 4 ? 4 : 1>>(plan, lanes, group, stage);
-  if (kWidest >= 2 && group.width >= 2) return for_parts<Pack<kWidest >= 2 ? 2 : 1>>(plan, lanes, group, stage);
-  for_parts<Pack<1>>(plan, lanes, group, stage);
-}
-
+// Calls stage(group, view of the block, view of the constants, parents) for every group, part by part.
 template <int kWidest, class Stage>
 UNLATCH_INLINE void for_groups(const Plan& plan, Workspace& ws, const Stage& stage) {
+  double* lanes = ws.lanes.data();
   const LaneGroup* end = plan.groups.data() + plan.groups.size();
   for (const LaneGroup* group = plan.groups.data(); group != end; ++group)
-    for_group<kWidest>(plan, ws.lanes.data(), *group,
-                       [&](const auto& v, const auto& c, const auto& parents) { stage(*group, v, c, parents); });
+    for_width<kWidest>(*group, [&]<class T, int kWidth>() {
+      for (int lane = 0; lane < kWidth; lane += T::kWidth)
+        stage(*group, View<T, kWidth>{lanes + group->data + lane},
+              View<T, kWidth, const double>{plan.lane_constants.data() + group->constants + lane},
+              Parents<T, kWidth>{group->link, lanes, plan.lane_parents.data() + group->first + lane});
+    });
 }
 
 template <class T>
@@ -53,7 +57,8 @@ void update_kinematics(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void init_forces(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto& c, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto& c, const auto&) {
+    using T = typename V::T;
     Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
     if (plan.mu != 0) {
       const Vec3T<T> r = v.get_vec(kPose) - Vec3T<T>{T(plan.mu_centre.x), T(plan.mu_centre.y), T(plan.mu_centre.z)};
@@ -89,15 +94,14 @@ UNLATCH_INLINE Frame<T> get_ground() {
 template <class T>
 struct JointMotion {
   Frame<T> base, follower;
-  Vec3T<T> r_base, r_follower, gap, v_rel, w_rel;
+  Vec3T<T> r_base, r_follower, arm_child, gap, v_rel, w_rel;
   Mat3T<T> n, m;
 };
 
 // In its modes with rot_z as the only rotation row a universal joint's rotation frame follows the cross: x of the base,
 // y of the follower, and their common normal, which the row is about.
-template <class T>
-UNLATCH_INLINE void cross_axes(const View<T>& v, const View<T, const double>& c, const LaneGroup& group,
-                               JointMotion<T>& j) {
+template <class V, class C, class T>
+UNLATCH_INLINE void cross_axes(const V& v, const C& c, const LaneGroup& group, JointMotion<T>& j) {
   const T crossed = v.get(group.crossed);
   const Vec3T<T> normal = cross(j.m.x, j.follower.R * c.get_vec(kFollowerY));
   const Vec3T<T> z = (T(1) / sqrt(dot(normal, normal))) * normal;
@@ -106,23 +110,35 @@ UNLATCH_INLINE void cross_axes(const View<T>& v, const View<T, const double>& c,
 }
 
 template <class T>
-UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const View<T>& v, const View<T, const double>& c,
-                                         const Parents<T>& parents) {
+UNLATCH_INLINE Frame<T> select(const T& mask, const Frame<T>& a, const Frame<T>& b) {
+  return {{select(mask, a.R.x, b.R.x), select(mask, a.R.y, b.R.y), select(mask, a.R.z, b.R.z)},
+          select(mask, a.p, b.p),
+          select(mask, a.v, b.v),
+          select(mask, a.w, b.w)};
+}
+
+template <class V, class C, class P, class T = typename V::T>
+UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const V& v, const C& c, const P& parents) {
   const Frame<T> child = get_frame<T>(v);
   const Frame<T> parent = group.link == LaneLink::kRoot ? get_ground<T>() : get_frame<T>(parents);
+  const T child_is_base = T(0.0) > c.get(kSide);
   JointMotion<T> j;
-  j.base = group.child_is_base ? child : parent;
-  j.follower = group.child_is_base ? parent : child;
+  j.base = group.sides == LaneSides::kFollowers ? parent
+                                                : (group.sides == LaneSides::kBases ? child : select(child_is_base, child, parent));
+  j.follower = group.sides == LaneSides::kFollowers
+                   ? child
+                   : (group.sides == LaneSides::kBases ? parent : select(child_is_base, parent, child));
   j.r_follower = j.follower.R * c.get_vec(kPointFollower);
   j.r_base = (j.follower.p - j.base.p) + j.r_follower;
+  j.arm_child = select(child_is_base, j.r_base, j.r_follower);
   j.n = j.base.R * c.get_mat(kBaseAxes);
   j.gap = transpose_times(j.n, j.r_base - j.base.R * c.get_vec(kPointBase));
   j.w_rel = j.follower.w - j.base.w;
   j.v_rel = (j.follower.v + cross(j.follower.w, j.r_follower)) - (j.base.v + cross(j.base.w, j.r_base));
   j.m = group.shared_axes ? j.n : j.base.R * c.get_mat(kRotationAxes);
   if (group.universal) cross_axes(v, c, group, j);
-  v.set(kArmBase, j.r_base);
-  v.set(kArmFollower, j.r_follower);
+  v.set(kArmChild, j.arm_child);
+  v.set(kArmParent, select(child_is_base, j.r_follower, j.r_base));
   v.set(kAxes, j.n);
   if (!group.shared_axes) v.set(group.rotation_axes, j.m);
   v.set(kGap, j.gap);
@@ -136,9 +152,9 @@ UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const View<T>& 
 //   point–plane: w_b × (w_b × r_b) + 2 w_b × v_rel − w_f × (w_f × r_f)
 //   n fixed in the base:   d/dt n·(w_f − w_b) = n·(α_f − α_b + w_f × w_b) = 0, so α_f − α_b = w_b × w_f along n;
 //   n = N/|N|, N = x_b × y_f: g = x_b·y_f, dg/dt = −N·w_rel, so N·α_rel = −(dN/dt)·w_rel.
-template <class T>
-UNLATCH_INLINE SpatialT<T> calc_acceleration_bias(const LaneGroup& group, const View<T>& v,
-                                                  const View<T, const double>& c, const JointMotion<T>& j) {
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE SpatialT<T> calc_acceleration_bias(const LaneGroup& group, const V& v, const C& c,
+                                                  const JointMotion<T>& j) {
   const Vec3T<T>&wb = j.base.w, &wf = j.follower.w;
   SpatialT<T> bias{(cross(wb, cross(wb, j.r_base)) + T(2) * cross(wb, j.v_rel)) - cross(wf, cross(wf, j.r_follower)),
                    cross(wb, wf)};
@@ -154,11 +170,10 @@ UNLATCH_INLINE SpatialT<T> calc_acceleration_bias(const LaneGroup& group, const 
 
 // The gaps, reversed. Orientation: for every axis a whose place in the follower is kept, a × (where it has gone); a
 // universal joint's row: −x_b·y_f / |x_b × y_f|.
-template <class T>
-UNLATCH_INLINE SpatialT<T> calc_position_bias(const LaneGroup& group, const View<T>& v, const View<T, const double>& c,
-                                              const View<T>& offsets, const JointMotion<T>& j) {
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE SpatialT<T> calc_position_bias(const LaneGroup& group, const V& v, const C& c, const JointMotion<T>& j) {
   const T o(0.0);
-  SpatialT<T> bias{-(j.n * (j.gap - offsets.get_vec(0))), {o, o, o}};
+  SpatialT<T> bias{-(j.n * (j.gap - v.get_vec(group.carried_axes))), {o, o, o}};
   int part = group.carried_axes + 3;
   for (int a = 0; a < 3; ++a) {
     if ((group.carried >> a & 1) == 0) continue;
@@ -176,24 +191,22 @@ UNLATCH_INLINE SpatialT<T> calc_position_bias(const LaneGroup& group, const View
 }
 
 // A correction must not ask for anything along the freedoms: what it would ask is large beside the gaps.
-template <class T>
-UNLATCH_INLINE void remove_freedoms(const LaneGroup& group, const View<T>& v, const JointMotion<T>& j,
-                                    SpatialT<T>& bias) {
-  int part = group.freedom_parts;
+template <class V, class T = typename V::T>
+UNLATCH_INLINE void remove_freedoms(const LaneGroup& group, const V& v, const JointMotion<T>& j, SpatialT<T>& bias) {
   for (int r = 0; r < kRows; ++r) {
     if (!has_row(group.freedoms, r)) continue;
     const Mat3T<T>& axes = r < kRotX ? j.n : j.m;
     const Vec3T<T>& axis = r % 3 == 0 ? axes.x : (r % 3 == 1 ? axes.y : axes.z);
     Vec3T<T>& along = r < kRotX ? bias.lin : bias.ang;
-    along -= (v.get(part + kMask) & dot(axis, along)) * axis;
-    part += kFreedomEnd;
+    along -= (v.get(group.freedom_parts[r] + kMask) & dot(axis, along)) * axis;
   }
 }
 
 template <int kWidest>
 void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
   for_groups<kWidest>(
-      plan, ws, [&]<class T>(const LaneGroup& group, const View<T>& v, const auto& c, const Parents<T>& parents) {
+      plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto& parents) {
+        using T = typename V::T;
         if (!group.has_joint) return;
         const JointMotion<T> j = calc_joint(group, v, c, parents);
         SpatialT<T> bias;
@@ -201,12 +214,12 @@ void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
           bias = calc_acceleration_bias(group, v, c, j);
         } else {
           bias = kind == BiasKind::kVelocity ? SpatialT<T>{-j.v_rel, -j.w_rel}
-                                             : calc_position_bias(group, v, c, v.from(group.carried_axes), j);
+                                             : calc_position_bias(group, v, c, j);
           remove_freedoms(group, v, j, bias);
         }
         // From the joint's point to the child's origin, with the child's sign.
-        if (group.child_is_base) bias = {-bias.lin, -bias.ang};
-        bias.lin -= cross(bias.ang, group.child_is_base ? j.r_base : j.r_follower);
+        bias = c.get(kSide) * bias;
+        bias.lin -= cross(bias.ang, j.arm_child);
         v.set(kBias, bias);
       });
 }
@@ -220,12 +233,12 @@ struct Rates {
   Vec3T<T> v, w;
 };
 
-template <class T>
-UNLATCH_INLINE Rates<T> get_rates(const View<T>& v) {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE Rates<T> get_rates(const V& v) {
   return {v.get_vec(0), v.get_quat(3), v.get_vec(7), v.get_vec(10)};
 }
-template <class T>
-UNLATCH_INLINE void set_rates(const View<T>& v, const Rates<T>& k) {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE void set_rates(const V& v, const Rates<T>& k) {
   v.set(0, k.p);
   v.set(3, k.q);
   v.set(7, k.v);
@@ -245,15 +258,16 @@ UNLATCH_INLINE Rates<T> scale(const T& s, const Rates<T>& b) {
 }
 
 // Of the present pose and velocity.
-template <class T>
-UNLATCH_INLINE Rates<T> calc_rates(const View<T>& v) {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE Rates<T> calc_rates(const V& v) {
   return {v.get_vec(kVelocity), quaternion_rate(v.get_quat(kPose + 3), v.get_vec(kVelocity + 3)),
           v.get_vec(kAcceleration), transpose_times(v.get_mat(kRotation), v.get_vec(kAcceleration + 3))};
 }
 
 template <int kWidest>
 void keep_start(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
     set_rates(v.from(kStart), get_rates(v.from(kPose)));
     const Rates<T> k = calc_rates(v);
     v.set(kFirst, k.v);
@@ -263,7 +277,8 @@ void keep_start(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart));
     const Rates<T> k{start.v, quaternion_rate(start.q, start.w), v.get_vec(kFirst), v.get_vec(kFirst + 3)};
     set_rates(v.from(kSum), scale(T(weight), k));
@@ -273,7 +288,8 @@ void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
 
 template <int kWidest>
 void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
     const Rates<T> k = calc_rates(v);
     set_rates(v.from(kSum), add(get_rates(v.from(kSum)), T(weight), k));
     set_rates(v.from(kPose), add(get_rates(v.from(kStart)), T(h), k));
@@ -282,7 +298,8 @@ void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
 
 template <int kWidest>
 void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
     const Rates<T> sum = add(get_rates(v.from(kSum)), T(weight), calc_rates(v));
     Rates<T> end = add(get_rates(v.from(kStart)), T(h), sum);
     end.q = normalized(end.q);
@@ -294,7 +311,8 @@ void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
 
 template <int kWidest>
 void add_displacements(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
     const Vec3T<T> half = T(0.5) * v.get_vec(kAcceleration + 3);
     const QuatT<T> q = v.get_quat(kPose + 3);
     const QuatT<T> turn = QuatT<T>{T(0.0), half.x, half.y, half.z} * q;
@@ -305,7 +323,8 @@ void add_displacements(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void add_velocities(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class T>(const LaneGroup&, const View<T>& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
     const Vec3T<T> turn = transpose_times(v.get_mat(kRotation), v.get_vec(kAcceleration + 3));
     v.set(kVelocity, v.get_vec(kVelocity) + v.get_vec(kAcceleration));
     v.set(kVelocity + 3, v.get_vec(kVelocity + 3) + turn);

@@ -18,60 +18,66 @@ namespace unlatch::UNLATCH_ISA {
 // A pivot this small beside what it was before the joint's other freedoms were taken out is rounding noise.
 inline constexpr double kSingular = 1e-13;
 
-template <class T>
-UNLATCH_INLINE const Vec3T<T>& get_axis(const Mat3T<T>& axes, int r) {
-  return r % 3 == 0 ? axes.x : (r % 3 == 1 ? axes.y : axes.z);
-}
+// What one group is worked on with: its lanes from `lane` on.
+template <class T, int kWidth>
+struct Part {
+  const LaneGroup& group;
+  const LanePhase& phase;
+  double* lanes;
+  int lane;
+  const LaneSlot* parents;
+  View<T, kWidth> v;
+  View<T, kWidth, const double> c;
 
-// The body's block and load, with what its children have added.
-template <class T, bool kLeaf>
-struct Node {
-  T mass;  // kLeaf: A is diag(mass, I)
-  ArticulatedT<T> A;
-  SpatialT<T> load;
+  UNLATCH_INLINE Part(const Plan& plan, Workspace& ws, std::size_t g, int first)
+      : group(plan.groups[g]),
+        phase(ws.phases[g]),
+        lanes(ws.lanes.data()),
+        lane(first),
+        parents(plan.lane_parents.data() + group.first + first),
+        v{lanes + group.data + first},
+        c{plan.lane_constants.data() + group.constants + first} {}
 
-  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const {
-    if constexpr (kLeaf) return {mass * a.lin, A.I * a.ang};
-    return A * a;
+  UNLATCH_INLINE Vec3T<T> get_axis(int r) const {
+    return v.get_vec(r < kRotX ? kAxes + 3 * r : group.rotation_axes + 3 * (r - kRotX));
+  }
+  // Direction of freedom r at the child's origin.
+  UNLATCH_INLINE SpatialT<T> get_freedom(int r) const {
+    const Vec3T<T> axis = get_axis(r);
+    const T o(0.0);
+    if (r < kRotX) return {axis, {o, o, o}};
+    return {cross(v.get_vec(kArmChild), axis), axis};
+  }
+  // Wrench of row r on the child, at its origin.
+  UNLATCH_INLINE SpatialT<T> get_wrench(int r) const {
+    const Vec3T<T> axis = get_axis(r);
+    const T o(0.0);
+    if (r < kRotX) return {axis, cross(v.get_vec(kArmChild), axis)};
+    return {{o, o, o}, axis};
+  }
+  UNLATCH_INLINE SpatialT<T> get_bias(bool biased) const {
+    const T o(0.0);
+    return biased && group.has_joint ? v.get_spatial(kBias) : SpatialT<T>{{o, o, o}, {o, o, o}};
   }
 };
 
-template <class T>
-UNLATCH_INLINE SpatialT<T> get_zero() {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE SpatialT<T> get_source(const V& v, Source source) {
+  if (source == Source::kForces) return v.get_spatial(kForce);
+  if (source == Source::kGiven) return v.get_spatial(kAcceleration);
   const T o(0.0);
   return {{o, o, o}, {o, o, o}};
 }
 
-template <class T>
-UNLATCH_INLINE SpatialT<T> get_source(const View<T>& v, Source source) {
-  if (source == Source::kForces) return v.get_spatial(kForce);
-  if (source == Source::kGiven) return v.get_spatial(kAcceleration);
-  return get_zero<T>();
-}
-
-template <class T>
-UNLATCH_INLINE ArticulatedT<T> get_block(const View<T>& v) {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE ArticulatedT<T> get_block(const V& v) {
   return {v.get_sym(0), v.get_mat(6), v.get_sym(15)};
 }
-template <class T>
-UNLATCH_INLINE void set_block(const View<T>& v, const ArticulatedT<T>& A) {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE void set_block(const V& v, const ArticulatedT<T>& A) {
   v.set(0, A.M);
   v.set(6, A.H);
   v.set(15, A.I);
-}
-
-template <bool kLeaf, class T>
-UNLATCH_INLINE Node<T, kLeaf> get_node(const View<T>& v, const View<T, const double>& c, Source source) {
-  Node<T, kLeaf> node;
-  if constexpr (kLeaf) {
-    node.mass = c.get(kMass);
-    node.A.I = v.get_sym(kInertia);
-    node.load = get_source(v, source);
-  } else {
-    node.A = get_block(v.from(kBlock));
-    node.load = v.get_spatial(kBlock + 21);
-  }
-  return node;
 }
 
 template <class T>
@@ -80,30 +86,52 @@ UNLATCH_INLINE ArticulatedT<T> get_body_block(const T& mass, const Sym3T<T>& ine
   return {{mass, mass, mass, o, o, o}, {{o, o, o}, {o, o, o}, {o, o, o}}, inertia};
 }
 
-// Direction of freedom r at the child's origin.
-template <class T>
-UNLATCH_INLINE SpatialT<T> get_freedom(int r, const Mat3T<T>& axes, const Vec3T<T>& arm) {
-  const Vec3T<T>& axis = get_axis(axes, r);
-  if (r < kRotX) return {axis, {T(0.0), T(0.0), T(0.0)}};
-  return {cross(arm, axis), axis};
-}
-
-// Wrench of row r on the child, at its origin.
-template <class T>
-UNLATCH_INLINE SpatialT<T> get_wrench(int r, const Mat3T<T>& axes, const Vec3T<T>& arm) {
-  const Vec3T<T>& axis = get_axis(axes, r);
-  if (r < kRotX) return {axis, cross(arm, axis)};
-  return {{T(0.0), T(0.0), T(0.0)}, axis};
-}
+// The body's block and load, with what its children have added. A leaf's block is diag(mass, I).
+template <class T, bool kLeaf>
+struct Node;
 
 template <class T>
-UNLATCH_INLINE Mat3T<T> get_axes(const LaneGroup& group, const View<T>& v, int r) {
-  return v.get_mat(r < kRotX ? static_cast<int>(kAxes) : group.rotation_axes);
-}
+struct Node<T, true> {
+  T mass;
+  Sym3T<T> I;
+  SpatialT<T> load;
+
+  template <int kWidth>
+  UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source source)
+      : mass(part.c.get(kMass)), I(part.v.get_sym(kInertia)), load(get_source(part.v, source)) {}
+  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return {mass * a.lin, I * a.ang}; }
+  UNLATCH_INLINE ArticulatedT<T> get_block() const { return get_body_block(mass, I); }
+  // A − k U Uᵀ
+  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
+    const Vec3T<T> kl = k * U.lin, ka = k * U.ang;
+    return {{mass - kl.x * U.lin.x, mass - kl.y * U.lin.y, mass - kl.z * U.lin.z, -(kl.x * U.lin.y), -(kl.x * U.lin.z),
+             -(kl.y * U.lin.z)},
+            {(-ka.x) * U.lin, (-ka.y) * U.lin, (-ka.z) * U.lin},
+            downdate(I, ka, U.ang)};
+  }
+  // False only where something is not finite: nothing has been taken out of it.
+  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>&) const { return pivot > T(0.0); }
+};
+
 template <class T>
-UNLATCH_INLINE Vec3T<T> get_arm(const LaneGroup& group, const View<T>& v) {
-  return v.get_vec(group.child_is_base ? kArmBase : kArmFollower);
-}
+struct Node<T, false> {
+  ArticulatedT<T> A;
+  SpatialT<T> load;
+
+  template <int kWidth>
+  UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source)
+      : A(unlatch::UNLATCH_ISA::get_block(part.v.from(kBlock))), load(part.v.get_spatial(kBlock + 21)) {}
+  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return A * a; }
+  UNLATCH_INLINE const ArticulatedT<T>& get_block() const { return A; }
+  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
+    ArticulatedT<T> out = A;
+    downdate(out, k, U);
+    return out;
+  }
+  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>& s) const {
+    return pivot > T(kSingular) * calc_pivot_scale(A, s);
+  }
+};
 
 // --- The block of a body that nothing, or little, holds -------------------------------------------------------------
 
@@ -119,16 +147,16 @@ UNLATCH_INLINE Factor3T<T> factor3(const Sym3T<T>& s, const Sym3T<T>& whole, T& 
   return {s.xy * i0, s.xz * i0, e * r2, i0, s.xx * r2, d2 * r3};
 }
 
-template <class T>
-UNLATCH_INLINE void set_factor(const View<T>& v, const FreeFactorT<T>& f) {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE void set_factor(const V& v, const FreeFactorT<T>& f) {
   v.set(0, Vec3T<T>{f.M.l10, f.M.l20, f.M.l21});
   v.set(3, Vec3T<T>{f.M.i0, f.M.i1, f.M.i2});
   v.set(6, f.W);
   v.set(15, Vec3T<T>{f.K.l10, f.K.l20, f.K.l21});
   v.set(18, Vec3T<T>{f.K.i0, f.K.i1, f.K.i2});
 }
-template <class T>
-UNLATCH_INLINE FreeFactorT<T> get_factor(const View<T>& v) {
+template <class V, class T = typename V::T>
+UNLATCH_INLINE FreeFactorT<T> get_factor(const V& v) {
   return {{v.get(0), v.get(1), v.get(2), v.get(3), v.get(4), v.get(5)},
           v.get_mat(6),
           {v.get(15), v.get(16), v.get(17), v.get(18), v.get(19), v.get(20)}};
@@ -160,49 +188,34 @@ struct Passed {
   SpatialT<T> load;
 };
 
-// A + k w wᵀ
-template <class T>
-UNLATCH_INLINE void update(ArticulatedT<T>& A, const T& k, const SpatialT<T>& w) {
-  downdate(A, -k, w);
-}
-
 // Lanes held by one or two rows or by none: factors A itself; each row in turn, made A⁻¹-orthogonal to those before it,
 // is an update of rank one. Adds what the rows pass on.
-template <bool kFactor, class T>
-UNLATCH_INLINE void eliminate_rows(const LaneGroup& group, const LanePhase& phase, const View<T>& v,
-                                   const ArticulatedT<T>& A, const SpatialT<T>& load, const SpatialT<T>& bias,
-                                   Passed<T>& passed, T& bad) {
+template <bool kFactor, class P, class N, class T>
+UNLATCH_INLINE void eliminate_rows(const P& part, const N& node, const SpatialT<T>& bias, Passed<T>& passed, T& bad) {
+  const auto& v = part.v;
   FreeFactorT<T> f;
   if constexpr (kFactor) {
     T singular(0.0);
-    f = factor_free(A, singular);
-    bad = bad | (group.has_joint ? ~v.get(kHeld) & singular : singular);
-    set_factor(v.from(group.free), f);
+    f = factor_free(node.get_block(), singular);
+    bad = bad | (part.group.has_joint ? ~v.get(kHeld) & singular : singular);
+    set_factor(v.from(part.group.free), f);
   } else {
-    f = get_factor(v.from(group.free));
+    f = get_factor(v.from(part.group.free));
   }
-  const SpatialT<T> free = solve_free(f, load);
-  v.set(group.free + 21, free);
-  if (phase.rows == 0) return;
-  const Vec3T<T> arm = get_arm(group, v);
-  int part = group.row_parts;
+  const SpatialT<T> free = solve_free(f, node.load);
+  v.set(part.group.free + 21, free);
   for (int r = 0; r < kRows; ++r) {
-    if (!has_row(group.rows, r)) continue;
-    const View<T> own = v.from(part);
-    part += kRowEnd;
-    if (!has_row(phase.rows, r)) continue;
+    if (!has_row(part.phase.rows, r)) continue;
+    const auto own = v.from(part.group.row_parts[r]);
     if constexpr (kFactor) {
       const T mask = own.get(kRowMask);
-      SpatialT<T> w = get_wrench(r, get_axes(group, v, r), arm), y = solve_free(f, w);
-      for (int before = group.row_parts, p = 0; p < r; ++p) {
-        if (!has_row(group.rows, p)) continue;
-        if (has_row(phase.rows, p)) {
-          const View<T> other = v.from(before);
-          const T k = dot(other.get_spatial(kReply), w) * other.get(kRowInverse);
-          w = w - k * other.get_spatial(kWrench);
-          y = y - k * other.get_spatial(kReply);
-        }
-        before += kRowEnd;
+      SpatialT<T> w = part.get_wrench(r), y = solve_free(f, w);
+      for (int p = 0; p < r; ++p) {
+        if (!has_row(part.phase.rows, p)) continue;
+        const auto other = v.from(part.group.row_parts[p]);
+        const T k = dot(other.get_spatial(kReply), w) * other.get(kRowInverse);
+        w = w - k * other.get_spatial(kWrench);
+        y = y - k * other.get_spatial(kReply);
       }
       w = mask & w;
       y = mask & y;
@@ -212,7 +225,7 @@ UNLATCH_INLINE void eliminate_rows(const LaneGroup& group, const LanePhase& phas
       own.set(kWrench, w);
       own.set(kReply, y);
       own.set(kRowInverse, inverse);
-      update(passed.A, inverse, w);
+      downdate(passed.A, -inverse, w);
     }
     const SpatialT<T> w = own.get_spatial(kWrench);
     const T mu = own.get(kRowInverse) * dot(w, free - bias);
@@ -222,44 +235,37 @@ UNLATCH_INLINE void eliminate_rows(const LaneGroup& group, const LanePhase& phas
 }
 
 // Lanes held by three rows or more: takes their freedoms out one by one.
-template <bool kLeaf, bool kFactor, class T>
-UNLATCH_INLINE Passed<T> eliminate_freedoms(const LaneGroup& group, const LanePhase& phase, const View<T>& v,
-                                            const Node<T, kLeaf>& node, const SpatialT<T>& load, T& bad) {
-  Passed<T> passed;
+template <bool kFactor, class P, class N, class T>
+UNLATCH_INLINE void eliminate_freedoms(const P& part, const N& node, const SpatialT<T>& load, Passed<T>& passed,
+                                       T& bad) {
   passed.load = load;
   bool whole = true;  // nothing has been taken out yet
-  if constexpr (kFactor) passed.A = kLeaf ? get_body_block(node.mass, node.A.I) : node.A;
-  const ArticulatedT<T> before = passed.A;
-  const Vec3T<T> arm = get_arm(group, v);
-  int part = group.freedom_parts;
   for (int r = 0; r < kRows; ++r) {
-    if (!has_row(group.freedoms, r)) continue;
-    const View<T> own = v.from(part);
-    part += kFreedomEnd;
-    if (!has_row(phase.freedoms, r)) continue;
-    const SpatialT<T> s = get_freedom(r, get_axes(group, v, r), arm);
-    SpatialT<T> U;
-    T inverse;
+    if (!has_row(part.phase.freedoms, r)) continue;
+    const auto own = part.v.from(part.group.freedom_parts[r]);
+    const SpatialT<T> s = part.get_freedom(r);
+    const T beta = dot(s, passed.load);
+    own.set(kBeta, beta);
     if constexpr (kFactor) {
       const T mask = own.get(kMask);
-      U = whole ? node.times(s) : passed.A * s;
-      whole = false;
+      SpatialT<T> U = whole ? node.times(s) : passed.A * s;
       const T pivot = dot(s, U);
-      bad = bad | (mask & ~(pivot > T(kSingular) * calc_pivot_scale(before, s)));
-      inverse = mask & (T(1) / (pivot + own.get(kKappa)));
+      bad = bad | (mask & ~node.is_pivot(pivot, s));
+      const T inverse = mask & (T(1) / (pivot + own.get(kKappa)));
       U = mask & U;
       own.set(kU, U);
       own.set(kInverse, inverse);
-      downdate(passed.A, inverse, U);
+      passed.load = passed.load - (beta * inverse) * U;
+      if (whole)
+        passed.A = node.downdated(inverse, U);
+      else
+        downdate(passed.A, inverse, U);
+      whole = false;
     } else {
-      U = own.get_spatial(kU);
-      inverse = own.get(kInverse);
+      passed.load = passed.load - (beta * own.get(kInverse)) * own.get_spatial(kU);
     }
-    const T beta = dot(s, passed.load);
-    own.set(kBeta, beta);
-    passed.load = passed.load - (beta * inverse) * U;
   }
-  return passed;
+  if (kFactor && whole) passed.A = node.get_block();
 }
 
 // --- To the parents -------------------------------------------------------------------------------------------------
@@ -269,35 +275,37 @@ struct FanSums {
   double numbers[kBlockFields * 8];
 };
 
-template <class T>
-UNLATCH_INLINE void add_row(const LaneGroup& group, int lane, double* lanes, const LaneSlot* slots, int row, const T& a,
-                            FanSums& fan) {
-  if (group.link == LaneLink::kFan) {
-    double* sum = fan.numbers + row * 8 + lane;
-    store(sum, load<T>(sum) + a);
-  } else if (group.link == LaneLink::kContiguous) {
-    double* sum = lanes + slots[0].offset + (kBlock + row) * slots[0].stride;
-    store(sum, load<T>(sum) + a);
-  } else {
-    double each[T::kWidth];
-    store(each, a);
-    for (int i = 0; i < T::kWidth; ++i) lanes[slots[i].offset + (kBlock + row) * slots[i].stride] += each[i];
+// Adds to 27 rows, `kStride` numbers apart: block and load as the parent sees them.
+template <bool kFactor, int kStride, class T>
+UNLATCH_INLINE void accumulate(double* rows, const Passed<T>& passed, const Vec3T<T>& offset) {
+  const View<T, kStride> sum{rows};
+  sum.set(21, sum.get_vec(21) + passed.load.lin);
+  sum.set(24, sum.get_vec(24) + (passed.load.ang + cross(offset, passed.load.lin)));
+  if constexpr (kFactor) {
+    const ArticulatedT<T> A = shift(passed.A, offset);
+    sum.set(0, sum.get_sym(0) + A.M);
+    sum.set(6, sum.get_vec(6) + A.H.x);
+    sum.set(9, sum.get_vec(9) + A.H.y);
+    sum.set(12, sum.get_vec(12) + A.H.z);
+    sum.set(15, sum.get_sym(15) + A.I);
   }
 }
 
-template <class T>
-UNLATCH_INLINE void add_spatial(const LaneGroup& group, int lane, double* lanes, const LaneSlot* slots,
-                                const SpatialT<T>& a, FanSums& fan) {
-  const T values[6] = {a.lin.x, a.lin.y, a.lin.z, a.ang.x, a.ang.y, a.ang.z};
-  for (int i = 0; i < 6; ++i) add_row(group, lane, lanes, slots, 21 + i, values[i], fan);
-}
-
-template <class T>
-UNLATCH_INLINE void add_block(const LaneGroup& group, int lane, double* lanes, const LaneSlot* slots,
-                              const ArticulatedT<T>& A, FanSums& fan) {
-  const T values[21] = {A.M.xx,  A.M.yy,  A.M.zz,  A.M.xy,  A.M.xz, A.M.yz, A.H.x.x, A.H.x.y, A.H.x.z, A.H.y.x, A.H.y.y,
-                        A.H.y.z, A.H.z.x, A.H.z.y, A.H.z.z, A.I.xx, A.I.yy, A.I.zz,  A.I.xy,  A.I.xz,  A.I.yz};
-  for (int i = 0; i < 21; ++i) add_row(group, lane, lanes, slots, i, values[i], fan);
+template <bool kFactor, class T, int kWidth>
+UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>& passed, FanSums& fan) {
+  const Vec3T<T> offset = part.v.get_vec(kOffset);
+  if (part.group.link == LaneLink::kFan)
+    return accumulate<kFactor, 8>(fan.numbers + part.lane, passed, offset);
+  if (part.group.link == LaneLink::kContiguous)
+    return accumulate<kFactor, kWidth>(part.lanes + part.parents[0].offset + kBlock * kWidth, passed, offset);
+  double each[kBlockFields * T::kWidth];
+  for (double& number : each) number = 0;
+  accumulate<kFactor, T::kWidth>(each, passed, offset);
+  for (int i = 0; i < T::kWidth; ++i) {
+    const std::ptrdiff_t stride = part.parents[i].stride;
+    double* sum = part.lanes + part.parents[i].offset + (kFactor ? kBlock : kBlock + 21) * stride;
+    for (int row = kFactor ? 0 : 21; row < kBlockFields; ++row, sum += stride) *sum += each[row * T::kWidth + i];
+  }
 }
 
 UNLATCH_INLINE void close_fan(double* lanes, const LaneSlot& parent, int first_row, const FanSums& fan) {
@@ -310,43 +318,32 @@ UNLATCH_INLINE void close_fan(double* lanes, const LaneSlot& parent, int first_r
 
 // --- Leaves to root -------------------------------------------------------------------------------------------------
 
-template <bool kLeaf, bool kFactor, class T>
-UNLATCH_INLINE void eliminate(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
-                              const LanePhase& phase, int lane, FanSums& fan, T& bad) {
-  double* lanes = ws.lanes.data();
-  const View<T> v{lanes + group.data + lane, group.width};
-  const View<T, const double> c{plan.lane_constants.data() + group.constants + lane, group.width};
-  const Node<T, kLeaf> node = get_node<kLeaf>(v, c, sweep.source);
-  const SpatialT<T> bias = group.has_joint && sweep.biased ? v.get_spatial(kBias) : get_zero<T>();
+template <class T>
+UNLATCH_INLINE ArticulatedT<T> operator&(const T& mask, const ArticulatedT<T>& A) {
+  return {{mask & A.M.xx, mask & A.M.yy, mask & A.M.zz, mask & A.M.xy, mask & A.M.xz, mask & A.M.yz},
+          {mask & A.H.x, mask & A.H.y, mask & A.H.z},
+          {mask & A.I.xx, mask & A.I.yy, mask & A.I.zz, mask & A.I.xy, mask & A.I.xz, mask & A.I.yz}};
+}
+
+template <bool kLeaf, bool kFactor, class T, int kWidth>
+UNLATCH_INLINE void eliminate(const Part<T, kWidth>& part, const Sweep& sweep, FanSums& fan, T& bad) {
+  const Node<T, kLeaf> node(part, sweep.source);
+  const SpatialT<T> bias = part.get_bias(sweep.biased);
   Passed<T> passed;
-  if (phase.held) {
-    const SpatialT<T> load = sweep.biased ? node.load - node.times(bias) : node.load;
-    passed = eliminate_freedoms<kLeaf, kFactor>(group, phase, v, node, load, bad);
-    if (group.may_be_loose) {
-      const T held = v.get(kHeld);
+  if (part.phase.held) {
+    eliminate_freedoms<kFactor>(part, node, node.load - node.times(bias), passed, bad);
+    if (part.group.may_be_loose) {
+      const T held = part.v.get(kHeld);
       passed.load = held & passed.load;
-      if constexpr (kFactor) {
-        passed.A.M = {held & passed.A.M.xx, held & passed.A.M.yy, held & passed.A.M.zz,
-                      held & passed.A.M.xy, held & passed.A.M.xz, held & passed.A.M.yz};
-        passed.A.H = {held & passed.A.H.x, held & passed.A.H.y, held & passed.A.H.z};
-        passed.A.I = {held & passed.A.I.xx, held & passed.A.I.yy, held & passed.A.I.zz,
-                      held & passed.A.I.xy, held & passed.A.I.xz, held & passed.A.I.yz};
-      }
+      if constexpr (kFactor) passed.A = held & passed.A;
     }
   } else {
     const T o(0.0);
-    passed.load = get_zero<T>();
-    passed.A = get_body_block(o, Sym3T<T>{o, o, o, o, o, o});
+    passed = {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
   }
-  if (phase.loose)
-    eliminate_rows<kFactor>(group, phase, v, kLeaf ? get_body_block(node.mass, node.A.I) : node.A, node.load, bias,
-                            passed, bad);
-  if (group.link == LaneLink::kRoot || (!phase.held && phase.rows == 0)) return;
-  const Vec3T<T> offset = v.get_vec(kOffset);
-  const LaneSlot* slots = plan.lane_parents.data() + group.first + lane;
-  if constexpr (kFactor) add_block(group, lane, lanes, slots, shift(passed.A, offset), fan);
-  add_spatial(group, lane, lanes, slots, SpatialT<T>{passed.load.lin, passed.load.ang + cross(offset, passed.load.lin)},
-              fan);
+  if (part.phase.loose) eliminate_rows<kFactor>(part, node, bias, passed, bad);
+  if (part.group.link != LaneLink::kRoot && (part.phase.held || part.phase.rows != 0))
+    add_to_parents<kFactor>(part, passed, fan);
 }
 
 // The first lane whose pivot vanished, as a node.
@@ -359,33 +356,22 @@ inline int find_bad_node(const Plan& plan, const LaneGroup& group, int lane, con
   return kNone;
 }
 
-template <bool kLeaf, bool kFactor, class T>
-inline int eliminate_group(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
-                           const LanePhase& phase, FanSums& fan) {
-  for (int lane = 0; lane < group.width; lane += T::kWidth) {
+template <bool kLeaf, bool kFactor, class T, int kWidth>
+[[gnu::noinline]] int eliminate_group(const Plan& plan, Workspace& ws, const Sweep& sweep, std::size_t g,
+                                      FanSums& fan) {
+  for (int lane = 0; lane < kWidth; lane += T::kWidth) {
+    const Part<T, kWidth> part(plan, ws, g, lane);
     T bad(0.0);
-    eliminate<kLeaf, kFactor, T>(plan, ws, sweep, group, phase, lane, fan, bad);
-    if (kFactor && any(bad)) return find_bad_node(plan, group, lane, bad);
+    eliminate<kLeaf, kFactor>(part, sweep, fan, bad);
+    if (kFactor && any(bad)) return find_bad_node(plan, part.group, lane, bad);
   }
   return kNone;
 }
 
-template <int kWidest, bool kLeaf, bool kFactor>
-inline int eliminate_group(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
-                           const LanePhase& phase, FanSums& fan) {
-  if constexpr (kWidest >= 8)
-    if (group.width == 8) return eliminate_group<kLeaf, kFactor, Pack<8>>(plan, ws, sweep, group, phase, fan);
-  if constexpr (kWidest >= 4)
-    if (group.width >= 4) return eliminate_group<kLeaf, kFactor, Pack<4>>(plan, ws, sweep, group, phase, fan);
-  if constexpr (kWidest >= 2)
-    if (group.width >= 2) return eliminate_group<kLeaf, kFactor, Pack<2>>(plan, ws, sweep, group, phase, fan);
-  return eliminate_group<kLeaf, kFactor, Pack<1>>(plan, ws, sweep, group, phase, fan);
-}
-
 // Bodies with something beyond them begin with what is their own.
 template <int kWidest, bool kFactor>
-inline void init_blocks(const Plan& plan, Workspace& ws, const Sweep& sweep) {
-  for_groups<kWidest>(plan, ws, [&]<class T>(const LaneGroup& group, const View<T>& v, const auto& c, const auto&) {
+UNLATCH_INLINE void init_blocks(const Plan& plan, Workspace& ws, const Sweep& sweep) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto&) {
     if (group.leaf) return;
     if (kFactor) set_block(v.from(kBlock), get_body_block(c.get(kMass), v.get_sym(kInertia)));
     v.set(kBlock + 21, get_source(v, sweep.source));
@@ -393,15 +379,18 @@ inline void init_blocks(const Plan& plan, Workspace& ws, const Sweep& sweep) {
 }
 
 template <int kWidest, bool kFactor>
-int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep) {
+UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep) {
   FanSums fan;
   init_blocks<kWidest, kFactor>(plan, ws, sweep);
   for (std::size_t g = plan.groups.size(); g-- > 0;) {
     const LaneGroup& group = plan.groups[g];
     if (group.fan_begins)
       for (double& sum : fan.numbers) sum = 0;
-    const int node = group.leaf ? eliminate_group<kWidest, true, kFactor>(plan, ws, sweep, group, ws.phases[g], fan)
-                                : eliminate_group<kWidest, false, kFactor>(plan, ws, sweep, group, ws.phases[g], fan);
+    int node = kNone;
+    for_width<kWidest>(group, [&]<class T, int kWidth>() {
+      node = group.leaf ? eliminate_group<true, kFactor, T, kWidth>(plan, ws, sweep, g, fan)
+                        : eliminate_group<false, kFactor, T, kWidth>(plan, ws, sweep, g, fan);
+    });
     if (kFactor && node != kNone) return node;
     if (group.fan_ends)
       close_fan(ws.lanes.data(), plan.lane_parents[static_cast<std::size_t>(group.first)], kFactor ? 0 : 21, fan);
@@ -420,126 +409,96 @@ void reduce(const Plan& plan, Workspace& ws, const Sweep& sweep) {
 
 // --- Root to leaves -------------------------------------------------------------------------------------------------
 
-// Which lanes hold row r.
-template <class T>
-UNLATCH_INLINE T get_row_mask(const LaneGroup& group, const View<T>& v, int r, int freedom_part, int row_part) {
-  T mask = v.get(kHeld);
-  if (has_row(group.freedoms, r)) mask = mask & ~v.get(freedom_part + kMask);
-  if (has_row(group.rows, r)) mask = mask | v.get(row_part + kRowMask);
-  return mask;
-}
-
-// The wrench A a − b that the joint puts on the child, as multipliers on its follower.
-template <class T>
-UNLATCH_INLINE void set_multipliers(const LaneGroup& group, const View<T>& v, const SpatialT<T>& wrench) {
-  const SpatialT<T> on_follower = group.child_is_base ? SpatialT<T>{-wrench.lin, -wrench.ang} : wrench;
-  const Vec3T<T> moment = on_follower.ang - cross(get_arm(group, v), on_follower.lin);
-  const Vec3T<T> along_n = transpose_times(get_axes(group, v, kX), on_follower.lin);
-  const Vec3T<T> about_m = transpose_times(get_axes(group, v, kRotX), moment);
-  const T values[kRows] = {along_n.x, along_n.y, along_n.z, about_m.x, about_m.y, about_m.z};
-  int freedom_part = group.freedom_parts, row_part = group.row_parts;
+// The wrench A a − b that the joint puts on the child, as multipliers on its follower: 0 for rows that do not hold.
+template <class P, class T>
+UNLATCH_INLINE void set_multipliers(const P& part, const SpatialT<T>& on_child) {
+  const auto& v = part.v;
+  const SpatialT<T> wrench = part.c.get(kSide) * on_child;
+  const Vec3T<T> moment = wrench.ang - cross(v.get_vec(kArmChild), wrench.lin);
+  const Mat3T<T> n = v.get_mat(kAxes);
+  const Vec3T<T> along_n = transpose_times(n, wrench.lin);
+  const Vec3T<T> about_m =
+      transpose_times(part.group.shared_axes ? n : v.get_mat(part.group.rotation_axes), moment);
+  v.set(kMultipliers, along_n);
+  v.set(kMultipliers + 3, about_m);
   for (int r = 0; r < kRows; ++r) {
-    v.set(kMultipliers + r, get_row_mask(group, v, r, freedom_part, row_part) & values[r]);
-    if (has_row(group.freedoms, r)) freedom_part += kFreedomEnd;
-    if (has_row(group.rows, r)) row_part += kRowEnd;
+    const bool may_be_free = has_row(part.group.freedoms, r);
+    if (!may_be_free && !part.group.may_be_loose) continue;
+    T holds = v.get(kHeld);
+    if (may_be_free) holds = holds & ~v.get(part.group.freedom_parts[r] + kMask);
+    if (has_row(part.group.rows, r)) holds = holds | v.get(part.group.row_parts[r] + kRowMask);
+    v.set(kMultipliers + r, holds & v.get(kMultipliers + r));
   }
 }
 
 // Through the freedoms: a = X a_parent + Σ s q + bias.
-template <class T>
-UNLATCH_INLINE SpatialT<T> substitute_freedoms(const LaneGroup& group, const LanePhase& phase, const View<T>& v,
-                                               const SpatialT<T>& carried, const SpatialT<T>& bias) {
+template <class P, class T>
+UNLATCH_INLINE SpatialT<T> substitute_freedoms(const P& part, const SpatialT<T>& carried, bool biased) {
   SpatialT<T> a = carried;
-  const Vec3T<T> arm = get_arm(group, v);
-  int part = group.freedom_parts;
-  for (int r = 0; r < kRows; ++r)
-    if (has_row(group.freedoms, r)) part += kFreedomEnd;
   for (int r = kRows - 1; r >= 0; --r) {
-    if (!has_row(group.freedoms, r)) continue;
-    part -= kFreedomEnd;
-    if (!has_row(phase.freedoms, r)) continue;
-    const View<T> own = v.from(part);
-    const SpatialT<T> s = get_freedom(r, get_axes(group, v, r), arm);
-    const T q = (dot(own.get_spatial(kU), a) - own.get(kBeta)) * own.get(kInverse);
-    own.set(kBeta, -q);
-    a = a - (own.get(kMask) & q) * s;
+    if (!has_row(part.phase.freedoms, r)) continue;
+    const auto own = part.v.from(part.group.freedom_parts[r]);
+    const T q = own.get(kInverse) * (own.get(kBeta) - dot(own.get_spatial(kU), a));
+    own.set(kBeta, q);
+    a = a + (own.get(kMask) & q) * part.get_freedom(r);
   }
-  return a + bias;
+  return biased ? a + part.v.get_spatial(kBias) : a;
 }
 
 // Through the rows: a = A⁻¹ b + Σ y μ, with the rows' reaction μ once the parent's acceleration is known.
-template <class T>
-UNLATCH_INLINE SpatialT<T> substitute_rows(const LaneGroup& group, const LanePhase& phase, const View<T>& v,
-                                           const SpatialT<T>& carried) {
-  SpatialT<T> a = v.get_spatial(group.free + 21);
-  int part = group.row_parts;
+template <class P, class T>
+UNLATCH_INLINE SpatialT<T> substitute_rows(const P& part, const SpatialT<T>& carried) {
+  SpatialT<T> a = part.v.get_spatial(part.group.free + 21);
   for (int r = 0; r < kRows; ++r) {
-    if (!has_row(group.rows, r)) continue;
-    const View<T> own = v.from(part);
-    part += kRowEnd;
-    if (!has_row(phase.rows, r)) continue;
+    if (!has_row(part.phase.rows, r)) continue;
+    const auto own = part.v.from(part.group.row_parts[r]);
     const T mu = own.get(kRowInverse) * dot(own.get_spatial(kWrench), carried) - own.get(kMu);
     a = a + mu * own.get_spatial(kReply);
   }
   return a;
 }
 
-template <bool kLeaf, class T>
-UNLATCH_INLINE void substitute_part(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
-                                    const LanePhase& phase, int lane) {
-  const View<T> v{ws.lanes.data() + group.data + lane, group.width};
-  const View<T, const double> c{plan.lane_constants.data() + group.constants + lane, group.width};
-  const Parents<T> parents{group.link, ws.lanes.data(), plan.lane_parents.data() + group.first + lane};
-  SpatialT<T> carried = get_zero<T>();
-  if (group.link != LaneLink::kRoot) {
-    carried = parents.get_spatial(kAcceleration);
-    carried.lin += cross(carried.ang, v.get_vec(kOffset));
+template <bool kLeaf, class T, int kWidth>
+UNLATCH_INLINE void substitute_part(const Part<T, kWidth>& part, const Sweep& sweep) {
+  const T o(0.0);
+  SpatialT<T> carried{{o, o, o}, {o, o, o}};
+  if (part.group.link != LaneLink::kRoot) {
+    carried = Parents<T, kWidth>{part.group.link, part.lanes, part.parents}.get_spatial(kAcceleration);
+    carried.lin += cross(carried.ang, part.v.get_vec(kOffset));
   }
   SpatialT<T> a;
-  if (phase.held) {
-    a = substitute_freedoms(group, phase, v, carried, sweep.biased ? v.get_spatial(kBias) : get_zero<T>());
-    if (phase.loose) {
-      const SpatialT<T> loose = substitute_rows(group, phase, v, carried);
-      const T held = v.get(kHeld);
+  if (part.phase.held) {
+    a = substitute_freedoms(part, carried, sweep.biased);
+    if (part.phase.loose) {
+      const SpatialT<T> loose = substitute_rows(part, carried);
+      const T held = part.v.get(kHeld);
       a = {select(held, a.lin, loose.lin), select(held, a.ang, loose.ang)};
     }
   } else {
-    a = substitute_rows(group, phase, v, carried);
+    a = substitute_rows(part, carried);
   }
-  const Node<T, kLeaf> node = get_node<kLeaf>(v, c, sweep.source);  // the source may lie where the result goes
-  v.set(kAcceleration, a);
-  if (!sweep.multipliers || !group.has_joint) return;
-  set_multipliers(group, v, node.times(a) - node.load);
+  if (!sweep.multipliers || !part.group.has_joint) return part.v.set(kAcceleration, a);
+  const Node<T, kLeaf> node(part, sweep.source);  // the source may lie where the result goes
+  part.v.set(kAcceleration, a);
+  set_multipliers(part, node.times(a) - node.load);
+}
+
+template <bool kLeaf, class T, int kWidth>
+[[gnu::noinline]] void substitute_group(const Plan& plan, Workspace& ws, const Sweep& sweep, std::size_t g) {
+  for (int lane = 0; lane < kWidth; lane += T::kWidth)
+    substitute_part<kLeaf>(Part<T, kWidth>(plan, ws, g, lane), sweep);
 }
 
 template <int kWidest>
 void substitute(const Plan& plan, Workspace& ws, const Sweep& sweep) {
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     const LaneGroup& group = plan.groups[g];
-    const LanePhase& phase = ws.phases[g];
-    const auto run = [&]<class T>(const T*) {
-      for (int lane = 0; lane < group.width; lane += T::kWidth)
-        if (group.leaf)
-          substitute_part<true, T>(plan, ws, sweep, group, phase, lane);
-        else
-          substitute_part<false, T>(plan, ws, sweep, group, phase, lane);
-    };
-    if constexpr (kWidest >= 8)
-      if (group.width == 8) {
-        run(static_cast<const Pack<8>*>(nullptr));
-        continue;
-      }
-    if constexpr (kWidest >= 4)
-      if (group.width >= 4) {
-        run(static_cast<const Pack<4>*>(nullptr));
-        continue;
-      }
-    if constexpr (kWidest >= 2)
-      if (group.width >= 2) {
-        run(static_cast<const Pack<2>*>(nullptr));
-        continue;
-      }
-    run(static_cast<const Pack<1>*>(nullptr));
+    for_width<kWidest>(group, [&]<class T, int kWidth>() {
+      if (group.leaf)
+        substitute_group<true, T, kWidth>(plan, ws, sweep, g);
+      else
+        substitute_group<false, T, kWidth>(plan, ws, sweep, g);
+    });
   }
 }
 

@@ -33,26 +33,22 @@ void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int
   const bool held = std::popcount(rows) >= 3;
   get_number(lanes, slot, kHeld) = get_mask(held);
   (held ? phase.held : phase.loose) = true;
-  int part = group.freedom_parts;
   for (int r = 0; r < kRows; ++r) {
-    if (!has_row(group.freedoms, r)) continue;
-    const bool active = held && !has_row(rows, r);
-    get_number(lanes, slot, part + kMask) = get_mask(active);
-    get_number(lanes, slot, part + kKappa) = 0;
-    if (active) phase.freedoms = static_cast<RowSet>(phase.freedoms | row_bit(r));
-    part += kFreedomEnd;
-  }
-  part = group.row_parts;
-  for (int r = 0; r < kRows; ++r) {
-    if (!has_row(group.rows, r)) continue;
-    const bool active = !held && has_row(rows, r);
-    get_number(lanes, slot, part + kRowMask) = get_mask(active);
-    if (active) phase.rows = static_cast<RowSet>(phase.rows | row_bit(r));
-    part += kRowEnd;
+    if (has_row(group.freedoms, r)) {
+      const bool active = held && !has_row(rows, r);
+      get_number(lanes, slot, group.freedom_parts[r] + kMask) = get_mask(active);
+      get_number(lanes, slot, group.freedom_parts[r] + kKappa) = 0;
+      if (active) phase.freedoms = static_cast<RowSet>(phase.freedoms | row_bit(r));
+    }
+    if (has_row(group.rows, r)) {
+      const bool active = !held && has_row(rows, r);
+      get_number(lanes, slot, group.row_parts[r] + kRowMask) = get_mask(active);
+      if (active) phase.rows = static_cast<RowSet>(phase.rows | row_bit(r));
+    }
   }
   const JointState* memory = joint == kNone ? nullptr : &state.joints[at(joint)];
   write_vec(lanes, slot, group.carried_axes, memory == nullptr ? Vec3{0, 0, 0} : memory->offset);
-  part = group.carried_axes + kOffsetFields;
+  int part = group.carried_axes + kOffsetFields;
   for (int a = 0; a < 3; ++a) {
     if ((group.carried >> a & 1) == 0) continue;
     write_vec(lanes, slot, part,

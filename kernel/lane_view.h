@@ -7,17 +7,18 @@
 namespace unlatch::UNLATCH_ISA {
 
 // Rows of a block, or of a constant's block, at some lanes of it.
-template <class T, class Number = double>
+template <class Pack, int kWidth, class Number = double>
 struct View {
+  using T = Pack;
+  static constexpr int kStride = kWidth;  // of the group: known to the compiler, so that rows are plain displacements
   using Vec = Vec3T<T>;
   using Mat = Mat3T<T>;
   using Sym = Sym3T<T>;
   using Spa = SpatialT<T>;
   Number* data;
-  std::ptrdiff_t stride;
 
-  UNLATCH_INLINE View from(int row) const { return {data + row * stride, stride}; }
-  UNLATCH_INLINE T get(int row) const { return load<T>(data + row * stride); }
+  UNLATCH_INLINE View from(int row) const { return {data + row * kStride}; }
+  UNLATCH_INLINE T get(int row) const { return load<T>(data + row * kStride); }
   UNLATCH_INLINE Vec get_vec(int row) const { return {get(row), get(row + 1), get(row + 2)}; }
   UNLATCH_INLINE Spa get_spatial(int row) const { return {get_vec(row), get_vec(row + 3)}; }
   UNLATCH_INLINE Mat get_mat(int row) const { return {get_vec(row), get_vec(row + 3), get_vec(row + 6)}; }
@@ -26,7 +27,7 @@ struct View {
   }
   UNLATCH_INLINE QuatT<T> get_quat(int row) const { return {get(row), get(row + 1), get(row + 2), get(row + 3)}; }
 
-  UNLATCH_INLINE void set(int row, const T& a) const { store(data + row * stride, a); }
+  UNLATCH_INLINE void set(int row, const T& a) const { store(data + row * kStride, a); }
   UNLATCH_INLINE void set(int row, const Vec& a) const {
     set(row, a.x);
     set(row + 1, a.y);
@@ -57,9 +58,10 @@ struct View {
   }
 };
 
-// Rows of the parents, lane by lane.
-template <class T>
+// Rows of the parents, lane by lane. Neighbouring parents are in a group of the same width.
+template <class Pack, int kWidth>
 struct Parents {
+  using T = Pack;
   LaneLink link;
   const double* lanes;
   const LaneSlot* slots;
@@ -67,7 +69,7 @@ struct Parents {
   UNLATCH_INLINE T get(int row) const {
     const LaneSlot& first = slots[0];
     if (link == LaneLink::kFan) return T(lanes[first.offset + row * first.stride]);
-    if (link == LaneLink::kContiguous) return load<T>(lanes + first.offset + row * first.stride);
+    if (link == LaneLink::kContiguous) return load<T>(lanes + first.offset + row * kWidth);
     double out[T::kWidth];
     for (int i = 0; i < T::kWidth; ++i) out[i] = lanes[slots[i].offset + row * slots[i].stride];
     return load<T>(out);

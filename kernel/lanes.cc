@@ -19,13 +19,13 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // What must be equal for two nodes to share a group.
 struct Kind {
-  bool leaf = false, has_joint = false, child_is_base = false, shared_axes = true, universal = false, loose = false;
+  bool leaf = false, has_joint = false, shared_axes = true, universal = false, loose = false;
   RowSet freedoms = 0, rows = 0;
   std::uint8_t carried = 0;
 
   std::uint64_t get_key() const {
     return static_cast<std::uint64_t>(leaf) | static_cast<std::uint64_t>(has_joint) << 1 |
-           static_cast<std::uint64_t>(child_is_base) << 2 | static_cast<std::uint64_t>(shared_axes) << 3 |
+           static_cast<std::uint64_t>(shared_axes) << 3 |
            static_cast<std::uint64_t>(universal) << 4 | static_cast<std::uint64_t>(loose) << 5 |
            static_cast<std::uint64_t>(freedoms) << 8 | static_cast<std::uint64_t>(rows) << 16 |
            static_cast<std::uint64_t>(carried) << 24;
@@ -41,7 +41,6 @@ Kind find_kind(const Model& model, const PlanNode& node) {
   }
   const Joint& joint = model.joints[at(node.joint)];
   kind.has_joint = true;
-  kind.child_is_base = node.side < 0;
   kind.universal = joint.universal;
   kind.shared_axes = !joint.rotation_axes.has_value() && !joint.universal;
   for (const JointMode& mode : joint.modes) {
@@ -168,15 +167,14 @@ class Layout {
   // them.
   std::size_t count_neighbours(const std::vector<Candidate>& level, std::size_t begin, std::size_t end) const {
     const Place first = places_[at(level[begin].parent)];
-    const int room = plan_.groups[at(first.group)].width - first.lane;
+    const int width = plan_.groups[at(first.group)].width;
     std::size_t count = 1;
     while (begin + count < end) {
       const Place next = places_[at(level[begin + count].parent)];
       if (next.group != first.group || next.lane != first.lane + static_cast<int>(count)) break;
       ++count;
     }
-    while (count > 0 && get_width(count) > room) --count;
-    return count;
+    return first.lane == 0 && get_width(count) == width ? count : 0;
   }
 
   static int get_width(std::size_t count) { return static_cast<int>(std::bit_ceil(count)); }
@@ -190,7 +188,7 @@ class Layout {
     group.link = link;
     group.leaf = kind.leaf;
     group.has_joint = kind.has_joint;
-    group.child_is_base = kind.child_is_base;
+    group.sides = find_sides(members, count);
     group.shared_axes = kind.shared_axes;
     group.universal = kind.universal;
     group.may_be_loose = kind.loose || count < group.width;
@@ -213,6 +211,13 @@ class Layout {
     return count;
   }
 
+  LaneSides find_sides(const Candidate* members, std::size_t count) const {
+    const auto is_base = [&](const Candidate& c) { return old_[at(c.node)].side < 0; };
+    if (std::none_of(members, members + count, is_base)) return LaneSides::kFollowers;
+    return static_cast<int>(count) == get_width(count) && std::all_of(members, members + count, is_base) ? LaneSides::kBases
+                                                                                         : LaneSides::kMixed;
+  }
+
   // Where the optional parts of the group's block begin, in rows, and where the block lies.
   void lay_out(LaneGroup& group) {
     int rows = group.has_joint ? kJointEnd : kBodyEnd;
@@ -227,8 +232,10 @@ class Layout {
     if (group.universal) take(group.crossed, 1);
     if (group.has_joint) take(group.carried_axes, kOffsetFields + 3 * std::popcount(group.carried));
     if (group.may_be_loose) take(group.free, kFreeFields);
-    take(group.freedom_parts, kFreedomEnd * std::popcount(group.freedoms));
-    take(group.row_parts, kRowEnd * std::popcount(group.rows));
+    for (int r = 0; r < kRows; ++r) {
+      if (has_row(group.freedoms, r)) take(group.freedom_parts[r], kFreedomEnd);
+      if (has_row(group.rows, r)) take(group.row_parts[r], kRowEnd);
+    }
     const int before = group.leaf ? 0 : kBlockFields;
     group.data = used_ + before * group.width;
     group.constants = constants_;
@@ -290,6 +297,7 @@ void fill_constants(Plan& plan) {
         fill(out, group, lane, kMass, {1, 1, 1, 1, 0, 0, 0});
         for (const int axes : {kBaseAxes, kRotationAxes}) fill(out, group, lane, axes, kIdentity3);
         fill(out, group, lane, kFollowerY, {0, 1, 0});
+        fill(out, group, lane, kSide, {1});
         continue;
       }
       const PlanBody& body = plan.bodies[at(plan.nodes[at(node)].body)];
@@ -303,6 +311,7 @@ void fill_constants(Plan& plan) {
       fill(out, group, lane, kRotationAxes, joint.rotation_base);
       const Vec3& y = joint.rotation_follower.y;
       fill(out, group, lane, kFollowerY, {y.x, y.y, y.z});
+      fill(out, group, lane, kSide, {plan.nodes[at(node)].side});
     }
 }
 

@@ -36,9 +36,9 @@ enum LaneField : std::int32_t {
   kAcceleration = kForce + 6,  // of the latest solve, world axes
   kBodyEnd = kAcceleration + 6,
   // of the joint to the parent
-  kArmBase = kBodyEnd,          // from the base's origin to the follower's point
-  kArmFollower = kArmBase + 3,  // from the follower's
-  kAxes = kArmFollower + 3,     // n
+  kArmChild = kBodyEnd,        // from the child's origin to the follower's point
+  kArmParent = kArmChild + 3,  // from the parent's
+  kAxes = kArmParent + 3,     // n
   kGap = kAxes + 9,             // displacement of the follower's point along n
   kSlip = kGap + 3,             // v_rel, w_rel
   kOffset = kSlip + 6,          // from the parent's origin to the child's
@@ -67,14 +67,15 @@ enum LaneConstant : std::int32_t {
   kBaseAxes = 13,      // axes of the point–plane rows in base axes, column by column
   kRotationAxes = 22,  // of the rotation rows
   kFollowerY = 31,     // y of the rotation frame in follower axes
-  kConstants = 34,
+  kSide = 34,  // +1: the child is the joint's follower; −1: its base
+  kConstants = 35,
 };
 
 // How a group finds its parents.
 enum class LaneLink : std::uint8_t {
   kRoot,        // they have none
   kFan,         // one parent for the whole group
-  kContiguous,  // the parents are neighbouring lanes of one group, in the same order
+  kContiguous,  // the parents are the lanes of one group, in the same order
   kGather,      // anywhere in the levels above
 };
 
@@ -83,6 +84,8 @@ struct LanePhase {
   RowSet freedoms, rows;  // that some lane has
   bool held, loose;       // some lane is held by three rows or more, by fewer
 };
+
+enum class LaneSides : std::uint8_t { kFollowers, kBases, kMixed };
 
 struct LaneGroup {
   std::int32_t first;      // of its lanes: into Plan::lane_nodes and Plan::lane_parents
@@ -94,7 +97,7 @@ struct LaneGroup {
   bool fan_begins, fan_ends;  // first and last group of a fan as the sums go, from the leaves to the root
   bool leaf;                  // nothing is beyond any of its bodies
   bool has_joint;             // to the parent or the ground
-  bool child_is_base;         // the joint's base is the child, not the parent
+  LaneSides sides;            // what the children are to their joints
   bool shared_axes;           // one frame for point–plane and rotation rows
   bool universal;
   bool may_be_loose;     // some mode leaves fewer than three rows, or a lane is empty
@@ -102,7 +105,8 @@ struct LaneGroup {
   RowSet rows;           // that some mode of one or two rows holds
   std::uint8_t carried;  // bit a: some mode's orientation is measured by where axis a has gone
   // where the optional parts begin, in rows
-  std::uint16_t rotation_axes, crossed, carried_axes, free, freedom_parts, row_parts;
+  std::uint16_t rotation_axes, crossed, carried_axes, free;
+  std::uint16_t freedom_parts[kRows], row_parts[kRows];  // per row, of those in `freedoms` and in `rows`
 };
 
 // Where one body's or joint's numbers are: row r of it is lanes[offset + r · stride].

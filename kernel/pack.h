@@ -24,16 +24,19 @@ struct Vector;
 template <>
 struct Vector<2> {
   typedef double Numbers __attribute__((vector_size(16)));
+  typedef double InMemory __attribute__((vector_size(16), aligned(8), may_alias));
   typedef std::int64_t Bits __attribute__((vector_size(16)));
 };
 template <>
 struct Vector<4> {
   typedef double Numbers __attribute__((vector_size(32)));
+  typedef double InMemory __attribute__((vector_size(32), aligned(8), may_alias));
   typedef std::int64_t Bits __attribute__((vector_size(32)));
 };
 template <>
 struct Vector<8> {
   typedef double Numbers __attribute__((vector_size(64)));
+  typedef double InMemory __attribute__((vector_size(64), aligned(8), may_alias));
   typedef std::int64_t Bits __attribute__((vector_size(64)));
 };
 
@@ -47,7 +50,9 @@ struct Pack {
   UNLATCH_INLINE Pack() = default;
   UNLATCH_INLINE Pack(Numbers numbers) : v(numbers) {}
   UNLATCH_INLINE Pack(double all) {
-    for (int i = 0; i < W; ++i) v[i] = all;
+    if constexpr (W == 2) v = Numbers{all, all};
+    if constexpr (W == 4) v = Numbers{all, all, all, all};
+    if constexpr (W == 8) v = Numbers{all, all, all, all, all, all, all, all};
   }
   friend UNLATCH_INLINE Pack operator+(Pack a, Pack b) { return a.v + b.v; }
   friend UNLATCH_INLINE Pack operator-(Pack a, Pack b) { return a.v - b.v; }
@@ -86,17 +91,27 @@ struct Pack<1> {
 
 template <class T>
 UNLATCH_INLINE T load(const double* from) {
-  T out;
-  __builtin_memcpy(&out.v, from, sizeof(out.v));
-  return out;
+  if constexpr (T::kWidth == 1)
+    return *from;
+  else
+    return typename T::Numbers(*reinterpret_cast<const typename Vector<T::kWidth>::InMemory*>(from));
 }
 template <class T>
 UNLATCH_INLINE void store(double* to, const T& a) {
-  __builtin_memcpy(to, &a.v, sizeof(a.v));
+  if constexpr (T::kWidth == 1)
+    *to = a.v;
+  else
+    *reinterpret_cast<typename Vector<T::kWidth>::InMemory*>(to) = a.v;
 }
 
 template <class T>
 UNLATCH_INLINE bool any(const T& mask) {
+#if defined(__AVX__)
+  if constexpr (T::kWidth == 4) return _mm256_movemask_pd(mask.v) != 0;
+#endif
+#if defined(__x86_64__)
+  if constexpr (T::kWidth == 2) return _mm_movemask_pd(mask.v) != 0;
+#endif
   std::int64_t bits[T::kWidth];
   __builtin_memcpy(bits, &mask.v, sizeof(bits));
   std::int64_t all = 0;

@@ -35,7 +35,7 @@ bool has_finite_block(const Plan& plan, const Workspace& ws, int node) noexcept 
   };
   double sum = sum_rows(kInertia, 6);
   if (!n.leaf) sum += sum_rows(kBlock, 21);
-  if (n.joint != kNone) sum += sum_rows(kArmBase, 6);
+  if (n.joint != kNone) sum += sum_rows(kArmChild, 6);
   return std::isfinite(sum);
 }
 
