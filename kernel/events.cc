@@ -113,6 +113,9 @@ double calc_next_due(const Plan& plan, const State& state, double now) noexcept 
 StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state, Workspace& ws, int& node) noexcept {
   // Every event acts or becomes pending at most once, so there are at most twice as many rounds as events.
   for (std::size_t round = 0; round <= 2 * plan.events.size(); ++round) {
+    bool due = false;
+    for (std::size_t e = 0; e < plan.events.size() && !due; ++e) due = is_due(plan, e, now, state, ws);
+    if (!due) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ws);
     RowSet added = 0;
     const int count = act_once(plan, now, state, ws, added);

@@ -49,12 +49,20 @@ void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
 }
 
 void add_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
+  std::int32_t last_profile = kNone;  // loads with one law and one beginning follow each other: its value is kept
+  double last_s = 0, last_value = 0;
   for (const PlanLoad& load : plan.loads) {
     const ElementState& element = state.elements[at(load.element)];
     const double scale = calc_scale(element, t);
     if (scale == 0) continue;
     const double command = load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)];
-    const double size = calc_profile(plan, plan.profiles[at(load.profile)], t - element.switched_on) * scale * command;
+    const double s = t - element.switched_on;
+    if (load.profile != last_profile || s != last_s) {
+      last_value = calc_profile(plan, plan.profiles[at(load.profile)], s);
+      last_profile = load.profile;
+      last_s = s;
+    }
+    const double size = last_value * scale * command;
     const Mat3 R = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation);
     const Vec3 vector = size * (load.world ? load.direction : R * load.direction);
     if (load.torque)

@@ -60,6 +60,10 @@ void update_guards(const Plan& plan, const Inputs& inputs, const State& state, d
     if (state.events[e].phase == EventPhase::kPending ||
         (state.events[e].phase == EventPhase::kSpent && !plan.events[e].repeat))
       continue;
+    if (plan.events[e].condition_count == 1) {
+      values[e] = calc_elementary(plan, inputs, state, t, ws, plan.conditions[at(plan.events[e].first_condition)]);
+      continue;
+    }
     std::size_t top = 0;
     for (int i = 0; i < plan.events[e].condition_count; ++i) {
       const PlanCondition& c = plan.conditions[at(plan.events[e].first_condition + i)];

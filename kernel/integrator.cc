@@ -29,13 +29,13 @@ int project(const Plan& plan, const State& state, Workspace& ws) {
 
 }  // namespace
 
-int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, bool multipliers,
+int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs,
                    Workspace& ws) noexcept {
   update_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kAcceleration, ws);
-  update_coordinates(plan, state, ws);
+  update_coordinates(plan, state, outputs, ws);
   update_forces(plan, inputs, state, t, ws);
-  return factor_and_solve(plan, state, ws, {Source::kForces, true, multipliers});
+  return factor_and_solve(plan, state, ws, {Source::kForces, true, outputs});
 }
 
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {

@@ -16,8 +16,8 @@ struct Inputs;
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
 // The same for poses and velocities that stand in the lanes already; `state` for its joints, elements and signals. The
-// stages of a sub-step do without multipliers.
-int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, bool multipliers,
+// stages of a sub-step do without outputs: multipliers, and coordinates that no spring reads.
+int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs,
                    Workspace& ws) noexcept;
 
 // What the latest evaluation was of is where the next sub-steps begin.

@@ -85,27 +85,27 @@ void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspac
     ws.loose_bias[at(plan.joints[at(j)].loose)] = calc_bias(plan, state, ws, j, kind);
 }
 
-void update_coordinates(const Plan& plan, const State& state, Workspace& ws) noexcept {
-  for (int j = 0; j < static_cast<int>(plan.joints.size()); ++j) {
+void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept {
+  for (const std::int32_t j : plan.measured_joints) {
     const PlanJoint& joint = plan.joints[at(j)];
-    if (!joint.measured) continue;
+    const RowSet read = all ? joint.read : joint.driven;
+    if (read == 0) continue;
     const JointFrame f = get_joint_frame(plan, state, ws, j);
+    const double displacement[3] = {f.displacement.x, f.displacement.y, f.displacement.z};
     double* coordinates = &ws.coordinates[at(j) * kRows];
     double* speeds = &ws.speeds[at(j) * kRows];
-    coordinates[kX] = f.displacement.x;
-    coordinates[kY] = f.displacement.y;
-    coordinates[kZ] = f.displacement.z;
     for (int k = 0; k < 3; ++k) {
-      speeds[kX + k] = dot(column(f.n, k), f.v_rel);
-      speeds[kRotX + k] = dot(column(f.m, k), f.w_rel);
-      coordinates[kRotX + k] = 0;
+      if (has_row(read, kX + k)) {
+        coordinates[kX + k] = displacement[k];
+        speeds[kX + k] = dot(column(f.n, k), f.v_rel);
+      }
+      if (has_row(read, kRotX + k)) {
+        const Mat3 base = get_body_frame(ws, joint.base).R * joint.rotation_base;
+        coordinates[kRotX + k] =
+            unwind(calc_twist(base, calc_follower_axes(plan, ws, j), k), state.joints[at(j)].angle[k]);
+        speeds[kRotX + k] = dot(column(f.m, k), f.w_rel);
+      }
     }
-    if (joint.angles == 0) continue;
-    const Mat3 base = get_body_frame(ws, joint.base).R * joint.rotation_base;
-    const Mat3 follower = calc_follower_axes(plan, ws, j);
-    for (int k = 0; k < 3; ++k)
-      if ((joint.angles >> k & 1) != 0)
-        coordinates[kRotX + k] = unwind(calc_twist(base, follower, k), state.joints[at(j)].angle[k]);
   }
 }
 

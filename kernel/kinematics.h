@@ -23,9 +23,9 @@ inline void update_kinematics(const Plan& plan, Workspace& ws) noexcept { plan.k
 // Frames of all joints and the right-hand sides of their rows; needs kinematics.
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept;
 
-// ws.coordinates and ws.speeds of the joints that a spring, guard or sensor reads; needs the joints' frames. Angles are
-// counted on from those in the state's joints.
-void update_coordinates(const Plan& plan, const State& state, Workspace& ws) noexcept;
+// ws.coordinates and ws.speeds that springs, or all that springs, guards and sensors, read; needs the joints' frames.
+// Angles are counted on from those in the state's joints.
+void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept;
 
 // The rotation frame as the follower carries it, in world axes.
 Mat3 calc_follower_axes(const Plan& plan, const Workspace& ws, int joint) noexcept;

@@ -123,8 +123,9 @@ UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const V& v, con
   const Frame<T> parent = group.link == LaneLink::kRoot ? get_ground<T>() : get_frame<T>(parents);
   const T child_is_base = T(0.0) > c.get(kSide);
   JointMotion<T> j;
-  j.base = group.sides == LaneSides::kFollowers ? parent
-                                                : (group.sides == LaneSides::kBases ? child : select(child_is_base, child, parent));
+  j.base = group.sides == LaneSides::kFollowers
+               ? parent
+               : (group.sides == LaneSides::kBases ? child : select(child_is_base, child, parent));
   j.follower = group.sides == LaneSides::kFollowers
                    ? child
                    : (group.sides == LaneSides::kBases ? parent : select(child_is_base, parent, child));
@@ -204,24 +205,22 @@ UNLATCH_INLINE void remove_freedoms(const LaneGroup& group, const V& v, const Jo
 
 template <int kWidest>
 void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
-  for_groups<kWidest>(
-      plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto& parents) {
-        using T = typename V::T;
-        if (!group.has_joint) return;
-        const JointMotion<T> j = calc_joint(group, v, c, parents);
-        SpatialT<T> bias;
-        if (kind == BiasKind::kAcceleration) {
-          bias = calc_acceleration_bias(group, v, c, j);
-        } else {
-          bias = kind == BiasKind::kVelocity ? SpatialT<T>{-j.v_rel, -j.w_rel}
-                                             : calc_position_bias(group, v, c, j);
-          remove_freedoms(group, v, j, bias);
-        }
-        // From the joint's point to the child's origin, with the child's sign.
-        bias = c.get(kSide) * bias;
-        bias.lin -= cross(bias.ang, j.arm_child);
-        v.set(kBias, bias);
-      });
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto& parents) {
+    using T = typename V::T;
+    if (!group.has_joint) return;
+    const JointMotion<T> j = calc_joint(group, v, c, parents);
+    SpatialT<T> bias;
+    if (kind == BiasKind::kAcceleration) {
+      bias = calc_acceleration_bias(group, v, c, j);
+    } else {
+      bias = kind == BiasKind::kVelocity ? SpatialT<T>{-j.v_rel, -j.w_rel} : calc_position_bias(group, v, c, j);
+      remove_freedoms(group, v, j, bias);
+    }
+    // From the joint's point to the child's origin, with the child's sign.
+    bias = c.get(kSide) * bias;
+    bias.lin -= cross(bias.ang, j.arm_child);
+    v.set(kBias, bias);
+  });
 }
 
 // --- Runge–Kutta ----------------------------------------------------------------------------------------------------

@@ -270,37 +270,46 @@ UNLATCH_INLINE void eliminate_freedoms(const P& part, const N& node, const Spati
 
 // --- To the parents -------------------------------------------------------------------------------------------------
 
-// Sums over the children of one parent: eight partial sums, child k in the (k mod 8)-th, then a fixed tree.
+// Sums over the children of one parent, one partial sum per lane; child k counts towards the (k mod 8)-th.
 struct FanSums {
   double numbers[kBlockFields * 8];
 };
 
-// Adds to 27 rows, `kStride` numbers apart: block and load as the parent sees them.
-template <bool kFactor, int kStride, class T>
+// Adds to 27 rows, `kStride` numbers apart, or writes them: block and load as the parent sees them.
+template <bool kFactor, bool kAdd, int kStride, class T>
 UNLATCH_INLINE void accumulate(double* rows, const Passed<T>& passed, const Vec3T<T>& offset) {
   const View<T, kStride> sum{rows};
-  sum.set(21, sum.get_vec(21) + passed.load.lin);
-  sum.set(24, sum.get_vec(24) + (passed.load.ang + cross(offset, passed.load.lin)));
+  const auto put = [&](int row, const Vec3T<T>& a) {
+    if constexpr (kAdd)
+      sum.set(row, sum.get_vec(row) + a);
+    else
+      sum.set(row, a);
+  };
+  put(21, passed.load.lin);
+  put(24, passed.load.ang + cross(offset, passed.load.lin));
   if constexpr (kFactor) {
     const ArticulatedT<T> A = shift(passed.A, offset);
-    sum.set(0, sum.get_sym(0) + A.M);
-    sum.set(6, sum.get_vec(6) + A.H.x);
-    sum.set(9, sum.get_vec(9) + A.H.y);
-    sum.set(12, sum.get_vec(12) + A.H.z);
-    sum.set(15, sum.get_sym(15) + A.I);
+    put(0, {A.M.xx, A.M.yy, A.M.zz});
+    put(3, {A.M.xy, A.M.xz, A.M.yz});
+    put(6, A.H.x);
+    put(9, A.H.y);
+    put(12, A.H.z);
+    put(15, {A.I.xx, A.I.yy, A.I.zz});
+    put(18, {A.I.xy, A.I.xz, A.I.yz});
   }
 }
 
 template <bool kFactor, class T, int kWidth>
 UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>& passed, FanSums& fan) {
   const Vec3T<T> offset = part.v.get_vec(kOffset);
-  if (part.group.link == LaneLink::kFan)
-    return accumulate<kFactor, 8>(fan.numbers + part.lane, passed, offset);
+  if (part.group.link == LaneLink::kFan) {
+    if (part.group.fan_begins) return accumulate<kFactor, false, kWidth>(fan.numbers + part.lane, passed, offset);
+    return accumulate<kFactor, true, 8>(fan.numbers + part.lane, passed, offset);
+  }
   if (part.group.link == LaneLink::kContiguous)
-    return accumulate<kFactor, kWidth>(part.lanes + part.parents[0].offset + kBlock * kWidth, passed, offset);
+    return accumulate<kFactor, true, kWidth>(part.lanes + part.parents[0].offset + kBlock * kWidth, passed, offset);
   double each[kBlockFields * T::kWidth];
-  for (double& number : each) number = 0;
-  accumulate<kFactor, T::kWidth>(each, passed, offset);
+  accumulate<kFactor, false, T::kWidth>(each, passed, offset);
   for (int i = 0; i < T::kWidth; ++i) {
     const std::ptrdiff_t stride = part.parents[i].stride;
     double* sum = part.lanes + part.parents[i].offset + (kFactor ? kBlock : kBlock + 21) * stride;
@@ -308,11 +317,13 @@ UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>&
   }
 }
 
-UNLATCH_INLINE void close_fan(double* lanes, const LaneSlot& parent, int first_row, const FanSums& fan) {
-  for (int row = first_row; row < kBlockFields; ++row) {
-    const double* s = fan.numbers + row * 8;
-    lanes[parent.offset + (kBlock + row) * parent.stride] +=
-        ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+// The partial sums in a fixed tree, added to the parent. A fan is as wide as its first group, which is full.
+UNLATCH_INLINE void close_fan(double* lanes, const LaneSlot& parent, int width, int first_row, const FanSums& fan) {
+  double* to = lanes + parent.offset + (kBlock + first_row) * parent.stride;
+  const double* s = fan.numbers + first_row * width;
+  for (int row = first_row; row < kBlockFields; ++row, to += parent.stride, s += width) {
+    const double four = (s[0] + s[1]) + (s[2] + s[3]);
+    *to += width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
   }
 }
 
@@ -342,8 +353,8 @@ UNLATCH_INLINE void eliminate(const Part<T, kWidth>& part, const Sweep& sweep, F
     passed = {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
   }
   if (part.phase.loose) eliminate_rows<kFactor>(part, node, bias, passed, bad);
-  if (part.group.link != LaneLink::kRoot && (part.phase.held || part.phase.rows != 0))
-    add_to_parents<kFactor>(part, passed, fan);
+  const bool passes = part.phase.held || part.phase.rows != 0 || part.group.link == LaneLink::kFan;
+  if (part.group.link != LaneLink::kRoot && passes) add_to_parents<kFactor>(part, passed, fan);
 }
 
 // The first lane whose pivot vanished, as a node.
@@ -384,8 +395,6 @@ UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep)
   init_blocks<kWidest, kFactor>(plan, ws, sweep);
   for (std::size_t g = plan.groups.size(); g-- > 0;) {
     const LaneGroup& group = plan.groups[g];
-    if (group.fan_begins)
-      for (double& sum : fan.numbers) sum = 0;
     int node = kNone;
     for_width<kWidest>(group, [&]<class T, int kWidth>() {
       node = group.leaf ? eliminate_group<true, kFactor, T, kWidth>(plan, ws, sweep, g, fan)
@@ -393,7 +402,8 @@ UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep)
     });
     if (kFactor && node != kNone) return node;
     if (group.fan_ends)
-      close_fan(ws.lanes.data(), plan.lane_parents[static_cast<std::size_t>(group.first)], kFactor ? 0 : 21, fan);
+      close_fan(ws.lanes.data(), plan.lane_parents[static_cast<std::size_t>(group.first)],
+                group.fan_begins ? group.width : 8, kFactor ? 0 : 21, fan);
   }
   return kNone;
 }
@@ -417,8 +427,7 @@ UNLATCH_INLINE void set_multipliers(const P& part, const SpatialT<T>& on_child) 
   const Vec3T<T> moment = wrench.ang - cross(v.get_vec(kArmChild), wrench.lin);
   const Mat3T<T> n = v.get_mat(kAxes);
   const Vec3T<T> along_n = transpose_times(n, wrench.lin);
-  const Vec3T<T> about_m =
-      transpose_times(part.group.shared_axes ? n : v.get_mat(part.group.rotation_axes), moment);
+  const Vec3T<T> about_m = transpose_times(part.group.shared_axes ? n : v.get_mat(part.group.rotation_axes), moment);
   v.set(kMultipliers, along_n);
   v.set(kMultipliers + 3, about_m);
   for (int r = 0; r < kRows; ++r) {

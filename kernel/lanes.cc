@@ -25,10 +25,9 @@ struct Kind {
 
   std::uint64_t get_key() const {
     return static_cast<std::uint64_t>(leaf) | static_cast<std::uint64_t>(has_joint) << 1 |
-           static_cast<std::uint64_t>(shared_axes) << 3 |
-           static_cast<std::uint64_t>(universal) << 4 | static_cast<std::uint64_t>(loose) << 5 |
-           static_cast<std::uint64_t>(freedoms) << 8 | static_cast<std::uint64_t>(rows) << 16 |
-           static_cast<std::uint64_t>(carried) << 24;
+           static_cast<std::uint64_t>(shared_axes) << 3 | static_cast<std::uint64_t>(universal) << 4 |
+           static_cast<std::uint64_t>(loose) << 5 | static_cast<std::uint64_t>(freedoms) << 8 |
+           static_cast<std::uint64_t>(rows) << 16 | static_cast<std::uint64_t>(carried) << 24;
   }
 };
 
@@ -142,10 +141,11 @@ class Layout {
   std::size_t place_fan(const std::vector<Candidate>& fans, std::size_t begin, std::vector<int>& placed) {
     std::size_t end = begin;
     while (end < fans.size() && fans[end].key == fans[begin].key && fans[end].parent == fans[begin].parent) ++end;
-    for (std::size_t i = begin; i < end; i += kWidest) {
-      const std::size_t count = std::min<std::size_t>(kWidest, end - i);
+    // From the leaves to the root the last group comes first, and is to be full: what is left over goes to the front.
+    const std::size_t over = (end - begin) % kWidest, first = over == 0 || end - begin < kWidest ? end - begin : over;
+    for (std::size_t i = begin, count = std::min<std::size_t>(first, kWidest); i < end; i += count, count = kWidest) {
       place_group(&fans[i], count, LaneLink::kFan, placed);
-      plan_.groups.back().fan_ends = i == begin;  // the sums begin with the last group
+      plan_.groups.back().fan_ends = i == begin;
       plan_.groups.back().fan_begins = i + count == end;
     }
     return end - begin;
@@ -214,8 +214,9 @@ class Layout {
   LaneSides find_sides(const Candidate* members, std::size_t count) const {
     const auto is_base = [&](const Candidate& c) { return old_[at(c.node)].side < 0; };
     if (std::none_of(members, members + count, is_base)) return LaneSides::kFollowers;
-    return static_cast<int>(count) == get_width(count) && std::all_of(members, members + count, is_base) ? LaneSides::kBases
-                                                                                         : LaneSides::kMixed;
+    return static_cast<int>(count) == get_width(count) && std::all_of(members, members + count, is_base)
+               ? LaneSides::kBases
+               : LaneSides::kMixed;
   }
 
   // Where the optional parts of the group's block begin, in rows, and where the block lies.

@@ -38,13 +38,13 @@ enum LaneField : std::int32_t {
   // of the joint to the parent
   kArmChild = kBodyEnd,        // from the child's origin to the follower's point
   kArmParent = kArmChild + 3,  // from the parent's
-  kAxes = kArmParent + 3,     // n
-  kGap = kAxes + 9,             // displacement of the follower's point along n
-  kSlip = kGap + 3,             // v_rel, w_rel
-  kOffset = kSlip + 6,          // from the parent's origin to the child's
-  kBias = kOffset + 3,          // what the joint imposes on the child besides its freedoms, at the child's origin
-  kMultipliers = kBias + 6,     // in the order of Row
-  kHeld = kMultipliers + 6,     // mask: three rows or more hold, the child is eliminated through its freedoms
+  kAxes = kArmParent + 3,      // n
+  kGap = kAxes + 9,            // displacement of the follower's point along n
+  kSlip = kGap + 3,            // v_rel, w_rel
+  kOffset = kSlip + 6,         // from the parent's origin to the child's
+  kBias = kOffset + 3,         // what the joint imposes on the child besides its freedoms, at the child's origin
+  kMultipliers = kBias + 6,    // in the order of Row
+  kHeld = kMultipliers + 6,    // mask: three rows or more hold, the child is eliminated through its freedoms
   kJointEnd = kHeld + 1,
 };
 // A freedom's part: mask, U = A s, 1 / sᵀ A s, sᵀ b and later the freedom's acceleration, κ of an implicit spring.
@@ -67,7 +67,7 @@ enum LaneConstant : std::int32_t {
   kBaseAxes = 13,      // axes of the point–plane rows in base axes, column by column
   kRotationAxes = 22,  // of the rotation rows
   kFollowerY = 31,     // y of the rotation frame in follower axes
-  kSide = 34,  // +1: the child is the joint's follower; −1: its base
+  kSide = 34,          // +1: the child is the joint's follower; −1: its base
   kConstants = 35,
 };
 

@@ -27,13 +27,21 @@ PlanBody compile_body(const Body& body) {
       body.mass, to_sym(body.inertia), {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
 }
 
-// Which coordinates of a joint a spring, guard or sensor reads; the others are not computed. Bit r: Row r.
-std::vector<RowSet> find_read_coordinates(const Model& model, const std::vector<PlanCondition>& conditions) {
-  std::vector<RowSet> read(model.joints.size(), 0);
+// Which coordinates of a joint somebody reads; the others are not computed. Bit r: Row r.
+struct ReadCoordinates {
+  RowSet by_springs = 0, by_any = 0;
+};
+
+std::vector<ReadCoordinates> find_read_coordinates(const Model& model, const std::vector<PlanCondition>& conditions) {
+  std::vector<ReadCoordinates> read(model.joints.size());
   const auto mark = [&](int joint, int axis) {
-    read[at(joint)] = static_cast<RowSet>(read[at(joint)] | row_bit(axis));
+    read[at(joint)].by_any = static_cast<RowSet>(read[at(joint)].by_any | row_bit(axis));
   };
-  for (const JointSpring& spring : model.joint_springs) mark(spring.joint, spring.axis);
+  for (const JointSpring& spring : model.joint_springs) {
+    mark(spring.joint, spring.axis);
+    RowSet& driven = read[at(spring.joint)].by_springs;
+    driven = static_cast<RowSet>(driven | row_bit(spring.axis));
+  }
   for (const PlanCondition& c : conditions)
     if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
         c.kind == Condition::Kind::kSpeed)
@@ -45,8 +53,7 @@ std::vector<RowSet> find_read_coordinates(const Model& model, const std::vector<
   return read;
 }
 
-PlanJoint compile_joint(const Model& model, const Joint& joint, RowSet read, int first_mode) {
-  const std::uint8_t angles = read >> kRotX;
+PlanJoint compile_joint(const Model& model, const Joint& joint, const ReadCoordinates& read, int first_mode) {
   const Eigen::Matrix3d base = get_attitude(model, joint.base), follower = get_attitude(model, joint.follower);
   const Eigen::Matrix3d rotation_base = joint.rotation_axes.value_or(joint.axes);
   const Eigen::Matrix3d rotation_follower = joint.follower_axes.value_or(follower.transpose() * base * rotation_base);
@@ -61,18 +68,29 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, RowSet read, int
                 to_quat(rotation_follower),
                 !joint.rotation_axes.has_value(),
                 joint.universal,
-                read != 0,
-                angles,
+                read.by_any,
+                read.by_springs,
                 first_mode,
                 {}};
   out.initial = {joint.mode, {0, 0, 0}, {0, 0, 0}, {1, 0, 0, 0}};
   for (int k = 0; k < 3; ++k)
-    if ((angles >> k & 1) != 0)
+    if (has_row(read.by_any, kRotX + k))
       out.initial.angle[k] = calc_twist(to_mat(base * rotation_base), to_mat(follower * rotation_follower), k);
   return out;
 }
 
-std::int32_t compile_profile(const Profile& profile, Plan& plan) {
+bool is_same(const Profile& a, const Profile& b) {
+  const auto equal = [](const Profile::Harmonic& x, const Profile::Harmonic& y) {
+    return x.amplitude == y.amplitude && x.frequency == y.frequency && x.phase == y.phase;
+  };
+  return a.kind == b.kind && a.value == b.value && a.initial == b.initial && a.final == b.final && a.tau == b.tau &&
+         a.times == b.times && a.values == b.values &&
+         std::equal(a.harmonics.begin(), a.harmonics.end(), b.harmonics.begin(), b.harmonics.end(), equal);
+}
+
+// Loads that follow each other with one law share its profile: four boosters have one thrust curve.
+std::int32_t compile_profile(const Profile& profile, const Profile* previous, Plan& plan) {
+  if (previous != nullptr && is_same(profile, *previous)) return static_cast<std::int32_t>(plan.profiles.size()) - 1;
   PlanProfile out{profile.kind, profile.value, profile.initial, profile.final, profile.tau, 0, 0};
   if (profile.kind == Profile::Kind::kTable) {
     out.first = static_cast<std::int32_t>(plan.knots.size());
@@ -93,10 +111,13 @@ void compile_elements(const Model& model, Plan& plan) {
     plan.element_scales.push_back(on ? 1 : 0);
     return element++;
   };
-  for (const Load& l : model.loads)
-    plan.loads.push_back({l.body, next(l.on), compile_profile(l.profile, plan), l.channel,
+  const Profile* previous = nullptr;
+  for (const Load& l : model.loads) {
+    plan.loads.push_back({l.body, next(l.on), compile_profile(l.profile, previous, plan), l.channel,
                           l.kind == Load::Kind::kTorque, l.frame == Load::Frame::kWorld, to_vec(l.point),
                           to_vec(l.direction)});
+    previous = &l.profile;
+  }
   for (const PointSpring& s : model.point_springs)
     plan.point_springs.push_back({s.base, s.follower, next(s.on), s.push_only, to_vec(s.point_base),
                                   to_vec(s.point_follower), s.stiffness, s.damping, s.free_length});
@@ -166,9 +187,10 @@ PlanResult compile_plan(const Model& model, const PlanOptions& options) {
 
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body));
   compile_events(model, plan);
-  const std::vector<RowSet> read = find_read_coordinates(model, plan.conditions);
+  const std::vector<ReadCoordinates> read = find_read_coordinates(model, plan.conditions);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     plan.joints.push_back(compile_joint(model, model.joints[j], read[j], static_cast<int>(plan.modes.size())));
+    if (read[j].by_any != 0) plan.measured_joints.push_back(static_cast<std::int32_t>(j));
     for (const JointMode& mode : model.joints[j].modes) plan.modes.push_back(mode.rows);
   }
   compile_lanes(model, plan);

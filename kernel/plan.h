@@ -54,8 +54,8 @@ struct PlanJoint {
   Quat quat_base, quat_follower;          // the same as quaternions
   bool shared_axes;                       // the two frames coincide
   bool universal;
-  bool measured;            // a spring, guard or sensor reads its coordinates
-  std::uint8_t angles;      // bit k: somebody reads the angle about axis k of the rotation frame
+  std::uint8_t read;        // bit r: a spring, guard or sensor reads the coordinate of Row r, or its rate
+  std::uint8_t driven;      // bit r: a spring does, so that the stages of a step need it too
   std::int32_t first_mode;  // into Plan::modes
   JointState initial;
   std::int32_t child = kNone;         // of a joint of the tree: the body that it holds to its parent
@@ -126,8 +126,9 @@ class Plan {
   std::vector<PlanBody> bodies;
   std::vector<PlanJoint> joints;
   std::vector<RowSet> modes;
-  std::vector<std::int32_t> loops;         // joints that close a loop over the tree
-  std::vector<std::int32_t> loose_joints;  // joints that are no edge of the tree: those, and ones that never hold
+  std::vector<std::int32_t> loops;            // joints that close a loop over the tree
+  std::vector<std::int32_t> measured_joints;  // whose coordinates somebody reads
+  std::vector<std::int32_t> loose_joints;     // joints that are no edge of the tree: those, and ones that never hold
 
   // lanes, see lanes.h
   std::vector<LaneGroup> groups;           // parents before children

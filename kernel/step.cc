@@ -116,8 +116,12 @@ void update_tolerances(Workspace& ws, std::size_t first) {
 void accept(Run& run) {
   Workspace& ws = run.ws;
   std::swap(ws.accepted, ws.trial);
-  for (std::size_t j = 0; j < run.plan.joints.size(); ++j)
-    for (std::size_t k = 0; k < 3; ++k) ws.accepted.joints[j].angle[k] = ws.coordinates[j * kRows + kRotX + k];
+  for (const std::int32_t measured : run.plan.measured_joints) {
+    const std::size_t j = static_cast<std::size_t>(measured);
+    for (int k = 0; k < 3; ++k)
+      if (has_row(run.plan.joints[j].read, kRotX + k))
+        ws.accepted.joints[j].angle[k] = ws.coordinates[j * kRows + static_cast<std::size_t>(kRotX + k)];
+  }
   rearm(run.plan, ws.accepted, ws);
 }
 
