@@ -42,6 +42,7 @@ constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
     {MessageKind::kState, &unlatch_State_desc, 192, 4096, 0, kForever},
     {MessageKind::kStepAck, &unlatch_StepAck_desc, 1024, 4096, 64, kRecent},
     {MessageKind::kHealth, &unlatch_Health_desc, 64, 256, 0, kForever},
+    {MessageKind::kVerdict, &unlatch_Verdict_desc, 256, 4096, 0, kForever},
 }};
 
 constexpr std::int64_t kMaxBlocking = DDS_MSECS(10);

@@ -27,6 +27,14 @@ Executive::Executive(Simulation& simulation, Link& link, Recorder& recorder, con
   hello_.last_tick = options.last_tick;
   hello_.protocol = kProtocolVersion;
   hello_.pace = static_cast<std::int32_t>(options.pace);
+  hello_.timeout_ns = timeout_ns_;
+  hello_.policy = static_cast<std::int32_t>(options.flight_software.policy);
+  for (const std::string& name : options.flight_software.required) {
+    Catalog& item = catalog_.emplace_back();
+    item.kind = static_cast<std::int32_t>(CatalogKind::kParticipant);
+    item.index = hello_.participant_count++;
+    set_name(item.name, name);
+  }
   for (Catalog& item : catalog_) {
     item.session = options.session;
     switch (static_cast<CatalogKind>(item.kind)) {
@@ -45,6 +53,8 @@ Executive::Executive(Simulation& simulation, Link& link, Recorder& recorder, con
       case CatalogKind::kSignal:
         ++hello_.signal_count;
         break;
+      case CatalogKind::kParticipant:
+        break;  // counted above
     }
   }
   set_name(hello_.scenario, scenario);

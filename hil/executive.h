@@ -105,7 +105,7 @@ class Executive {
   Message message_;  // scratch
   State state_;      // scratch
   std::int64_t hash_ = 0;
-  std::int64_t state_sequence_ = 0, event_sequence_ = 0;
+  std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0;
   std::int64_t sent_ns_ = 0;      // when the latest State went out
   bool turnaround_open_ = false;  // it has not been answered by all yet
   std::int64_t started_ns_ = 0, deadline_ns_ = 0, health_ns_ = 0;

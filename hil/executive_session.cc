@@ -1,4 +1,6 @@
 // How a session begins and ends, and what the executive says in between.
+#include <cmath>
+
 #include "hil/executive.h"
 #include "hil/pacer.h"
 
@@ -39,7 +41,11 @@ bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
 
 void Executive::say_hello() {
   send_until_taken(hello_);
-  for (const Catalog& item : catalog_) send_until_taken(item);
+  ++hello_.sequence;
+  for (Catalog& item : catalog_) {
+    item.sequence = catalog_sequence_++;
+    send_until_taken(item);
+  }
 }
 
 // A large catalog does not fit the ring at once; without anybody at its other end we do not wait for ever.
@@ -84,6 +90,7 @@ void Executive::publish_event(Event event, double time, bool notice) noexcept {
   event.sequence = event_sequence_++;
   event.tick = simulation_.get_tick() - (notice ? 0 : 1);  // of the step that it happened in
   event.time = time;
+  event.time_ns = std::llround(time * 1e9);
   link_.send(event);
   recorder_.event(event);
   if (notice) notices_.try_enqueue(event);
@@ -99,7 +106,9 @@ void Executive::publish_notice(std::string_view name, std::string_view subject) 
 void Executive::publish_health(std::int64_t now_ns) noexcept {
   Health health;
   health.session = options_.session;
+  health.sequence = health_sequence_++;
   health.tick = simulation_.get_tick();
+  health.time_ns = health.tick * dt_ns_;
   health.wall_ns = now_ns - started_ns_;
   health.step_p50_ns = timing_.step.calc_percentile(0.5);
   health.step_max_ns = timing_.step.get_max();
@@ -107,6 +116,8 @@ void Executive::publish_health(std::int64_t now_ns) noexcept {
   health.wakeup_max_ns = timing_.wakeup.get_max();
   health.overruns = timing_.overruns;
   health.dropped = calc_dropped();
+  health.resent = resent_;
+  health.late = desk_.get_late();
   health.rejected = desk_.get_rejected();
   link_.send(health);
   health_ns_ = now_ns;

@@ -137,7 +137,7 @@ bool decode(std::span<const std::uint8_t> from, LogEnd& record) {
   record.tick = in.get_i64();
   record.hash = in.get_i64();
   const std::int32_t status = in.get_i32();
-  if (status < 0 || status > static_cast<std::int32_t>(RunStatus::kAborted)) return false;
+  if (status < 0 || status > static_cast<std::int32_t>(RunStatus::kFaulted)) return false;
   record.status = static_cast<RunStatus>(status);
   record.step_status = in.get_i32();
   record.joint = in.get_i32();

@@ -43,6 +43,7 @@ class RunRecord {
       message.sequence = event_sequence_++;
       message.tick = simulation_.get_tick() - 1;
       message.time = fired.time;
+      message.time_ns = std::llround(fired.time * 1e9);
       recorder_->event(message);
     }
   }

@@ -5,7 +5,7 @@ from definition import LCM_TYPES
 
 def describe(f):
     """unit and comment of a field on one line, or nothing"""
-    unit = f"[{f.unit}]" if f.unit and f.unit != "1" else ""
+    unit = f"[{f.unit}]" if f.unit else ""
     return " ".join(part for part in (unit, f.comment) if part)
 
 

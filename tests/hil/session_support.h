@@ -102,6 +102,9 @@ class FakeParticipant {
       hil::HelloAck ack;
       ack.session = session_ = message.hello.session;
       ack.schema_hash = hil::kSchemaHash;
+      ack.model_hash = message.hello.model_hash;
+      ack.dt_ns = message.hello.dt_ns;
+      ack.protocol = message.hello.protocol;
       ack.participant = kId;
       ack.status = static_cast<int>(habits_.refuses ? hil::AckStatus::kRefused : hil::AckStatus::kReady);
       hil::set_name(ack.name, "fsw");

@@ -67,10 +67,10 @@ Json to_json(const hil::DurationSummary& summary) {
 }
 
 Json to_json(const hil::TimingSummary& timing) {
-  static constexpr const char* kReasons[] = {"wrong_session", "past_tick",    "duplicate",       "expired",
-                                             "not_finite",    "out_of_range", "unknown_channel", "malformed"};
   Json rejected = Json::object();
-  for (std::size_t i = 0; i < hil::kRejectReasons; ++i) rejected[kReasons[i]] = timing.rejected[i];
+  for (std::size_t i = 0; i < hil::kRejectReasons; ++i) {
+    rejected[std::string(hil::get_text(static_cast<hil::Reject>(i)))] = timing.rejected[i];
+  }
   return {{"step_ns", to_json(timing.step)},
           {"wakeup_ns", to_json(timing.wakeup)},
           {"turnaround_ns", to_json(timing.turnaround)},
