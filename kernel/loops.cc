@@ -12,6 +12,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // A pivot this small beside the row's own diagonal entry: the row follows from those before it.
 constexpr double kRedundant = 1e-10;
+// An entry this small beside what it would be if the bodies were free is rounding: the tree alone holds the row.
+constexpr double kHeld = 1e-13;
 
 double& entry(Workspace& ws, int row, int column) { return ws.loop_matrix[at(row) * ws.loop_rows.size() + at(column)]; }
 
@@ -58,9 +60,22 @@ void update_column(const Plan& plan, Workspace& ws, int k) {
   std::copy(ws.multipliers.begin(), ws.multipliers.end(), get_column_multipliers(plan, ws, k).begin());
 }
 
+// How much the row's bodies would give way to it if nothing held them.
+double calc_free_mobility(const Plan& plan, const Workspace& ws, const LoopRow& row) {
+  double sum = 0;
+  for (const bool follower : {false, true}) {
+    if (!follower && row.base == kGround) continue;
+    const std::size_t b = at(follower ? row.follower : row.base);
+    const Spatial& w = follower ? row.on_follower : row.on_base;
+    const Vec3 torque = transpose_times(ws.kinematics[b].R, w.ang);
+    sum += dot(w.lin, w.lin) / plan.bodies[b].mass + dot(torque, plan.bodies[b].inverse * torque);
+  }
+  return sum;
+}
+
 // LDLᵀ of Λ in place, row by row: the unit lower triangle below the diagonal, the pivots on it. Redundant rows get
 // none.
-void factor_matrix(Workspace& ws) {
+void factor_matrix(const Plan& plan, Workspace& ws) {
   ws.loop_redundant = 0;
   for (int r = 0; r < ws.loop_count; ++r) {
     const double own = entry(ws, r, r);
@@ -74,7 +89,8 @@ void factor_matrix(Workspace& ws) {
       pivot -= entry(ws, r, c) * sum;
     }
     entry(ws, r, r) = pivot;
-    ws.loop_rows[at(r)].independent = pivot > kRedundant * own;
+    const double least = kHeld * calc_free_mobility(plan, ws, ws.loop_rows[at(r)]);
+    ws.loop_rows[at(r)].independent = pivot > kRedundant * own && pivot > least;
     ws.loop_redundant += ws.loop_rows[at(r)].independent ? 0 : 1;
   }
 }
@@ -108,7 +124,7 @@ void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept 
   for (int k = 0; k < ws.loop_count; ++k) update_column(plan, ws, k);
   for (int r = 0; r < ws.loop_count; ++r)
     for (int c = 0; c <= r; ++c) entry(ws, r, c) = apply_row(ws.loop_rows[at(r)], get_column(plan, ws, c));
-  factor_matrix(ws);
+  factor_matrix(plan, ws);
 }
 
 void close_loops(const Plan& plan, Workspace& ws) noexcept {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,9 +33,12 @@ constexpr Kind kKinds[] = {
     {"planar", row_bit(kZ) | row_bit(kRotX) | row_bit(kRotY)},
     {"revolute_slider", row_bit(kX) | row_bit(kY) | row_bit(kRotX) | row_bit(kRotZ)},
     {"weld", kAllRows},
+    // not in every program
     {"free", 0},
     {"point_plane", row_bit(kX)},
+    {"composed", 0},  // of rows drawn at random
 };
+constexpr int kCommonKinds = 8;
 
 // A body on its way into the model; the ground is one as well.
 struct Placed {
@@ -154,7 +158,8 @@ Placed place(const Placed& known, bool known_is_base, const Joint& joint, const 
 // A joint between a body (or the ground) whose place is known and one that it places.
 Joint random_joint(Random& random, int known, int next, const RandomModelOptions& options,
                    std::vector<Placed>& placed) {
-  const Kind& kind = kKinds[random.below(static_cast<int>(std::size(kKinds)))];
+  Kind kind = kKinds[random.below(options.common_kinds ? kCommonKinds : static_cast<int>(std::size(kKinds)))];
+  if (std::string_view(kind.name) == "composed") kind.rows = static_cast<RowSet>(random.next() & kAllRows);
   const bool known_is_base = known == kGround || random.chance(0.5);
   Joint joint;
   joint.base = known_is_base ? known : next;
@@ -162,7 +167,7 @@ Joint random_joint(Random& random, int known, int next, const RandomModelOptions
   joint.point_base = random_vector(random, 1);
   joint.point_follower = random_vector(random, 1);
   joint.axes = random_rotation(random);
-  if (random.chance(0.5)) joint.rotation_axes = random_rotation(random);
+  if (!options.common_kinds && random.chance(0.5)) joint.rotation_axes = random_rotation(random);
   joint.universal = kind.universal;
   joint.modes = random_modes(random, kind);
   if (!random.chance(options.first_mode_chance)) joint.mode = random.below(static_cast<int>(joint.modes.size()));
