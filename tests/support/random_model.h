@@ -1,5 +1,5 @@
 // Random systems for property tests: a tree of bodies under joints of every kind, in a state that satisfies the joints'
-// initial modes. The same seed and options give the same system up to the rounding of <cmath>.
+// initial modes. The same seed and options give the same system, bit for bit, on every machine.
 #pragma once
 
 #include <cstdint>
