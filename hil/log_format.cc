@@ -7,39 +7,6 @@ namespace {
 
 constexpr std::size_t kChangeBytes = 4 + 4 + 4 + 8 + 8;
 
-void put(ByteWriter& out, const DurationSummary& summary) {
-  for (const std::int64_t value : {summary.count, summary.p50, summary.p99, summary.p999, summary.max})
-    out.put_i64(value);
-}
-
-void get(ByteReader& in, DurationSummary& summary) {
-  for (std::int64_t* value : {&summary.count, &summary.p50, &summary.p99, &summary.p999, &summary.max}) {
-    *value = in.get_i64();
-  }
-}
-
-void put(ByteWriter& out, const TimingSummary& timing) {
-  put(out, timing.step);
-  put(out, timing.wakeup);
-  put(out, timing.turnaround);
-  for (const std::int64_t value :
-       {timing.overruns, timing.late_wakeups, timing.long_steps, timing.late_commands, timing.dropped, timing.resent}) {
-    out.put_i64(value);
-  }
-  for (const std::int64_t count : timing.rejected) out.put_i64(count);
-}
-
-void get(ByteReader& in, TimingSummary& timing) {
-  get(in, timing.step);
-  get(in, timing.wakeup);
-  get(in, timing.turnaround);
-  for (std::int64_t* value : {&timing.overruns, &timing.late_wakeups, &timing.long_steps, &timing.late_commands,
-                              &timing.dropped, &timing.resent}) {
-    *value = in.get_i64();
-  }
-  for (std::int64_t& count : timing.rejected) count = in.get_i64();
-}
-
 }  // namespace
 
 void encode(const LogHeader& record, std::vector<std::uint8_t>& to) {
@@ -115,6 +82,26 @@ bool decode(std::span<const std::uint8_t> from, LogTick& record) {
     change.value = in.get_f64();
     record.changes.push_back(change);
   }
+  return in.is_complete();
+}
+
+void encode(const TickTiming& record, std::vector<std::uint8_t>& to) {
+  to.clear();
+  ByteWriter out(to);
+  for (const std::int64_t value : {record.tick, record.wakeup_ns, record.input_ns, record.step_ns, record.output_ns}) {
+    out.put_i64(value);
+  }
+  out.put_i32(record.substeps);
+  out.put_i32(record.backlogged);
+}
+
+bool decode(std::span<const std::uint8_t> from, TickTiming& record) {
+  ByteReader in(from);
+  for (std::int64_t* value : {&record.tick, &record.wakeup_ns, &record.input_ns, &record.step_ns, &record.output_ns}) {
+    *value = in.get_i64();
+  }
+  record.substeps = in.get_i32();
+  record.backlogged = in.get_i32();
   return in.is_complete();
 }
 

@@ -62,7 +62,7 @@ std::unique_ptr<Simulation> build_simulation(const Scenario& scenario) {
   PlanOptions options;
   options.dt = scenario.dt;
   try {
-    return std::make_unique<Simulation>(scenario.model, options);
+    return std::make_unique<Simulation>(scenario.model, options, scenario.rates);
   } catch (const SimulationError& error) {
     std::vector<ScenarioMistake> mistakes;
     for (const ModelError& mistake : error.errors) {

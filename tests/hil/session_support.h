@@ -176,7 +176,8 @@ struct SessionResult {
 
 // A whole session; `log` empty: not kept.
 inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& habits, const std::string& log = "",
-                                 const std::vector<std::string>& overrides = {}, bool with_participant = true) {
+                                 const std::vector<std::string>& overrides = {}, bool with_participant = true,
+                                 hil::TickSource* ticks = nullptr) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
   const auto simulation = hil::build_simulation(scenario);
   hil::ExecutiveOptions options;
@@ -184,6 +185,8 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.session = 4711;
   options.last_tick = static_cast<std::int64_t>(scenario.until / scenario.dt + 0.5);
   options.flight_software = scenario.flight_software;
+  options.timing = scenario.timing;
+  options.ticks = ticks;
   options.start_timeout_ns = 2'000'000'000;
   options.resend_ns = 5'000'000;
   hil::Link link(256, 256);
