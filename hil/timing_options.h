@@ -14,7 +14,7 @@ struct OverrunPolicy {
     kSkipOutput,  // as kCatchUp without a bound, and the States of ticks that end late are not sent
   };
   Kind kind = Kind::kCatchUp;
-  std::int64_t max_ticks = 1000;
+  std::int64_t max_ticks = 10'000;
 };
 
 struct TimingOptions {
