@@ -1,6 +1,7 @@
 #include "kernel/integrator.h"
 
 #include <cstring>
+#include <limits>
 
 #include "kernel/forces.h"
 #include "kernel/kinematics.h"
@@ -47,6 +48,18 @@ void add_displacements(State& state, const Workspace& ws) {
   }
 }
 
+// With as many independent rows of loops as the latest evaluate() has found.
+int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
+  update_kinematics(plan, state, ws);
+  update_joint_frames(plan, state, ws);
+  update_coordinates(plan, state, ws);
+  update_forces(plan, inputs, state, t, ws);
+  update_acceleration_bias(plan, state, ws);
+  if (const int node = factor(plan, state, ws); node != kNone) return node;
+  solve(plan, ws);
+  return kNone;
+}
+
 int project(const Plan& plan, State& state, Workspace& ws) {
   update_kinematics(plan, state, ws);
   update_joint_frames(plan, state, ws);
@@ -67,13 +80,9 @@ int project(const Plan& plan, State& state, Workspace& ws) {
 }  // namespace
 
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  update_kinematics(plan, state, ws);
-  update_joint_frames(plan, state, ws);
-  update_coordinates(plan, state, ws);
-  update_forces(plan, inputs, state, t, ws);
-  update_acceleration_bias(plan, state, ws);
-  if (const int node = factor(plan, state, ws); node != kNone) return node;
-  solve(plan, ws);
+  ws.loop_most = std::numeric_limits<std::int32_t>::max();
+  if (const int node = evaluate_stage(plan, inputs, state, t, ws); node != kNone) return node;
+  ws.loop_most = ws.loop_count - ws.loop_redundant;
   return kNone;
 }
 
@@ -93,7 +102,7 @@ int integrate(const Plan& plan, const Inputs& inputs, const State& from, double 
     const double c = fractions[stage - 1];
     for (std::size_t b = 0; b < plan.bodies.size(); ++b)
       ws.stage.bodies[b] = advance(from.bodies[b], c * h, ws.rates[stage - 1][b]);
-    if (const int node = evaluate(plan, inputs, ws.stage, t + c * h, ws); node != kNone) return node;
+    if (const int node = evaluate_stage(plan, inputs, ws.stage, t + c * h, ws); node != kNone) return node;
     update_rates(plan, ws.stage, stage, ws);
   }
   copy(from, to);
@@ -105,6 +114,7 @@ int integrate(const Plan& plan, const Inputs& inputs, const State& from, double 
 }
 
 int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
+  ws.loop_most = std::numeric_limits<std::int32_t>::max();
   if (const int node = factor(plan, state, ws); node != kNone) return node;
   clear_forces(ws);
   update_velocity_bias(plan, state, ws);

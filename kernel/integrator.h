@@ -17,7 +17,8 @@ int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double 
 // ws.rates[stage] from the latest evaluation, which was of `state`.
 void update_rates(const Plan& plan, const State& state, int stage, Workspace& ws) noexcept;
 
-// `to` = `from` after h seconds. Needs ws.rates[0] of `from`, and leaves it as it is. Returns as evaluate().
+// `to` = `from` after h seconds. Needs the latest evaluate() to be of `from`, or of a state in the same modes on its
+// rows, and ws.rates[0] of `from`, which it leaves as it is. Returns as evaluate().
 int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, State& to,
               Workspace& ws) noexcept;
 

@@ -1,6 +1,7 @@
 #include "kernel/loops.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernel/kinematics.h"
 #include "kernel/tree_solver.h"
@@ -17,10 +18,13 @@ constexpr double kHeld = 1e-13;
 
 double& entry(Workspace& ws, int row, int column) { return ws.loop_matrix[at(row) * ws.loop_rows.size() + at(column)]; }
 
+// The row that is eliminated as number r.
+const LoopRow& get_pivot_row(const Workspace& ws, int r) { return ws.loop_rows[at(ws.loop_rows[at(r)].pivot)]; }
+
 // What row `row` of a joint does with unit multiplier: a wrench at each body's origin.
 LoopRow build_row(const Plan& plan, const JointFrame& f, int joint, int row) {
   const PlanJoint& j = plan.joints[at(joint)];
-  LoopRow out{joint, row, j.base, j.follower, {}, {}, false};
+  LoopRow out{joint, row, j.base, j.follower, kNone, {}, {}, 0};
   if (row < kRotX) {
     const Vec3& n = column(f.n, row);
     out.on_follower = {n, cross(f.r_follower, n)};
@@ -73,44 +77,65 @@ double calc_free_mobility(const Plan& plan, const Workspace& ws, const LoopRow& 
   return sum;
 }
 
-// LDLᵀ of Λ in place, row by row: the unit lower triangle below the diagonal, the pivots on it. Redundant rows get
-// none.
-void factor_matrix(const Plan& plan, Workspace& ws) {
-  ws.loop_redundant = 0;
-  for (int r = 0; r < ws.loop_count; ++r) {
-    const double own = entry(ws, r, r);
-    double pivot = own;
-    for (int c = 0; c < r; ++c) {
-      if (!ws.loop_rows[at(c)].independent) continue;
-      double sum = entry(ws, r, c);
-      for (int k = 0; k < c; ++k)
-        if (ws.loop_rows[at(k)].independent) sum -= entry(ws, r, k) * entry(ws, k, k) * entry(ws, c, k);
-      entry(ws, r, c) = sum / entry(ws, c, c);
-      pivot -= entry(ws, r, c) * sum;
+// Of the rows from `first` on, the one whose pivot is largest beside its row's own diagonal entry, ties to the earlier;
+// kNone if all of them follow from the rows before.
+int find_pivot(const Plan& plan, Workspace& ws, int first) {
+  int best = kNone;
+  double largest = kRedundant;
+  for (int r = first; r < ws.loop_count; ++r) {
+    const LoopRow& row = get_pivot_row(ws, r);
+    const double pivot = entry(ws, r, r);
+    if (pivot > largest * row.own && pivot > kHeld * calc_free_mobility(plan, ws, row)) {
+      largest = pivot / row.own;
+      best = r;
     }
-    entry(ws, r, r) = pivot;
-    const double least = kHeld * calc_free_mobility(plan, ws, ws.loop_rows[at(r)]);
-    ws.loop_rows[at(r)].independent = pivot > kRedundant * own && pivot > least;
-    ws.loop_redundant += ws.loop_rows[at(r)].independent ? 0 : 1;
   }
+  return best;
 }
 
-void solve_matrix(Workspace& ws) {
+// Symmetric interchange of what is left at r with what is left at s < r, in the lower triangle.
+void interchange(Workspace& ws, int s, int r) {
+  if (r == s) return;
+  std::swap(ws.loop_rows[at(s)].pivot, ws.loop_rows[at(r)].pivot);
+  std::swap(entry(ws, s, s), entry(ws, r, r));
+  for (int k = 0; k < s; ++k) std::swap(entry(ws, s, k), entry(ws, r, k));
+  for (int k = s + 1; k < r; ++k) std::swap(entry(ws, k, s), entry(ws, r, k));
+  for (int k = r + 1; k < ws.loop_count; ++k) std::swap(entry(ws, k, s), entry(ws, k, r));
+}
+
+// LDLᵀ of Λ in place, the most independent rows first: pivots on the diagonal, the unit lower triangle below it. Rows
+// that follow from the others come last and get no pivot.
+void factor_matrix(const Plan& plan, Workspace& ws) {
   for (int r = 0; r < ws.loop_count; ++r) {
-    if (!ws.loop_rows[at(r)].independent) {
-      ws.loop_solution[at(r)] = 0;
-      continue;
+    ws.loop_rows[at(r)].pivot = r;
+    ws.loop_rows[at(r)].own = entry(ws, r, r);
+  }
+  int rank = 0;
+  for (; rank < std::min(ws.loop_count, ws.loop_most); ++rank) {
+    const int best = find_pivot(plan, ws, rank);
+    if (best == kNone) break;
+    interchange(ws, rank, best);
+    for (int r = rank + 1; r < ws.loop_count; ++r) {
+      const double factor = entry(ws, r, rank) / entry(ws, rank, rank);
+      for (int c = rank + 1; c <= r; ++c)
+        entry(ws, r, c) -= (c == r ? factor : entry(ws, c, rank)) * entry(ws, r, rank);
+      entry(ws, r, rank) = factor;
     }
-    for (int c = 0; c < r; ++c)
-      ws.loop_solution[at(r)] -= ws.loop_rows[at(c)].independent ? entry(ws, r, c) * ws.loop_solution[at(c)] : 0;
   }
-  for (int r = ws.loop_count - 1; r >= 0; --r) {
-    if (!ws.loop_rows[at(r)].independent) continue;
+  ws.loop_redundant = ws.loop_count - rank;
+}
+
+// Of the right-hand side in ws.loop_solution, in the order of the pivots; 0 for redundant rows.
+void solve_matrix(Workspace& ws) {
+  const int rank = ws.loop_count - ws.loop_redundant;
+  for (int r = 0; r < rank; ++r)
+    for (int c = 0; c < r; ++c) ws.loop_solution[at(r)] -= entry(ws, r, c) * ws.loop_solution[at(c)];
+  for (int r = rank - 1; r >= 0; --r) {
     ws.loop_solution[at(r)] /= entry(ws, r, r);
-    for (int below = r + 1; below < ws.loop_count; ++below)
-      if (ws.loop_rows[at(below)].independent)
-        ws.loop_solution[at(r)] -= entry(ws, below, r) * ws.loop_solution[at(below)];
+    for (int below = r + 1; below < rank; ++below)
+      ws.loop_solution[at(r)] -= entry(ws, below, r) * ws.loop_solution[at(below)];
   }
+  for (int r = rank; r < ws.loop_count; ++r) ws.loop_solution[at(r)] = 0;
 }
 
 }  // namespace
@@ -129,7 +154,7 @@ void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept 
 
 void close_loops(const Plan& plan, Workspace& ws) noexcept {
   for (int r = 0; r < ws.loop_count; ++r) {
-    const LoopRow& row = ws.loop_rows[at(r)];
+    const LoopRow& row = get_pivot_row(ws, r);
     const JointFrame& f = ws.frames[at(row.joint)];
     const Spatial& bias = ws.bias[at(row.joint)];
     const double target =
@@ -137,15 +162,18 @@ void close_loops(const Plan& plan, Workspace& ws) noexcept {
     ws.loop_solution[at(r)] = target - apply_row(row, ws.accelerations);
   }
   solve_matrix(ws);
-  for (int k = 0; k < ws.loop_count; ++k) {
-    const double mu = ws.loop_solution[at(k)];
+  for (int r = 0; r < ws.loop_count; ++r) {
+    const double mu = ws.loop_solution[at(r)];
+    const int k = ws.loop_rows[at(r)].pivot;
     const std::span<const Spatial> a = get_column(plan, ws, k);
     const std::span<const double> lambda = get_column_multipliers(plan, ws, k);
     for (std::size_t b = 0; b < a.size(); ++b) ws.accelerations[b] = ws.accelerations[b] + mu * a[b];
     for (std::size_t i = 0; i < lambda.size(); ++i) ws.multipliers[i] += mu * lambda[i];
   }
-  for (int k = 0; k < ws.loop_count; ++k)
-    ws.multipliers[at(ws.loop_rows[at(k)].joint) * kRows + at(ws.loop_rows[at(k)].row)] = ws.loop_solution[at(k)];
+  for (int r = 0; r < ws.loop_count; ++r) {
+    const LoopRow& row = get_pivot_row(ws, r);
+    ws.multipliers[at(row.joint) * kRows + at(row.row)] = ws.loop_solution[at(r)];
+  }
 }
 
 }  // namespace unlatch

@@ -3,7 +3,8 @@
 //   Λ μ = c − W a₀,   Λ = W H⁻¹ Wᵀ,   a = a₀ + H⁻¹ Wᵀ μ,
 // where row r of W is the pair of unit wrenches that the row puts on its two bodies and a₀ the tree's own solution. The
 // tree's pattern is untouched; the cost is O(k n) and k³/6. Rows that follow from the others (a planar four-bar in
-// space, a Bricard linkage) show as vanishing pivots of Λ; they are left out, get no multiplier, and are counted.
+// space, a Bricard linkage) show as vanishing pivots of Λ, which takes the most independent first; they are left out,
+// get no multiplier, and are counted.
 #pragma once
 
 #include "kernel/plan.h"
@@ -12,6 +13,8 @@
 namespace unlatch {
 
 // The columns H⁻¹ Wᵀ and the factor of Λ for the active rows of plan.loops. Needs the tree's factor and ws.frames.
+// At most ws.loop_most rows count as independent: the stages of a step lie a little off the rows, so that redundant
+// ones contradict each other there; how many are not redundant, the state tells from which the step starts.
 void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
 // Corrects ws.accelerations and ws.multipliers, which hold the tree's own solution, for the loops' rows with ws.bias.

@@ -1,5 +1,7 @@
 #include "kernel/stiffness.h"
 
+#include <limits>
+
 #include "kernel/kinematics.h"
 #include "kernel/tree_solver.h"
 
@@ -63,6 +65,7 @@ std::vector<ElementFrequency> calc_frequencies(const Plan& plan, const State& st
   std::vector<ElementFrequency> out;
   update_kinematics(plan, state, ws);
   update_joint_frames(plan, state, ws);
+  ws.loop_most = std::numeric_limits<std::int32_t>::max();
   if (factor(plan, state, ws) != kNone) return out;
   for (Spatial& bias : ws.bias) bias = {{0, 0, 0}, {0, 0, 0}};
   const auto add = [&](int element, double stiffness, double damping, const Effort& effort) {

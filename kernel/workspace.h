@@ -59,8 +59,9 @@ struct NodeFactor {
 // One row of a joint that closes a loop. Computed by factor_loops().
 struct LoopRow {
   std::int32_t joint, row, base, follower;
+  std::int32_t pivot;            // index of the row that is eliminated in this one's place
   Spatial on_base, on_follower;  // unit wrenches at the bodies' origins
-  bool independent;              // of the rows before it
+  double own;                    // its diagonal entry of Λ
 };
 
 // Derivative of a BodyState.
@@ -99,6 +100,7 @@ struct Workspace {
   std::span<double> loop_solution;     // k
   std::int32_t loop_count = 0;         // rows that are active
   std::int32_t loop_redundant = 0;     // of these, rows that follow from the others
+  std::int32_t loop_most = 0;          // as many of them as factor_loops() may take for independent
 
   // states: a stage of the Runge–Kutta step, the end of a trial sub-step, and how far the step has got
   State stage, trial, accepted;
