@@ -24,7 +24,8 @@ std::string write_configuration(const std::string& interface) {
          (loopback ? "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99"
                      "</MaxAutoParticipantIndex><Peers><Peer Address=\"127.0.0.1\"/></Peers></Discovery>"
                    : "") +
-         "<Internal><WriterLingerDuration>100ms</WriterLingerDuration></Internal></Domain></CycloneDDS>";
+         "<Internal><WriterLingerDuration>100ms</WriterLingerDuration><WriteBatch>true</WriteBatch></Internal>"
+         "</Domain></CycloneDDS>";
 }
 
 bool is_interface_name(const std::string& name) {

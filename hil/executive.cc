@@ -7,7 +7,7 @@
 
 namespace unlatch::hil {
 
-Executive::Executive(Simulation& simulation, Link& link, Recorder& recorder, const std::string& scenario,
+Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, const std::string& scenario,
                      const ExecutiveOptions& options)
     : simulation_(simulation),
       link_(link),

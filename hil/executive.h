@@ -4,7 +4,8 @@
 //   lockstep   push the state → wait until every required participant has answered → step
 //   fast       step
 //
-// In the loop: no allocation, lock, file or logging; it speaks to the outside through a Link and a Recorder alone. Wall
+// In the loop: no allocation, lock, file or logging; it speaks to the outside through a Line and a Recorder alone (in
+// real time the line is a Link; in lockstep, which has no deadline to miss, it may lead to the middleware itself). Wall
 // time decides whether a participant is alive, simulated time everything else. When a required participant does not
 // answer within its limit, the scenario's policy is applied once and recorded, and the run goes on without it (hold,
 // zero, safe), waits for it (pause) or ends (abort).
@@ -21,7 +22,7 @@
 #include "hil/executive_commands.h"
 #include "hil/executive_roster.h"
 #include "hil/executive_timing.h"
-#include "hil/link.h"
+#include "hil/line.h"
 #include "hil/nonblocking.h"
 #include "hil/recorder.h"
 #include "hil/scenario.h"
@@ -44,7 +45,7 @@ struct ExecutiveOptions {
 class Executive {
  public:
   // All must outlive the executive. `scenario` is the name told to participants.
-  Executive(Simulation& simulation, Link& link, Recorder& recorder, const std::string& scenario,
+  Executive(Simulation& simulation, Line& link, Recorder& recorder, const std::string& scenario,
             const ExecutiveOptions& options);
 
   // From the introductions to the end, on the calling thread.
@@ -107,7 +108,7 @@ class Executive {
                    std::int64_t sequence) noexcept;
 
   Simulation& simulation_;
-  Link& link_;
+  Line& link_;
   Recorder& recorder_;
   const ExecutiveOptions options_;
   const std::int64_t dt_ns_;

@@ -1,5 +1,6 @@
 // What the executive hears, and when a tick has heard enough.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "hil/executive.h"
@@ -9,9 +10,8 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr int kMessagesPerLook = 512;         // bounds the work of one look at the ring
-constexpr std::int64_t kEager_ns = 200'000;   // lockstep: how long to look again at once
-constexpr std::int64_t kPatient_ns = 20'000;  // and after that, how long to sleep between two looks
+constexpr int kMessagesPerLook = 512;              // bounds the work of one look at the ring
+constexpr std::chrono::milliseconds kPatience(5);  // lockstep: the longest sleep between two looks at the clock
 constexpr std::int64_t kPauseLook_ns = 5'000'000;
 
 }  // namespace
@@ -41,7 +41,7 @@ Executive::Go Executive::wait_lockstep() noexcept {
       resend_state(RunStatus::kRunning);
       resend_at_ns = now_ns + options_.resend_ns;
     }
-    if (now_ns - sent_ns_ > kEager_ns) sleep_until_ns(now_ns + kPatient_ns);
+    link_.wait(kPatience);
   }
 }
 

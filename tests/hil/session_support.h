@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hil/executive.h"
+#include "hil/link.h"
 #include "hil/replay.h"
 #include "hil/run.h"
 

@@ -1,11 +1,12 @@
 // unlatch hil: a scenario with flight software in the loop. The cyclic thread steps; the bridge's threads carry its
-// messages; a recorder's thread writes; this thread watches. What engineers read off the run is found by replaying the
-// recording, which also proves that it replays.
+// messages (in lockstep it does so itself); a recorder's thread writes; this thread watches. What engineers read off
+// the run is found by replaying the recording, which also proves that it replays.
 #include <atomic>
 #include <memory>
 #include <optional>
 #include <thread>
 
+#include "bridge/port_line.h"
 #include "bridge/pump.h"
 #include "hil/executive.h"
 #include "hil/executive_notices.h"
@@ -66,8 +67,7 @@ class Session {
         simulation_(hil::build_simulation(scenario_)),
         last_tick_(calc_last_tick(scenario_)),
         session_(hil::draw_session()),
-        header_(hil::build_log_header(scenario_, *simulation_, options.pace, session_, last_tick_)),
-        link_(kRoomOut + hil::build_catalog(scenario_.model).size()) {}
+        header_(hil::build_log_header(scenario_, *simulation_, options.pace, session_, last_tick_)) {}
 
   int run() {
     warn_of_unstable_elements(scenario_);
@@ -97,7 +97,13 @@ class Session {
         }
       }
     }
-    pump_ = std::make_unique<bridge::Pump>(link_, *port_);
+    if (options_.pace == hil::Pace::kLockstep) {
+      line_ = std::make_unique<bridge::PortLine>(*port_);
+    } else {
+      auto link = std::make_unique<hil::Link>(kRoomOut + hil::build_catalog(scenario_.model).size());
+      pump_ = std::make_unique<bridge::Pump>(*link, *port_);
+      line_ = std::move(link);
+    }
   }
 
   hil::LogEnd run_executive() {
@@ -107,7 +113,7 @@ class Session {
     options.last_tick = last_tick_;
     options.flight_software = scenario_.flight_software;
     options.start_timeout_ns = static_cast<std::int64_t>(options_.start_timeout_s * 1e9);
-    hil::Executive executive(*simulation_, link_, *recorder_, scenario_.name, options);
+    hil::Executive executive(*simulation_, *line_, *recorder_, scenario_.name, options);
 
     hil::LogEnd end;
     std::atomic<bool> ended{false};
@@ -174,9 +180,9 @@ class Session {
   const std::unique_ptr<hil::Simulation> simulation_;
   const std::int64_t last_tick_, session_;
   const hil::LogHeader header_;
-  hil::Link link_;
   bridge::InprocHub hub_;
   std::unique_ptr<bridge::Port> port_;
+  std::unique_ptr<hil::Line> line_;
   std::unique_ptr<bridge::Pump> pump_;
   std::vector<std::unique_ptr<FlightSoftwareThread>> flight_software_;
   std::optional<hil::Recorder> recorder_;
