@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bridge/dds_domain.h"
+#include "bridge/dds_security.h"
 #include "bridge/port.h"
 #include "bridge/schema/dds_layout.h"
 #include "unlatch.h"
@@ -72,8 +73,7 @@ class DdsPort final : public Port {
       : Port(role),
         options_(options),
         domain_(open_dds_domain(options)),
-        participant_(check("creating a participant",
-                           dds_create_participant(static_cast<dds_domainid_t>(options.domain), nullptr, nullptr))),
+        participant_(create_participant()),
         waitset_(check("creating a waitset", dds_create_waitset(participant_.get()))) {
     for (std::size_t i = 0; i < kMessageKinds; ++i) open_topic(role, i);
   }
@@ -93,6 +93,13 @@ class DdsPort final : public Port {
   dds_entity_t check(const char* what, dds_entity_t result) const {
     if (result < 0) throw make_dds_error(options_, what, result);
     return result;
+  }
+
+  dds_entity_t create_participant() const {
+    const Qos qos(dds_create_qos());
+    if (!options_.security.empty()) set_dds_security(qos.get(), options_.security);
+    return check("creating a participant",
+                 dds_create_participant(static_cast<dds_domainid_t>(options_.domain), qos.get(), nullptr));
   }
 
   void open_topic(Role role, std::size_t index) {

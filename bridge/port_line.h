@@ -18,6 +18,7 @@ class PortLine final : public hil::Line {
 
   [[nodiscard]] std::int64_t get_dropped_out() const noexcept override { return port_.get_counts().publish_failures; }
   [[nodiscard]] std::int64_t get_dropped_in() const noexcept override { return port_.get_counts().lost; }
+  [[nodiscard]] std::int64_t get_malformed() const noexcept override { return port_.get_malformed(); }
 
  private:
   Port& port_;

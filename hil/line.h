@@ -25,6 +25,8 @@ class Line {
   // Messages that found no room. From any thread.
   [[nodiscard]] virtual std::int64_t get_dropped_out() const noexcept = 0;
   [[nodiscard]] virtual std::int64_t get_dropped_in() const noexcept = 0;
+  // Messages that the bridge dropped because they were none of the schema's: it is the executive that tells of them.
+  [[nodiscard]] virtual std::int64_t get_malformed() const noexcept = 0;
 
  protected:
   Line() = default;

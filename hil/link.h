@@ -47,6 +47,12 @@ class Link final : public Line {
     return put(in_, Arrival{message, std::chrono::nanoseconds(now).count()}, dropped_in_);
   }
 
+  // How many malformed messages the bridge has met so far: it is the bridge that drops them, the executive that tells.
+  void set_malformed(std::int64_t count) noexcept { malformed_.store(count, std::memory_order_relaxed); }
+  [[nodiscard]] std::int64_t get_malformed() const noexcept override {
+    return malformed_.load(std::memory_order_relaxed);
+  }
+
   // Messages that found a ring full. From any thread.
   [[nodiscard]] std::int64_t get_dropped_out() const noexcept override {
     return dropped_out_.load(std::memory_order_relaxed);
@@ -87,6 +93,7 @@ class Link final : public Line {
   bool awaited_ = false;  // arrival_ has not been received yet
   std::atomic<std::int64_t> dropped_out_{0};
   std::atomic<std::int64_t> dropped_in_{0};
+  std::atomic<std::int64_t> malformed_{0};
 };
 
 }  // namespace unlatch::hil
