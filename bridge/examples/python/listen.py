@@ -12,16 +12,21 @@ import sys
 GROUP, PORT = "239.255.76.67", 7667
 SHORT_MESSAGE = 0x4C433032  # "LC02": one datagram; ours all are
 LOG_EVENT = 0xEDA1DA01
+SO_RCVBUFFORCE = 33  # which Python does not name
 
 
 def listen():
     """(channel, bytes) of every message on the network"""
     heard = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     heard.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    heard.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+    try:  # Python is slower than a simulator in a hurry: as root we may have room for thousands of states
+        heard.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 24)
+    except PermissionError:
+        heard.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 24)
     heard.bind((GROUP, PORT))
     heard.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP) + bytes(4))
     heard.settimeout(30)
+    print("listening", flush=True)
     while True:
         packet = heard.recv(65536)
         magic, _number = struct.unpack_from(">II", packet)
