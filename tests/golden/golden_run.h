@@ -20,9 +20,9 @@ inline bool print_golden_hashes(const char* name, const Model& model, double dt,
   Simulation simulation(model, options);
   std::uint64_t outputs = 0xcbf29ce484222325u;  // FNV-1a over 64-bit words, folded
   std::size_t events = 0;
-  const auto add_outputs = [&outputs](std::span<const double> values) {
-    for (const double value : values) {
-      outputs = (outputs ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3u;
+  const auto add_outputs = [&outputs](const auto& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      outputs = (outputs ^ std::bit_cast<std::uint64_t>(double{values[i]})) * 0x100000001b3u;
       outputs ^= outputs >> 32;
     }
   };
