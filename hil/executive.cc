@@ -125,6 +125,7 @@ Executive::Go Executive::cycle() noexcept {
 }
 
 void Executive::speak(const StepReport& report) noexcept {
+  const MayWait without_deadlines(options_.pace != Pace::kRealtime);
   for (const FiredEvent& fired : report.events) {
     publish_event(model_events_[static_cast<std::size_t>(fired.event)], fired.time, false);
   }
@@ -142,6 +143,7 @@ void Executive::speak(const StepReport& report) noexcept {
 }
 
 Executive::Go Executive::account(std::int64_t step_end_ns) noexcept {
+  const MayWait without_deadlines(options_.pace != Pace::kRealtime);
   const std::int64_t now_ns = get_monotonic_ns();
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);

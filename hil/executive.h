@@ -82,12 +82,12 @@ class Executive {
   bool wait_for_introductions(std::int64_t deadline_ns);
   void say_hello();
   void send_until_taken(const Message& message);
-  void publish_state(RunStatus status) noexcept UNLATCH_NONBLOCKING;
-  void resend_state(RunStatus status) noexcept UNLATCH_NONBLOCKING;
-  void publish_event(Event event, double time, bool notice) noexcept UNLATCH_NONBLOCKING;
-  void publish_notice(std::string_view name, std::string_view subject) noexcept UNLATCH_NONBLOCKING;
-  void publish_overrun(const Overrun& overrun) noexcept UNLATCH_NONBLOCKING;
-  void publish_health(std::int64_t now_ns) noexcept UNLATCH_NONBLOCKING;
+  void publish_state(RunStatus status) noexcept;
+  void resend_state(RunStatus status) noexcept;
+  void publish_event(Event event, double time, bool notice) noexcept;
+  void publish_notice(std::string_view name, std::string_view subject) noexcept;
+  void publish_overrun(const Overrun& overrun) noexcept;
+  void publish_health(std::int64_t now_ns) noexcept;
   [[nodiscard]] std::int64_t calc_dropped() const noexcept;
   LogEnd conclude(RunStatus status, std::string message);
 

@@ -94,6 +94,7 @@ Participant* Executive::find_overdue(std::int64_t now_ns) noexcept {
 // --- Hearing --------------------------------------------------------------------------------------------------------
 
 void Executive::drain() noexcept {
+  const MayWait without_deadlines(options_.pace != Pace::kRealtime || started_ns_ == 0);
   beat(Place::kHearing);
   std::int64_t arrived_ns = 0;
   for (int i = 0; i < kMessagesPerLook && link_.receive(message_, arrived_ns); ++i) hear(message_, arrived_ns);

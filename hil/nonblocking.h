@@ -12,6 +12,8 @@
 #if defined(__has_feature)
 #if __has_feature(realtime_sanitizer)
 #include <sanitizer/rtsan_interface.h>
+
+#include <optional>
 #define UNLATCH_HAS_RTSAN 1
 #endif
 #endif
@@ -19,13 +21,19 @@
 namespace unlatch::hil {
 
 // While one lives this thread may wait, although it is beneath a function marked so: at paces other than real time, for
-// room in the recorder's ring.
+// room in the recorder's ring, or for the middleware.
+class MayWait {
+ public:
+  explicit MayWait([[maybe_unused]] bool may = true) noexcept {
 #if defined(UNLATCH_HAS_RTSAN)
-using MayWait = __rtsan::ScopedDisabler;
-#else
-struct MayWait {
-  MayWait() noexcept {}  // not trivial, so that nobody calls the variable unused
-};
+    if (may) scope_.emplace();
 #endif
+  }
+
+ private:
+#if defined(UNLATCH_HAS_RTSAN)
+  std::optional<__rtsan::ScopedDisabler> scope_;
+#endif
+};
 
 }  // namespace unlatch::hil

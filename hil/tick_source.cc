@@ -61,7 +61,9 @@ DescriptorTicks::DescriptorTicks(int descriptor, std::int64_t period_ns, std::in
 }
 
 void DescriptorTicks::restart(std::int64_t now_ns) noexcept {
-  (void)read_ticks();  // those of the time before are gone
+  const char* const failure = failure_;
+  (void)read_ticks();  // those of the time before are gone; a FIFO may have no writer yet
+  failure_ = failure;
   pending_ = 0;
   due_ns_ = now_ns;
 }
