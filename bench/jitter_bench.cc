@@ -6,51 +6,16 @@
 #include <string>
 #include <thread>
 
+#include "bench/panel_array.h"
 #include "hil/executive.h"
+#include "hil/link.h"
 #include "hil/real_time.h"
 #include "hil/run.h"
 
 namespace unlatch::bench {
 namespace {
 
-constexpr double kHalfWidth = 0.5;  // m, of a panel
 constexpr int kPanels = 64;
-
-// A bus with 64 panels in two wings, each on a hinge with a torsion drive; the hinges latch one after another as they
-// open.
-std::string write_array(double dt, double until) {
-  std::string bodies, joints, elements, events;
-  char text[640];
-  for (int i = 0; i < kPanels; ++i) {
-    const int place = i / 2, side = i % 2 == 0 ? 1 : -1;
-    const double inner = side * (1 + 2 * kHalfWidth * place), centre = inner + side * kHalfWidth;
-    const std::string base = place == 0 ? "bus" : "panel" + std::to_string(i - 2);
-    const double base_point = place == 0 ? inner : side * kHalfWidth;
-    std::snprintf(text, sizeof text, "  panel%d: {mass: 4, inertia: [0.4, 0.35, 0.7], position: [0, %.17g, 0]}\n", i,
-                  centre);
-    bodies += text;
-    std::snprintf(text, sizeof text,
-                  "  hinge%d: {between: [%s, panel%d], point: [0, %.17g, 0], follower_point: [0, %.17g, 0],\n"
-                  "    modes: {turns: {kind: revolute, axis: x}, latched: {kind: weld}}, mode: turns}\n",
-                  i, base.c_str(), i, base_point, -side * kHalfWidth);
-    joints += text;
-    std::snprintf(
-        text, sizeof text,
-        "  drive%d: {type: joint_spring, joint: hinge%d, axis: rot_x, stiffness: 2, damping: 1, rest: %.17g}\n", i, i,
-        0.2 * side);
-    elements += text;
-    std::snprintf(
-        text, sizeof text,
-        "  - {name: latch, subject: panel%d, when: {time: %.17g}, then: [{latch: {joint: hinge%d, mode: latched}}]}\n",
-        i, 2.0 + 0.05 * i, i);
-    events += text;
-  }
-  std::snprintf(text, sizeof text,
-                "unlatch: 1\nname: array64\nstep: {dt: %.17g, until: %.17g}\nbodies:\n"
-                "  bus: {mass: 1200, inertia: [900, 700, 1000]}\n",
-                dt, until);
-  return text + bodies + "joints:\n" + joints + "elements:\n" + elements + "events:\n" + events;
-}
 
 struct Options {
   std::string scenario = "boosters";
@@ -60,7 +25,14 @@ struct Options {
 
 hil::Scenario load(const Options& options) {
   const double dt = options.period_us * 1e-6;
-  if (options.scenario == "array64") return hil::load_scenario_text(write_array(dt, options.seconds), "array64");
+  if (options.scenario == "array64") {
+    hil::Scenario scenario;
+    scenario.name = "array64";
+    scenario.dt = dt;
+    scenario.until = options.seconds;
+    scenario.model = build_panel_array(kPanels);
+    return scenario;
+  }
   return hil::load_scenario(UNLATCH_SOURCE_DIR "/hil/scenarios/boosters/reference.yaml",
                             {"step.dt=" + std::to_string(dt), "step.until=" + std::to_string(options.seconds)});
 }
