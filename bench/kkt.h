@@ -1,4 +1,4 @@
-// The KKT system [M −Gᵀ; −G 0] (a; λ) = (F; −c) of a tree of hinges in blocks, and solvers that only take it as such.
+// The KKT system [M −Gᵀ; −G 0] (a; λ) = (F; −c) of bodies and joints in blocks, and solvers that only take it as such.
 //
 // They are built for the machine at hand with all of Eigen's vectorisation, which the rest of the project must not use;
 // so they live in a library of their own, whose border only plain numbers cross.
@@ -9,7 +9,7 @@
 
 namespace unlatch::bench {
 
-inline constexpr int kKktRows = 5;
+inline constexpr int kMostRows = 6;
 
 struct KktBody {
   double mass;
@@ -17,16 +17,17 @@ struct KktBody {
   double force[6];    // force and torque at the centre of mass, gyroscopic torque included
 };
 
-// Rows of G for a hinge, row by row: 5 × 6 coefficients of the two bodies' linear and angular accelerations.
-struct KktHinge {
-  int base, follower;  // base < follower
-  double base_rows[6 * kKktRows], follower_rows[6 * kKktRows];
-  double bias[kKktRows];  // c
+// Rows of G for a joint, row by row: coefficients of the two bodies' linear and angular accelerations.
+struct KktJoint {
+  int base, follower;  // base < follower; base −1 for the ground
+  int count;           // rows, 1 … 6
+  double base_rows[6 * kMostRows], follower_rows[6 * kMostRows];
+  double bias[kMostRows];  // c
 };
 
 struct KktSystem {
   std::vector<KktBody> bodies;
-  std::vector<KktHinge> hinges;  // hinge k has body k + 1 as its follower
+  std::vector<KktJoint> joints;
 };
 
 #define UNLATCH_EXPORT [[gnu::visibility("default")]]
@@ -36,9 +37,10 @@ class UNLATCH_EXPORT KktSolver {
   virtual ~KktSolver() = default;
   virtual void solve() = 0;
   virtual const double* get_acceleration(int body) const = 0;  // 6
-  virtual const double* get_multipliers(int hinge) const = 0;  // kKktRows
+  virtual const double* get_multipliers(int joint) const = 0;  // its count
 };
 
+// Throws unless joint k has body k + 1 as its follower and a body as its base: a tree whose root is free.
 UNLATCH_EXPORT std::unique_ptr<KktSolver> build_textbook_solver(const KktSystem& system);
 UNLATCH_EXPORT std::unique_ptr<KktSolver> build_dense_solver(const KktSystem& system);
 UNLATCH_EXPORT std::unique_ptr<KktSolver> build_sparse_solver(const KktSystem& system);

@@ -15,7 +15,9 @@ constexpr double kRegularisation = -1e-8;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 Eigen::Index get_size(const KktSystem& system) {
-  return static_cast<Eigen::Index>(6 * system.bodies.size() + kKktRows * system.hinges.size());
+  std::size_t rows = 6 * system.bodies.size();
+  for (const KktJoint& joint : system.joints) rows += static_cast<std::size_t>(joint.count);
+  return static_cast<Eigen::Index>(rows);
 }
 
 // Lower triangle: bodies first, then multipliers.
@@ -29,11 +31,11 @@ Triplets build_lower(const KktSystem& system, double corner) {
     }
     row += 6;
   }
-  for (const KktHinge& hinge : system.hinges)
-    for (int r = 0; r < kKktRows; ++r, ++row) {
+  for (const KktJoint& joint : system.joints)
+    for (int r = 0; r < joint.count; ++r, ++row) {
       for (int i = 0; i < 6; ++i) {
-        entries.emplace_back(row, 6 * hinge.base + i, -hinge.base_rows[6 * r + i]);
-        entries.emplace_back(row, 6 * hinge.follower + i, -hinge.follower_rows[6 * r + i]);
+        if (joint.base >= 0) entries.emplace_back(row, 6 * joint.base + i, -joint.base_rows[6 * r + i]);
+        entries.emplace_back(row, 6 * joint.follower + i, -joint.follower_rows[6 * r + i]);
       }
       entries.emplace_back(row, row, corner);
     }
@@ -45,24 +47,29 @@ Eigen::VectorXd build_right_side(const KktSystem& system) {
   Eigen::Index row = 0;
   for (const KktBody& body : system.bodies)
     for (const double force : body.force) b(row++) = force;
-  for (const KktHinge& hinge : system.hinges)
-    for (const double bias : hinge.bias) b(row++) = -bias;
+  for (const KktJoint& joint : system.joints)
+    for (int r = 0; r < joint.count; ++r) b(row++) = -joint.bias[r];
   return b;
 }
 
 class WholeKkt : public KktSolver {
  public:
-  explicit WholeKkt(const KktSystem& system)
-      : b_(build_right_side(system)), x_(b_.size()), multipliers_(6 * system.bodies.size()) {}
+  explicit WholeKkt(const KktSystem& system) : b_(build_right_side(system)), x_(b_.size()) {
+    std::size_t row = 6 * system.bodies.size();
+    for (const KktJoint& joint : system.joints) {
+      first_rows_.push_back(row);
+      row += static_cast<std::size_t>(joint.count);
+    }
+  }
 
   const double* get_acceleration(int body) const override { return x_.data() + 6 * body; }
-  const double* get_multipliers(int hinge) const override {
-    return x_.data() + multipliers_ + static_cast<std::size_t>(kKktRows * hinge);
+  const double* get_multipliers(int joint) const override {
+    return x_.data() + first_rows_[static_cast<std::size_t>(joint)];
   }
 
  protected:
   Eigen::VectorXd b_, x_;
-  std::size_t multipliers_;
+  std::vector<std::size_t> first_rows_;  // per joint
 };
 
 class Dense final : public WholeKkt {

@@ -14,8 +14,9 @@ matplotlib.rcParams["svg.hashsalt"] = "unlatch"  # the same file from the same n
 import matplotlib.pyplot as plt
 
 RESULTS = pathlib.Path(__file__).parent / "results"
-SHAPES = ["star", "chain", "bintree"]
-TITLES = {"star": "Star", "chain": "Chain", "bintree": "Binary tree"}
+SHAPES = ["star", "chain", "bintree", "random", "welded_chain"]
+TITLES = {"star": "Star", "chain": "Chain", "bintree": "Binary tree", "random": "Random tree, mixed joints",
+          "welded_chain": "Chain held at both ends"}
 # who: label, colour, line, marker
 STYLES = {
     "unlatch": ("unlatch, everything", "#c1121f", "-", "o"),
@@ -36,8 +37,11 @@ TARGETS = [
     ("textbook", "unlatch_factor_solve", "chain", 64, 14),
     ("textbook", "unlatch_factor_solve", "star", 1024, 38),
     ("textbook", "unlatch_factor_solve", "bintree", 1024, 26),
+    ("textbook", "unlatch_factor_solve", "random", 1000, 12),
 ]
 FITTED = (8, 2048)  # n
+# shape, n, ns per body at most
+PER_BODY = [("star", 100000, 60), ("bintree", 100000, 160), ("welded_chain", 512, 90)]
 
 
 def read_medians():
@@ -64,7 +68,7 @@ def calc_exponent(curve):
 
 def draw(medians):
     plt.rcParams.update({"font.size": 9, "font.family": "DejaVu Sans", "svg.fonttype": "none"})
-    figure, axes = plt.subplots(1, 3, figsize=(11, 4.8), sharey=True)
+    figure, axes = plt.subplots(1, len(SHAPES), figsize=(17, 4.8), sharey=True)
     for axis, shape in zip(axes, SHAPES):
         for who, (label, colour, line, marker) in STYLES.items():
             curve = sorted(medians.get((who, shape), {}).items())
@@ -102,17 +106,26 @@ def write_ratios(medians):
             ratio = theirs / ours
             verdict = "reached" if ratio >= target else f"short by a factor of {target / ratio:.1f}"
             out.write(f"| {shape} {n}: {slower} / {faster} | {ours:.0f} | {theirs:.0f} | {ratio:.1f} | {target} | {verdict} |\n")
-        out.write(f"\n| exponent of cost in n, {FITTED[0]}…{FITTED[1]} | star | chain | bintree |\n|---|---|---|---|\n")
+        out.write("\n| ns per body | unlatch | unlatch_factor_solve | at most |\n|---|---|---|---|\n")
+        for shape, n, limit in PER_BODY:
+            cells = [medians.get((who, shape), {}).get(n) for who in ("unlatch", "unlatch_factor_solve")]
+            if None not in cells:
+                out.write(f"| {shape} {n} | " + " | ".join(f"{t / n:.0f}" for t in cells) + f" | {limit} |\n")
+        out.write(f"\n| exponent of cost in n, {FITTED[0]}…{FITTED[1]} | " + " | ".join(SHAPES) + " |\n"
+                  + "|---" * (len(SHAPES) + 1) + "|\n")
         for who in STYLES:
-            cells = [medians.get((who, shape), {}) for shape in SHAPES]
-            if all(len(curve) > 2 for curve in cells):
-                out.write(f"| {who} | " + " | ".join(f"{calc_exponent(curve):.2f}" for curve in cells) + " |\n")
-        out.write("\n| ns per body | 5 | 64 | 1024 | 4096 | 16384 | 100000 |\n|---|---|---|---|---|---|---|\n")
+            curves = [medians.get((who, shape), {}) for shape in SHAPES]
+            cells = [f"{calc_exponent(c):.2f}" if sum(FITTED[0] <= n <= FITTED[1] for n in c) > 2 else "–" for c in curves]
+            if any(cell != "–" for cell in cells):
+                out.write(f"| {who} | " + " | ".join(cells) + " |\n")
+        sizes = (5, 64, 512, 1000, 1024, 4096, 16384, 100000)
+        out.write("\n| ns per body | " + " | ".join(map(str, sizes)) + " |\n" + "|---" * (len(sizes) + 1) + "|\n")
         for who in ("unlatch", "unlatch_factor_solve", "textbook"):
             for shape in SHAPES:
                 curve = medians.get((who, shape), {})
-                cells = [f"{curve[n] / n:.0f}" if n in curve else "–" for n in (5, 64, 1024, 4096, 16384, 100000)]
-                out.write(f"| {who}, {shape} | " + " | ".join(cells) + " |\n")
+                cells = [f"{curve[n] / n:.0f}" if n in curve else "–" for n in sizes]
+                if any(cell != "–" for cell in cells):
+                    out.write(f"| {who}, {shape} | " + " | ".join(cells) + " |\n")
 
 
 def main():

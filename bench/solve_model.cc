@@ -11,17 +11,39 @@ using test::Random;
 
 constexpr std::uint64_t kSeed = 1;
 
-int get_parent(Shape shape, int body) {
+int draw_parent(Random& random, Shape shape, int body) {
   switch (shape) {
     case Shape::kStar:
       return 0;
     case Shape::kChain:
+    case Shape::kWeldedChain:
       return body - 1;
     case Shape::kBintree:
       return (body - 1) / 2;
+    case Shape::kRandom:
+      return random.below(body);
   }
   return 0;
 }
+
+constexpr RowSet kHinge = kPointRows | row_bit(kRotX) | row_bit(kRotY);
+constexpr RowSet kWeld = kPointRows | kRotationRows;
+
+struct Kind {
+  const char* name;
+  RowSet rows;
+  bool universal = false;
+};
+constexpr Kind kKinds[] = {
+    {"revolute", kHinge},
+    {"prismatic", row_bit(kX) | row_bit(kY) | kRotationRows},
+    {"ball", kPointRows},
+    {"universal", kPointRows | row_bit(kRotZ), true},
+    {"cylindrical", row_bit(kX) | row_bit(kY) | row_bit(kRotX) | row_bit(kRotY)},
+    {"planar", row_bit(kZ) | row_bit(kRotX) | row_bit(kRotY)},
+    {"weld", kWeld},
+    {"revolute_slider", row_bit(kX) | row_bit(kY) | row_bit(kRotX) | row_bit(kRotZ)},
+};
 
 Eigen::Vector3d draw_vector(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
@@ -45,27 +67,47 @@ Body draw_body(Random& random, int index) {
   return body;
 }
 
-Joint draw_hinge(Random& random, int base, int follower) {
+Joint draw_joint(Random& random, const Kind& kind, int base, int follower) {
   Joint joint;
-  joint.name = "hinge" + std::to_string(follower);
+  joint.name = "joint" + std::to_string(follower);
   joint.base = base;
   joint.follower = follower;
   joint.point_base = draw_vector(random, 0.5);
   joint.point_follower = draw_vector(random, 0.5);
   joint.axes = draw_attitude(random).toRotationMatrix();
-  joint.modes = {{"hinge", kPointRows | row_bit(kRotX) | row_bit(kRotY)}};
+  joint.universal = kind.universal;
+  joint.modes = {{kind.name, kind.rows}};
   return joint;
 }
 
-// Puts the follower where the hinge wants it, turning about it with `speed`, rad/s.
-void close(const Joint& joint, const Body& base, double speed, Body& follower) {
+// Puts the follower where the joint wants it, moving along each of its freedoms with up to `speed`, m/s and rad/s.
+void close(const Joint& joint, const Body& base, double speed, Random& random, Body& follower) {
   const Eigen::Matrix3d R_base = base.q_WB.toRotationMatrix(), R_follower = follower.q_WB.toRotationMatrix();
+  const Eigen::Matrix3d axes = R_base * joint.axes;
   const Eigen::Vector3d w_base = R_base * base.w_WB_B;
-  const Eigen::Vector3d w = w_base + speed * (R_base * joint.axes.col(2));
+  Eigen::Vector3d w = w_base, slip = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    if (!has_row(joint.modes[0].rows, kX + k)) slip += random.uniform(-speed, speed) * axes.col(k);
+    if (!has_row(joint.modes[0].rows, kRotX + k)) w += random.uniform(-speed, speed) * axes.col(k);
+  }
   const Eigen::Vector3d arm_base = R_base * joint.point_base, arm = R_follower * joint.point_follower;
   follower.p_WB = base.p_WB + arm_base - arm;
   follower.w_WB_B = R_follower.transpose() * w;
-  follower.v_WB = base.v_WB + w_base.cross(arm_base) - w.cross(arm);
+  follower.v_WB = base.v_WB + w_base.cross(arm_base) + slip - w.cross(arm);
+}
+
+// The two joints to the ground come first and last, so that the tree hangs on the hinge and the weld closes the loop.
+void hold_both_ends(Model& model, Random& random) {
+  Joint hinge = draw_joint(random, {"hinge", kHinge}, kGround, 0);
+  hinge.name = "root";
+  hinge.point_base = model.bodies[0].q_WB * hinge.point_follower + model.bodies[0].p_WB;
+  model.joints.insert(model.joints.begin(), hinge);
+  const int tip = static_cast<int>(model.bodies.size()) - 1;
+  const Body& body = model.bodies.back();
+  Joint weld = draw_joint(random, {"weld", kWeld}, kGround, tip);
+  weld.name = "tip";
+  weld.point_base = body.q_WB * weld.point_follower + body.p_WB;
+  model.joints.push_back(weld);
 }
 
 }  // namespace
@@ -78,6 +120,10 @@ const char* get_name(Shape shape) {
       return "chain";
     case Shape::kBintree:
       return "bintree";
+    case Shape::kRandom:
+      return "random";
+    case Shape::kWeldedChain:
+      return "welded_chain";
   }
   return "";
 }
@@ -88,29 +134,18 @@ Model build_solve_model(Shape shape, int n) {
   model.name = get_name(shape);
   model.gravity.uniform = {0, 0, -9.81};
   model.bodies.push_back(draw_body(random, 0));
-  model.bodies[0].v_WB = draw_vector(random, 1);
-  model.bodies[0].w_WB_B = draw_vector(random, 1);
+  const double speed = shape == Shape::kWeldedChain ? 0 : 1;  // held at both ends it hangs at rest
+  model.bodies[0].v_WB = speed * draw_vector(random, 1);
+  model.bodies[0].w_WB_B = speed * draw_vector(random, 1);
   for (int k = 1; k < n; ++k) {
-    const int parent = get_parent(shape, k);
-    model.joints.push_back(draw_hinge(random, parent, k));
+    const int parent = draw_parent(random, shape, k);
+    const Kind& kind = shape == Shape::kRandom ? kKinds[random.below(static_cast<int>(std::size(kKinds)))] : kKinds[0];
+    model.joints.push_back(draw_joint(random, kind, parent, k));
     model.bodies.push_back(draw_body(random, k));
-    close(model.joints.back(), model.bodies[static_cast<std::size_t>(parent)], random.uniform(-1, 1),
-          model.bodies.back());
+    close(model.joints.back(), model.bodies[static_cast<std::size_t>(parent)], speed, random, model.bodies.back());
   }
+  if (shape == Shape::kWeldedChain) hold_both_ends(model, random);
   return model;
-}
-
-std::vector<double> calc_coordinates(const Model& model, const std::vector<double>& body_accelerations) {
-  const auto angular = [&](int body) {
-    return Eigen::Vector3d::Map(&body_accelerations[6 * static_cast<std::size_t>(body) + 3]);
-  };
-  std::vector<double> out(body_accelerations.begin(), body_accelerations.begin() + 6);
-  for (const Joint& joint : model.joints) {
-    // w_follower = w_base + z q', and z' = w_base × z has no part along z.
-    const Eigen::Vector3d z = model.bodies[static_cast<std::size_t>(joint.base)].q_WB * joint.axes.col(2);
-    out.push_back(z.dot(angular(joint.follower) - angular(joint.base)));
-  }
-  return out;
 }
 
 }  // namespace unlatch::bench

@@ -2,19 +2,29 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "bench/solve_model.h"
+#include "tests/support/tree_links.h"
 
 namespace unlatch::bench {
+
+// One acceleration solve's answer. Multipliers where rows are redundant or loops cut differently are not unique; the
+// systems here have none such.
+struct Solution {
+  std::vector<double> accelerations;  // calc_joint_accelerations(); m/s², rad/s²
+  std::vector<double> multipliers;    // 6 a joint, 0 for rows that do not hold, N and N m; empty if there are none
+};
 
 class Solver {
  public:
   virtual ~Solver() = default;
   virtual void solve() = 0;  // what is timed
-  virtual Solution build_solution() const = 0;
+  virtual Solution build_solution() = 0;
 };
 
 using MakeSolver = std::unique_ptr<Solver> (*)(const Model& model);
+using test::calc_joint_accelerations;
 
 std::unique_ptr<Solver> build_unlatch(const Model& model);               // evaluate(): everything
 std::unique_ptr<Solver> build_unlatch_factor_solve(const Model& model);  // factor() and solve() alone

@@ -3,7 +3,7 @@
 #include "bench/solve_solver.h"
 #include "kernel/integrator.h"
 #include "kernel/tree_solver.h"
-#include "tests/support/simulation.h"
+#include "tests/support/solve_comparison.h"
 
 namespace unlatch::bench {
 namespace {
@@ -14,16 +14,15 @@ class Unlatch : public Solver {
 
   void solve() override { evaluate_or_throw(); }
 
-  Solution build_solution() const override {
-    std::vector<double> bodies;
-    for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
-      const Spatial a = simulation_.workspace.accelerations[b];
-      bodies.insert(bodies.end(), {a.lin.x, a.lin.y, a.lin.z, a.ang.x, a.ang.y, a.ang.z});
-    }
-    Solution solution{calc_coordinates(model_, bodies), {}};
-    for (std::size_t j = 0; j < model_.joints.size(); ++j)
-      for (std::size_t r = 0; r < kHingeRows; ++r)
-        solution.multipliers.push_back(simulation_.workspace.multipliers[j * kRows + r]);
+  Solution build_solution() override {
+    const test::KernelSolution kernel = test::read_solution(simulation_);
+    test::BodyAccelerations bodies{kernel.linear, {}};
+    Solution solution;
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b)
+      bodies.angular.push_back(test::get_placement(model_, static_cast<int>(b)).R * kernel.angular[b]);
+    solution.accelerations = calc_joint_accelerations(model_, bodies);
+    for (const auto& joint : kernel.multipliers)
+      solution.multipliers.insert(solution.multipliers.end(), joint.begin(), joint.end());
     return solution;
   }
 
@@ -45,7 +44,9 @@ class UnlatchFactorSolve final : public Unlatch {
  public:
   using Unlatch::Unlatch;
 
-  void solve() override { check(factor_and_solve(simulation_.plan, simulation_.state, simulation_.workspace, {})); }
+  void solve() override {
+    check(factor_and_solve(simulation_.plan, simulation_.state, simulation_.workspace, {}));
+  }
 };
 
 }  // namespace

@@ -1,10 +1,13 @@
 // Full steps: forces, four stages, both projections, event checks, outputs. `step/<scenario>` is a whole run's mean;
-// `step/<scenario>/<phase>` steps again and again from one state in the middle of a phase.
+// `step/<scenario>/<phase>` steps again and again from one state in the middle of a phase; `step/random/<n>` from the
+// start of a random tree of n bodies on joints of every kind.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <vector>
 
+#include "bench/panel_array.h"
+#include "bench/solve_model.h"
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 
@@ -14,20 +17,26 @@ namespace {
 Simulation build_boosters() { return Simulation(build_soyuz(load_reference("soyuz_nominal"))); }
 Simulation build_array() { return Simulation(build_solar(load_reference("solar_elastic"))); }
 
+void step_or_skip(benchmark::State& bench, Simulation& simulation) {
+  const StepReport report = simulation.advance();
+  benchmark::DoNotOptimize(report);
+  if (report.status != StepStatus::kOk) bench.SkipWithError(get_status_text(report.status));
+}
+
 void repeat_step(benchmark::State& bench, Simulation simulation, int tick) {
   for (int i = 0; i < tick; ++i) (void)simulation.advance();
   const std::span<std::byte> state = simulation.state.get_bytes();
   const std::vector<std::byte> saved(state.begin(), state.end());
   for (auto _ : bench) {
     std::copy(saved.begin(), saved.end(), state.begin());
-    benchmark::DoNotOptimize(simulation.advance());
+    step_or_skip(bench, simulation);
   }
 }
 
 void run_whole(benchmark::State& bench, Simulation simulation, int ticks) {
   for (auto _ : bench) {
     if (simulation.state.header->tick >= ticks) init_state(simulation.plan, simulation.state);
-    benchmark::DoNotOptimize(simulation.advance());
+    step_or_skip(bench, simulation);
   }
 }
 
@@ -40,6 +49,16 @@ BENCHMARK_CAPTURE(run_whole, boosters, build_boosters(), 2000)->Name("step/boost
 BENCHMARK_CAPTURE(repeat_step, drive, build_array(), 3000)->Name("step/array/drive");
 BENCHMARK_CAPTURE(repeat_step, latched, build_array(), 9500)->Name("step/array/latched");
 BENCHMARK_CAPTURE(run_whole, array, build_array(), 20000)->Name("step/array");
+
+// 64 panels unfold on springs, a guard at each hinge that closes its elastic latch.
+BENCHMARK_CAPTURE(repeat_step, drive, Simulation(bench::build_panel_array(64)), 100)->Name("step/array64/drive");
+BENCHMARK_CAPTURE(run_whole, array64, Simulation(bench::build_panel_array(64)), 10000)->Name("step/array64");
+
+void repeat_random(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(0));
+  repeat_step(state, Simulation(bench::build_solve_model(bench::Shape::kRandom, n)), 1);
+}
+BENCHMARK(repeat_random)->Name("step/random")->Arg(5)->Arg(20)->Arg(64)->Arg(256)->Arg(1000);
 
 }  // namespace
 }  // namespace unlatch::test

@@ -14,7 +14,9 @@ constexpr int kLastDomain = 230;  // the last whose ports fit into 16 bits
 // Loopback has no multicast: without a peer and automatic participant indices the processes of one machine never meet.
 // Every index up to the largest is greeted at start. A writer whose reader was killed lingers for a second by default,
 // one after the other; the last messages cross a loopback in far less.
-std::string write_configuration(const std::string& interface) {
+// A refusal by the security plugins is explained nowhere but in the trace.
+std::string write_configuration(const DdsOptions& options) {
+  const std::string& interface = options.interface;
   const bool loopback = interface == "lo";
   const std::string network = loopback ? "<NetworkInterface name=\"lo\" multicast=\"false\"/>"
                                        : "<NetworkInterface name=\"" + interface + "\"/>";
@@ -24,7 +26,11 @@ std::string write_configuration(const std::string& interface) {
          (loopback ? "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99"
                      "</MaxAutoParticipantIndex><Peers><Peer Address=\"127.0.0.1\"/></Peers></Discovery>"
                    : "") +
-         "<Internal><WriterLingerDuration>100ms</WriterLingerDuration></Internal></Domain></CycloneDDS>";
+         "<Internal><WriterLingerDuration>100ms</WriterLingerDuration><WriteBatch>true</WriteBatch></Internal>" +
+         (options.security.empty()
+              ? ""
+              : "<Tracing><Verbosity>warning</Verbosity><OutputFile>stderr</OutputFile></Tracing>") +
+         "</Domain></CycloneDDS>";
 }
 
 bool is_interface_name(const std::string& name) {
@@ -49,13 +55,25 @@ void close(const DdsEntity* domain) {
 
 }  // namespace
 
+std::string describe(const DdsOptions& options) {
+  const std::string text = "DDS, domain " + std::to_string(options.domain) + ", ";
+  const std::string who = options.security.empty() ? "every process there may listen and command"
+                                                   : "only whom the authority of " + options.security +
+                                                         " has signed may listen or command, encrypted";
+  if (std::getenv("CYCLONEDDS_URI") != nullptr) return text + "as CYCLONEDDS_URI configures it: " + who;
+  return text + "on the interface '" + options.interface +
+         "': " + (options.interface == "lo" ? "this machine only; " : "") + who;
+}
+
 PortError make_dds_error(const DdsOptions& options, const char* what, dds_return_t code) {
   const std::string where = std::getenv("CYCLONEDDS_URI") != nullptr
                                 ? "with the configuration of CYCLONEDDS_URI; is that right?"
                                 : "on the interface '" + options.interface + "'; is it there and up (`ip link show " +
                                       options.interface + "`), and are fewer than 100 participants running?";
+  const std::string security =
+      options.security.empty() ? "" : ", or does the identity in " + options.security + " not permit it (see above)?";
   return PortError("Cyclone DDS: " + std::string(what) + " failed (" + dds_strretcode(code) + ") in domain " +
-                   std::to_string(options.domain) + " " + where);
+                   std::to_string(options.domain) + " " + where + security);
 }
 
 std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
@@ -76,7 +94,7 @@ std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
                     "'; a process uses one interface per domain, so use that or another domain");
   }
   const auto domain =
-      dds_create_domain(static_cast<dds_domainid_t>(options.domain), write_configuration(options.interface).c_str());
+      dds_create_domain(static_cast<dds_domainid_t>(options.domain), write_configuration(options).c_str());
   if (domain < 0) throw make_dds_error(options, "opening the network", domain);
   const std::shared_ptr<const DdsEntity> entity(new DdsEntity(domain), close);
   known = {entity, options.interface};

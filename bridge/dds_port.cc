@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bridge/dds_domain.h"
+#include "bridge/dds_security.h"
 #include "bridge/port.h"
 #include "bridge/schema/dds_layout.h"
 #include "unlatch.h"
@@ -25,9 +26,9 @@ struct TopicTraits {
   dds_duration_t lifespan;    // after which nobody gets it any more
 };
 
-// What participants say reaches the simulator even if it was said while the two were still discovering each other,
+// What participants say once reaches the simulator even if it was said while the two were still discovering each other,
 // which takes each topic up to a tenth of a second; it is forgotten soon, so that the next simulator does not hear old
-// commands.
+// commands. An acknowledgement is said again whenever the State is.
 constexpr dds_duration_t kRecent = DDS_SECS(2);
 constexpr dds_duration_t kForever = DDS_INFINITY;
 
@@ -40,8 +41,9 @@ constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
     {MessageKind::kEvent, &unlatch_Event_desc, 1024, 4096, 1024, kForever},
     {MessageKind::kCommand, &unlatch_Command_desc, 1024, 4096, 64, kRecent},
     {MessageKind::kState, &unlatch_State_desc, 192, 4096, 0, kForever},
-    {MessageKind::kStepAck, &unlatch_StepAck_desc, 1024, 4096, 64, kRecent},
+    {MessageKind::kStepAck, &unlatch_StepAck_desc, 1024, 4096, 0, kForever},
     {MessageKind::kHealth, &unlatch_Health_desc, 64, 256, 0, kForever},
+    {MessageKind::kVerdict, &unlatch_Verdict_desc, 256, 4096, 0, kForever},
 }};
 
 constexpr std::int64_t kMaxBlocking = DDS_MSECS(10);
@@ -71,8 +73,7 @@ class DdsPort final : public Port {
       : Port(role),
         options_(options),
         domain_(open_dds_domain(options)),
-        participant_(check("creating a participant",
-                           dds_create_participant(static_cast<dds_domainid_t>(options.domain), nullptr, nullptr))),
+        participant_(create_participant()),
         waitset_(check("creating a waitset", dds_create_waitset(participant_.get()))) {
     for (std::size_t i = 0; i < kMessageKinds; ++i) open_topic(role, i);
   }
@@ -92,6 +93,13 @@ class DdsPort final : public Port {
   dds_entity_t check(const char* what, dds_entity_t result) const {
     if (result < 0) throw make_dds_error(options_, what, result);
     return result;
+  }
+
+  dds_entity_t create_participant() const {
+    const Qos qos(dds_create_qos());
+    if (!options_.security.empty()) set_dds_security(qos.get(), options_.security);
+    return check("creating a participant",
+                 dds_create_participant(static_cast<dds_domainid_t>(options_.domain), qos.get(), nullptr));
   }
 
   void open_topic(Role role, std::size_t index) {
@@ -120,15 +128,21 @@ class DdsPort final : public Port {
   // The structs have one layout in C and C++ (schema/dds_layout.h), and all members of the union one address.
   bool send(const Message& message) override {
     const dds_entity_t writer = writers_[static_cast<std::size_t>(message.kind)];
-    return dds_write(writer, &message.hello) == DDS_RETCODE_OK;
+    if (dds_write(writer, &message.hello) != DDS_RETCODE_OK) return false;
+    // The domain gathers what a writer says until it is told to send it: the parts of a State are one packet.
+    const bool more_follows = message.kind == MessageKind::kState && message.state.part > 0;
+    if (!more_follows) dds_write_flush(writer);
+    return true;
   }
 
   Received receive(Message& message, std::chrono::nanoseconds wait) override {
     if (deliver(message)) return Received::kMessage;
-    const dds_duration_t limit = std::max<dds_duration_t>(wait.count(), 0);
-    if (dds_waitset_wait(waitset_.get(), nullptr, 0, limit) <= 0) return Received::kNothing;
+    // Not to wait is not to wait for 0 ns: that would sleep for as long as the kernel's timers are coarse.
+    const bool waits = wait > std::chrono::nanoseconds::zero();
+    if (waits && dds_waitset_wait(waitset_.get(), nullptr, 0, wait.count()) <= 0) return Received::kNothing;
     take_all();
-    return deliver(message) ? Received::kMessage : Received::kOther;  // other: a writer went away
+    if (deliver(message)) return Received::kMessage;
+    return waits ? Received::kOther : Received::kNothing;  // other: a writer went away
   }
 
   // From the last sent topic to the first: whatever was sent before an acknowledgement that is taken here has arrived

@@ -24,6 +24,7 @@ class Queue {
         --count_;
         ++lost_;
       }
+      if (count_ == 0) first_ = 0;  // a short queue stays in the cache
       ring_[(first_ + count_++) % ring_.size()] = message;
     }
     ready_.notify_one();
@@ -31,7 +32,11 @@ class Queue {
 
   bool pop(Message& message, std::chrono::nanoseconds wait) {
     std::unique_lock lock(mutex_);
-    if (!ready_.wait_for(lock, wait, [this] { return count_ > 0; })) return false;
+    if (count_ ==
+        0) {  // not to wait is not to wait for 0 ns: that sleeps for as long as the kernel's timers are coarse
+      if (wait <= std::chrono::nanoseconds::zero()) return false;
+      if (!ready_.wait_for(lock, wait, [this] { return count_ > 0; })) return false;
+    }
     message = ring_[first_];
     first_ = (first_ + 1) % ring_.size();
     --count_;

@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "bridge/lcm_route.h"
 #include "bridge/port.h"
 
 namespace unlatch::bridge {
@@ -30,6 +31,8 @@ class LcmPort final : public Port {
     if (!options.url.starts_with(kUdpScheme)) {
       throw PortError("LCM: '" + options.url + "' is not a UDP multicast address; write it like " + LcmOptions{}.url);
     }
+    const std::string interface = find_lcm_route(options.url).interface;
+    if (!interface.empty() && interface != options.interface) throw PortError(explain_route(options, interface));
     lcm_.reset(lcm_create(options.url.c_str()));
     if (!lcm_) throw PortError(explain(options));
     for (std::size_t i = 0; i < hil::kMessageKinds; ++i) {
@@ -51,6 +54,14 @@ class LcmPort final : public Port {
     return "LCM cannot open " + options.url +
            ". Most often the machine has no route for multicast: as root, `ip link set lo multicast on && ip route add "
            "224.0.0.0/4 dev lo` keeps it on the loopback interface.";
+  }
+
+  static std::string explain_route(const LcmOptions& options, const std::string& interface) {
+    return "LCM: this machine's route for " + options.url + " leads through the interface '" + interface + "', not '" +
+           options.interface + "'. Anyone on '" + interface +
+           "' could command the simulator: ask for it by that name, or route it elsewhere, as root, with `ip route "
+           "replace 224.0.0.0/4 dev " +
+           options.interface + "`.";
   }
 
   void subscribe(Subscription& subscription, const LcmOptions& options) {
@@ -93,6 +104,15 @@ class LcmPort final : public Port {
 };
 
 }  // namespace
+
+std::string describe(const LcmOptions& options) {
+  const std::string text = "LCM, " + options.url + " on the interface '" + options.interface + "': ";
+  if (options.interface == "lo") return text + "this machine only; every process on it may listen and command";
+  return text +
+         (find_lcm_route(options.url).ttl > 0 ? "everyone there may listen and command"
+                                              : "nothing leaves this machine, but everyone there may command") +
+         "; LCM cannot keep anybody out";
+}
 
 std::unique_ptr<Port> open_lcm_port(Role role, const LcmOptions& options) {
   return std::make_unique<LcmPort>(role, options);

@@ -60,6 +60,7 @@ class Port {
 
   // From any thread.
   [[nodiscard]] PortCounts get_counts() const;
+  [[nodiscard]] std::int64_t get_malformed() const { return malformed_.load(std::memory_order_relaxed); }
 
  protected:
   // kNothing: the wait is over; kOther: something came that is no message, look again.
@@ -106,13 +107,21 @@ class InprocHub {
 struct DdsOptions {
   int domain = 0;  // 0 to 230
   std::string interface = "lo";
+  std::string security =
+      {};  // folder with an identity, see SECURITY.md; empty: none, and open to everybody on the interface
 };
 [[nodiscard]] std::unique_ptr<Port> open_dds_port(Role role, const DdsOptions& options = {});
 
-// LCM over UDP multicast; ttl=0 keeps it on this machine. Throws PortError.
+// LCM over UDP multicast; ttl=0 keeps what is said on this machine. LCM hears and speaks through the interface that the
+// machine's route for multicast leads to: if that is not the one expected here, opening is refused. Throws PortError.
 struct LcmOptions {
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string interface = "lo";
 };
 [[nodiscard]] std::unique_ptr<Port> open_lcm_port(Role role, const LcmOptions& options = {});
+
+// A sentence for people: where it speaks, and who else may.
+[[nodiscard]] std::string describe(const DdsOptions& options);
+[[nodiscard]] std::string describe(const LcmOptions& options);
 
 }  // namespace unlatch::bridge

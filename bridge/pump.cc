@@ -68,6 +68,7 @@ void Pump::run_in(const std::stop_token& stopping) {
   Message message;
   while (!stopping.stop_requested()) {
     if (port_.poll(message, kPollWait)) link_.deliver(message);
+    link_.set_malformed(port_.get_malformed());
   }
 }
 

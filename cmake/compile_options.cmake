@@ -19,6 +19,6 @@ target_compile_definitions(unlatch_options INTERFACE EIGEN_DONT_VECTORIZE)
 # The sanitizers: cmake -DUNLATCH_SANITIZE="address,undefined" (see CMakePresets.json).
 set(UNLATCH_SANITIZE "" CACHE STRING "Comma-separated sanitizers for the whole build")
 if(UNLATCH_SANITIZE)
-  add_compile_options(-fsanitize=${UNLATCH_SANITIZE} -fno-omit-frame-pointer -g)
+  add_compile_options(-fsanitize=${UNLATCH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g)
   add_link_options(-fsanitize=${UNLATCH_SANITIZE})
 endif()

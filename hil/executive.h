@@ -1,10 +1,11 @@
 // The cyclic executive: steps a simulation at its pace, with flight software in the loop, and accounts for every tick.
 //
-//   real time  wait for the absolute deadline → drain the command ring → step → push the state → account for the time
+//   real time  wait for the tick → drain the command ring → step → push the state → account for the time
 //   lockstep   push the state → wait until every required participant has answered → step
 //   fast       step
 //
-// In the loop: no allocation, lock, file or logging; it speaks to the outside through a Link and a Recorder alone. Wall
+// In the loop: no allocation, lock, file or logging; it speaks to the outside through a Line and a Recorder alone (in
+// real time the line is a Link; in lockstep, which has no deadline to miss, it may lead to the middleware itself). Wall
 // time decides whether a participant is alive, simulated time everything else. When a required participant does not
 // answer within its limit, the scenario's policy is applied once and recorded, and the run goes on without it (hold,
 // zero, safe), waits for it (pause) or ends (abort).
@@ -14,16 +15,19 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "hil/executive_commands.h"
 #include "hil/executive_roster.h"
 #include "hil/executive_timing.h"
-#include "hil/link.h"
+#include "hil/line.h"
+#include "hil/nonblocking.h"
 #include "hil/recorder.h"
 #include "hil/scenario.h"
 #include "hil/simulation.h"
+#include "hil/tick_source.h"
 
 namespace unlatch::hil {
 
@@ -32,6 +36,8 @@ struct ExecutiveOptions {
   std::int64_t session = 0;
   std::int64_t last_tick = 0;  // the run ends there
   FlightSoftware flight_software;
+  TimingOptions timing;
+  TickSource* ticks = nullptr;                     // real time: what paces it; null for the monotonic clock
   std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
   std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
 };
@@ -39,7 +45,7 @@ struct ExecutiveOptions {
 class Executive {
  public:
   // All must outlive the executive. `scenario` is the name told to participants.
-  Executive(Simulation& simulation, Link& link, Recorder& recorder, const std::string& scenario,
+  Executive(Simulation& simulation, Line& link, Recorder& recorder, const std::string& scenario,
             const ExecutiveOptions& options);
 
   // From the introductions to the end, on the calling thread.
@@ -51,9 +57,25 @@ class Executive {
   // For one watching thread.
   [[nodiscard]] std::int64_t get_tick() const noexcept { return tick_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool take_notice(Event& event) noexcept { return notices_.try_dequeue(event); }
+  // For a watchdog: changes as long as the cyclic thread lives; and what it is doing, "in the step of tick 412".
+  [[nodiscard]] const std::atomic<std::int64_t>& get_beats() const noexcept { return beats_; }
+  [[nodiscard]] std::string describe_place() const;
 
  private:
   enum class Go { kStep, kStop };
+  enum class Place : std::int32_t { kBeginning, kWaiting, kHearing, kStepping, kSpeaking, kEnding };
+
+  // executive.cc: one tick
+  Go await_tick() noexcept;
+  Go cycle() noexcept UNLATCH_NONBLOCKING;
+  void speak(const StepReport& report) noexcept UNLATCH_NONBLOCKING;
+  Go account(std::int64_t step_end_ns) noexcept UNLATCH_NONBLOCKING;
+  Go account_overrun(std::int64_t now_ns) noexcept UNLATCH_NONBLOCKING;
+  void beat(Place place) noexcept {
+    place_.store(place, std::memory_order_relaxed);
+    beats_.fetch_add(1, std::memory_order_relaxed);
+  }
+  LogEnd conclude_stop();
 
   // executive_session.cc: the beginning, the end, and what is said
   bool introduce(std::string& failure);
@@ -64,6 +86,7 @@ class Executive {
   void resend_state(RunStatus status) noexcept;
   void publish_event(Event event, double time, bool notice) noexcept;
   void publish_notice(std::string_view name, std::string_view subject) noexcept;
+  void publish_overrun(const Overrun& overrun) noexcept;
   void publish_health(std::int64_t now_ns) noexcept;
   [[nodiscard]] std::int64_t calc_dropped() const noexcept;
   LogEnd conclude(RunStatus status, std::string message);
@@ -72,7 +95,7 @@ class Executive {
   Go wait_realtime() noexcept;
   Go wait_lockstep() noexcept;
   Go pause(Participant& participant) noexcept;
-  void drain() noexcept;
+  void drain() noexcept UNLATCH_NONBLOCKING;
   void hear(const Message& message, std::int64_t arrived_ns) noexcept;
   void hear_hello(const HelloAck& hello) noexcept;
   void hear_ack(const StepAck& ack, std::int64_t arrived_ns) noexcept;
@@ -85,7 +108,7 @@ class Executive {
                    std::int64_t sequence) noexcept;
 
   Simulation& simulation_;
-  Link& link_;
+  Line& link_;
   Recorder& recorder_;
   const ExecutiveOptions options_;
   const std::int64_t dt_ns_;
@@ -101,18 +124,28 @@ class Executive {
   std::string refusal_;  // before the first tick: why a required participant will not take part
   std::string end_message_;
 
+  const std::unique_ptr<TickSource> own_ticks_;
+  TickSource* const ticks_;
   Timing timing_;
+  TickTiming now_;             // the tick that is being made
+  StepReport last_report_;     // why the run stops, if it was the step
+  bool overrun_ends_ = false;  // why the run stops, if it was an overrun
+  std::int64_t slipped_ns_ = 0, skipped_outputs_ = 0;
   Message message_;  // scratch
   State state_;      // scratch
   std::int64_t hash_ = 0;
-  std::int64_t state_sequence_ = 0, event_sequence_ = 0;
-  std::int64_t sent_ns_ = 0;      // when the latest State went out
-  bool turnaround_open_ = false;  // it has not been answered by all yet
-  std::int64_t started_ns_ = 0, deadline_ns_ = 0, health_ns_ = 0;
+  std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0;
+  std::int64_t sent_ns_ = 0;           // when the latest State went out
+  std::int64_t sent_tick_ = 0;         // and its tick
+  bool round_trip_open_ = false;       // it has not been answered by all yet
+  std::int64_t heard_ns_ = 0;          // when the latest command arrived
+  std::int64_t applied_since_ns_ = 0;  // arrival of the latest command that no State has followed yet; 0: none
+  std::int64_t started_ns_ = 0, health_ns_ = 0;
   std::int64_t resent_ = 0;
 
   std::atomic<bool> stop_{false};
-  std::atomic<std::int64_t> tick_{0};
+  std::atomic<std::int64_t> tick_{0}, beats_{0};
+  std::atomic<Place> place_{Place::kBeginning};
   moodycamel::BlockingReaderWriterCircularBuffer<Event> notices_{256};
 };
 

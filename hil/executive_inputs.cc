@@ -1,5 +1,6 @@
 // What the executive hears, and when a tick has heard enough.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "hil/executive.h"
@@ -9,9 +10,8 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr int kMessagesPerLook = 512;         // bounds the work of one look at the ring
-constexpr std::int64_t kEager_ns = 200'000;   // lockstep: how long to look again at once
-constexpr std::int64_t kPatient_ns = 20'000;  // and after that, how long to sleep between two looks
+constexpr int kMessagesPerLook = 512;              // bounds the work of one look at the ring
+constexpr std::chrono::milliseconds kPatience(5);  // lockstep: the longest sleep between two looks at the clock
 constexpr std::int64_t kPauseLook_ns = 5'000'000;
 
 }  // namespace
@@ -20,12 +20,13 @@ constexpr std::int64_t kPauseLook_ns = 5'000'000;
 
 Executive::Go Executive::wait_realtime() noexcept {
   drain();
-  is_answered();  // closes the turnaround
+  is_answered();  // closes the round trip
   if (Participant* const overdue = find_overdue(get_monotonic_ns())) return lose(*overdue);
   return Go::kStep;
 }
 
 Executive::Go Executive::wait_lockstep() noexcept {
+  if (sent_tick_ != simulation_.get_tick()) return Go::kStep;  // no State, no answers
   std::int64_t resend_at_ns = sent_ns_ + options_.resend_ns;
   while (true) {
     drain();
@@ -40,7 +41,7 @@ Executive::Go Executive::wait_lockstep() noexcept {
       resend_state(RunStatus::kRunning);
       resend_at_ns = now_ns + options_.resend_ns;
     }
-    if (now_ns - sent_ns_ > kEager_ns) sleep_until_ns(now_ns + kPatient_ns);
+    link_.wait(kPatience);
   }
 }
 
@@ -59,7 +60,7 @@ Executive::Go Executive::pause(Participant& participant) noexcept {
   }
   publish_notice(kResumed, participant.name);
   const std::int64_t now_ns = get_monotonic_ns();
-  deadline_ns_ = now_ns;  // the pause is no overrun
+  ticks_->restart(now_ns);  // the pause is no overrun
   for (Participant& other : roster_.all()) {
     if (other.waiting_since_ns >= 0) other.waiting_since_ns = now_ns;
   }
@@ -68,15 +69,15 @@ Executive::Go Executive::pause(Participant& participant) noexcept {
 
 // Have all required participants answered this tick?
 bool Executive::is_answered() noexcept {
-  const std::int64_t tick = simulation_.get_tick();
+  const std::int64_t tick = sent_tick_;
   std::int64_t last_ns = 0;
   for (const Participant& participant : roster_.all()) {
     if (!participant.required || participant.lost) continue;
     if (!participant.has_answered(tick)) return false;
     last_ns = std::max(last_ns, participant.ack_arrived_ns);
   }
-  if (turnaround_open_ && last_ns > 0) timing_.turnaround.record(last_ns - sent_ns_);
-  turnaround_open_ = false;
+  if (round_trip_open_ && last_ns > 0) timing_.round_trip.record(last_ns - sent_ns_);
+  round_trip_open_ = false;
   return true;
 }
 
@@ -93,6 +94,8 @@ Participant* Executive::find_overdue(std::int64_t now_ns) noexcept {
 // --- Hearing --------------------------------------------------------------------------------------------------------
 
 void Executive::drain() noexcept {
+  const MayWait without_deadlines(options_.pace != Pace::kRealtime || started_ns_ == 0);
+  beat(Place::kHearing);
   std::int64_t arrived_ns = 0;
   for (int i = 0; i < kMessagesPerLook && link_.receive(message_, arrived_ns); ++i) hear(message_, arrived_ns);
 }
@@ -100,6 +103,7 @@ void Executive::drain() noexcept {
 void Executive::hear(const Message& message, std::int64_t arrived_ns) noexcept {
   switch (message.kind) {
     case MessageKind::kCommand:
+      heard_ns_ = arrived_ns;
       return desk_.offer(message.command, roster_.find(message.command.participant), simulation_.get_tick());
     case MessageKind::kStepAck:
       return hear_ack(message.step_ack, arrived_ns);
@@ -133,7 +137,7 @@ void Executive::hear_ack(const StepAck& ack, std::int64_t arrived_ns) noexcept {
   if (ack.tick > participant->ack.tick) participant->ack_arrived_ns = arrived_ns;
   participant->ack = ack;
   // Alive: it owes nothing, or an answer to a later State, counted from now.
-  participant->waiting_since_ns = ack.tick >= simulation_.get_tick() ? -1 : get_monotonic_ns();
+  participant->waiting_since_ns = ack.tick >= sent_tick_ ? -1 : get_monotonic_ns();
 }
 
 // --- Acting ---------------------------------------------------------------------------------------------------------
@@ -172,6 +176,7 @@ void Executive::apply_policy(const Participant& participant) noexcept {
 void Executive::apply_commands() noexcept {
   desk_.take_due(simulation_.get_tick(), [this](const Command& command) {
     commander_[static_cast<std::size_t>(command.channel)] = command.participant;
+    applied_since_ns_ = heard_ns_;
     set_channel(command.channel, command.value, ChangeCause::kCommand, command.participant, command.sequence);
   });
 }

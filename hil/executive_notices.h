@@ -11,6 +11,8 @@ namespace unlatch::hil {
 inline constexpr std::string_view kJoined = "participant.joined";
 inline constexpr std::string_view kResumed = "participant.resumed";
 inline constexpr std::string_view kPolicyPrefix = "policy.";  // and the policy's name, e.g. policy.hold
+// And the cause, e.g. overrun.late_wakeup; the subject says where the time went. There may be many: they are no notices.
+inline constexpr std::string_view kOverrunPrefix = "overrun.";
 
 [[nodiscard]] inline bool is_notice(const Event& event) noexcept {
   const std::string_view name = get_name(event.name);

@@ -1,5 +1,10 @@
 // How a session begins and ends, and what the executive says in between.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
 #include "hil/executive.h"
+#include "hil/executive_notices.h"
 #include "hil/pacer.h"
 
 namespace unlatch::hil {
@@ -39,7 +44,11 @@ bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
 
 void Executive::say_hello() {
   send_until_taken(hello_);
-  for (const Catalog& item : catalog_) send_until_taken(item);
+  ++hello_.sequence;
+  for (Catalog& item : catalog_) {
+    item.sequence = catalog_sequence_++;
+    send_until_taken(item);
+  }
 }
 
 // A large catalog does not fit the ring at once; without anybody at its other end we do not wait for ever.
@@ -64,7 +73,8 @@ void Executive::publish_state(RunStatus status) noexcept {
     if (record) recorder_.state(state_);
   }
   sent_ns_ = get_monotonic_ns();
-  turnaround_open_ = true;
+  sent_tick_ = simulation_.get_tick();
+  round_trip_open_ = true;
   for (Participant& participant : roster_.all()) {
     if (participant.waiting_since_ns < 0) participant.waiting_since_ns = sent_ns_;
   }
@@ -72,6 +82,7 @@ void Executive::publish_state(RunStatus status) noexcept {
 
 void Executive::resend_state(RunStatus status) noexcept {
   state_.status = static_cast<std::int32_t>(status);
+  sent_tick_ = simulation_.get_tick();
   for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) {
     simulation_.fill_state(part, dt_ns_, state_);
     link_.send(state_);
@@ -84,6 +95,7 @@ void Executive::publish_event(Event event, double time, bool notice) noexcept {
   event.sequence = event_sequence_++;
   event.tick = simulation_.get_tick() - (notice ? 0 : 1);  // of the step that it happened in
   event.time = time;
+  event.time_ns = std::llround(time * 1e9);
   link_.send(event);
   recorder_.event(event);
   if (notice) notices_.try_enqueue(event);
@@ -96,17 +108,45 @@ void Executive::publish_notice(std::string_view name, std::string_view subject) 
   publish_event(event, simulation_.get_time(), true);
 }
 
+// "overrun.step", "1204 us late: woken 3, inputs 2, step 1180, outputs 19 us"; the part that does not fit is left out.
+void Executive::publish_overrun(const Overrun& overrun) noexcept {
+  char text[160], name[kNameLength];
+  char* end = text;
+  const auto add_text = [&end](std::string_view part) { end = std::copy(part.begin(), part.end(), end); };
+  const auto add_us = [&end](std::int64_t ns) { end = std::to_chars(end, end + 20, ns / 1000).ptr; };
+  add_us(overrun.late_ns);
+  add_text(" us late: woken ");
+  add_us(overrun.timing.wakeup_ns);
+  add_text(", inputs ");
+  add_us(overrun.timing.input_ns);
+  add_text(", step ");
+  add_us(overrun.timing.step_ns);
+  add_text(", outputs ");
+  add_us(overrun.timing.output_ns);
+  Event event;
+  set_name(event.subject, {text, static_cast<std::size_t>(end - text)});
+  end = name;
+  add_text(kOverrunPrefix);
+  add_text(kOverrunCauseNames[static_cast<std::size_t>(overrun.cause)]);
+  set_name(event.name, {name, static_cast<std::size_t>(end - name)});
+  publish_event(event, simulation_.get_time(), false);
+}
+
 void Executive::publish_health(std::int64_t now_ns) noexcept {
   Health health;
   health.session = options_.session;
+  health.sequence = health_sequence_++;
   health.tick = simulation_.get_tick();
+  health.time_ns = health.tick * dt_ns_;
   health.wall_ns = now_ns - started_ns_;
   health.step_p50_ns = timing_.step.calc_percentile(0.5);
   health.step_max_ns = timing_.step.get_max();
   health.wakeup_p50_ns = timing_.wakeup.calc_percentile(0.5);
   health.wakeup_max_ns = timing_.wakeup.get_max();
-  health.overruns = timing_.overruns;
+  health.overruns = timing_.get_overruns();
   health.dropped = calc_dropped();
+  health.resent = resent_;
+  health.late = desk_.get_late();
   health.rejected = desk_.get_rejected();
   link_.send(health);
   health_ns_ = now_ns;
@@ -119,6 +159,7 @@ std::int64_t Executive::calc_dropped() const noexcept {
 // --- The end: nothing here is in the cycle --------------------------------------------------------------------------
 
 LogEnd Executive::conclude(RunStatus status, std::string message) {
+  beat(Place::kEnding);
   for (int i = 0; i < kFarewells; ++i) {
     resend_state(status);
     sleep_until_ns(get_monotonic_ns() + kFarewellInterval_ns);
@@ -132,6 +173,8 @@ LogEnd Executive::conclude(RunStatus status, std::string message) {
   end.status = status;
   end.message = std::move(message);
   end.timing = timing_.summarize();
+  end.timing.slipped_ns = slipped_ns_;
+  end.timing.skipped_outputs = skipped_outputs_;
   end.timing.late_commands = desk_.get_late();
   end.timing.rejected = desk_.get_rejected();
   end.timing.dropped = calc_dropped();

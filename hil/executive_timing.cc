@@ -1,30 +1,63 @@
 #include "hil/executive_timing.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
+
 namespace unlatch::hil {
 
-void Timing::account(std::int64_t latency_ns, std::int64_t end_ns, std::int64_t deadline_ns,
-                     std::int64_t next_deadline_ns) noexcept {
-  wakeup.record(latency_ns);
-  if (end_ns <= next_deadline_ns) return;
-  ++overruns;
-  // The larger share of the time names the cause.
-  const std::int64_t worked_ns = end_ns - deadline_ns - latency_ns;
-  ++(latency_ns > worked_ns ? late_wakeups : long_steps);
+ThreadCounts read_thread_counts() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return {usage.ru_minflt + usage.ru_majflt, usage.ru_majflt, usage.ru_nivcsw};
 }
 
-DurationSummary summarize(const Histogram& histogram) noexcept {
-  return {histogram.get_count(), histogram.calc_percentile(0.5), histogram.calc_percentile(0.99),
-          histogram.calc_percentile(0.999), histogram.get_max()};
+OverrunCause attribute(const Overrun& overrun) noexcept {
+  const TickTiming& t = overrun.timing;
+  const std::int64_t most = std::max({t.wakeup_ns, t.input_ns, t.step_ns, t.output_ns});
+  if (most == t.wakeup_ns) return t.backlogged != 0 ? OverrunCause::kBacklog : OverrunCause::kLateWakeup;
+  if (overrun.faults_read > 0) return OverrunCause::kPageFaults;
+  if (overrun.preemptions > 0) return OverrunCause::kPreempted;
+  if (most == t.step_ns) return t.substeps > 1 ? OverrunCause::kEvents : OverrunCause::kStep;
+  return most == t.input_ns ? OverrunCause::kInputs : OverrunCause::kOutputs;
 }
 
-TimingSummary Timing::summarize() const noexcept {
+Overrun Timing::account_overrun(const TickTiming& tick, std::int64_t late_ns) noexcept {
+  const ThreadCounts now = read_thread_counts();
+  Overrun overrun;
+  overrun.timing = tick;
+  overrun.late_ns = late_ns;
+  overrun.page_faults = now.page_faults - counts_.page_faults;
+  overrun.faults_read = now.faults_read - counts_.faults_read;
+  overrun.preemptions = now.preemptions - counts_.preemptions;
+  overrun.cause = attribute(overrun);
+  counts_ = now;
+  ++overruns_;
+  ++causes_[static_cast<std::size_t>(overrun.cause)];
+  keep_if_among_the_worst(overrun);
+  return overrun;
+}
+
+void Timing::keep_if_among_the_worst(const Overrun& overrun) noexcept {
+  if (worst_count_ == worst_.size()) {
+    if (overrun.late_ns <= worst_.back().late_ns) return;
+    --worst_count_;
+  }
+  std::size_t place = worst_count_++;
+  for (; place > 0 && worst_[place - 1].late_ns < overrun.late_ns; --place) worst_[place] = worst_[place - 1];
+  worst_[place] = overrun;
+}
+
+TimingSummary Timing::summarize() const {
   TimingSummary summary;
-  summary.step = hil::summarize(step);
-  summary.wakeup = hil::summarize(wakeup);
-  summary.turnaround = hil::summarize(turnaround);
-  summary.overruns = overruns;
-  summary.late_wakeups = late_wakeups;
-  summary.long_steps = long_steps;
+  summary.step = step.summarize();
+  summary.wakeup = wakeup.summarize();
+  summary.turnaround = turnaround.summarize();
+  summary.round_trip = round_trip.summarize();
+  summary.overruns = overruns_;
+  summary.overrun_causes = causes_;
+  summary.worst_overruns.reserve(worst_.size());
+  summary.worst_overruns.assign(worst_.begin(), worst_.begin() + static_cast<std::ptrdiff_t>(worst_count_));
   return summary;
 }
 

@@ -26,6 +26,7 @@ void Histogram::record(std::int64_t ns) noexcept {
   ns = std::max<std::int64_t>(ns, 0);
   ++buckets_[calc_bucket(ns)];
   ++count_;
+  min_ = std::min(min_, ns);
   max_ = std::max(max_, ns);
 }
 
@@ -38,6 +39,24 @@ std::int64_t Histogram::calc_percentile(double fraction) const noexcept {
     if (seen >= wanted) return i + 1 == kBuckets ? max_ : std::min(calc_upper_bound(i), max_);
   }
   return max_;
+}
+
+DurationSummary Histogram::summarize() const {
+  DurationSummary summary{.count = count_,
+                          .min = get_min(),
+                          .p50 = calc_percentile(0.5),
+                          .p90 = calc_percentile(0.9),
+                          .p99 = calc_percentile(0.99),
+                          .p999 = calc_percentile(0.999),
+                          .p9999 = calc_percentile(0.9999),
+                          .p99999 = calc_percentile(0.99999),
+                          .max = max_,
+                          .bins = {}};
+  summary.bins.reserve(kBuckets);
+  for (std::size_t i = 0; i < kBuckets; ++i) {
+    if (buckets_[i] > 0) summary.bins.push_back({std::min(calc_upper_bound(i), max_), buckets_[i]});
+  }
+  return summary;
 }
 
 }  // namespace unlatch::hil

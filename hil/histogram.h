@@ -5,12 +5,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+
+#include "hil/timing_summary.h"
 
 namespace unlatch::hil {
 
 class Histogram {
  public:
-  // Negative durations count as 0, those beyond the range in the last bucket; the maximum is kept exactly.
+  // Negative durations count as 0, those beyond the range in the last bucket; the extremes are kept exactly.
   void record(std::int64_t ns) noexcept;
 
   // The smallest duration that at least `fraction` of the samples do not exceed, rounded up to its bucket; 0 without
@@ -18,7 +21,11 @@ class Histogram {
   [[nodiscard]] std::int64_t calc_percentile(double fraction) const noexcept;
 
   [[nodiscard]] std::int64_t get_count() const noexcept { return count_; }
+  [[nodiscard]] std::int64_t get_min() const noexcept { return count_ == 0 ? 0 : min_; }
   [[nodiscard]] std::int64_t get_max() const noexcept { return max_; }
+
+  // Its usual percentiles, and its buckets that are not empty. Allocates.
+  [[nodiscard]] DurationSummary summarize() const;
 
  private:
   static constexpr int kSubBits = 6;  // 64 buckets an octave
@@ -29,6 +36,7 @@ class Histogram {
 
   std::array<std::int64_t, kBuckets> buckets_{};
   std::int64_t count_ = 0;
+  std::int64_t min_ = std::numeric_limits<std::int64_t>::max();
   std::int64_t max_ = 0;
 };
 

@@ -7,39 +7,6 @@ namespace {
 
 constexpr std::size_t kChangeBytes = 4 + 4 + 4 + 8 + 8;
 
-void put(ByteWriter& out, const DurationSummary& summary) {
-  for (const std::int64_t value : {summary.count, summary.p50, summary.p99, summary.p999, summary.max})
-    out.put_i64(value);
-}
-
-void get(ByteReader& in, DurationSummary& summary) {
-  for (std::int64_t* value : {&summary.count, &summary.p50, &summary.p99, &summary.p999, &summary.max}) {
-    *value = in.get_i64();
-  }
-}
-
-void put(ByteWriter& out, const TimingSummary& timing) {
-  put(out, timing.step);
-  put(out, timing.wakeup);
-  put(out, timing.turnaround);
-  for (const std::int64_t value :
-       {timing.overruns, timing.late_wakeups, timing.long_steps, timing.late_commands, timing.dropped, timing.resent}) {
-    out.put_i64(value);
-  }
-  for (const std::int64_t count : timing.rejected) out.put_i64(count);
-}
-
-void get(ByteReader& in, TimingSummary& timing) {
-  get(in, timing.step);
-  get(in, timing.wakeup);
-  get(in, timing.turnaround);
-  for (std::int64_t* value : {&timing.overruns, &timing.late_wakeups, &timing.long_steps, &timing.late_commands,
-                              &timing.dropped, &timing.resent}) {
-    *value = in.get_i64();
-  }
-  for (std::int64_t& count : timing.rejected) count = in.get_i64();
-}
-
 }  // namespace
 
 void encode(const LogHeader& record, std::vector<std::uint8_t>& to) {
@@ -118,6 +85,26 @@ bool decode(std::span<const std::uint8_t> from, LogTick& record) {
   return in.is_complete();
 }
 
+void encode(const TickTiming& record, std::vector<std::uint8_t>& to) {
+  to.clear();
+  ByteWriter out(to);
+  for (const std::int64_t value : {record.tick, record.wakeup_ns, record.input_ns, record.step_ns, record.output_ns}) {
+    out.put_i64(value);
+  }
+  out.put_i32(record.substeps);
+  out.put_i32(record.backlogged);
+}
+
+bool decode(std::span<const std::uint8_t> from, TickTiming& record) {
+  ByteReader in(from);
+  for (std::int64_t* value : {&record.tick, &record.wakeup_ns, &record.input_ns, &record.step_ns, &record.output_ns}) {
+    *value = in.get_i64();
+  }
+  record.substeps = in.get_i32();
+  record.backlogged = in.get_i32();
+  return in.is_complete();
+}
+
 void encode(const LogEnd& record, std::vector<std::uint8_t>& to) {
   to.clear();
   ByteWriter out(to);
@@ -137,7 +124,7 @@ bool decode(std::span<const std::uint8_t> from, LogEnd& record) {
   record.tick = in.get_i64();
   record.hash = in.get_i64();
   const std::int32_t status = in.get_i32();
-  if (status < 0 || status > static_cast<std::int32_t>(RunStatus::kAborted)) return false;
+  if (status < 0 || status > static_cast<std::int32_t>(RunStatus::kFaulted)) return false;
   record.status = static_cast<RunStatus>(status);
   record.step_status = in.get_i32();
   record.joint = in.get_i32();

@@ -7,25 +7,27 @@
 //   UNLATCH_LOG_TICK     every tick: the state's hash before its step, and which channels changed before it. Written
 //   when the
 //                        step has been decided, so a recording cut short ends with a tick whose inputs are known
+//   UNLATCH_LOG_TIMING   every tick, if asked: where its time went (TickTiming); a replay does not need it
 //   UNLATCH_LOG_END      once, last: how it ended, and what was lost on the way
 //
 // So a replay is exact: apply the changes of tick k, compare the hash, step. Why a channel changed (a command, or a
 // policy such as hold, zero or safe) is in the record, but wall time is nowhere in what is compared.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "hil/log_file.h"
 #include "hil/messages.h"
+#include "hil/timing_summary.h"
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kLogVersion = 1;
+inline constexpr std::int32_t kLogVersion = 2;
 inline constexpr std::string_view kHeaderChannel = "UNLATCH_LOG_HEADER";
 inline constexpr std::string_view kTickChannel = "UNLATCH_LOG_TICK";
+inline constexpr std::string_view kTimingChannel = "UNLATCH_LOG_TIMING";
 inline constexpr std::string_view kEndChannel = "UNLATCH_LOG_END";
 
 struct LogHeader {
@@ -62,22 +64,6 @@ struct LogTick {
   std::vector<LogChange> changes;
 };
 
-// A histogram in five numbers, ns.
-struct DurationSummary {
-  std::int64_t count = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
-};
-
-struct TimingSummary {
-  DurationSummary step, wakeup, turnaround;
-  std::int64_t overruns = 0;       // ticks whose work ended after the next deadline; real time only
-  std::int64_t late_wakeups = 0;   // overruns that began with a late wake-up
-  std::int64_t long_steps = 0;     // the others
-  std::int64_t late_commands = 0;  // applied a tick or more after the one they name
-  std::int64_t dropped = 0;        // messages that found a ring full
-  std::int64_t resent = 0;         // State messages sent again
-  std::array<std::int64_t, kRejectReasons> rejected{};
-};
-
 struct LogEnd {
   std::int64_t tick = 0;
   std::int64_t hash = 0;
@@ -94,9 +80,11 @@ struct LogEnd {
 // record.
 void encode(const LogHeader& record, std::vector<std::uint8_t>& to);
 void encode(const LogTick& record, std::vector<std::uint8_t>& to);
+void encode(const TickTiming& record, std::vector<std::uint8_t>& to);
 void encode(const LogEnd& record, std::vector<std::uint8_t>& to);
 [[nodiscard]] bool decode(std::span<const std::uint8_t> from, LogHeader& record);
 [[nodiscard]] bool decode(std::span<const std::uint8_t> from, LogTick& record);
+[[nodiscard]] bool decode(std::span<const std::uint8_t> from, TickTiming& record);
 [[nodiscard]] bool decode(std::span<const std::uint8_t> from, LogEnd& record);
 
 // "g++ 12.2.0", of this build.

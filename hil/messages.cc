@@ -82,24 +82,31 @@ void pass_fields(Wire& wire, T& message) noexcept {
 template <class Wire, MaybeConst<Hello> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
+  wire.pass(message.sequence);
   wire.pass(message.schema_hash);
   wire.pass(message.model_hash);
   wire.pass(message.dt_ns);
   wire.pass(message.last_tick);
+  wire.pass(message.timeout_ns);
+  wire.pass(message.cutoff_ns);
+  wire.pass(message.delay_ticks);
   wire.pass(message.protocol);
   wire.pass(message.pace);
+  wire.pass(message.status);
+  wire.pass(message.policy);
   wire.pass(message.body_count);
   wire.pass(message.joint_count);
   wire.pass(message.channel_count);
   wire.pass(message.sensor_count);
   wire.pass(message.signal_count);
-  wire.pass(message.reserved);
+  wire.pass(message.participant_count);
   wire.pass(message.scenario);
 }
 
 template <class Wire, MaybeConst<Catalog> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
+  wire.pass(message.sequence);
   wire.pass(message.minimum);
   wire.pass(message.maximum);
   wire.pass(message.initial);
@@ -113,9 +120,14 @@ void pass_fields(Wire& wire, T& message) noexcept {
 template <class Wire, MaybeConst<HelloAck> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
+  wire.pass(message.sequence);
   wire.pass(message.schema_hash);
+  wire.pass(message.model_hash);
+  wire.pass(message.dt_ns);
+  wire.pass(message.protocol);
   wire.pass(message.participant);
   wire.pass(message.status);
+  wire.pass(message.reserved);
   wire.pass(message.name);
   wire.pass(message.reason);
 }
@@ -164,6 +176,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
   wire.pass(message.tick);
+  wire.pass(message.time_ns);
   wire.pass(message.time);
   wire.pass(message.name);
   wire.pass(message.subject);
@@ -172,7 +185,9 @@ void pass_fields(Wire& wire, T& message) noexcept {
 template <class Wire, MaybeConst<Health> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
+  wire.pass(message.sequence);
   wire.pass(message.tick);
+  wire.pass(message.time_ns);
   wire.pass(message.wall_ns);
   wire.pass(message.step_p50_ns);
   wire.pass(message.step_max_ns);
@@ -180,7 +195,23 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.wakeup_max_ns);
   wire.pass(message.overruns);
   wire.pass(message.dropped);
+  wire.pass(message.resent);
+  wire.pass(message.late);
+  wire.pass(message.missing);
   for (auto& item : message.rejected) wire.pass(item);
+}
+
+template <class Wire, MaybeConst<Verdict> T>
+void pass_fields(Wire& wire, T& message) noexcept {
+  wire.pass(message.session);
+  wire.pass(message.sequence);
+  wire.pass(message.tick);
+  wire.pass(message.refers_to);
+  wire.pass(message.applied_tick);
+  wire.pass(message.participant);
+  wire.pass(message.reason);
+  wire.pass(message.channel);
+  wire.pass(message.reserved);
 }
 
 template <class T>
@@ -214,14 +245,15 @@ struct KindInfo {
   bool from_simulator;
 };
 
-constexpr auto kHelloFingerprint = static_cast<std::int64_t>(0x8a3455e65f6af418U);
-constexpr auto kCatalogFingerprint = static_cast<std::int64_t>(0xcd25697fda874278U);
-constexpr auto kHelloAckFingerprint = static_cast<std::int64_t>(0xd7a06e878884c653U);
+constexpr auto kHelloFingerprint = static_cast<std::int64_t>(0xc69d8744c01b28ebU);
+constexpr auto kCatalogFingerprint = static_cast<std::int64_t>(0xd6e07b8ddd67e639U);
+constexpr auto kHelloAckFingerprint = static_cast<std::int64_t>(0xe700d822fe6560e3U);
 constexpr auto kStateFingerprint = static_cast<std::int64_t>(0x6775e179fe5f7785U);
 constexpr auto kCommandFingerprint = static_cast<std::int64_t>(0x656025a7e259739aU);
 constexpr auto kStepAckFingerprint = static_cast<std::int64_t>(0xb2e66e417c19c063U);
-constexpr auto kEventFingerprint = static_cast<std::int64_t>(0x57580a7cfce822d6U);
-constexpr auto kHealthFingerprint = static_cast<std::int64_t>(0x24de4d6f6573000bU);
+constexpr auto kEventFingerprint = static_cast<std::int64_t>(0xffb09129c2532d80U);
+constexpr auto kHealthFingerprint = static_cast<std::int64_t>(0x1ec68fbabf00c628U);
+constexpr auto kVerdictFingerprint = static_cast<std::int64_t>(0xa152f06e690e09edU);
 
 constexpr std::array<KindInfo, kMessageKinds> kKinds{{
     {"Hello", "UNLATCH_HELLO", sizeof(Hello), true},
@@ -232,6 +264,7 @@ constexpr std::array<KindInfo, kMessageKinds> kKinds{{
     {"StepAck", "UNLATCH_STEP_ACK", sizeof(StepAck), false},
     {"Event", "UNLATCH_EVENT", sizeof(Event), true},
     {"Health", "UNLATCH_HEALTH", sizeof(Health), true},
+    {"Verdict", "UNLATCH_VERDICT", sizeof(Verdict), true},
 }};
 
 // A number that is no kind at all names the empty entry behind the table.
@@ -258,6 +291,44 @@ std::string_view get_name(std::span<const std::uint8_t> from) noexcept {
   return {reinterpret_cast<const char*>(from.data()), static_cast<std::size_t>(end - from.begin())};
 }
 
+std::string_view get_text(Pace value) noexcept {
+  static constexpr std::string_view kTexts[] = {"realtime", "lockstep", "fast"};
+  const auto index = static_cast<std::uint32_t>(value);
+  return index < 3 ? kTexts[index] : std::string_view{};
+}
+
+std::string_view get_text(RunStatus value) noexcept {
+  static constexpr std::string_view kTexts[] = {"discover", "configured", "armed", "running", "paused", "done", "aborted",
+      "faulted"};
+  const auto index = static_cast<std::uint32_t>(value);
+  return index < 8 ? kTexts[index] : std::string_view{};
+}
+
+std::string_view get_text(Policy value) noexcept {
+  static constexpr std::string_view kTexts[] = {"hold", "zero", "safe", "pause", "abort", "evict"};
+  const auto index = static_cast<std::uint32_t>(value);
+  return index < 6 ? kTexts[index] : std::string_view{};
+}
+
+std::string_view get_text(CatalogKind value) noexcept {
+  static constexpr std::string_view kTexts[] = {"body", "joint", "channel", "sensor", "signal", "participant"};
+  const auto index = static_cast<std::uint32_t>(value);
+  return index < 6 ? kTexts[index] : std::string_view{};
+}
+
+std::string_view get_text(AckStatus value) noexcept {
+  static constexpr std::string_view kTexts[] = {"ready", "refused", "leaving"};
+  const auto index = static_cast<std::uint32_t>(value);
+  return index < 3 ? kTexts[index] : std::string_view{};
+}
+
+std::string_view get_text(Reject value) noexcept {
+  static constexpr std::string_view kTexts[] = {"wrong_session", "past_tick", "duplicate", "expired", "not_finite",
+      "out_of_range", "unknown_channel", "malformed", "unknown_participant", "name_taken", "mismatch", "late"};
+  const auto index = static_cast<std::uint32_t>(value);
+  return index < 12 ? kTexts[index] : std::string_view{};
+}
+
 std::size_t encode(const Hello& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kHelloFingerprint, message, to);
 }
@@ -266,11 +337,14 @@ bool decode(std::span<const std::uint8_t> from, Hello& message) noexcept {
 }
 bool is_well_formed(const Hello& message) noexcept {
   return in_range(message.pace, 0, 2) &&
+         in_range(message.status, 0, 7) &&
+         in_range(message.policy, 0, 5) &&
          in_range(message.body_count, 0, 65536) &&
          in_range(message.joint_count, 0, 65536) &&
          in_range(message.channel_count, 0, 65536) &&
          in_range(message.sensor_count, 0, 65536) &&
-         in_range(message.signal_count, 0, 65536);
+         in_range(message.signal_count, 0, 65536) &&
+         in_range(message.participant_count, 0, 65536);
 }
 
 std::size_t encode(const Catalog& message, std::span<std::uint8_t> to) noexcept {
@@ -280,7 +354,7 @@ bool decode(std::span<const std::uint8_t> from, Catalog& message) noexcept {
   return decode_as(kCatalogFingerprint, from, message);
 }
 bool is_well_formed(const Catalog& message) noexcept {
-  return in_range(message.kind, 0, 4) &&
+  return in_range(message.kind, 0, 5) &&
          in_range(message.index, 0, 65536);
 }
 
@@ -291,7 +365,7 @@ bool decode(std::span<const std::uint8_t> from, HelloAck& message) noexcept {
   return decode_as(kHelloAckFingerprint, from, message);
 }
 bool is_well_formed(const HelloAck& message) noexcept {
-  return in_range(message.status, 0, 1);
+  return in_range(message.status, 0, 2);
 }
 
 std::size_t encode(const State& message, std::span<std::uint8_t> to) noexcept {
@@ -301,7 +375,7 @@ bool decode(std::span<const std::uint8_t> from, State& message) noexcept {
   return decode_as(kStateFingerprint, from, message);
 }
 bool is_well_formed(const State& message) noexcept {
-  return in_range(message.status, 0, 5) &&
+  return in_range(message.status, 0, 7) &&
          in_range(message.part, 0, 65536) &&
          in_range(message.parts, 1, 65536) &&
          in_range(message.body_count, 0, 16) &&
@@ -349,6 +423,16 @@ bool is_well_formed(const Health&) noexcept {
   return true;
 }
 
+std::size_t encode(const Verdict& message, std::span<std::uint8_t> to) noexcept {
+  return encode_as(kVerdictFingerprint, message, to);
+}
+bool decode(std::span<const std::uint8_t> from, Verdict& message) noexcept {
+  return decode_as(kVerdictFingerprint, from, message);
+}
+bool is_well_formed(const Verdict& message) noexcept {
+  return in_range(message.reason, 0, 11);
+}
+
 std::size_t encode(const Message& message, std::span<std::uint8_t> to) noexcept {
   const MessageKind kind = message.kind;
   switch (kind) {
@@ -360,6 +444,7 @@ std::size_t encode(const Message& message, std::span<std::uint8_t> to) noexcept 
     case MessageKind::kStepAck: return encode(message.step_ack, to);
     case MessageKind::kEvent: return encode(message.event, to);
     case MessageKind::kHealth: return encode(message.health, to);
+    case MessageKind::kVerdict: return encode(message.verdict, to);
   }
   return 0;
 }
@@ -378,6 +463,7 @@ bool decode(MessageKind kind, std::span<const std::uint8_t> from, Message& messa
     case MessageKind::kStepAck: return done(decode(from, message.step_ack));
     case MessageKind::kEvent: return done(decode(from, message.event));
     case MessageKind::kHealth: return done(decode(from, message.health));
+    case MessageKind::kVerdict: return done(decode(from, message.verdict));
   }
   return false;
 }
@@ -393,6 +479,7 @@ bool is_well_formed(const Message& message) noexcept {
     case MessageKind::kStepAck: return is_well_formed(message.step_ack);
     case MessageKind::kEvent: return is_well_formed(message.event);
     case MessageKind::kHealth: return is_well_formed(message.health);
+    case MessageKind::kVerdict: return is_well_formed(message.verdict);
   }
   return false;
 }

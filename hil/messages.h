@@ -17,8 +17,8 @@
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kProtocolVersion = 1;
-inline constexpr std::int64_t kSchemaHash = static_cast<std::int64_t>(0x7f8a18003a67e53dU);
+inline constexpr std::int32_t kProtocolVersion = 2;
+inline constexpr std::int64_t kSchemaHash = static_cast<std::int64_t>(0xf3e5e4f7fdd2b57dU);
 
 inline constexpr std::size_t kNameLength = 48;  // bytes of a name, terminating NUL included
 inline constexpr std::size_t kTextLength = 96;  // bytes of a sentence for people
@@ -26,13 +26,23 @@ inline constexpr std::size_t kBodiesPerPart = 16;  // bodies in one State messag
 inline constexpr std::size_t kSensorsPerPart = 64;  // sensor values in one State message
 inline constexpr std::size_t kJointsPerPart = 64;  // joint modes in one State message
 inline constexpr std::size_t kMaxItems = 65536;  // bodies, joints, channels, sensor values or signals of one system, at most
-inline constexpr std::size_t kRejectReasons = 8;  // reasons for refusing a command, see Reject
+inline constexpr std::size_t kRejectReasons = 11;  // reasons for refusing, those of Reject before kLate
 
-enum class Pace : std::int32_t { kRealtime = 0, kLockstep = 1, kFast = 2 };
-enum class RunStatus : std::int32_t { kWaiting = 0, kRunning = 1, kDone = 2, kPaused = 3, kFaulted = 4, kAborted = 5 };
-enum class CatalogKind : std::int32_t { kBody = 0, kJoint = 1, kChannel = 2, kSensor = 3, kSignal = 4 };
-enum class AckStatus : std::int32_t { kReady = 0, kRefused = 1 };
-enum class Reject : std::int32_t { kWrongSession = 0, kPastTick = 1, kDuplicate = 2, kExpired = 3, kNotFinite = 4, kOutOfRange = 5, kUnknownChannel = 6, kMalformed = 7 };
+enum class Pace : std::int32_t { kRealtime, kLockstep, kFast };
+enum class RunStatus : std::int32_t { kDiscover, kConfigured, kArmed, kRunning, kPaused, kDone, kAborted, kFaulted };
+enum class Policy : std::int32_t { kHold, kZero, kSafe, kPause, kAbort, kEvict };
+enum class CatalogKind : std::int32_t { kBody, kJoint, kChannel, kSensor, kSignal, kParticipant };
+enum class AckStatus : std::int32_t { kReady, kRefused, kLeaving };
+enum class Reject : std::int32_t { kWrongSession, kPastTick, kDuplicate, kExpired, kNotFinite, kOutOfRange,
+    kUnknownChannel, kMalformed, kUnknownParticipant, kNameTaken, kMismatch, kLate };
+
+// The name of a value in words: get_text(Reject::kPastTick) is "past_tick"; empty for what is no value.
+[[nodiscard]] std::string_view get_text(Pace value) noexcept;
+[[nodiscard]] std::string_view get_text(RunStatus value) noexcept;
+[[nodiscard]] std::string_view get_text(Policy value) noexcept;
+[[nodiscard]] std::string_view get_text(CatalogKind value) noexcept;
+[[nodiscard]] std::string_view get_text(AckStatus value) noexcept;
+[[nodiscard]] std::string_view get_text(Reject value) noexcept;
 
 // Names are octets, NUL-terminated and NUL-filled. set_name cuts what does not fit, between two UTF-8 characters;
 // get_name stops at the first NUL or at the end.
@@ -44,10 +54,10 @@ struct BodyState {
   double x = 0;  // [m] position of the body origin (centre of mass for rigid bodies), inertial frame
   double y = 0;  // [m]
   double z = 0;  // [m]
-  double qw = 0;  // attitude quaternion, body to inertial
-  double qx = 0;
-  double qy = 0;
-  double qz = 0;
+  double qw = 0;  // [1] attitude quaternion, body to inertial
+  double qx = 0;  // [1]
+  double qy = 0;  // [1]
+  double qz = 0;  // [1]
   double vx = 0;  // [m/s] velocity of the body origin, inertial frame
   double vy = 0;  // [m/s]
   double vz = 0;  // [m/s]
@@ -58,60 +68,77 @@ struct BodyState {
 static_assert(sizeof(BodyState) == 104);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<BodyState>);
 
-// Announces a session: sent at start, and again until every required participant has answered. Sent by the simulator.
+// Announces a session, again and again; a participant answers each with a HelloAck once it knows the catalog. Sent by
+// the simulator.
 struct Hello {
   std::int64_t session = 0;  // random number of this run; every other message carries it
+  std::int64_t sequence = 0;  // counts Hello messages of the session from 0
   std::int64_t schema_hash = 0;  // hash of this schema; participants refuse another
   std::int64_t model_hash = 0;  // hash of the model's initial state and sizes
   std::int64_t dt_ns = 0;  // [ns] simulated time per tick
   std::int64_t last_tick = 0;  // tick at which the run ends, -1 for no end
+  std::int64_t timeout_ns = 0;  // [ns] wall time without an answer after which the policy acts
+  // [ns] real time: wall time from the instant of a State to the last instant for its commands; else 0
+  std::int64_t cutoff_ns = 0;
+  // transport delay: a command that names tick k acts before the step from k + delay_ticks
+  std::int64_t delay_ticks = 0;
   std::int32_t protocol = 0;  // version of this definition
   std::int32_t pace = 0;  // Pace
+  std::int32_t status = 0;  // RunStatus
+  std::int32_t policy = 0;  // for a required participant that does not answer; Policy
   std::int32_t body_count = 0;
   std::int32_t joint_count = 0;
   std::int32_t channel_count = 0;  // command channels
   std::int32_t sensor_count = 0;  // sensor values, all sensors' components counted
   std::int32_t signal_count = 0;
-  std::int32_t reserved = 0;  // 0
+  std::int32_t participant_count = 0;  // required participants; the catalog names them
   std::array<std::uint8_t, kNameLength> scenario{};
 };
-static_assert(sizeof(Hello) == 120);  // the sum of its fields: no padding
+static_assert(sizeof(Hello) == 160);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<Hello>);
 inline constexpr std::size_t kHelloWireBytes = 8 + sizeof(Hello);
 std::size_t encode(const Hello& message, std::span<std::uint8_t> to) noexcept;
 bool decode(std::span<const std::uint8_t> from, Hello& message) noexcept;
 [[nodiscard]] bool is_well_formed(const Hello& message) noexcept;
 
-// Names and limits of one body, joint, channel, sensor value or signal; one message per item, sent with Hello. Sent by
-// the simulator.
+// Names and limits of one body, joint, channel, sensor value, signal or required participant; one message per item,
+// sent with Hello. Sent by the simulator.
 struct Catalog {
   std::int64_t session = 0;
-  double minimum = 0;  // channels: smallest accepted value, in the item's unit
-  double maximum = 0;  // channels: largest accepted value
-  double initial = 0;  // channels: value before any command
-  double safe = 0;  // channels: value of the policy 'safe'
+  std::int64_t sequence = 0;  // counts Catalog messages of the session from 0
+  double minimum = 0;  // [the item's unit] channels: smallest accepted value
+  double maximum = 0;  // [the item's unit] channels: largest accepted value
+  double initial = 0;  // [the item's unit] channels: value before any command
+  double safe = 0;  // [the item's unit] channels: value of the policy 'safe'
   std::int32_t kind = 0;  // CatalogKind
   std::int32_t index = 0;  // its index within its kind, from 0
   std::array<std::uint8_t, kNameLength> name{};  // e.g. nozzle1, or gyro.x for one value of a sensor
   std::array<std::uint8_t, kNameLength> unit{};  // e.g. rad/s
 };
-static_assert(sizeof(Catalog) == 144);  // the sum of its fields: no padding
+static_assert(sizeof(Catalog) == 152);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<Catalog>);
 inline constexpr std::size_t kCatalogWireBytes = 8 + sizeof(Catalog);
 std::size_t encode(const Catalog& message, std::span<std::uint8_t> to) noexcept;
 bool decode(std::span<const std::uint8_t> from, Catalog& message) noexcept;
 [[nodiscard]] bool is_well_formed(const Catalog& message) noexcept;
 
-// A participant is ready, or refuses and says why. Sent by the participant.
+// A participant is ready, refuses and says why, or takes its leave. It repeats what it heard in Hello, so that both
+// have agreed on it. Sent by the participant.
 struct HelloAck {
   std::int64_t session = 0;
-  std::int64_t schema_hash = 0;
-  std::int32_t participant = 0;  // the participant's id, its own choice, unique on the bench
+  std::int64_t sequence = 0;  // counts this participant's HelloAck messages from 0
+  std::int64_t schema_hash = 0;  // of the participant's own schema
+  std::int64_t model_hash = 0;  // as in Hello
+  std::int64_t dt_ns = 0;  // [ns] as in Hello
+  std::int32_t protocol = 0;  // of the participant's own schema
+  // a number of this start of the participant, best drawn at random: two of one name are told apart by it
+  std::int32_t participant = 0;
   std::int32_t status = 0;  // AckStatus
+  std::int32_t reserved = 0;  // 0
   std::array<std::uint8_t, kNameLength> name{};  // the participant's name, as the scenario requires it
   std::array<std::uint8_t, kTextLength> reason{};
 };
-static_assert(sizeof(HelloAck) == 168);  // the sum of its fields: no padding
+static_assert(sizeof(HelloAck) == 200);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<HelloAck>);
 inline constexpr std::size_t kHelloAckWireBytes = 8 + sizeof(HelloAck);
 std::size_t encode(const HelloAck& message, std::span<std::uint8_t> to) noexcept;
@@ -126,7 +153,7 @@ struct State {
   std::int64_t tick = 0;
   std::int64_t time_ns = 0;  // [ns] simulated time, tick * dt_ns
   std::int64_t hash = 0;  // hash of the whole kernel state at this tick
-  std::array<double, kSensorsPerPart> sensors{};  // sensor values in the order of the catalog
+  std::array<double, kSensorsPerPart> sensors{};  // [the catalog's] sensor values in the order of the catalog
   std::array<BodyState, kBodiesPerPart> bodies{};
   std::int32_t status = 0;  // RunStatus
   std::int32_t part = 0;  // this part, from 0
@@ -147,9 +174,9 @@ bool decode(std::span<const std::uint8_t> from, State& message) noexcept;
 struct Command {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts this participant's commands from 1
-  std::int64_t tick = 0;  // applied before the step from this tick to the next
+  std::int64_t tick = 0;  // applied before the step from this tick to the next, or delay_ticks later
   std::int64_t valid_until_tick = 0;  // refused as expired after this tick; -1 for no limit
-  double value = 0;  // in the channel's unit
+  double value = 0;  // [the channel's unit]
   std::int32_t participant = 0;
   std::int32_t channel = 0;
 };
@@ -182,11 +209,12 @@ struct Event {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Event messages of the session from 0
   std::int64_t tick = 0;  // the tick at whose step it happened
-  double time = 0;  // [s] simulated time of the event, inside the step
+  std::int64_t time_ns = 0;  // [ns] simulated time of the event, inside the step, rounded
+  double time = 0;  // [s] the same, not rounded
   std::array<std::uint8_t, kNameLength> name{};
   std::array<std::uint8_t, kNameLength> subject{};
 };
-static_assert(sizeof(Event) == 128);  // the sum of its fields: no padding
+static_assert(sizeof(Event) == 136);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<Event>);
 inline constexpr std::size_t kEventWireBytes = 8 + sizeof(Event);
 std::size_t encode(const Event& message, std::span<std::uint8_t> to) noexcept;
@@ -196,7 +224,9 @@ bool decode(std::span<const std::uint8_t> from, Event& message) noexcept;
 // Once a second of wall time: how the run keeps its time, and what it refused. Sent by the simulator.
 struct Health {
   std::int64_t session = 0;
+  std::int64_t sequence = 0;  // counts Health messages of the session from 0
   std::int64_t tick = 0;
+  std::int64_t time_ns = 0;  // [ns] simulated time, tick * dt_ns
   std::int64_t wall_ns = 0;  // [ns] wall time since the first tick
   std::int64_t step_p50_ns = 0;  // [ns]
   std::int64_t step_max_ns = 0;  // [ns]
@@ -204,18 +234,42 @@ struct Health {
   std::int64_t wakeup_max_ns = 0;  // [ns]
   std::int64_t overruns = 0;
   std::int64_t dropped = 0;  // messages that found a ring full
-  std::array<std::int64_t, kRejectReasons> rejected{};  // commands refused, by Reject
+  std::int64_t resent = 0;  // States said again
+  std::int64_t late = 0;  // commands applied after the tick that they were due
+  std::int64_t missing = 0;  // required participants that take no part at the moment
+  // what was refused, by Reject; malformed bytes of any message among them
+  std::array<std::int64_t, kRejectReasons> rejected{};
 };
-static_assert(sizeof(Health) == 136);  // the sum of its fields: no padding
+static_assert(sizeof(Health) == 200);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<Health>);
 inline constexpr std::size_t kHealthWireBytes = 8 + sizeof(Health);
 std::size_t encode(const Health& message, std::span<std::uint8_t> to) noexcept;
 bool decode(std::span<const std::uint8_t> from, Health& message) noexcept;
 [[nodiscard]] bool is_well_formed(const Health& message) noexcept;
 
+// A Command or HelloAck that was not taken as it stands: refused, or late. At most 16 a tick are told one by one;
+// Health counts all. Sent by the simulator.
+struct Verdict {
+  std::int64_t session = 0;
+  std::int64_t sequence = 0;  // counts Verdict messages of the session from 0
+  std::int64_t tick = 0;  // at which the simulator heard it
+  std::int64_t refers_to = 0;  // sequence number of what it is about
+  std::int64_t applied_tick = 0;  // late: the tick before whose step it acts; refused: -1
+  std::int32_t participant = 0;  // who said it
+  std::int32_t reason = 0;  // Reject
+  std::int32_t channel = 0;  // of a Command; else -1
+  std::int32_t reserved = 0;  // 0
+};
+static_assert(sizeof(Verdict) == 56);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<Verdict>);
+inline constexpr std::size_t kVerdictWireBytes = 8 + sizeof(Verdict);
+std::size_t encode(const Verdict& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, Verdict& message) noexcept;
+[[nodiscard]] bool is_well_formed(const Verdict& message) noexcept;
+
 // Any message. `kind` says which member of the union is alive.
-enum class MessageKind : std::int32_t { kHello, kCatalog, kHelloAck, kState, kCommand, kStepAck, kEvent, kHealth };
-inline constexpr std::size_t kMessageKinds = 8;
+enum class MessageKind : std::int32_t { kHello, kCatalog, kHelloAck, kState, kCommand, kStepAck, kEvent, kHealth, kVerdict };
+inline constexpr std::size_t kMessageKinds = 9;
 
 struct Message {
   MessageKind kind;
@@ -228,6 +282,7 @@ struct Message {
     StepAck step_ack;
     Event event;
     Health health;
+    Verdict verdict;
   };
 
   Message() noexcept : kind(MessageKind::kHello), hello{} {}
@@ -239,6 +294,7 @@ struct Message {
   Message(const StepAck& value) noexcept : kind(MessageKind::kStepAck), step_ack(value) {}
   Message(const Event& value) noexcept : kind(MessageKind::kEvent), event(value) {}
   Message(const Health& value) noexcept : kind(MessageKind::kHealth), health(value) {}
+  Message(const Verdict& value) noexcept : kind(MessageKind::kVerdict), verdict(value) {}
 };
 static_assert(std::is_trivially_copyable_v<Message>);
 

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "hil/nonblocking.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -41,6 +43,7 @@ void Recorder::push(const Item& item) noexcept {
       ++items_lost_;
       return;
     }
+    const MayWait not_in_real_time;
     std::this_thread::sleep_for(kWaitForRoom);
   }
 }
@@ -97,6 +100,9 @@ void Recorder::write(const Item& item) {
     record_.changes.push_back(*change);
   } else if (const auto* event = std::get_if<Event>(&item)) {
     write_message(*event);
+  } else if (const auto* timing = std::get_if<TickTiming>(&item)) {
+    encode(*timing, buffer_);
+    writer_.append(std::llround(static_cast<double>(timing->tick) * us_per_tick_), kTimingChannel, buffer_);
   } else {
     const Mark& mark = std::get<Mark>(item);
     State part;

@@ -30,6 +30,7 @@ class Recorder {
   void state(const State& part) noexcept;
   void event(const Event& event) noexcept { push(event); }
   void change(const LogChange& change) noexcept { push(change); }
+  void timing(const TickTiming& timing) noexcept { push(timing); }
   void tick(std::int64_t tick, std::int64_t hash) noexcept;  // seals what came before
 
   // After the cyclic thread is done, from any one thread: writes what is left and the end, completes `end.unrecorded`.
@@ -44,7 +45,7 @@ class Recorder {
     std::int64_t tick, hash, lost;
     std::int32_t states;  // State messages in the other ring that belong before it
   };
-  using Item = std::variant<Mark, LogChange, Event>;
+  using Item = std::variant<Mark, LogChange, Event, TickTiming>;
 
   void push(const Item& item) noexcept;
   void run(const std::stop_token& stopping);

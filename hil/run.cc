@@ -43,6 +43,7 @@ class RunRecord {
       message.sequence = event_sequence_++;
       message.tick = simulation_.get_tick() - 1;
       message.time = fired.time;
+      message.time_ns = std::llround(fired.time * 1e9);
       recorder_->event(message);
     }
   }
@@ -61,7 +62,7 @@ std::unique_ptr<Simulation> build_simulation(const Scenario& scenario) {
   PlanOptions options;
   options.dt = scenario.dt;
   try {
-    return std::make_unique<Simulation>(scenario.model, options);
+    return std::make_unique<Simulation>(scenario.model, options, scenario.rates);
   } catch (const SimulationError& error) {
     std::vector<ScenarioMistake> mistakes;
     for (const ModelError& mistake : error.errors) {

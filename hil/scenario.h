@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "hil/rates.h"
 #include "hil/scenario_error.h"
 #include "hil/shapes.h"
+#include "hil/timing_options.h"
 #include "kernel/model.h"
 
 namespace unlatch::hil {
@@ -36,6 +38,8 @@ struct Scenario {
   double dt = 0, until = 0;  // s; until is a whole number of steps
   Model model;
   FlightSoftware flight_software;
+  Rates rates;
+  TimingOptions timing;
   std::vector<std::vector<Shape>> shapes;      // of each body
   std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
   std::map<std::string, SourceMark> marks;     // places of the elements, by ModelError::where: "body 'core'"

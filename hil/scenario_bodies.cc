@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/scenario_reader.h"
+#include "kernel/elementary.h"
 
 namespace unlatch::hil {
 namespace {
@@ -128,7 +129,12 @@ Eigen::Quaterniond ScenarioReader::read_attitude(const YamlNode& node) {
     }
     const int axis = read_choice(item.items[0], "axis", axis_names(), mistakes_);
     const double angle = read_number(item.items[1], "rad", 0.0, mistakes_);
-    if (axis >= 0) q = q * Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis));
+    if (axis < 0) continue;
+    double sine, cosine;  // not the C library's, whose bits depend on the processor
+    elementary::sincos(0.5 * angle, sine, cosine);
+    Eigen::Quaterniond turn(cosine, 0, 0, 0);
+    turn.vec()[axis] = sine;
+    q = q * turn;
   }
   if (!rotations->is_sequence()) mistakes_.add(rotations->mark, "not a list of rotations", "write [[z, 0.1], …]");
   return q.normalized();

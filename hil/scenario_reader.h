@@ -24,6 +24,7 @@ class ScenarioReader {
   void read_step(YamlMap& top);
   void read_gravity(YamlMap& top);
   void read_flight_software(YamlMap& top);
+  void read_timing(YamlMap& top);
   void report_physics();
 
   // Sections, in the order in which they are read: each may name what was read before.
@@ -64,6 +65,15 @@ class ScenarioReader {
   void read_joint_spring(YamlMap& map, JointSpring spring);
   void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
   Profile read_profile(const YamlNode& node, const std::string& unit);
+
+  // Timing.
+  void read_overruns(const YamlNode& node);
+  void read_watchdog(const YamlNode& node);
+  Rate read_rate(YamlMap& map);
+  void read_rate_groups(const YamlNode& node);
+  void read_group_channels(const YamlNode& node, RateGroup& group);
+  void read_group_sensors(const YamlNode& node, RateGroup& group);
+  void check_channels_belong_to_one_group(const YamlNode& node);
 
   // Sensors and events.
   void read_sensor(const std::string& name, const YamlNode& node);

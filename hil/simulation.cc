@@ -65,6 +65,12 @@ Catalog make_item(CatalogKind kind, std::size_t index, const std::string& name, 
   return item;
 }
 
+std::vector<double> get_initial_channels(const Model& model) {
+  std::vector<double> values;
+  for (const Channel& channel : model.channels) values.push_back(channel.initial);
+  return values;
+}
+
 }  // namespace
 
 SimulationError::SimulationError(std::vector<ModelError> errors_in)
@@ -78,19 +84,30 @@ Simulation::Memory Simulation::allocate(std::size_t bytes) {
   return memory;
 }
 
-Simulation::Simulation(const Model& model, const PlanOptions& options)
+Simulation::Simulation(const Model& model, const PlanOptions& options, const Rates& rates)
     : model_(model),
       plan_(compile_or_throw(model_, options)),
       state_memory_(allocate(plan_.get_state_bytes())),
       workspace_memory_(allocate(plan_.get_workspace_bytes())),
       state_(plan_, {state_memory_.get(), plan_.get_state_bytes()}),
-      workspace_(plan_, {workspace_memory_.get(), plan_.get_workspace_bytes()}) {
-  for (const Channel& channel : model_.channels) channels_.push_back(channel.initial);
+      workspace_(plan_, {workspace_memory_.get(), plan_.get_workspace_bytes()}),
+      channels_(get_initial_channels(model_)),
+      held_(model_, rates, channels_, begin()) {}
+
+std::span<const double> Simulation::begin() {
   init_state(plan_, state_);
   if (update_outputs(plan_, Inputs{channels_}, state_, workspace_) != StepStatus::kOk) {
     throw SimulationError({{"model '" + model_.name + "'", "its accelerations at the initial state cannot be computed",
                             "look for joints that hold the same freedom twice"}});
   }
+  return workspace_.sensors;
+}
+
+StepReport Simulation::step() noexcept {
+  held_.latch(get_tick(), channels_);
+  const StepReport report = unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_);
+  if (report.status == StepStatus::kOk) held_.sample(get_tick(), workspace_.sensors);
+  return report;
 }
 
 std::int32_t Simulation::get_part_count() const noexcept {
@@ -113,7 +130,7 @@ void Simulation::fill_state(std::int32_t part, std::int64_t dt_ns, State& messag
     message.bodies[i] = to_message(state_.bodies[first * kBodiesPerPart + i]);
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(message.sensor_count); ++i) {
-    message.sensors[i] = workspace_.sensors[first * kSensorsPerPart + i];
+    message.sensors[i] = held_.get_sensors()[first * kSensorsPerPart + i];
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(message.joint_count); ++i) {
     message.modes[i] = static_cast<std::uint8_t>(state_.joints[first * kJointsPerPart + i].mode);

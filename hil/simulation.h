@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "hil/messages.h"
+#include "hil/nonblocking.h"
+#include "hil/rates.h"
 #include "kernel/model.h"
 #include "kernel/plan.h"
 #include "kernel/step.h"
@@ -27,14 +29,15 @@ class SimulationError : public std::runtime_error {
 
 class Simulation {
  public:
-  Simulation(const Model& model, const PlanOptions& options);  // throws SimulationError
+  Simulation(const Model& model, const PlanOptions& options, const Rates& rates = {});  // throws SimulationError
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // One tick with the channels' present values. On any status but kOk nothing has changed.
-  StepReport step() noexcept { return unlatch::step(plan_, Inputs{channels_}, state_, workspace_); }
+  // One tick with the channels' present values, those that are latched now (hil/rates.h). On any status but kOk nothing
+  // has changed but what is latched.
+  StepReport step() noexcept UNLATCH_NONBLOCKING;
 
-  // The value of each channel, what the next step will read.
+  // The commanded value of each channel, what the next step will read unless it holds.
   std::span<double> channels() noexcept { return channels_; }
   std::span<const double> channels() const noexcept { return channels_; }
 
@@ -50,10 +53,12 @@ class Simulation {
   double get_time() const noexcept { return static_cast<double>(get_tick()) * plan_.options.dt; }  // s
   std::int64_t calc_hash() const noexcept { return static_cast<std::int64_t>(unlatch::calc_hash(state_)); }
 
+  // The State of this tick is to be sent.
+  bool is_state_due() const noexcept { return held_.is_state_due(get_tick()); }
   // State messages that one tick takes.
   std::int32_t get_part_count() const noexcept;
-  // Writes bodies, sensors and joint modes of one part, and its counts; session, sequence, status and hash are the
-  // caller's.
+  // Writes bodies, sensors (held ones as last sampled) and joint modes of one part, and its counts; session, sequence,
+  // status and hash are the caller's.
   void fill_state(std::int32_t part, std::int64_t dt_ns, State& message) const noexcept;
 
  private:
@@ -62,6 +67,7 @@ class Simulation {
   };
   using Memory = std::unique_ptr<std::byte, Free>;
   static Memory allocate(std::size_t bytes);
+  std::span<const double> begin();  // the initial state; gives its sensor values
 
   Model model_;
   Plan plan_;
@@ -69,6 +75,7 @@ class Simulation {
   unlatch::State state_;
   Workspace workspace_;
   std::vector<double> channels_;
+  SampleAndHold held_;  // last: it begins with the channels and sensors of the initial state
 };
 
 // One message per body, joint, channel, sensor value and signal; session is left 0.

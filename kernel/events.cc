@@ -130,7 +130,7 @@ StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state,
     }
     if (at(ws.audit_count) < ws.audits.size())
       ws.audits[at(ws.audit_count++)] = {now, before, difference(calc_balance(plan, state, ws), before), entitled};
-    if (node = evaluate_lanes(plan, inputs, state, now, true, ws); node != kNone) return StepStatus::kSingular;
+    if (node = evaluate_lanes(plan, inputs, state, now, ws); node != kNone) return StepStatus::kSingular;
     for (double& tolerance : ws.tolerances) tolerance = 0;
     update_guards(plan, inputs, state, now, ws, ws.guards);
   }

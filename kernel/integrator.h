@@ -15,16 +15,14 @@ struct Inputs;
 // kNone, or the node whose pivot vanished.
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
-// The same for poses and velocities that stand in the lanes already; `state` for its joints, elements and signals. The
-// stages of a sub-step do without outputs: multipliers, and coordinates that no spring reads.
-int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs,
-                   Workspace& ws) noexcept;
+// The same for poses and velocities that stand in the lanes already; `state` for its joints, elements and signals.
+int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
 // What the latest evaluation was of is where the next sub-steps begin.
 inline void keep_start(const Plan& plan, Workspace& ws) noexcept { plan.kernels->keep_start(plan, ws); }
 
-// `to` = `from` after h seconds, in the lanes too. `from` is what keep_start() kept, and it stays kept. Returns as
-// evaluate().
+// `to` = `from` after h seconds, in the lanes too. `from` is what keep_start() kept, and it stays kept. Needs the
+// latest evaluation to be of `from`, or of a state in the same modes on its rows. Returns as evaluate().
 int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, State& to,
               Workspace& ws) noexcept;
 

@@ -135,16 +135,15 @@ struct Node<T, false> {
 
 // --- The block of a body that nothing, or little, holds -------------------------------------------------------------
 
-// LDLᵀ of a symmetric 3×3 by its leading minors, whose three divisions do not wait for each other. `bad`: lanes where a
-// pivot vanished beside the diagonal entry that it came from.
+// LDLᵀ of a symmetric 3×3. `bad`: lanes where a pivot vanished beside the diagonal entry that it came from.
 template <class T>
 UNLATCH_INLINE Factor3T<T> factor3(const Sym3T<T>& s, const Sym3T<T>& whole, T& bad) {
-  const T d2 = s.xx * s.yy - s.xy * s.xy, e = s.xx * s.yz - s.xz * s.xy;
-  const T d3 = (s.zz * d2 - s.yz * e) - s.xz * (s.yy * s.xz - s.xy * s.yz);
-  const T tiny(kSingular);
-  bad = bad | ~(s.xx > tiny * whole.xx) | ~(d2 > (tiny * s.xx) * whole.yy) | ~(d3 > (tiny * d2) * whole.zz);
-  const T i0 = T(1) / s.xx, r2 = T(1) / d2, r3 = T(1) / d3;
-  return {s.xy * i0, s.xz * i0, e * r2, i0, s.xx * r2, d2 * r3};
+  const T tiny(kSingular), i0 = T(1) / s.xx, l10 = s.xy * i0, l20 = s.xz * i0;
+  const T d1 = s.yy - l10 * s.xy, e = s.yz - l10 * s.xz;
+  const T i1 = T(1) / d1, l21 = e * i1;
+  const T d2 = (s.zz - l20 * s.xz) - l21 * e;
+  bad = bad | ~(s.xx > tiny * whole.xx) | ~(d1 > tiny * whole.yy) | ~(d2 > tiny * whole.zz);
+  return {l10, l20, l21, i0, i1, T(1) / d2};
 }
 
 template <class V, class T = typename V::T>

@@ -1,5 +1,8 @@
 #include "kernel/loops.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "kernel/kinematics.h"
 #include "kernel/lane_access.h"
 
@@ -10,13 +13,18 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // A pivot this small beside the row's own diagonal entry: the row follows from those before it.
 constexpr double kRedundant = 1e-10;
+// An entry this small beside what it would be if the bodies were free is rounding: the tree alone holds the row.
+constexpr double kHeld = 1e-13;
 
 double& entry(Workspace& ws, int row, int column) { return ws.loop_matrix[at(row) * ws.loop_rows.size() + at(column)]; }
+
+// The row that is eliminated as number r.
+const LoopRow& get_pivot_row(const Workspace& ws, int r) { return ws.loop_rows[at(ws.loop_rows[at(r)].pivot)]; }
 
 // What row `row` of a joint does with unit multiplier: a wrench at each body's origin.
 LoopRow build_row(const Plan& plan, const JointFrame& f, int joint, int row) {
   const PlanJoint& j = plan.joints[at(joint)];
-  LoopRow out{joint, j.loose, row, j.base, j.follower, {}, {}, false};
+  LoopRow out{joint, j.loose, row, j.base, j.follower, kNone, {}, {}, 0};
   if (row < kRotX) {
     const Vec3& n = column(f.n, row);
     out.on_follower = {n, cross(f.r_follower, n)};
@@ -67,43 +75,84 @@ void update_column(const Plan& plan, Workspace& ws, int k) {
   for (int r = k; r < ws.loop_count; ++r) entry(ws, r, k) = apply_row(ws.loop_rows[at(r)], ws);
 }
 
-// LDLᵀ of Λ in place, row by row: the unit lower triangle below the diagonal, the pivots on it. Redundant rows get
-// none.
-void factor_matrix(Workspace& ws) {
-  ws.loop_redundant = 0;
-  for (int r = 0; r < ws.loop_count; ++r) {
-    const double own = entry(ws, r, r);
-    double pivot = own;
-    for (int c = 0; c < r; ++c) {
-      if (!ws.loop_rows[at(c)].independent) continue;
-      double sum = entry(ws, r, c);
-      for (int k = 0; k < c; ++k)
-        if (ws.loop_rows[at(k)].independent) sum -= entry(ws, r, k) * entry(ws, k, k) * entry(ws, c, k);
-      entry(ws, r, c) = sum / entry(ws, c, c);
-      pivot -= entry(ws, r, c) * sum;
-    }
-    entry(ws, r, r) = pivot;
-    ws.loop_rows[at(r)].independent = pivot > kRedundant * own;
-    ws.loop_redundant += ws.loop_rows[at(r)].independent ? 0 : 1;
-  }
+// τᵀ J⁻¹ τ
+double calc_turning_mobility(const Sym3& J, const Vec3& torque) {
+  const Vec3 x{J.xx, J.xy, J.xz}, y{J.xy, J.yy, J.yz}, z{J.xz, J.yz, J.zz};
+  const Vec3 yz = cross(y, z);
+  return dot(torque, Mat3{yz, cross(z, x), cross(x, y)} * torque) / dot(x, yz);
 }
 
-void solve_matrix(Workspace& ws) {
-  for (int r = 0; r < ws.loop_count; ++r) {
-    if (!ws.loop_rows[at(r)].independent) {
-      ws.loop_solution[at(r)] = 0;
-      continue;
+// How much the row's bodies would give way to it if nothing held them.
+double calc_free_mobility(const Plan& plan, const Workspace& ws, const LoopRow& row) {
+  double sum = 0;
+  for (const bool follower : {false, true}) {
+    if (!follower && row.base == kGround) continue;
+    const std::size_t b = at(follower ? row.follower : row.base);
+    const Spatial& w = follower ? row.on_follower : row.on_base;
+    sum += dot(w.lin, w.lin) / plan.bodies[b].mass + calc_turning_mobility(ws.kinematics[b].J, w.ang);
+  }
+  return sum;
+}
+
+// Of the rows from `first` on, the one whose pivot is largest beside its row's own diagonal entry, ties to the earlier;
+// kNone if all of them follow from the rows before.
+int find_pivot(const Plan& plan, Workspace& ws, int first) {
+  int best = kNone;
+  double largest = kRedundant;
+  for (int r = first; r < ws.loop_count; ++r) {
+    const LoopRow& row = get_pivot_row(ws, r);
+    const double pivot = entry(ws, r, r);
+    if (pivot > largest * row.own && pivot > kHeld * calc_free_mobility(plan, ws, row)) {
+      largest = pivot / row.own;
+      best = r;
     }
-    for (int c = 0; c < r; ++c)
-      ws.loop_solution[at(r)] -= ws.loop_rows[at(c)].independent ? entry(ws, r, c) * ws.loop_solution[at(c)] : 0;
   }
-  for (int r = ws.loop_count - 1; r >= 0; --r) {
-    if (!ws.loop_rows[at(r)].independent) continue;
+  return best;
+}
+
+// Symmetric interchange of what is left at r with what is left at s < r, in the lower triangle.
+void interchange(Workspace& ws, int s, int r) {
+  if (r == s) return;
+  std::swap(ws.loop_rows[at(s)].pivot, ws.loop_rows[at(r)].pivot);
+  std::swap(entry(ws, s, s), entry(ws, r, r));
+  for (int k = 0; k < s; ++k) std::swap(entry(ws, s, k), entry(ws, r, k));
+  for (int k = s + 1; k < r; ++k) std::swap(entry(ws, k, s), entry(ws, r, k));
+  for (int k = r + 1; k < ws.loop_count; ++k) std::swap(entry(ws, k, s), entry(ws, k, r));
+}
+
+// LDLᵀ of Λ in place, the most independent rows first: pivots on the diagonal, the unit lower triangle below it. Rows
+// that follow from the others come last and get no pivot.
+void factor_matrix(const Plan& plan, Workspace& ws) {
+  for (int r = 0; r < ws.loop_count; ++r) {
+    ws.loop_rows[at(r)].pivot = r;
+    ws.loop_rows[at(r)].own = entry(ws, r, r);
+  }
+  int rank = 0;
+  for (; rank < std::min(ws.loop_count, ws.loop_most); ++rank) {
+    const int best = find_pivot(plan, ws, rank);
+    if (best == kNone) break;
+    interchange(ws, rank, best);
+    for (int r = rank + 1; r < ws.loop_count; ++r) {
+      const double factor = entry(ws, r, rank) / entry(ws, rank, rank);
+      for (int c = rank + 1; c <= r; ++c)
+        entry(ws, r, c) -= (c == r ? factor : entry(ws, c, rank)) * entry(ws, r, rank);
+      entry(ws, r, rank) = factor;
+    }
+  }
+  ws.loop_redundant = ws.loop_count - rank;
+}
+
+// Of the right-hand side in ws.loop_solution, in the order of the pivots; 0 for redundant rows.
+void solve_matrix(Workspace& ws) {
+  const int rank = ws.loop_count - ws.loop_redundant;
+  for (int r = 0; r < rank; ++r)
+    for (int c = 0; c < r; ++c) ws.loop_solution[at(r)] -= entry(ws, r, c) * ws.loop_solution[at(c)];
+  for (int r = rank - 1; r >= 0; --r) {
     ws.loop_solution[at(r)] /= entry(ws, r, r);
-    for (int below = r + 1; below < ws.loop_count; ++below)
-      if (ws.loop_rows[at(below)].independent)
-        ws.loop_solution[at(r)] -= entry(ws, below, r) * ws.loop_solution[at(below)];
+    for (int below = r + 1; below < rank; ++below)
+      ws.loop_solution[at(r)] -= entry(ws, below, r) * ws.loop_solution[at(below)];
   }
+  for (int r = rank; r < ws.loop_count; ++r) ws.loop_solution[at(r)] = 0;
 }
 
 }  // namespace
@@ -115,7 +164,7 @@ void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept 
       if (has_row(get_active_rows(plan, state, joint), r))
         ws.loop_rows[at(ws.loop_count++)] = build_row(plan, get_joint_frame(plan, state, ws, joint), joint, r);
   for (int k = 0; k < ws.loop_count; ++k) update_column(plan, ws, k);
-  factor_matrix(ws);
+  factor_matrix(plan, ws);
 }
 
 void solve_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept {
@@ -124,7 +173,7 @@ void solve_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexc
     for (std::size_t r = 0; r < kRows; ++r) ws.multipliers.get(at(joint), r) = 0;
   if (ws.loop_count == 0) return;
   for (int r = 0; r < ws.loop_count; ++r) {
-    const LoopRow& row = ws.loop_rows[at(r)];
+    const LoopRow& row = get_pivot_row(ws, r);
     const JointFrame& f = ws.loose_frames[at(row.loose)];
     const Spatial& bias = ws.loose_bias[at(row.loose)];
     const double target =
@@ -134,7 +183,7 @@ void solve_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexc
   solve_matrix(ws);
   init_loads(plan, ws, sweep.source);
   for (int r = 0; r < ws.loop_count; ++r) {
-    const LoopRow& row = ws.loop_rows[at(r)];
+    const LoopRow& row = get_pivot_row(ws, r);
     add_wrench(row, ws.loop_solution[at(r)], ws);
     ws.multipliers.get(at(row.joint), at(row.row)) = ws.loop_solution[at(r)];
   }

@@ -2,11 +2,13 @@
 // matrix
 //   Λ μ = c − W a₀,   Λ = W H⁻¹ Wᵀ,   a = a₀ + H⁻¹ Wᵀ μ,
 // where row r of W is the pair of unit wrenches that the row puts on its two bodies and a₀ the tree's own solution. The
-// tree's pattern is untouched; the cost is k + 2 sweeps over the tree and k³/6. The last sweep has the rows' wrenches
-// among the loads, so that the multipliers of the tree's joints come out with it. Rows that follow from the others (a
-// planar four-bar in space, a Bricard linkage) show as vanishing pivots of Λ; they are left out, get no multiplier, and
-// are counted.
+// tree's pattern is untouched; the cost is k + 2 sweeps over the tree and k³/6; the last sweep has the rows' wrenches
+// among its loads, so that the multipliers of the tree's joints come out with it. Rows that follow from the others (a
+// planar four-bar in space, a Bricard linkage) show as vanishing pivots of Λ, which takes the most independent first;
+// they are left out, get no multiplier, and are counted.
 #pragma once
+
+#include <limits>
 
 #include "kernel/lane_kernels.h"
 #include "kernel/plan.h"
@@ -14,7 +16,12 @@
 
 namespace unlatch {
 
+// Of Workspace::loop_most: no limit.
+inline constexpr std::int32_t kAllRows = std::numeric_limits<std::int32_t>::max();
+
 // The factor of Λ for the active rows of plan.loops. Needs the tree's factor and the joints' frames.
+// At most ws.loop_most rows count as independent: the stages of a step lie a little off the rows, so that redundant
+// ones contradict each other there; how many are not redundant, the state tells from which the step starts.
 void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
 // Accelerations and multipliers of tree and loops, with the latest factors.

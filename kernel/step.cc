@@ -62,7 +62,7 @@ int count_crossings(const Workspace& ws) {
 bool try_substep(Run& run, double now, double h) {
   ++run.report.substeps;
   if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, h, run.ws.trial, run.ws))) return false;
-  if (!run.check(evaluate_lanes(run.plan, run.inputs, run.ws.trial, now + h, true, run.ws))) return false;
+  if (!run.check(evaluate_lanes(run.plan, run.inputs, run.ws.trial, now + h, run.ws))) return false;
   update_guards(run.plan, run.inputs, run.ws.trial, now + h, run.ws, run.ws.guards);
   return true;
 }

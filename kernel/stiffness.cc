@@ -3,6 +3,7 @@
 #include "kernel/kinematics.h"
 #include "kernel/lane_access.h"
 #include "kernel/lane_state.h"
+#include "kernel/loops.h"
 #include "kernel/tree_solver.h"
 
 namespace unlatch {
@@ -67,6 +68,7 @@ std::vector<ElementFrequency> calc_frequencies(const Plan& plan, const State& st
   load_state(plan, state, ws);
   update_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kAcceleration, ws);
+  ws.loop_most = kAllRows;
   if (factor_and_solve(plan, state, ws, {Source::kNothing, false, false}) != kNone) return out;
   const auto add = [&](int element, double stiffness, double damping, const Effort& effort) {
     const double mobility = calc_mobility(plan, effort, ws);

@@ -70,8 +70,9 @@ class MultiplierView {
 // One row of a joint that closes a loop. Computed by factor_loops().
 struct LoopRow {
   std::int32_t joint, loose, row, base, follower;  // loose: the joint's place among those that are no edge
+  std::int32_t pivot;                              // index of the row that is eliminated in this one's place
   Spatial on_base, on_follower;                    // unit wrenches at the bodies' origins
-  bool independent;                                // of the rows before it
+  double own;                                      // its diagonal entry of Λ
 };
 
 struct Workspace {
@@ -101,6 +102,7 @@ struct Workspace {
   std::span<double> loop_solution;  // k
   std::int32_t loop_count = 0;      // rows that are active
   std::int32_t loop_redundant = 0;  // of these, rows that follow from the others
+  std::int32_t loop_most = 0;       // as many of them as factor_loops() may take for independent
 
   // states: the end of a trial sub-step, and how far the step has got
   State trial, accepted;

@@ -1,5 +1,6 @@
 #include "tools/transport.h"
 
+#include <cstdio>
 #include <vector>
 
 namespace unlatch::tools {
@@ -9,12 +10,22 @@ void add_transport_options(CLI::App& command, TransportOptions& options, bool wi
   if (with_inproc) names.push_back("inproc");
   command.add_option("--transport", options.name, "what carries the messages")->required()->check(CLI::IsMember(names));
   command.add_option("--domain", options.dds.domain, "DDS domain")->check(CLI::Range(0, 230))->capture_default_str();
-  command.add_option("--interface", options.dds.interface, "network interface for DDS")->capture_default_str();
-  command.add_option("--lcm-url", options.lcm.url, "LCM network")->capture_default_str();
+  command
+      .add_option("--interface", options.dds.interface, "network interface; lo: nobody outside this machine takes part")
+      ->capture_default_str();
+  command.add_option("--security", options.dds.security,
+                     "DDS: folder with this program's identity (bridge/SECURITY.md); nobody without one takes part");
+  command.add_option("--lcm-url", options.lcm_url, "LCM network")->capture_default_str();
 }
 
 std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role) {
-  if (options.name == "lcm") return bridge::open_lcm_port(role, options.lcm);
+  if (options.name == "lcm") {
+    if (!options.dds.security.empty()) throw bridge::PortError("LCM has no security: use --transport dds");
+    const bridge::LcmOptions lcm{options.lcm_url, options.dds.interface};
+    std::fprintf(stderr, "%s\n", describe(lcm).c_str());
+    return bridge::open_lcm_port(role, lcm);
+  }
+  std::fprintf(stderr, "%s\n", describe(options.dds).c_str());
   return bridge::open_dds_port(role, options.dds);
 }
 

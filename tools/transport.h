@@ -11,14 +11,14 @@ namespace unlatch::tools {
 
 struct TransportOptions {
   std::string name;
-  bridge::DdsOptions dds;
-  bridge::LcmOptions lcm;
+  bridge::DdsOptions dds;  // its interface is LCM's as well
+  std::string lcm_url = bridge::LcmOptions{}.url;
 };
 
-// Adds --transport (required; inproc only where it makes sense), --domain, --interface, --lcm-url.
+// Adds --transport (required; inproc only where it makes sense), --domain, --interface, --security, --lcm-url.
 void add_transport_options(CLI::App& command, TransportOptions& options, bool with_inproc);
 
-// dds or lcm. Throws bridge::PortError.
+// dds or lcm; says on standard error where messages will go. Throws bridge::PortError.
 std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role);
 
 }  // namespace unlatch::tools

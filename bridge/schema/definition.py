@@ -91,6 +91,8 @@ def _field(struct: str, raw: dict) -> Field:
 
 def _check(definition: Definition, struct: Struct):
     """Descending alignment and a size that is a multiple of it: then no compiler adds padding."""
+    if struct.sender and [(f.name, f.type) for f in struct.fields[:2]] != [("session", "int64"), ("sequence", "int64")]:
+        raise DefinitionError(f"{struct.name}: a message begins with session and sequence, both int64")
     previous = 8
     for f in struct.fields:
         where = f"{struct.name}.{f.name}"
@@ -101,6 +103,8 @@ def _check(definition: Definition, struct: Struct):
             raise DefinitionError(f"{where}: array length '{f.array}' is not one of the constants")
         if f.enum is not None and (f.enum not in definition.enums or f.type != "int32"):
             raise DefinitionError(f"{where}: enum '{f.enum}' must be defined, on an int32")
+        if f.type == "double" and not f.unit:
+            raise DefinitionError(f"{where}: a double needs a unit ('1' for none)")
         if f.range is not None and (f.type != "int32" or f.array):
             raise DefinitionError(f"{where}: a range is for a single int32")
         alignment = 8 if part else SIZES[f.type]

@@ -1,5 +1,7 @@
 """hil/messages.h and .cc: plain structs, the tagged union of them, and the LCM wire codec that allocates nothing."""
 
+import re
+
 from emit_lcm import describe
 
 TYPES = {"int64": "std::int64_t", "double": "double", "int32": "std::int32_t", "octet": "std::uint8_t"}
@@ -23,13 +25,21 @@ def _field(f):
     return [f"  // {comment}", code]
 
 
+def wrap(text, indent):
+    """Lines of at most WIDTH; those after the first begin with `indent`."""
+    words = text.split()
+    lines = [words[0]]
+    for word in words[1:]:
+        if len(lines[-1]) + 1 + len(word) > WIDTH:
+            lines.append(indent + word)
+        else:
+            lines[-1] += " " + word
+    return lines
+
+
 def _struct(s):
     sender = f" Sent by the {s.sender}." if s.sender else ""
-    words, lines = f"{s.comment}{sender}".split(), ["//"]
-    for word in words:
-        if len(lines[-1]) + 1 + len(word) > WIDTH:
-            lines.append("//")
-        lines[-1] += " " + word
+    lines = wrap(f"// {s.comment}{sender}", "// ")
     lines.append(f"struct {s.name} {{")
     for f in s.fields:
         lines += _field(f)
@@ -77,7 +87,9 @@ def header(d):
             for name, value in d.constants.items()]
     out += [""]
     for enum, values in d.enums.items():
-        out.append(f"enum class {enum} : std::int32_t {{ " + ", ".join(f"{n} = {v}" for n, v in values.items()) + " };")
+        out += wrap(f"enum class {enum} : std::int32_t {{ " + ", ".join(values) + " };", "    ")
+    out += ["", "// The name of a value in words: get_text(Reject::kPastTick) is \"past_tick\"; empty for what is no value."]
+    out += [f"[[nodiscard]] std::string_view get_text({enum} value) noexcept;" for enum in d.enums]
     out += ["", HEADER_NAMES]
     for s in d.structs:
         out += _struct(s)
@@ -244,6 +256,16 @@ def _switch(result, cases, otherwise):
     return lines + ["  }", f"  return {otherwise};", "}", ""]
 
 
+def _texts(enum, values):
+    """kPastTick as "past_tick\""""
+    snake = [re.sub(r"(?<!^)(?=[A-Z])", "_", name.removeprefix("k")).lower() for name in values]
+    names = wrap("  static constexpr std::string_view kTexts[] = {" + ", ".join(f'"{name}"' for name in snake) + "};", "      ")
+    names[0] = "  " + names[0]
+    return [f"std::string_view get_text({enum} value) noexcept {{"] + names + [
+        "  const auto index = static_cast<std::uint32_t>(value);",
+        f"  return index < {len(values)} ? kTexts[index] : std::string_view{{}};", "}"]
+
+
 def source(d):
     messages = d.messages()
     out = [SOURCE_HEAD]
@@ -264,6 +286,8 @@ def source(d):
         from_simulator = "true" if s.sender == "simulator" else "false"
         out.append(f"    {{\"{s.name}\", \"UNLATCH_{s.snake().upper()}\", sizeof({s.name}), {from_simulator}}},")
     out += ["}};", "", SOURCE_TAIL.rstrip("\n"), ""]
+    for enum, values in d.enums.items():
+        out += _texts(enum, values) + [""]
     for s in messages:
         out += [f"std::size_t encode(const {s.name}& message, std::span<std::uint8_t> to) noexcept {{",
                 f"  return encode_as(k{s.name}Fingerprint, message, to);", "}",

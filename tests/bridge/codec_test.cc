@@ -11,6 +11,7 @@
 #include <unlatch/HelloAck.hpp>
 #include <unlatch/State.hpp>
 #include <unlatch/StepAck.hpp>
+#include <unlatch/Verdict.hpp>
 #include <vector>
 
 #include "tests/bridge/random_messages.h"
@@ -40,7 +41,7 @@ using Pairs =
                    Pair<hil::HelloAck, HelloAck, hil::kHelloAckWireBytes>,
                    Pair<hil::State, State, hil::kStateWireBytes>, Pair<hil::Command, Command, hil::kCommandWireBytes>,
                    Pair<hil::StepAck, StepAck, hil::kStepAckWireBytes>, Pair<hil::Event, Event, hil::kEventWireBytes>,
-                   Pair<hil::Health, Health, hil::kHealthWireBytes>>;
+                   Pair<hil::Health, Health, hil::kHealthWireBytes>, Pair<hil::Verdict, Verdict, hil::kVerdictWireBytes>>;
 
 struct PairName {
   template <class P>

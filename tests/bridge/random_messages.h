@@ -43,25 +43,30 @@ inline hil::Message make_random_message(hil::MessageKind kind, Random& random) {
   switch (kind) {
     case hil::MessageKind::kHello:
       message.hello.pace = pick(random, 2);
+      message.hello.status = pick(random, 7);
+      message.hello.policy = pick(random, 5);
       for (auto* count : {&message.hello.body_count, &message.hello.joint_count, &message.hello.channel_count,
-                          &message.hello.sensor_count, &message.hello.signal_count}) {
+                          &message.hello.sensor_count, &message.hello.signal_count, &message.hello.participant_count}) {
         *count = pick(random, hil::kMaxItems);
       }
       break;
     case hil::MessageKind::kCatalog:
-      message.catalog.kind = pick(random, 4);
+      message.catalog.kind = pick(random, 5);
       message.catalog.index = pick(random, hil::kMaxItems);
       break;
     case hil::MessageKind::kHelloAck:
-      message.hello_ack.status = pick(random, 1);
+      message.hello_ack.status = pick(random, 2);
       break;
     case hil::MessageKind::kState:
-      message.state.status = pick(random, 5);
+      message.state.status = pick(random, 7);
       message.state.part = pick(random, 3);
       message.state.parts = 4;
       message.state.body_count = pick(random, hil::kBodiesPerPart);
       message.state.sensor_count = pick(random, hil::kSensorsPerPart);
       message.state.joint_count = pick(random, hil::kJointsPerPart);
+      break;
+    case hil::MessageKind::kVerdict:
+      message.verdict.reason = pick(random, 11);
       break;
     default:
       break;

@@ -168,6 +168,37 @@ TEST_P(Transports, CountsOutOfRangeAreMalformed) {
 INSTANTIATE_TEST_SUITE_P(All, Transports, testing::Values("inproc", "dds", "lcm"),
                          [](const auto& test) { return test.param; });
 
+// A property: whatever bits a message has, a gateway from DDS to LCM and another one back to DDS leave them as they are.
+TEST(Gateway, DdsToLcmAndBackIsBitExact) {
+  constexpr int kRounds = 100;
+  std::cout << "seed " << kSeed << '\n';
+  Random random(kSeed);
+  for (const Role role : {Role::kSimulator, Role::kParticipant}) {
+    std::unique_ptr<Port> senders[] = {bridge::open_dds_port(role), bridge::open_lcm_port(role),
+                                       bridge::open_dds_port(role, {.domain = 7})};
+    std::unique_ptr<Port> hearers[] = {bridge::open_dds_port(Role::kObserver), bridge::open_lcm_port(Role::kObserver),
+                                       bridge::open_dds_port(Role::kObserver, {.domain = 7})};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (const MessageKind kind : list_kinds()) {
+        if (bridge::publishes(role, kind)) greet(*senders[i], *hearers[i], make_random_message(kind, random));
+      }
+      drain(*hearers[i]);
+    }
+    for (int round = 0; round < kRounds; ++round) {
+      for (const MessageKind kind : list_kinds()) {
+        if (!bridge::publishes(role, kind)) continue;
+        const Message original = make_random_message(kind, random);
+        Message passed = original;
+        for (std::size_t i = 0; i < 3; ++i) {
+          ASSERT_TRUE(senders[i]->publish(passed));
+          ASSERT_TRUE(hearers[i]->poll(passed, kPatience)) << hil::get_kind_name(kind) << ", leg " << i;
+          ASSERT_TRUE(is_same(passed, original)) << hil::get_kind_name(kind) << ", leg " << i << ", round " << round;
+        }
+      }
+    }
+  }
+}
+
 // bridge_party in another process: what it writes, and its exit code once it has ended.
 class Party {
  public:

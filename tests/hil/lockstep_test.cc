@@ -22,7 +22,7 @@ TEST(Lockstep, RunsToItsEnd) {
   EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
   EXPECT_EQ(result.end.tick, kTicks);
   EXPECT_EQ(result.notices, std::vector<std::string>{"participant.joined"});
-  EXPECT_EQ(result.end.timing.turnaround.count, kTicks);
+  EXPECT_EQ(result.end.timing.round_trip.count, kTicks);
   EXPECT_DOUBLE_EQ(result.channels[0], 0.5 + 0.005 * 40);
   EXPECT_DOUBLE_EQ(result.channels[1], -0.01 * 45);
 }

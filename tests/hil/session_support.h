@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hil/executive.h"
+#include "hil/link.h"
 #include "hil/replay.h"
 #include "hil/run.h"
 
@@ -102,6 +103,9 @@ class FakeParticipant {
       hil::HelloAck ack;
       ack.session = session_ = message.hello.session;
       ack.schema_hash = hil::kSchemaHash;
+      ack.model_hash = message.hello.model_hash;
+      ack.dt_ns = message.hello.dt_ns;
+      ack.protocol = message.hello.protocol;
       ack.participant = kId;
       ack.status = static_cast<int>(habits_.refuses ? hil::AckStatus::kRefused : hil::AckStatus::kReady);
       hil::set_name(ack.name, "fsw");
@@ -173,7 +177,8 @@ struct SessionResult {
 
 // A whole session; `log` empty: not kept.
 inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& habits, const std::string& log = "",
-                                 const std::vector<std::string>& overrides = {}, bool with_participant = true) {
+                                 const std::vector<std::string>& overrides = {}, bool with_participant = true,
+                                 hil::TickSource* ticks = nullptr) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
   const auto simulation = hil::build_simulation(scenario);
   hil::ExecutiveOptions options;
@@ -181,6 +186,8 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.session = 4711;
   options.last_tick = static_cast<std::int64_t>(scenario.until / scenario.dt + 0.5);
   options.flight_software = scenario.flight_software;
+  options.timing = scenario.timing;
+  options.ticks = ticks;
   options.start_timeout_ns = 2'000'000'000;
   options.resend_ns = 5'000'000;
   hil::Link link(256, 256);

@@ -131,7 +131,28 @@ TEST(Elementary, SineAndCosineAreWithinAnUlpAroundMultiplesOfAQuarterPi) {
   expect_within_promise("cos near k pi/4", worst_cos);
 }
 
+// Every power of two and its neighbours, subnormals and the largest double among them: the reduction's table from end
+// to end, and the border below which the sine is its argument.
+TEST(Elementary, SineAndCosineAreWithinAnUlpAtEveryMagnitude) {
+  Worst worst_sin, worst_cos;
+  for (int e = -1074; e <= 1023; ++e) {
+    const double power = std::ldexp(1.0, e);
+    for (const double x : {power, std::nextafter(power, kInf), std::nextafter(power, 0), 1.75 * power}) {
+      update_sin_cos(x, worst_sin, worst_cos);
+      update_sin_cos(-x, worst_sin, worst_cos);
+    }
+  }
+  for (const double x : {std::numeric_limits<double>::max(), 0x1p-27, 0.75, 0.0}) {
+    update_sin_cos(x, worst_sin, worst_cos);
+    update_sin_cos(-x, worst_sin, worst_cos);
+  }
+  expect_within_promise("sin at every magnitude", worst_sin);
+  expect_within_promise("cos at every magnitude", worst_cos);
+}
+
 TEST(Elementary, SineAndCosineOfSpecialValues) {
+  EXPECT_EQ(cos(-0.0), 1.0);
+  EXPECT_EQ(cos(0x1p-1074), 1.0);
   EXPECT_TRUE(std::signbit(sin(-0.0)));
   EXPECT_EQ(sin(0.0), 0.0);
   EXPECT_EQ(cos(0.0), 1.0);
@@ -208,6 +229,26 @@ TEST(Elementary, ArctangentIsWithinAnUlp) {
   expect_within_promise("atan2, table's edges", edges);
 }
 
+// Both arguments over all magnitudes: quotients that overflow, underflow and are subnormal, subnormal arguments.
+TEST(Elementary, ArctangentIsWithinAnUlpAtEveryMagnitude) {
+  Worst worst;
+  for (int e = -1074; e <= 1023; e += 7) {
+    for (int f = -1074; f <= 1023; f += 11) {
+      const double y = std::ldexp(1.0, e), x = std::ldexp(1.25, f);
+      update_atan2(y, x, worst);
+      update_atan2(-y, -x, worst);
+    }
+  }
+  for (int e = -1074; e <= -1020; ++e) {  // subnormals against their neighbours
+    const double y = std::ldexp(1.0, e);
+    for (const double x : {y, std::nextafter(y, kInf), 3 * y, 0x1p-1074, 0x1p-1022}) {
+      update_atan2(y, x, worst);
+      update_atan2(x, -y, worst);
+    }
+  }
+  expect_within_promise("atan2 at every magnitude", worst);
+}
+
 TEST(Elementary, ArctangentOfSpecialValues) {
   const double pi = 3.141592653589793;
   const auto expect_bits = [](double got, double expected) {
@@ -229,6 +270,7 @@ TEST(Elementary, ArctangentOfSpecialValues) {
     expect_bits(atan2(sign * 0x1p-1074, 1.0), sign * 0x1p-1074);
   }
   EXPECT_TRUE(std::isnan(atan2(kNaN, kInf)));
+  EXPECT_TRUE(std::isnan(atan2(kInf, kNaN)));
   EXPECT_TRUE(std::isnan(atan2(0.0, kNaN)));
 }
 

@@ -2,22 +2,27 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "kernel/balance.h"
+#include "kernel/integrator.h"
 #include "kernel/kinematics.h"
 #include "kernel/rows.h"
-#include "tests/support/dense_kkt.h"
-#include "tests/support/random.h"
+#include "tests/support/linkages.h"
 #include "tests/support/random_model.h"
-#include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
+#include "tests/support/solve_comparison.h"
 
 namespace unlatch::test {
 namespace {
 
-constexpr double kAgreement = 1e-9;   // relative or in units; loops at random may stand close to singular positions
-constexpr double kEnergy = 1e-6;      // relative, ten seconds at 1 ms
-constexpr double kLoopDrift = 1e-10;  // m, rad
+constexpr double kAgreement = 1e-10;  // relative to the largest of its kind, well-conditioned systems
+// The small matrix of the loops' rows has the square of their condition: so many roundings for each unit of it.
+constexpr double kPerSquaredCondition = 1e-14;
+constexpr double kSingular = 1e4;        // condition of the rows
+constexpr double kContradiction = 1e-9;  // m/s², rad/s²: what is left of rows that have a solution is rounding
+constexpr double kEnergy = 1e-6;         // relative, ten seconds at 1 ms
+constexpr double kLoopDrift = 1e-10;     // m, rad
 
 // A joint from a point of the base to the place where the follower has it now. Open at first, so that any velocities
 // fit.
@@ -34,114 +39,122 @@ Joint build_closing_joint(const Model& model, int base, int follower, RowSet row
   return joint;
 }
 
-TEST(Loops, AgreeWithADenseSolveOnRandomSystems) {
-  double worst = 0;
-  int redundant_systems = 0;
-  for (std::uint64_t seed = 500; seed < 800; ++seed) {
-    RandomModelOptions options;
-    options.bodies = 3 + static_cast<int>(seed % 10);
-    Model model = build_random_model(seed, options);
-    Random random(seed);
-    const int count = static_cast<int>(model.bodies.size());
-    const RowSet kinds[] = {kPointRows, kRevoluteRows, row_bit(kX), static_cast<RowSet>(row_bit(kX) | row_bit(kY))};
-    const std::size_t first = model.joints.size();
-    for (int k = 1 + random.below(3); k > 0; --k) {
-      const int base = random.below(count), follower = (base + 1 + random.below(count - 1)) % count;
-      model.joints.push_back(build_closing_joint(model, base, follower, kinds[random.below(4)], random));
-    }
-    std::vector<Wrench> wrenches(model.bodies.size());
-    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      wrenches[b].force = {random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(-30, 30)};
-      Load load;
-      load.name = "force" + std::to_string(b);
-      load.body = static_cast<int>(b);
-      load.frame = Load::Frame::kWorld;
-      load.direction = wrenches[b].force;
-      model.loads.push_back(load);
-    }
-    Simulation s(model);
-    SystemState dense_state = build_initial_state(model);
-    for (std::size_t j = first; j < model.joints.size(); ++j) s.state.joints[j].mode = dense_state.modes[j] = 1;
-    ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk) << "seed " << seed;
-    const DenseSolution dense = solve_accelerations(model, dense_state, wrenches);
-    if (dense.condition > 1e4) continue;  // a position that is nearly singular is another test's business
-    if (dense.redundant > 0 || dense.residual > 1e-9) {
-      ++redundant_systems;  // rows that contradict each other have no solution to agree on
-      continue;
-    }
-    double size = 1, error = 0;
-    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      const Spatial& a = s.workspace.accelerations[b];
-      for (int k = 0; k < 3; ++k) {
-        const double ours = k == 0 ? a.lin.x : (k == 1 ? a.lin.y : a.lin.z);
-        error = std::max(error, std::abs(ours - dense.linear[b][k]));
-        size = std::max(size, std::abs(dense.linear[b][k]));
-      }
-    }
-    double lambda_size = 1, lambda_error = 0;
-    for (std::size_t j = 0; j < model.joints.size(); ++j)
-      for (std::size_t r = 0; r < 6; ++r) {
-        lambda_error = std::max(
-            lambda_error, std::abs(s.workspace.multipliers[6 * j + r] - dense.multipliers[j][static_cast<int>(r)]));
-        lambda_size = std::max(lambda_size, std::abs(dense.multipliers[j][static_cast<int>(r)]));
-      }
-    const double relative = std::max(error / size, lambda_error / lambda_size);
-    EXPECT_LT(relative, kAgreement) << "seed " << seed << ", condition " << dense.condition;
-    worst = std::max(worst, relative);
-  }
-  std::printf("300 random systems with loops from seed 500: worst disagreement %.2e, %d left out as redundant\n", worst,
-              redundant_systems);
-  EXPECT_LT(redundant_systems, 200);  // small trees with welds often leave a loop nothing to close; the others count
-}
-
-// A rod of 1 m and 1 kg from one point to another.
-Body build_rod(const std::string& name, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  Body rod = box(name, 1, 1e-3, 1.0 / 12, 1.0 / 12);
-  rod.p_WB = 0.5 * (from + to);
-  rod.q_WB = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), to - from);
-  return rod;
-}
-
-// A hinge at a point of the world, about an axis of the world.
-Joint build_hinge(const Model& model, int base, int follower, const Eigen::Vector3d& point,
-                  const Eigen::Vector3d& axis) {
-  const auto attitude = [&](int b) {
-    return b == kGround ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
-                        : model.bodies[static_cast<std::size_t>(b)].q_WB.toRotationMatrix();
-  };
-  const auto position = [&](int b) {
-    return b == kGround ? Eigen::Vector3d(0, 0, 0) : model.bodies[static_cast<std::size_t>(b)].p_WB;
-  };
-  Joint joint;
-  joint.name = "hinge" + std::to_string(model.joints.size());
-  joint.base = base;
-  joint.follower = follower;
-  joint.point_base = attitude(base).transpose() * (point - position(base));
-  joint.point_follower = attitude(follower).transpose() * (point - position(follower));
-  const Eigen::Vector3d x = axis.unitOrthogonal();
-  Eigen::Matrix3d world;
-  world << x, axis.cross(x), axis;
-  joint.axes = attitude(base).transpose() * world;
-  joint.modes = {{"hinge", kRevoluteRows}};
-  return joint;
-}
-
-// A closed chain of rods through `points`, hinged at each about `axes`, the last rod being the ground.
-Model build_linkage(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& axes,
-                    const Eigen::Vector3d& gravity) {
-  Model model;
-  model.gravity.uniform = gravity;
-  const int rods = static_cast<int>(points.size()) - 1;
-  for (int k = 0; k < rods; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    model.bodies.push_back(build_rod("rod" + std::to_string(k), points[i], points[i + 1]));
-  }
-  for (int k = 0; k <= rods; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const bool last = k == rods;
-    model.joints.push_back(build_hinge(model, last ? kGround : k - 1, last ? k - 1 : k, points[i], axes[i]));
+// One to three loops over a random tree, all of them open at first.
+Model build_random_loops(std::uint64_t seed, Random& random) {
+  RandomModelOptions options;
+  options.bodies = 3 + static_cast<int>(seed % 10);
+  Model model = build_random_model(seed, options);
+  const int count = static_cast<int>(model.bodies.size());
+  for (int k = 1 + random.below(3); k > 0; --k) {
+    const int base = random.below(count), follower = (base + 1 + random.below(count - 1)) % count;
+    const RowSet kinds[] = {kPointRows, kRevoluteRows, kWeldRows, row_bit(kX),
+                            static_cast<RowSet>(random.next() & kWeldRows)};
+    model.joints.push_back(build_closing_joint(model, base, follower, kinds[random.below(5)], random));
   }
   return model;
+}
+
+struct LoopTally {
+  int regular = 0, redundant = 0, singular = 0, contradictory = 0;
+  Disagreement worst, worst_redundant;
+};
+
+// Where rows are redundant, multipliers are not unique, but what they do to the bodies is.
+void expect_to_agree(const KernelSolution& ours, const DenseSolution& dense, const Model& model,
+                     const SystemState& state, std::uint64_t seed, LoopTally& tally) {
+  if (dense.condition > kSingular) {
+    ++tally.singular;  // a position that is nearly singular is another test's business
+    return;
+  }
+  if (dense.residual > kContradiction) {
+    ++tally.contradictory;  // rows that contradict each other have no solution to agree on
+    return;
+  }
+  const bool redundant = dense.redundant > 0;
+  const Disagreement d =
+      redundant ? compare_row_forces(ours, dense, build_dense_kkt(model, state)) : compare(ours, dense);
+  const double bound = std::max(kAgreement, kPerSquaredCondition * dense.condition * dense.condition);
+  EXPECT_LT(d.get_worst(), bound) << "seed " << seed << ", condition " << dense.condition << ", redundant "
+                                  << dense.redundant;
+  ++(redundant ? tally.redundant : tally.regular);
+  Disagreement& worst = redundant ? tally.worst_redundant : tally.worst;
+  worst.accelerations = std::max(worst.accelerations, d.accelerations);
+  worst.multipliers = std::max(worst.multipliers, d.multipliers);
+}
+
+void print(const char* what, const LoopTally& tally) {
+  std::printf(
+      "  %s: %d regular (%.1e, multipliers %.1e), %d redundant (%.1e, forces of the rows %.1e), left out: %d nearly "
+      "singular, %d contradictory\n",
+      what, tally.regular, tally.worst.accelerations, tally.worst.multipliers, tally.redundant,
+      tally.worst_redundant.accelerations, tally.worst_redundant.multipliers, tally.singular, tally.contradictory);
+}
+
+// The loops close at once, with an impulse; after it the velocities fit all rows, redundant ones too.
+TEST(Loops, AgreeWithADenseSolveOnRandomSystems) {
+  constexpr std::uint64_t kFirstSeed = 500, kSystems = 1000;
+  LoopTally impulses, accelerations;
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSystems; ++seed) {
+    Random random(seed);
+    Model model = build_random_loops(seed, random);
+    const std::vector<Wrench> wrenches = add_random_loads(model, random);
+    Simulation s(model);
+    for (std::size_t j = 0; j < model.joints.size(); ++j)
+      if (model.joints[j].modes.back().name == "closed") s.state.joints[j].mode = 1;
+    const SystemState before = read_state(s);
+    update_motion(s);
+    ASSERT_EQ(apply_impulse(s.plan, s.state, s.workspace), kNone) << "seed " << seed;
+    expect_to_agree(read_solution(s), solve_plastic_impulse(model, before), model, before, seed, impulses);
+
+    ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk) << "seed " << seed;
+    const SystemState after = read_state(s);
+    expect_to_agree(read_solution(s), solve_accelerations(model, after, wrenches), model, after, seed, accelerations);
+  }
+  std::printf("%d random systems with loops from seed %d, worst disagreement\n", static_cast<int>(kSystems),
+              static_cast<int>(kFirstSeed));
+  print("impulses", impulses);
+  print("accelerations", accelerations);
+  for (const LoopTally& tally : {impulses, accelerations}) {
+    EXPECT_GT(tally.regular, 300);  // small trees with welds often leave a loop nothing to close; the others count
+    EXPECT_GT(tally.redundant, 100);
+    EXPECT_LT(tally.singular, 100);
+  }
+}
+
+// The loop closes what the tree holds already: nothing of its rows is left but rounding, which must not pass for a
+// row.
+TEST(Loops, ThatCloseNothingAreRedundantAndChangeNothing) {
+  constexpr double kRounding = 1e-12;
+  Random random(3);
+  Model model;
+  model.gravity.uniform = {1, 2, -9.81};
+  for (int k = 0; k < 3; ++k) {
+    Body rod = box("rod" + std::to_string(k), 1 + k, 0.1, 0.2, 0.25);
+    rod.p_WB = {0.7 * k, 0.1 * k, 0.3};
+    rod.q_WB = Eigen::Quaterniond(1, random.uniform(), random.uniform(), random.uniform()).normalized();
+    model.bodies.push_back(rod);
+  }
+  const auto weld = [&](int base, int follower) {
+    Joint joint = build_closing_joint(model, base, follower, kWeldRows, random);
+    joint.modes.erase(joint.modes.begin());
+    model.joints.push_back(joint);
+  };
+  weld(0, 1);
+  weld(1, 2);
+  const auto solve = [&](const Model& m) {
+    Simulation s(m);
+    EXPECT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk);
+    EXPECT_EQ(s.workspace.loop_redundant, m.joints.size() == 2 ? 0 : 6);
+    return read_solution(s);
+  };
+  const KernelSolution open = solve(model);
+  weld(2, 0);
+  const KernelSolution closed = solve(model);
+  for (std::size_t b = 0; b < 3; ++b) {
+    EXPECT_LT((closed.linear[b] - open.linear[b]).norm(), kRounding);
+    EXPECT_LT((closed.angular[b] - open.angular[b]).norm(), kRounding);
+  }
+  EXPECT_EQ(closed.multipliers[2].norm(), 0);
 }
 
 void expect_to_swing_freely(const Model& model, int redundant) {
@@ -182,6 +195,28 @@ TEST(Loops, ABricardLinkageMovesAndKeepsItsEnergy) {
   expect_to_swing_freely(build_linkage({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}, {0, 0, 1}},
                                        {y, z, x, y, z, x}, {0, -9.81, 0}),
                          1);
+}
+
+// Four hinges whose axes neither meet nor are parallel, and yet it moves (Bennett 1903): opposite rods are alike, and
+// their lengths are to each other as the sines of the twists between their hinges. With the angle of the first hinge
+// goes that of the second: tan(θ1/2) tan(θ2/2) = sin((β + α)/2) / sin((β − α)/2); the others are theirs reversed.
+TEST(Loops, ABennettLinkageIsASpatialFourBarWithThreeRedundantRows) {
+  const double alpha = 0.7, beta = 1.4, length = 1, other = std::sin(beta) / std::sin(alpha);
+  const double first = 1.2;
+  const double second =
+      2 * std::atan(std::sin((beta + alpha) / 2) / std::sin((beta - alpha) / 2) / std::tan(first / 2));
+  const double angles[] = {first, second, -first, -second};
+  std::vector<Eigen::Vector3d> points, axes;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  for (int k = 0; k < 4; ++k) {
+    points.push_back(frame.translation());
+    axes.push_back(frame.linear().col(2));
+    frame = frame * Eigen::AngleAxisd(angles[k], Eigen::Vector3d::UnitZ()) *
+            Eigen::Translation3d(k % 2 == 0 ? length : other, 0, 0) *
+            Eigen::AngleAxisd(k % 2 == 0 ? alpha : beta, Eigen::Vector3d::UnitX());
+  }
+  ASSERT_TRUE(frame.isApprox(Eigen::Isometry3d::Identity(), 1e-12));
+  expect_to_swing_freely(build_linkage(points, axes, {3, -9.81, 2}), 3);
 }
 
 }  // namespace

@@ -110,14 +110,18 @@ void write_joint_row(const Model& model, const Joint& joint, RowSet set, int row
   }
 }
 
-// M = L Lᵀ body by body. With y = Lᵀ a and A = D G L^-T (D scales rows to length one) the system is
+// M = L Lᵀ, L body by body. With y = Lᵀ a and A = D G L^-T (D scales rows to length one) the system is
 //   y − Aᵀ (D^-1 λ) = L^-1 F,   A y = D c,
 // so y = L^-1 F + z with z = A⁺ (D c − A L^-1 F) and λ = D (Aᵀ)⁺ z. The factors are in double, the residuals in long
 // double: three rounds bring the solution to the accuracy of the residuals as long as the condition is below some 1e13.
 class Solver {
  public:
-  explicit Solver(const DenseKkt& kkt) : kkt_(kkt), L_(kkt.mass.llt().matrixL()) {
-    A_ = L_.triangularView<Eigen::Lower>().solve(kkt.rows.transpose()).transpose();
+  explicit Solver(const DenseKkt& kkt) : kkt_(kkt), A_(kkt.rows.rows(), kkt.rows.cols()) {
+    for (Index at = 0; at < kkt.mass.rows(); at += 6) {
+      L_.emplace_back(kkt.mass.block<6, 6>(at, at).llt().matrixL());
+      A_.middleCols<6>(at) =
+          L_.back().triangularView<Eigen::Lower>().solve(kkt.rows.middleCols<6>(at).transpose()).transpose();
+    }
     scale_ = A_.rowwise().norm().cwiseInverse();
     A_ = scale_.asDiagonal() * A_;
     if (A_.rows() > 0) cod_.compute(A_.cast<double>());
@@ -134,7 +138,9 @@ class Solver {
 
  private:
   void update(const RealVector& F, const RealVector& c, RealVector& a, RealVector& lambda) const {
-    RealVector y = L_.triangularView<Eigen::Lower>().solve(F);
+    RealVector y = F;
+    for (std::size_t b = 0; b < L_.size(); ++b)
+      L_[b].triangularView<Eigen::Lower>().solveInPlace(y.segment<6>(static_cast<Index>(6 * b)));
     if (c.size() > 0) {
       const RealVector rest = scale_.cwiseProduct(c) - A_ * y;
       const Eigen::VectorXd z = cod_.solve(rest.cast<double>());
@@ -142,7 +148,9 @@ class Solver {
       y += z.cast<Real>();
       lambda += scale_.cwiseProduct(mu.cast<Real>());
     }
-    a += L_.transpose().triangularView<Eigen::Upper>().solve(y);
+    for (std::size_t b = 0; b < L_.size(); ++b)
+      L_[b].transpose().triangularView<Eigen::Upper>().solveInPlace(y.segment<6>(static_cast<Index>(6 * b)));
+    a += y;
   }
 
   DenseSolution build_solution(const RealVector& a, const RealVector& lambda, const RealVector& c,
@@ -167,7 +175,8 @@ class Solver {
   }
 
   const DenseKkt& kkt_;
-  RealMatrix L_, A_;
+  std::vector<Eigen::Matrix<Real, 6, 6>> L_;
+  RealMatrix A_;
   RealVector scale_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> cod_;
 };

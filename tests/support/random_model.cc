@@ -1,12 +1,13 @@
 #include "tests/support/random_model.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "kernel/elementary.h"
 #include "tests/support/random.h"
 
 namespace unlatch::test {
@@ -32,9 +33,12 @@ constexpr Kind kKinds[] = {
     {"planar", row_bit(kZ) | row_bit(kRotX) | row_bit(kRotY)},
     {"revolute_slider", row_bit(kX) | row_bit(kY) | row_bit(kRotX) | row_bit(kRotZ)},
     {"weld", kAllRows},
+    // not in every program
     {"free", 0},
     {"point_plane", row_bit(kX)},
+    {"composed", 0},  // of rows drawn at random
 };
+constexpr int kCommonKinds = 8;
 
 // A body on its way into the model; the ground is one as well.
 struct Placed {
@@ -55,11 +59,30 @@ Matrix3d random_rotation(Random& random) {
   }
 }
 
+// The rotation by `angle` about a unit vector (Rodrigues).
+Matrix3d build_rotation(double angle, const Vector3d& axis) {
+  double sine, cosine;
+  elementary::sincos(angle, sine, cosine);
+  Matrix3d cross;
+  cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+  return Matrix3d::Identity() + sine * cross + (1 - cosine) * cross * cross;
+}
+
+// Natural logarithm by Halley's iteration on the kernel's exponential, for 1e-20 < x < 1e20.
+double calc_log(double x) {
+  double log = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double e = elementary::exp(log);
+    log += 2 * (x - e) / (x + e);
+  }
+  return log;
+}
+
 // A box of uniform density about a metre in size: its inertia obeys the triangle inequality and is well-conditioned.
 Body random_body(Random& random, std::string name, double mass_ratio) {
   Body body;
   body.name = std::move(name);
-  body.mass = std::pow(mass_ratio, random.uniform());
+  body.mass = elementary::exp(calc_log(mass_ratio) * random.uniform());
   const double a = random.uniform(0.5, 2), b = random.uniform(0.5, 2), c = random.uniform(0.5, 2);
   const Vector3d principal = body.mass / 12 * Vector3d(b * b + c * c, a * a + c * c, a * a + b * b);
   const Matrix3d axes = random_rotation(random);
@@ -106,12 +129,13 @@ Motion random_motion(Random& random, const Joint& joint, bool follower_axes_give
 
   motion.turn = Matrix3d::Identity();
   if (joint.universal) {
-    const Matrix3d about_x = Eigen::AngleAxisd(random.uniform(-1, 1), Vector3d::UnitX()).toRotationMatrix();
-    const Matrix3d about_y = Eigen::AngleAxisd(random.uniform(-1, 1), Vector3d::UnitY()).toRotationMatrix();
+    const Matrix3d about_x = build_rotation(random.uniform(-1, 1), Vector3d::UnitX());
+    const Matrix3d about_y = build_rotation(random.uniform(-1, 1), Vector3d::UnitY());
     if ((rows & kRotationRows) == row_bit(kRotZ)) {
       if (follower_axes_given) motion.turn = about_x * about_y;
       const Vector3d own_y = motion.turn.col(1);
-      motion.turn_rate = random.uniform(-0.5, 0.5) * Vector3d::UnitX() + random.uniform(-0.5, 0.5) * own_y;
+      motion.turn_rate = random.uniform(-0.5, 0.5) * Vector3d::UnitX();
+      motion.turn_rate += random.uniform(-0.5, 0.5) * own_y;
       return motion;
     }
   }
@@ -121,7 +145,7 @@ Motion random_motion(Random& random, const Joint& joint, bool follower_axes_give
     if (!has_row(rows, kRotX + k)) free_axis[k] = 1;
   }
   const int freedoms = static_cast<int>(free_axis.sum());
-  if (freedoms == 1) motion.turn = Eigen::AngleAxisd(random.uniform(-2, 2), free_axis).toRotationMatrix();
+  if (freedoms == 1) motion.turn = build_rotation(random.uniform(-2, 2), free_axis);
   if (freedoms > 1 && !joint.universal) motion.turn = random_rotation(random);
   return motion;
 }
@@ -154,7 +178,8 @@ Placed place(const Placed& known, bool known_is_base, const Joint& joint, const 
 // A joint between a body (or the ground) whose place is known and one that it places.
 Joint random_joint(Random& random, int known, int next, const RandomModelOptions& options,
                    std::vector<Placed>& placed) {
-  const Kind& kind = kKinds[random.below(static_cast<int>(std::size(kKinds)))];
+  Kind kind = kKinds[random.below(options.common_kinds ? kCommonKinds : static_cast<int>(std::size(kKinds)))];
+  if (std::string_view(kind.name) == "composed") kind.rows = static_cast<RowSet>(random.next() & kAllRows);
   const bool known_is_base = known == kGround || random.chance(0.5);
   Joint joint;
   joint.base = known_is_base ? known : next;
@@ -162,7 +187,7 @@ Joint random_joint(Random& random, int known, int next, const RandomModelOptions
   joint.point_base = random_vector(random, 1);
   joint.point_follower = random_vector(random, 1);
   joint.axes = random_rotation(random);
-  if (random.chance(0.5)) joint.rotation_axes = random_rotation(random);
+  if (!options.common_kinds && random.chance(0.5)) joint.rotation_axes = random_rotation(random);
   joint.universal = kind.universal;
   joint.modes = random_modes(random, kind);
   if (!random.chance(options.first_mode_chance)) joint.mode = random.below(static_cast<int>(joint.modes.size()));

@@ -1,5 +1,5 @@
 // Random systems for property tests: a tree of bodies under joints of every kind, in a state that satisfies the joints'
-// initial modes. The same seed and options give the same system up to the rounding of <cmath>.
+// initial modes. The same seed and options give the same system, bit for bit, on every machine.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@ struct RandomModelOptions {
   double mass_ratio = 10;          // heaviest body's mass over the lightest's, at most; inertias follow
   double grounded_chance = 0.3;    // of a joint between the ground and the tree's first body
   double first_mode_chance = 0.7;  // of starting in a joint's full mode, modes[0], and not in one of the others
+  bool common_kinds = false;       // joints that every multibody program has: none that is free or composed of odd rows
 };
 
 // Every joint has several modes: its kind, part of the kind's rows, free, weld. Bases and followers come in both

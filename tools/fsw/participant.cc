@@ -58,12 +58,20 @@ Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>
 void Participant::hear_hello(const hil::Hello& hello) {
   if (hello.session == session_) return;  // said again
   session_ = hello.session;
+  agreed_ = hil::HelloAck{};
+  agreed_.session = hello.session;
+  agreed_.schema_hash = hil::kSchemaHash;
+  agreed_.model_hash = hello.model_hash;
+  agreed_.dt_ns = hello.dt_ns;
+  agreed_.protocol = hil::kProtocolVersion;
+  agreed_.participant = id_;
+  hil::set_name(agreed_.name, name_);
   attached_ = false;
   answered_tick_ = -1;
   last_command_ = 0;
   vehicle_.begin(hello);
   if (hello.schema_hash != hil::kSchemaHash || hello.protocol != hil::kProtocolVersion) {
-    refuse(hello.session, "built for another version of the message schema");
+    refuse("built for another version of the message schema");
   }
 }
 
@@ -72,28 +80,22 @@ void Participant::answer_hello() {
   if (session_ == 0 || !vehicle_.is_known()) return;
   if (!attached_) {
     const std::string missing = sequence_.attach(vehicle_);
-    if (!missing.empty()) return refuse(session_, "the vehicle lacks " + missing);
+    if (!missing.empty()) return refuse("the vehicle lacks " + missing);
     attached_ = true;
   }
-  hil::HelloAck ack;
-  ack.session = session_;
-  ack.schema_hash = hil::kSchemaHash;
-  ack.participant = id_;
-  ack.status = static_cast<std::int32_t>(AckStatus::kReady);
-  hil::set_name(ack.name, name_);
-  port_.publish(ack);
+  say(AckStatus::kReady);
 }
 
-void Participant::refuse(std::int64_t session, const std::string& reason) {
+void Participant::refuse(const std::string& reason) {
   refusal_ = reason;
-  hil::HelloAck ack;
-  ack.session = session;
-  ack.schema_hash = hil::kSchemaHash;
-  ack.participant = id_;
-  ack.status = static_cast<std::int32_t>(AckStatus::kRefused);
-  hil::set_name(ack.name, name_);
-  hil::set_name(ack.reason, reason);
-  port_.publish(ack);
+  hil::set_name(agreed_.reason, reason);
+  say(AckStatus::kRefused);
+}
+
+void Participant::say(AckStatus status) {
+  agreed_.status = static_cast<std::int32_t>(status);
+  port_.publish(agreed_);
+  ++agreed_.sequence;
 }
 
 void Participant::hear_state(const hil::State& state) {

@@ -28,7 +28,8 @@ class Participant {
   void hear_hello(const hil::Hello& hello);
   void hear_state(const hil::State& state);
   void answer_hello();
-  void refuse(std::int64_t session, const std::string& reason);
+  void refuse(const std::string& reason);
+  void say(hil::AckStatus status);
   void answer(const hil::State& state);
   [[nodiscard]] bool has_ended(const hil::State& state, Outcome& outcome) const;
 
@@ -40,6 +41,7 @@ class Participant {
   SeparationSequence sequence_;
   Commands commands_;
   std::int64_t session_ = 0;  // 0: none yet
+  hil::HelloAck agreed_;      // what this session was agreed on
   bool attached_ = false;     // to this session's vehicle
   std::string refusal_;       // why not
   std::int64_t answered_tick_ = -1;

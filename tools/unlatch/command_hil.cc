@@ -1,21 +1,28 @@
 // unlatch hil: a scenario with flight software in the loop. The cyclic thread steps; the bridge's threads carry its
-// messages; a recorder's thread writes; this thread watches. What engineers read off the run is found by replaying the
-// recording, which also proves that it replays.
+// messages (in lockstep it does so itself); a recorder's thread writes; this thread watches. What engineers read off
+// the run is found by replaying the recording, which also proves that it replays.
+#include <pthread.h>
+
 #include <atomic>
+#include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <thread>
 
+#include "bridge/port_line.h"
 #include "bridge/pump.h"
 #include "hil/executive.h"
 #include "hil/executive_notices.h"
-#include "hil/pacer.h"
+#include "hil/real_time.h"
 #include "hil/run.h"
+#include "hil/watchdog.h"
 #include "tools/exit_codes.h"
 #include "tools/fsw/participant.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/pacing_options.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -27,6 +34,7 @@ struct HilOptions {
   TransportOptions transport;
   hil::Pace pace = hil::Pace::kRealtime;
   double start_timeout_s = 20;
+  PacingOptions pacing;
   OutputOptions output;
 };
 
@@ -66,14 +74,14 @@ class Session {
         simulation_(hil::build_simulation(scenario_)),
         last_tick_(calc_last_tick(scenario_)),
         session_(hil::draw_session()),
-        header_(hil::build_log_header(scenario_, *simulation_, options.pace, session_, last_tick_)),
-        link_(kRoomOut + hil::build_catalog(scenario_.model).size()) {}
+        header_(hil::build_log_header(scenario_, *simulation_, options.pace, session_, last_tick_)) {}
 
   int run() {
     warn_of_unstable_elements(scenario_);
     if (options_.pace == hil::Pace::kFast && !scenario_.flight_software.required.empty()) {
       std::fprintf(stderr, "note: at pace fast the flight software that the scenario requires takes no part\n");
     }
+    open_tick_source();
     connect();
     recorder_.emplace(options_.output.log, header_);
     hil::LogEnd end = run_executive();
@@ -86,6 +94,11 @@ class Session {
  private:
   static constexpr std::size_t kRoomOut = 1024;  // messages
 
+  void open_tick_source() {
+    if (options_.pace != hil::Pace::kRealtime) return;
+    tick_source_ = options_.pacing.open_source(std::llround(scenario_.dt * 1e9));
+  }
+
   void connect() {
     if (options_.transport.name != "inproc") {
       port_ = open_port(options_.transport, bridge::Role::kSimulator);
@@ -97,7 +110,13 @@ class Session {
         }
       }
     }
-    pump_ = std::make_unique<bridge::Pump>(link_, *port_);
+    if (options_.pace == hil::Pace::kLockstep) {
+      line_ = std::make_unique<bridge::PortLine>(*port_);
+    } else {
+      auto link = std::make_unique<hil::Link>(kRoomOut + hil::build_catalog(scenario_.model).size());
+      pump_ = std::make_unique<bridge::Pump>(*link, *port_);
+      line_ = std::move(link);
+    }
   }
 
   hil::LogEnd run_executive() {
@@ -106,20 +125,44 @@ class Session {
     options.session = session_;
     options.last_tick = last_tick_;
     options.flight_software = scenario_.flight_software;
+    options.timing = scenario_.timing;
+    options.ticks = tick_source_.get();
     options.start_timeout_ns = static_cast<std::int64_t>(options_.start_timeout_s * 1e9);
-    hil::Executive executive(*simulation_, link_, *recorder_, scenario_.name, options);
+    hil::Executive executive(*simulation_, *line_, *recorder_, scenario_.name, options);
 
     hil::LogEnd end;
     std::atomic<bool> ended{false};
     std::jthread cyclic([&] {
+      pthread_setname_np(pthread_self(), "unlatch-cyclic");
       if (options_.pace == hil::Pace::kRealtime) {
-        for (const std::string& refused : hil::request_real_time()) std::fprintf(stderr, "%s\n", refused.c_str());
+        for (const std::string& refused : hil::request_real_time(options_.pacing.thread)) {
+          std::fprintf(stderr, "%s\n", refused.c_str());
+        }
       }
       end = executive.run();
       ended.store(true, std::memory_order_release);
     });
+    const auto watchdog = start_watchdog(executive);
     watch(executive, ended);
     return cyclic.join(), end;
+  }
+
+  // A cyclic thread that is stuck cannot be helped: that is said, and the process ended if the scenario wants that. Its
+  // recording has every tick up to there.
+  std::unique_ptr<hil::Watchdog> start_watchdog(const hil::Executive& executive) {
+    const double limit_s = scenario_.timing.watchdog;
+    if (limit_s <= 0) return nullptr;
+    const int priority = options_.pace == hil::Pace::kRealtime ? options_.pacing.thread.priority + 1 : 0;
+    const bool aborts = scenario_.timing.watchdog_aborts;
+    // The wait for a tick is no silence.
+    const auto limit_ns = std::llround(std::max(limit_s, 2 * scenario_.dt) * 1e9) + options_.pacing.get_patience_ns();
+    return std::make_unique<hil::Watchdog>(
+        executive.get_beats(), limit_ns, priority, [&executive, aborts](std::int64_t silent_ns) {
+          std::fprintf(stderr, "watchdog: no sign of life of the cyclic thread for %.1f s, %s%s\n",
+                       static_cast<double>(silent_ns) * 1e-9, executive.describe_place().c_str(),
+                       aborts ? "; the process ends here (timing.watchdog.action: abort)" : "");
+          if (aborts) std::_Exit(kExitFailed);
+        });
   }
 
   void watch(hil::Executive& executive, const std::atomic<bool>& ended) {
@@ -174,9 +217,10 @@ class Session {
   const std::unique_ptr<hil::Simulation> simulation_;
   const std::int64_t last_tick_, session_;
   const hil::LogHeader header_;
-  hil::Link link_;
+  std::unique_ptr<hil::TickSource> tick_source_;
   bridge::InprocHub hub_;
   std::unique_ptr<bridge::Port> port_;
+  std::unique_ptr<hil::Line> line_;
   std::unique_ptr<bridge::Pump> pump_;
   std::vector<std::unique_ptr<FlightSoftwareThread>> flight_software_;
   std::optional<hil::Recorder> recorder_;
@@ -204,8 +248,12 @@ void add_hil(CLI::App& app, int& exit_code) {
   command->add_option("--start-timeout", options->start_timeout_s, "how long to wait for the flight software, s")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  add_pacing_options(*command, options->pacing);
   add_output_options(*command, options->output);
-  command->callback([options, &exit_code] { exit_code = Session(*options).run(); });
+  command->callback([options, &exit_code] {
+    options->pacing.add_overrides(options->scenario.overrides);
+    exit_code = Session(*options).run();
+  });
 }
 
 }  // namespace unlatch::tools

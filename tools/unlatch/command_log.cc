@@ -59,10 +59,7 @@ class Listener {
   bool follow(const hil::State& state) {
     if (session_ == 0) session_ = state.session;
     if (state.session != session_) return false;
-    if (state.status >= static_cast<int>(hil::RunStatus::kFaulted) ||
-        state.status == static_cast<int>(hil::RunStatus::kDone)) {
-      ended_ = true;
-    }
+    if (state.status >= static_cast<int>(hil::RunStatus::kDone)) ended_ = true;
     if (state.part != 0) return true;
     if (state.sequence > next_) {
       ++gaps_;

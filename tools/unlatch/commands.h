@@ -17,6 +17,7 @@ void add_check(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 void add_hil(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
+void add_preflight(CLI::App& app, int& exit_code);
 void add_log(CLI::App& app, int& exit_code);
 
 // What check, run and hil say about their scenario.

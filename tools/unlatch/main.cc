@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   tools::add_hil(app, exit_code);
   tools::add_replay(app, exit_code);
   tools::add_log(app, exit_code);
+  tools::add_preflight(app, exit_code);
 
   const auto fail = [](const char* what, int code) {
     std::fprintf(stderr, "%s\n", what);

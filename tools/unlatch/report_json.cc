@@ -59,24 +59,47 @@ Json build_audit(const EventAudit& audit) {
 }
 
 Json to_json(const hil::DurationSummary& summary) {
-  return {{"p50", summary.p50},
-          {"p99", summary.p99},
-          {"p999", summary.p999},
-          {"max", summary.max},
-          {"count", summary.count}};
+  Json histogram = Json::array();
+  for (const auto& bin : summary.bins) histogram.push_back(Json::array({bin.upper_ns, bin.count}));
+  return {{"min", summary.min},     {"p50", summary.p50},     {"p90", summary.p90},       {"p99", summary.p99},
+          {"p999", summary.p999},   {"p9999", summary.p9999}, {"p99999", summary.p99999}, {"max", summary.max},
+          {"count", summary.count}, {"histogram", histogram}};
+}
+
+Json to_json(const hil::Overrun& overrun) {
+  const hil::TickTiming& timing = overrun.timing;
+  return {{"tick", timing.tick},
+          {"cause", hil::kOverrunCauseNames[static_cast<std::size_t>(overrun.cause)]},
+          {"late_ns", overrun.late_ns},
+          {"wakeup_ns", timing.wakeup_ns},
+          {"input_ns", timing.input_ns},
+          {"step_ns", timing.step_ns},
+          {"output_ns", timing.output_ns},
+          {"substeps", timing.substeps},
+          {"page_faults", overrun.page_faults},
+          {"faults_read", overrun.faults_read},
+          {"preemptions", overrun.preemptions}};
 }
 
 Json to_json(const hil::TimingSummary& timing) {
-  static constexpr const char* kReasons[] = {"wrong_session", "past_tick",    "duplicate",       "expired",
-                                             "not_finite",    "out_of_range", "unknown_channel", "malformed"};
   Json rejected = Json::object();
-  for (std::size_t i = 0; i < hil::kRejectReasons; ++i) rejected[kReasons[i]] = timing.rejected[i];
+  for (std::size_t i = 0; i < hil::kRejectReasons; ++i) {
+    rejected[std::string(hil::get_text(static_cast<hil::Reject>(i)))] = timing.rejected[i];
+  }
+  Json causes = Json::object(), worst = Json::array();
+  for (std::size_t i = 0; i < hil::kOverrunCauses; ++i) {
+    causes[std::string(hil::kOverrunCauseNames[i])] = timing.overrun_causes[i];
+  }
+  for (const hil::Overrun& overrun : timing.worst_overruns) worst.push_back(to_json(overrun));
   return {{"step_ns", to_json(timing.step)},
           {"wakeup_ns", to_json(timing.wakeup)},
           {"turnaround_ns", to_json(timing.turnaround)},
+          {"round_trip_ns", to_json(timing.round_trip)},
           {"overruns", timing.overruns},
-          {"late_wakeups", timing.late_wakeups},
-          {"long_steps", timing.long_steps},
+          {"overrun_causes", causes},
+          {"worst_overruns", worst},
+          {"slipped_ns", timing.slipped_ns},
+          {"skipped_outputs", timing.skipped_outputs},
           {"late_commands", timing.late_commands},
           {"dropped", timing.dropped},
           {"resent", timing.resent},

@@ -88,28 +88,62 @@ void print_audit(std::FILE* to, const std::vector<EventAudit>& audits) {
   std::fprintf(to, "  largest change of kinetic energy that an event was entitled to: %.6g J\n", entitled);
 }
 
+double to_us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
+
 void print_durations(std::FILE* to, const char* name, const hil::DurationSummary& summary) {
   if (summary.count == 0) return;
-  const auto us = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-3; };
-  std::fprintf(to, "  %-22s %10.1f %10.1f %10.1f %10.1f\n", name, us(summary.p50), us(summary.p99), us(summary.p999),
-               us(summary.max));
+  std::fprintf(to, "  %-22s", name);
+  for (const std::int64_t ns :
+       {summary.p50, summary.p90, summary.p99, summary.p999, summary.p9999, summary.p99999, summary.max}) {
+    std::fprintf(to, " %9.1f", to_us(ns));
+  }
+  std::fputc('\n', to);
+}
+
+// Ticks that ended after the next was due: how many for which cause, and the worst of them.
+void print_overruns(std::FILE* to, const hil::TimingSummary& timing) {
+  std::fprintf(to, "  overruns %lld", static_cast<long long>(timing.overruns));
+  const char* separator = " (";
+  for (std::size_t i = 0; i < hil::kOverrunCauses; ++i) {
+    if (timing.overrun_causes[i] == 0) continue;
+    std::fprintf(to, "%s%s %lld", separator, hil::kOverrunCauseNames[i].data(),
+                 static_cast<long long>(timing.overrun_causes[i]));
+    separator = ", ";
+  }
+  if (timing.overruns > 0) std::fputc(')', to);
+  if (timing.slipped_ns > 0) std::fprintf(to, ", slipped %.1f us", to_us(timing.slipped_ns));
+  if (timing.skipped_outputs > 0) {
+    std::fprintf(to, ", states not sent %lld", static_cast<long long>(timing.skipped_outputs));
+  }
+  std::fprintf(to, ", late commands %lld\n", static_cast<long long>(timing.late_commands));
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(kShown, timing.worst_overruns.size()); ++i) {
+    const hil::Overrun& overrun = timing.worst_overruns[i];
+    std::fprintf(
+        to,
+        "    tick %lld, %.1f us late, %s: woken %.1f, inputs %.1f, step %.1f (%d integrations), outputs %.1f us; "
+        "since the one before: page faults %lld, preemptions %lld\n",
+        static_cast<long long>(overrun.timing.tick), to_us(overrun.late_ns),
+        hil::kOverrunCauseNames[static_cast<std::size_t>(overrun.cause)].data(), to_us(overrun.timing.wakeup_ns),
+        to_us(overrun.timing.input_ns), to_us(overrun.timing.step_ns), overrun.timing.substeps,
+        to_us(overrun.timing.output_ns), static_cast<long long>(overrun.page_faults),
+        static_cast<long long>(overrun.preemptions));
+  }
 }
 
 void print_timing(std::FILE* to, const hil::TimingSummary& timing) {
   if (timing.step.count == 0) return;
   print_heading(to, "Timing");
-  std::fprintf(to, "  %-22s %10s %10s %10s %10s\n", "microseconds", "p50", "p99", "p99.9", "max");
+  std::fprintf(to, "  %-22s %9s %9s %9s %9s %9s %9s %9s\n", "microseconds", "p50", "p90", "p99", "p99.9", "p99.99",
+               "p99.999", "max");
   print_durations(to, "step", timing.step);
   print_durations(to, "wake-up latency", timing.wakeup);
-  print_durations(to, "state out, answer in", timing.turnaround);
-  if (timing.wakeup.count > 0) {
-    std::fprintf(to, "  overruns %lld (woken late %lld, worked too long %lld), late commands %lld\n",
-                 static_cast<long long>(timing.overruns), static_cast<long long>(timing.late_wakeups),
-                 static_cast<long long>(timing.long_steps), static_cast<long long>(timing.late_commands));
-  }
+  print_durations(to, "command in, state out", timing.turnaround);
+  print_durations(to, "state out, answer in", timing.round_trip);
+  if (timing.wakeup.count > 0) print_overruns(to, timing);
   std::int64_t refused = 0;
   for (const std::int64_t count : timing.rejected) refused += count;
-  if (timing.turnaround.count > 0 || timing.dropped > 0) {
+  if (timing.round_trip.count > 0 || timing.dropped > 0) {
     std::fprintf(to, "  messages dropped %lld, states sent again %lld, commands refused %lld\n",
                  static_cast<long long>(timing.dropped), static_cast<long long>(timing.resent),
                  static_cast<long long>(refused));

@@ -1,0 +1,12 @@
+// A solar array of many panels, folded like a concertina on a free bus.
+#pragma once
+
+#include "kernel/model.h"
+
+namespace unlatch::bench {
+
+// Hinge k joins panel k to the one before it, the first to the bus; a spring drives it to angle zero, where an event
+// closes an elastic latch.
+Model build_panel_array(int panels);
+
+}  // namespace unlatch::bench

@@ -1,0 +1,16 @@
+// Where an LCM address leads: LCM itself leaves that to the machine's routes.
+#pragma once
+
+#include <string>
+
+namespace unlatch::bridge {
+
+struct LcmRoute {
+  std::string interface;  // which the route for the address's group leads through; empty: there is no route
+  int ttl = 0;            // 0: what we say stays on this machine, whatever the interface
+};
+
+// `url`: udpm://GROUP:PORT?ttl=N, parts of which may be missing.
+[[nodiscard]] LcmRoute find_lcm_route(const std::string& url);
+
+}  // namespace unlatch::bridge

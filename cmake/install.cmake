@@ -1,0 +1,20 @@
+# cmake --install: the kernel as a library that find_package(unlatch) finds, in component `kernel`; and, in a full build,
+# the executables, in component `tools`. Headers keep their spelling: #include "kernel/model.h".
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set_target_properties(unlatch_kernel PROPERTIES EXPORT_NAME kernel)
+install(TARGETS unlatch_kernel EXPORT unlatch COMPONENT kernel
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/unlatch)
+install(DIRECTORY kernel DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/unlatch COMPONENT kernel FILES_MATCHING PATTERN "*.h")
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/unlatch)
+install(EXPORT unlatch NAMESPACE unlatch:: FILE unlatch-targets.cmake DESTINATION ${package_dir} COMPONENT kernel)
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/unlatch-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES cmake/unlatch-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/unlatch-config-version.cmake
+  DESTINATION ${package_dir} COMPONENT kernel)
+
+if(NOT UNLATCH_KERNEL_ONLY)
+  install(TARGETS unlatch unlatch-fsw COMPONENT tools RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(DIRECTORY hil/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/unlatch COMPONENT tools)
+endif()

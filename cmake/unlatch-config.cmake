@@ -1,0 +1,4 @@
+# find_package(unlatch) defines unlatch::kernel. It needs nothing but Eigen.
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 3.4 NO_MODULE)
+include(${CMAKE_CURRENT_LIST_DIR}/unlatch-targets.cmake)

@@ -1,0 +1,39 @@
+// Marks what the cyclic thread runs between two deadlines: no allocation, lock, or system call that may wait. Built
+// with clang's RealtimeSanitizer (preset `rtsan`) anything beneath a function so marked that breaks the promise ends
+// the program with a stack trace; other compilers see nothing. It stands after `noexcept`.
+#pragma once
+
+#if defined(__clang__) && __clang_major__ >= 20
+#define UNLATCH_NONBLOCKING [[clang::nonblocking]]
+#else
+#define UNLATCH_NONBLOCKING
+#endif
+
+#if defined(__has_feature)
+#if __has_feature(realtime_sanitizer)
+#include <sanitizer/rtsan_interface.h>
+
+#include <optional>
+#define UNLATCH_HAS_RTSAN 1
+#endif
+#endif
+
+namespace unlatch::hil {
+
+// While one lives this thread may wait, although it is beneath a function marked so: at paces other than real time, for
+// room in the recorder's ring, or for the middleware.
+class MayWait {
+ public:
+  explicit MayWait([[maybe_unused]] bool may = true) noexcept {
+#if defined(UNLATCH_HAS_RTSAN)
+    if (may) scope_.emplace();
+#endif
+  }
+
+ private:
+#if defined(UNLATCH_HAS_RTSAN)
+  std::optional<__rtsan::ScopedDisabler> scope_;
+#endif
+};
+
+}  // namespace unlatch::hil

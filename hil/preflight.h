@@ -1,0 +1,50 @@
+// What this machine is like for hard real time: facts read from the operating system, and what each costs. Nothing is
+// changed.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace unlatch::hil {
+
+// As found; empty texts and absent numbers: not to be found out.
+struct MachineFacts {
+  std::string kernel;           // "6.1.0-rt7 #1 SMP PREEMPT_RT …": release and version
+  std::string preemption_mode;  // PREEMPT_DYNAMIC: none, voluntary, full or lazy
+  int cpus = 0;
+  std::map<std::string, int> governors;           // name → number of CPUs; empty: no frequency scaling to be seen
+  std::string isolated_cpus, full_tickless_cpus;  // "2-3"
+  std::string clock_source;
+  std::optional<std::int64_t> timer_resolution_ns;
+  std::optional<std::int64_t> memlock_bytes;  // -1: no limit
+  std::optional<std::int64_t> rtprio;
+  bool may_lock = false, may_prioritise = false;            // CAP_IPC_LOCK, CAP_SYS_NICE
+  std::optional<std::int64_t> rt_runtime_us, rt_period_us;  // -1 us: no throttling
+  std::string huge_pages;                                   // always, madvise, never
+  std::optional<std::int64_t> swap_kb;
+  std::optional<std::int64_t> idle_exit_us;  // of the deepest idle state that is not disabled
+  std::optional<bool> smt;
+  bool virtual_machine = false;
+  std::optional<std::int64_t> stolen_ms;  // CPU time that the host has taken since boot
+  std::optional<std::int64_t> smi_count;  // system management interrupts since boot
+};
+
+// `root` stands before /proc and /sys; limits, capabilities and clocks are this process's.
+MachineFacts read_machine_facts(const std::string& root = "");
+
+struct PreflightCheck {
+  enum class Verdict { kGood, kCosts, kMissing, kUnknown };
+  std::string name;
+  Verdict verdict = Verdict::kGood;
+  std::string found;  // what is there
+  std::string cost;   // what that costs; empty if nothing
+  std::string mend;   // how to get better; empty if there is no need
+};
+extern const char* const kVerdictNames[4];  // good, costs, missing, unknown
+
+std::vector<PreflightCheck> judge(const MachineFacts& facts);
+
+}  // namespace unlatch::hil

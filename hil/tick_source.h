@@ -1,0 +1,86 @@
+// What tells the cyclic thread that it is time for the next tick: the monotonic clock, or a descriptor that something
+// outside makes readable once a tick.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+namespace unlatch::hil {
+
+class TickSource {
+ public:
+  virtual ~TickSource() = default;
+  TickSource(const TickSource&) = delete;
+  TickSource& operator=(const TickSource&) = delete;
+
+  // The time base begins anew: the next tick is due a period from `now_ns`, or with the next one from outside.
+  virtual void restart(std::int64_t now_ns) noexcept = 0;
+  // Waits until the next tick is due. False if it will never be: `stop` was set, or get_failure() says why.
+  [[nodiscard]] virtual bool wait(const std::atomic<bool>& stop) noexcept = 0;
+  // Restarts it for a tick that ended late, and says by how much the ticks are put off by that, ns.
+  virtual std::int64_t slip(std::int64_t now_ns) noexcept = 0;
+  // Ticks that are due by `now_ns` and were not waited for yet, as far as the source knows without asking.
+  [[nodiscard]] virtual std::int64_t calc_behind(std::int64_t now_ns) const noexcept = 0;
+  [[nodiscard]] virtual const char* get_failure() const noexcept { return ""; }
+
+  // Of the tick waited for last. All ns of CLOCK_MONOTONIC.
+  [[nodiscard]] std::int64_t get_due_ns() const noexcept { return due_ns_; }
+  [[nodiscard]] std::int64_t get_next_due_ns() const noexcept { return due_ns_ + period_ns_; }
+  [[nodiscard]] std::int64_t get_awake_ns() const noexcept { return awake_ns_; }
+  // From due to begun.
+  [[nodiscard]] std::int64_t get_latency_ns() const noexcept { return latency_ns_; }
+  // It was due before it was waited for.
+  [[nodiscard]] bool is_backlogged() const noexcept { return backlogged_; }
+
+ protected:
+  explicit TickSource(std::int64_t period_ns) : period_ns_(period_ns) {}
+
+  const std::int64_t period_ns_;
+  std::int64_t due_ns_ = 0, awake_ns_ = 0, latency_ns_ = 0;
+  bool backlogged_ = false;
+};
+
+// Absolute deadlines, a whole number of periods apart: nothing drifts. Sleeps until `spin_ns` before a deadline and
+// looks at the clock again and again from there: no wake-up latency, at the price of that much of a CPU.
+class MonotonicTicks final : public TickSource {
+ public:
+  MonotonicTicks(std::int64_t period_ns, std::int64_t spin_ns) : TickSource(period_ns), spin_ns_(spin_ns) {}
+
+  void restart(std::int64_t now_ns) noexcept override { due_ns_ = now_ns; }
+  bool wait(const std::atomic<bool>& stop) noexcept override;
+  std::int64_t slip(std::int64_t now_ns) noexcept override;
+  std::int64_t calc_behind(std::int64_t now_ns) const noexcept override;
+
+ private:
+  const std::int64_t spin_ns_;
+};
+
+// Ticks from outside: a timerfd or eventfd (a read gives how many), or a pipe, socket or character device (each byte is
+// one). The descriptor stays the caller's and is made non-blocking. Since nobody says when a tick was meant to come,
+// one that comes alone is due when it is seen, and its latency is how much later it came than a period after the one
+// before; of several that are there at once the last is due when they are seen, those before it a period earlier each.
+class DescriptorTicks final : public TickSource {
+ public:
+  // Silence for `patience_ns` is a failure.
+  DescriptorTicks(int descriptor, std::int64_t period_ns, std::int64_t patience_ns);
+
+  void restart(std::int64_t now_ns) noexcept override;
+  bool wait(const std::atomic<bool>& stop) noexcept override;
+  std::int64_t slip(std::int64_t now_ns) noexcept override;
+  std::int64_t calc_behind(std::int64_t) const noexcept override { return pending_; }
+  const char* get_failure() const noexcept override { return failure_; }
+
+ private:
+  // Ticks that are there; 0 if none, -1 if there will be none.
+  std::int64_t read_ticks() noexcept;
+  bool wait_for_ticks(const std::atomic<bool>& stop) noexcept;
+
+  const int descriptor_;
+  const bool counts_;  // a read gives a count of 8 bytes
+  const std::int64_t patience_ns_;
+  std::int64_t pending_ = 0;  // due and not waited for
+  const char* failure_ = "";
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,28 @@
+// How the cyclic executive keeps its time: the scenario's `timing`.
+#pragma once
+
+#include <cstdint>
+
+namespace unlatch::hil {
+
+// What is done about a tick whose work ended after the next was due.
+struct OverrunPolicy {
+  enum class Kind {
+    kFail,        // the run ends
+    kCatchUp,     // ticks follow at once until none is due; more than max_ticks behind, the run ends
+    kSlip,        // the next tick is a period later: simulated time falls behind wall time by what was lost
+    kSkipOutput,  // as kCatchUp without a bound, and the States of ticks that end late are not sent
+  };
+  Kind kind = Kind::kCatchUp;
+  std::int64_t max_ticks = 10'000;
+};
+
+struct TimingOptions {
+  OverrunPolicy overruns;
+  double spin = 0;               // s before a deadline that are waited through awake
+  double watchdog = 5;           // s without a sign of life of the cyclic thread until the watchdog barks; 0: none
+  bool watchdog_aborts = false;  // and then ends the process
+  bool per_tick = false;         // every tick's account goes into the recording
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""Clients that know the IDL or the LCM types and nothing else of ours, in sessions with the real simulator. Run by ctest in a
+network namespace of its own:
+
+    clients_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import re
+import struct
+import unittest
+
+from processes import BIN, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
+
+LISTEN = SOURCE / "bridge/examples/python/listen.py"
+PYTHON_TYPES = BIN.parent / "bridge/examples/python_types"
+# Thrust of 5000 N on 100 kg from 0.1 to 0.3 s, free until 0.5 s: 1 m + 10 m/s * 0.2 s.
+FLOWN = "x = 3.000000 m"
+
+
+def read_log(path):
+    """(channel, bytes) of the events of an LCM log"""
+    events = []
+    with open(path, "rb") as log:
+        while header := log.read(28):
+            _magic, _number, _time, channel_length, data_length = struct.unpack(">IqqII", header)
+            events.append((log.read(channel_length).decode(), log.read(data_length)))
+    return events
+
+
+class ClientsTest(ProcessTest):
+    def fly(self, transport, pilot):
+        process = self.begin(*pilot)
+        report = self.run_json(UNLATCH, "hil", PROBE, "--transport", transport, "--pace", "lockstep")
+        self.assertIn(FLOWN, self.finish(process))
+        self.assertEqual(report["status"], "ok")
+        self.assertTrue(report["replay"]["agrees"])
+        self.assertAlmostEqual(report["samples"][-1]["bodies"]["probe"]["p"][0], 3, places=9)  # rounding of 500 steps
+        return report
+
+    def test_the_c99_and_the_cpp_pilot_fly_the_same_bits(self):
+        over_dds = self.fly("dds", [BIN / "example_pilot_c"])
+        over_lcm = self.fly("lcm", [BIN / "example_pilot_cpp"])
+        self.assertEqual(over_dds["hash"], over_lcm["hash"])
+
+    def test_python_reads_lcm_bytes(self):
+        listener = self.begin("/usr/bin/env", "python3", LISTEN, PYTHON_TYPES)
+        self.wait_for(listener, "listening")
+        report = self.fly("lcm", [BIN / "example_pilot_cpp"])
+        said = self.finish(listener)
+        self.assertIn("scenario probe", said)
+        end = re.search(r"ended at tick 500: x = (\S+); (\d+) states", said)
+        self.assertEqual(float(end[1]), report["samples"][-1]["bodies"]["probe"]["p"][0], "not the same bits")
+        self.assertGreater(int(end[2]), 50)  # a slow listener may miss some
+
+    def test_lcm_logger_records_and_lcm_logplayer_plays(self):
+        recorded, heard = self.folder / "recorded.lcm", self.folder / "heard.lcm"
+        logger = self.begin("lcm-logger", "--force", recorded)
+        self.wait_for(logger, "Opening log file")
+        report = self.fly("lcm", [BIN / "example_pilot_cpp"])
+        logger.terminate()  # it writes what it has, then ends
+        logger.wait()
+        said = self.run_ok("/usr/bin/env", "python3", LISTEN, PYTHON_TYPES, recorded).stdout
+        self.assertIn(f"x = {report['samples'][-1]['bodies']['probe']['p'][0]!r};", said)
+
+        listener = self.begin(UNLATCH, "log", "--transport", "lcm", "--out", heard)
+        self.wait_for(listener, "waits for a session")
+        self.run_ok("lcm-logplayer", "--speed=0.2", recorded)  # slowly, so that a busy machine keeps up
+        self.finish(listener)
+        played, arrived = read_log(recorded), read_log(heard)
+        # A busy machine may lose some; none may change, and those of one channel keep their order.
+        self.assertGreater(len(arrived), len(played) // 2)
+        for channel in {channel for channel, _ in arrived}:
+            remaining = iter([data for name, data in played if name == channel])
+            self.assertTrue(all(data in remaining for name, data in arrived if name == channel), f"{channel}: not as recorded")
+
+
+if __name__ == "__main__":
+    run_tests()

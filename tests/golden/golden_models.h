@@ -1,0 +1,19 @@
+// The models of the golden program: everything that a step can do, described with nothing but the kernel and exact
+// arithmetic, so that every compiler and processor starts from the same bits.
+#pragma once
+
+#include <vector>
+
+#include "kernel/model.h"
+
+namespace unlatch::test {
+
+struct GoldenModel {
+  Model model;  // its name is the name of the hashes
+  double dt;    // s
+  int ticks;    // long enough for every event of the model
+};
+
+std::vector<GoldenModel> build_golden_models();
+
+}  // namespace unlatch::test

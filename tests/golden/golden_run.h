@@ -1,0 +1,46 @@
+// Runs a model and prints its hashes, one line each, for tools/determinism to compare:
+//   NAME TICK HASH       of the state, every 100 ticks and at the last one
+//   NAME outputs HASH    of all sensor values and reactions of every tick
+//   NAME events COUNT    how many acted
+#pragma once
+
+#include <bit>
+#include <cinttypes>
+#include <cstdio>
+
+#include "tests/support/simulation.h"
+
+namespace unlatch::test {
+
+// False, with the reason on standard error, if a step fails.
+inline bool print_golden_hashes(const char* name, const Model& model, double dt, std::int64_t ticks) {
+  constexpr std::int64_t kEvery = 100;
+  PlanOptions options;
+  options.dt = dt;
+  Simulation simulation(model, options);
+  std::uint64_t outputs = 0xcbf29ce484222325u;  // FNV-1a over 64-bit words, folded
+  std::size_t events = 0;
+  const auto add_outputs = [&outputs](const auto& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      outputs = (outputs ^ std::bit_cast<std::uint64_t>(double{values[i]})) * 0x100000001b3u;
+      outputs ^= outputs >> 32;
+    }
+  };
+  for (std::int64_t tick = 1; tick <= ticks; ++tick) {
+    const StepReport report = simulation.advance();
+    if (report.status != StepStatus::kOk) {
+      std::fprintf(stderr, "%s: tick %" PRId64 ": %s\n", name, tick, get_status_text(report.status));
+      return false;
+    }
+    events += report.events.size();
+    add_outputs(simulation.workspace.sensors);
+    add_outputs(simulation.workspace.multipliers);
+    if (tick % kEvery == 0 || tick == ticks) {
+      std::printf("%s %" PRId64 " %016" PRIx64 "\n", name, tick, calc_hash(simulation.state));
+    }
+  }
+  std::printf("%s outputs %016" PRIx64 "\n%s events %zu\n", name, outputs, name, events);
+  return true;
+}
+
+}  // namespace unlatch::test

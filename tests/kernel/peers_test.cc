@@ -1,0 +1,93 @@
+// The kernel beside MuJoCo and Simbody, which work in joint coordinates and share nothing with it: accelerations of
+// random trees of every kind of joint that all of them have.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/random_model.h"
+#include "tests/support/solve_comparison.h"
+#include "tests/support/tree_links.h"
+#ifdef UNLATCH_PEER_MUJOCO
+#include "tests/support/mujoco_system.h"
+#endif
+#ifdef UNLATCH_PEER_SIMBODY
+#include "tests/support/simbody_system.h"
+#endif
+
+namespace unlatch::test {
+namespace {
+
+constexpr double kAgreement = 1e-9;  // of joint accelerations, relative to the largest
+constexpr std::uint64_t kFirstSeed = 7001;
+constexpr int kSystems = 150;
+
+struct System {
+  Model model;
+  std::vector<Wrench> wrenches;
+};
+
+System build_system(std::uint64_t seed) {
+  RandomModelOptions options;
+  options.bodies = 2 + static_cast<int>(seed % 39);
+  options.first_mode_chance = 1;
+  options.common_kinds = true;
+  System system{build_random_model(seed, options), {}};
+  Random random(seed);
+  system.wrenches = add_random_loads(system.model, random);
+  system.model.gravity.uniform = {random.uniform(-10, 10), random.uniform(-10, 10), random.uniform(-10, 10)};
+  return system;
+}
+
+BodyAccelerations solve_by_kernel(const Model& model) {
+  Simulation s(model);
+  EXPECT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk);
+  const KernelSolution solution = read_solution(s);
+  BodyAccelerations out{solution.linear, {}};
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    out.angular.push_back(get_placement(model, static_cast<int>(b)).R * solution.angular[b]);
+  return out;
+}
+
+template <class Peer>
+void expect_to_agree(const char* name) {
+  double worst = 0;
+  std::size_t joints = 0;
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSystems; ++seed) {
+    const System system = build_system(seed);
+    Peer peer(system.model, system.wrenches);
+    peer.solve();
+    const std::vector<double> theirs = calc_joint_accelerations(system.model, peer.calc_accelerations());
+    const std::vector<double> ours = calc_joint_accelerations(system.model, solve_by_kernel(system.model));
+    ASSERT_EQ(ours.size(), theirs.size());
+    double size = 1e-3, error = 0;  // m/s², rad/s²: of a system that is welded to the ground
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+      size = std::max(size, std::abs(theirs[i]));
+      error = std::max(error, std::abs(ours[i] - theirs[i]));
+    }
+    EXPECT_LT(error / size, kAgreement) << "seed " << seed << ", " << system.model.bodies.size() << " bodies";
+    worst = std::max(worst, error / size);
+    joints += system.model.joints.size();
+  }
+  std::printf("%s, %d random trees from seed %d, %zu joints: accelerations differ by %.1e at most\n", name, kSystems,
+              static_cast<int>(kFirstSeed), joints, worst);
+}
+
+TEST(Peers, MuJoCoFindsTheSameAccelerations) {
+#ifdef UNLATCH_PEER_MUJOCO
+  expect_to_agree<MujocoSystem>("MuJoCo");
+#else
+  GTEST_SKIP() << "built without MuJoCo: libmujoco-dev was not installed (tools/setup test)";
+#endif
+}
+
+TEST(Peers, SimbodyFindsTheSameAccelerations) {
+#ifdef UNLATCH_PEER_SIMBODY
+  expect_to_agree<SimbodySystem>("Simbody");
+#else
+  GTEST_SKIP() << "built without Simbody: libsimbody-dev was not installed (tools/setup test)";
+#endif
+}
+
+}  // namespace
+}  // namespace unlatch::test

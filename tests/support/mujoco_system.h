@@ -1,0 +1,27 @@
+// MuJoCo's forward dynamics of a model's tree in its initial state, by way of an MJCF document without shapes,
+// contacts or actuators. Built where libmujoco-dev is installed (cmake/peers.cmake).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tests/support/dense_kkt.h"
+#include "tests/support/tree_links.h"
+
+namespace unlatch::test {
+
+class MujocoSystem {
+ public:
+  // Throws what MuJoCo says against the document: it nests bodies 100 deep at most.
+  explicit MujocoSystem(const Model& model, const std::vector<Wrench>& wrenches = {});
+  ~MujocoSystem();
+
+  void solve();                            // mj_forward()
+  BodyAccelerations calc_accelerations();  // of the latest solve()
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace unlatch::test

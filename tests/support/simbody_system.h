@@ -1,0 +1,28 @@
+// Simbody's forward dynamics of a model's tree in its initial state. Built where libsimbody-dev is installed
+// (cmake/peers.cmake).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tests/support/dense_kkt.h"
+#include "tests/support/tree_links.h"
+
+namespace unlatch::test {
+
+class SimbodySystem {
+ public:
+  explicit SimbodySystem(const Model& model, const std::vector<Wrench>& wrenches = {});
+  ~SimbodySystem();
+
+  void solve();  // realize(Acceleration) as after a change of positions and velocities
+  void
+  solve_factored();  // the same with the articulated inertias of the latest solve(): it keeps what belongs to positions
+  BodyAccelerations calc_accelerations() const;  // of the latest solve
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace unlatch::test

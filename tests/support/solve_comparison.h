@@ -1,0 +1,44 @@
+// The kernel's answer to one solve beside the dense one's: the only place of the property tests that knows where the
+// kernel leaves its results.
+#pragma once
+
+#include <vector>
+
+#include "tests/support/dense_kkt.h"
+#include "tests/support/random.h"
+#include "tests/support/simulation.h"
+
+namespace unlatch::test {
+
+// Linear and angular (body axes) accelerations, or changes of velocity after an impulse, and the multipliers.
+struct KernelSolution {
+  std::vector<Eigen::Vector3d> linear, angular;
+  std::vector<Eigen::Matrix<double, 6, 1>> multipliers;  // per joint, by Row
+};
+KernelSolution read_solution(const Simulation& simulation);
+
+// Velocities and modes as the kernel's state has them.
+SystemState read_state(const Simulation& simulation);
+
+// Random forces and torques on every body, N and N m, added to the model as loads in world axes; returned for the
+// oracle.
+std::vector<Wrench> add_random_loads(Model& model, Random& random);
+
+// Largest difference of any acceleration and of any multiplier, each relative to the largest of its kind, or to one
+// unit where all are smaller, such as in a system that is welded to the ground.
+struct Disagreement {
+  double accelerations = 0, multipliers = 0;
+  double get_worst() const { return std::max(accelerations, multipliers); }
+};
+Disagreement compare(const KernelSolution& kernel, const DenseSolution& dense);
+Disagreement compare(const DenseSolution& a, const DenseSolution& b);
+
+// The same where rows are redundant, so that the multipliers are not unique: the generalised forces Gᵀ λ are.
+Disagreement compare_row_forces(const KernelSolution& kernel, const DenseSolution& dense, const DenseKkt& kkt);
+
+// How much the dense solution changes per relative change of everything that goes into it: masses, inertias, points,
+// axes, velocities, loads. A backward stable solver's error is a small multiple of this times the unit roundoff.
+double calc_condition(const Model& model, const SystemState& state, const std::vector<Wrench>& wrenches,
+                      Random& random);
+
+}  // namespace unlatch::test

@@ -1,0 +1,45 @@
+// A model of a tree as programs in joint coordinates see it: bodies below their parents, and what each joint's rows
+// leave free, at the initial state. For the systems of MuJoCo and Simbody.
+#pragma once
+
+#include <vector>
+
+#include "kernel/model.h"
+
+namespace unlatch::test {
+
+struct TreeLink {
+  int body, parent;        // parent: kGround for the root
+  int joint;               // kNone for a root that is free
+  bool child_is_follower;  // of the joint
+};
+// Parents first. The root is the body that is held to the ground, or body 0. Throws if the model is not one tree.
+std::vector<TreeLink> build_tree_links(const Model& model);
+
+// Position and motion of a body's frame, or of the ground's, in W.
+struct Placement {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p = Eigen::Vector3d::Zero(), v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
+};
+Placement get_placement(const Model& model, int body);
+
+// The freedoms of a joint in its initial mode, follower relative to base. Axes are unit vectors in W.
+struct Freedoms {
+  Eigen::Vector3d point;                   // the follower's, W, m
+  std::vector<Eigen::Vector3d> slides;     // fixed in the base
+  std::vector<Eigen::Vector3d> turns;      // fixed in the base; two: x of the base, then y of the follower; three: any
+  std::vector<int> slide_axes, turn_axes;  // which of x, y, z
+  std::vector<double> slide_speeds, turn_speeds;  // m/s, rad/s
+};
+Freedoms calc_freedoms(const Model& model, const Joint& joint);
+
+// At the bodies' centres of mass, W.
+struct BodyAccelerations {
+  std::vector<Eigen::Vector3d> linear, angular;  // m/s², rad/s²
+};
+
+// What programs are compared by: a free root's acceleration (linear, angular), then, joint by joint in the model's
+// order, the relative acceleration of the two bodies along each freedom.
+std::vector<double> calc_joint_accelerations(const Model& model, const BodyAccelerations& bodies);
+
+}  // namespace unlatch::test

@@ -1,0 +1,73 @@
+// unlatch preflight: what this machine costs a hard-real-time run, and how to mend it.
+#include <algorithm>
+
+#include "hil/preflight.h"
+#include "tools/exit_codes.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/report.h"
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Verdict = hil::PreflightCheck::Verdict;
+
+struct PreflightOptions {
+  std::string json;
+  bool strict = false;
+};
+
+Colour get_colour(Verdict verdict) {
+  if (verdict == Verdict::kGood) return Colour::kGreen;
+  return verdict == Verdict::kMissing ? Colour::kRed : Colour::kYellow;
+}
+
+void print(std::FILE* to, const std::vector<hil::PreflightCheck>& checks) {
+  for (const hil::PreflightCheck& check : checks) {
+    std::string verdict = hil::kVerdictNames[static_cast<std::size_t>(check.verdict)];
+    verdict.resize(8, ' ');
+    std::fprintf(to, "%s %s: %s\n", paint(to, get_colour(check.verdict), verdict).c_str(), check.name.c_str(),
+                 check.found.c_str());
+    if (!check.cost.empty()) std::fprintf(to, "         cost: %s\n", check.cost.c_str());
+    if (!check.mend.empty()) std::fprintf(to, "         mend: %s\n", check.mend.c_str());
+  }
+}
+
+int run(const PreflightOptions& options) {
+  const std::vector<hil::PreflightCheck> checks = hil::judge(hil::read_machine_facts());
+  const auto count = [&checks](Verdict verdict) {
+    return std::count_if(checks.begin(), checks.end(), [=](const auto& check) { return check.verdict == verdict; });
+  };
+  const std::string verdict = count(Verdict::kMissing) > 0 ? "missing" : count(Verdict::kCosts) > 0 ? "costs" : "good";
+  std::FILE* const to = get_people_stream(options.json);
+  print(to, checks);
+  std::fprintf(to, "\n%zu checks: %ld good, %ld that cost something, %ld missing, %ld unknown\n", checks.size(),
+               static_cast<long>(count(Verdict::kGood)), static_cast<long>(count(Verdict::kCosts)),
+               static_cast<long>(count(Verdict::kMissing)), static_cast<long>(count(Verdict::kUnknown)));
+
+  nlohmann::ordered_json json = {{"schema", 1}, {"verdict", verdict}, {"checks", nlohmann::ordered_json::array()}};
+  for (const hil::PreflightCheck& check : checks) {
+    json["checks"].push_back({{"name", check.name},
+                              {"verdict", hil::kVerdictNames[static_cast<std::size_t>(check.verdict)]},
+                              {"found", check.found},
+                              {"cost", check.cost},
+                              {"mend", check.mend}});
+  }
+  write_json(json, options.json);
+  return options.strict && verdict != "good" ? kExitEnvironment : kExitDone;
+}
+
+}  // namespace
+
+void add_preflight(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<PreflightOptions>();
+  CLI::App* command =
+      app.add_subcommand("preflight",
+                         "Says what this machine costs a hard-real-time run, and how to mend it; changes "
+                         "nothing.\nExample: unlatch preflight --json -");
+  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  command->add_flag("--strict", options->strict, "exit code 3 unless everything is good");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace unlatch::tools

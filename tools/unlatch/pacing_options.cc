@@ -1,0 +1,76 @@
+#include "tools/unlatch/pacing_options.h"
+
+#include <fcntl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+
+namespace unlatch::tools {
+namespace {
+
+constexpr std::int64_t kPatience_ns = 5'000'000'000;
+constexpr std::string_view kDescriptor = "fd:";
+
+int open_descriptor(const std::string& source) {
+  const auto refuse = [&source](const std::string& why) -> int {
+    throw CLI::ValidationError("--tick-source", "'" + source + "' " + why);
+  };
+  if (!source.starts_with(kDescriptor)) {
+    const int descriptor = open(source.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    return descriptor >= 0 ? descriptor : refuse(std::string("cannot be opened: ") + std::strerror(errno));
+  }
+  int descriptor = -1;
+  const char* const end = source.data() + source.size();
+  const auto result = std::from_chars(source.data() + kDescriptor.size(), end, descriptor);
+  if (result.ec != std::errc{} || result.ptr != end || fcntl(descriptor, F_GETFD) < 0) {
+    return refuse("is no open descriptor: pass one on, as in fd:3");
+  }
+  return descriptor;
+}
+
+}  // namespace
+
+void PacingOptions::add_overrides(std::vector<std::string>& overrides) const {
+  if (!overruns.empty()) {
+    const std::size_t equals = overruns.find('=');
+    overrides.push_back(equals == std::string::npos ? "timing.overruns=" + overruns
+                                                    : "timing.overruns={" + overruns.substr(0, equals) + ": " +
+                                                          overruns.substr(equals + 1) + "}");
+  }
+  if (spin_us >= 0) overrides.push_back("timing.spin=" + std::to_string(spin_us) + " us");
+  if (tick_times) overrides.push_back("timing.per_tick=true");
+}
+
+std::unique_ptr<hil::TickSource> PacingOptions::open_source(std::int64_t period_ns) const {
+  if (source.empty()) return nullptr;
+  return std::make_unique<hil::DescriptorTicks>(open_descriptor(source), period_ns, get_patience_ns());
+}
+
+std::int64_t PacingOptions::get_patience_ns() const { return source.empty() ? 0 : kPatience_ns; }
+
+void add_pacing_options(CLI::App& command, PacingOptions& options) {
+  const std::string group = "Real time";
+  command
+      .add_option("--overruns", options.overruns,
+                  "what a tick that takes too long leads to: fail, slip, skip_output, catch_up or catch_up=TICKS")
+      ->group(group);
+  command.add_option("--spin-us", options.spin_us, "wait awake for so long before each deadline, us")
+      ->check(CLI::Range(0.0, 10000.0))
+      ->group(group);
+  command
+      .add_option("--tick-source", options.source,
+                  "tick by fd:N (timerfd, eventfd, pipe) or a FIFO or device FILE, not by the clock")
+      ->group(group);
+  command.add_option("--cpu", options.thread.cpu, "the cyclic thread's only CPU")
+      ->check(CLI::Range(0, 1023))
+      ->group(group);
+  command.add_option("--priority", options.thread.priority, "its priority of SCHED_FIFO")
+      ->check(CLI::Range(1, 98))
+      ->capture_default_str()
+      ->group(group);
+  command.add_flag("--tick-times", options.tick_times, "where each tick's time went, into the recording")->group(group);
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,30 @@
+// The options of `hil` that are about pace.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hil/real_time.h"
+#include "hil/tick_source.h"
+
+namespace unlatch::tools {
+
+struct PacingOptions {
+  std::string overruns, source;  // empty: as the scenario says; the clock
+  double spin_us = -1;           // < 0: as the scenario says
+  bool tick_times = false;
+  hil::RealTimeOptions thread;
+
+  // What of this a scenario can say as well, as overrides of it: so it is in the recording.
+  void add_overrides(std::vector<std::string>& overrides) const;
+  // Null for the clock. Throws CLI::ValidationError. A file that was opened stays open.
+  [[nodiscard]] std::unique_ptr<hil::TickSource> open_source(std::int64_t period_ns) const;
+  // How long a tick from outside may be waited for, ns; 0 for the clock.
+  [[nodiscard]] std::int64_t get_patience_ns() const;
+};
+void add_pacing_options(CLI::App& command, PacingOptions& options);
+
+}  // namespace unlatch::tools
