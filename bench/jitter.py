@@ -100,6 +100,7 @@ def write(rows, notes, machine):
     for row in rows:
         numbers = " | ".join(f"{row[name] / 1000:.1f}" for name in ("p50", "p99", "p999", "p9999", "max"))
         lines.append(f"| {row['scenario']} | {row['period_us']} | {row['spin_us']} | {row['load']} | {row['what']} | {numbers} | {row['overruns']} |")
+    lines += ["", "Load none is without stress-ng. With a load average well above 0 at the start others used the machine, and tails are theirs."]
     (RESULTS / "jitter.md").write_text("\n".join(lines + [""] + notes) + "\n")
 
 

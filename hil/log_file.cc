@@ -1,6 +1,7 @@
 #include "hil/log_file.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -14,8 +15,9 @@ namespace {
 constexpr std::uint32_t kSync = 0xEDA1DA01;  // of LCM's event logs
 constexpr std::size_t kHeadBytes = 4 + 8 + 8 + 4 + 4;
 constexpr std::size_t kCrcBytes = 8;
-constexpr std::uint32_t kMaxChannel = 63;     // LCM's own limit
-constexpr std::uint32_t kMaxData = 16 << 20;  // far beyond any record of ours; bounds what a damaged length allocates
+constexpr std::size_t kWriteBytes = 64 << 10;  // what goes to the file at once
+constexpr std::uint32_t kMaxChannel = 63;      // LCM's own limit
+constexpr std::uint32_t kMaxData = 16 << 20;   // far beyond any record of ours; bounds what a damaged length allocates
 
 constexpr std::array<std::uint64_t, 256> build_table() {
   std::array<std::uint64_t, 256> table{};
@@ -44,21 +46,25 @@ std::uint64_t calc_crc64(std::span<const std::uint8_t> bytes, std::uint64_t crc)
 
 // --- Writing --------------------------------------------------------------------------------------------------------
 
-LogFileWriter::LogFileWriter(const std::string& path) : path_(path.empty() ? "temporary log" : path) {
+LogFileWriter::LogFileWriter(const std::string& path, const std::string& name)
+    : name_(!name.empty()  ? name
+            : path.empty() ? "temporary log"
+                           : path) {
   file_.reset(path.empty() ? std::tmpfile() : std::fopen(path.c_str(), "wb"));
-  if (!file_) throw LogWriteError(explain(path_, "cannot be created"));
+  if (!file_) throw LogWriteError(explain(name_, "cannot be created"));
+  std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // pending_ is the buffer
 }
 
-bool LogFileWriter::fail(const char* what) {
-  if (error_.empty()) error_ = explain(path_, what);
+bool LogFileWriter::fail() {
+  if (error_.empty()) error_ = explain(name_, "cannot be written");
   return false;
 }
 
 bool LogFileWriter::append(std::int64_t timestamp_us, std::string_view channel, std::span<const std::uint8_t> data) {
   if (!error_.empty()) return false;
   const bool sealed = is_sealed(channel);
-  buffer_.clear();
-  ByteWriter out(buffer_);
+  const std::size_t begin = pending_.size();
+  ByteWriter out(pending_);
   out.put_u32(kSync);
   out.put_i64(number_++);
   out.put_i64(timestamp_us);
@@ -66,20 +72,22 @@ bool LogFileWriter::append(std::int64_t timestamp_us, std::string_view channel, 
   out.put_u32(static_cast<std::uint32_t>(data.size() + (sealed ? kCrcBytes : 0)));
   out.put_bytes({reinterpret_cast<const std::uint8_t*>(channel.data()), channel.size()});
   out.put_bytes(data);
-  crc_ = calc_crc64(buffer_, crc_);
+  crc_ = calc_crc64(std::span(pending_).subspan(begin), crc_);
   if (sealed) {
     out.put_i64(static_cast<std::int64_t>(crc_));
     crc_ = 0;
   }
-  if (std::fwrite(buffer_.data(), 1, buffer_.size(), file_.get()) != buffer_.size()) return fail("cannot be written");
-  bytes_ += static_cast<std::int64_t>(buffer_.size());
-  return true;
+  return pending_.size() < kWriteBytes || flush();
 }
 
 bool LogFileWriter::flush() {
   if (!error_.empty()) return false;
-  return std::fflush(file_.get()) == 0 || fail("cannot be written");
+  const bool written = std::fwrite(pending_.data(), 1, pending_.size(), file_.get()) == pending_.size();
+  pending_.clear();
+  return written || fail();
 }
+
+bool LogFileWriter::sync() { return flush() && (fsync(fileno(file_.get())) == 0 || fail()); }
 
 std::FILE* LogFileWriter::rewind() {
   std::rewind(file_.get());

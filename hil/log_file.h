@@ -3,8 +3,7 @@
 //
 //   event   = sync word, number, timestamp in microseconds, lengths, channel, data; big-endian
 //   sealed  = an event on a channel that begins with kSealPrefix; its data ends in a CRC-64 of every byte of the file
-//   since
-//             the previous seal, that event's header included
+//             since the previous seal, that event's header included
 #pragma once
 
 #include <cstdint>
@@ -36,17 +35,22 @@ class LogWriteError : public LogError {
 
 class LogFileWriter {
  public:
-  // Creates or replaces the file; an empty path means one without a name that vanishes with the writer. Throws
-  // LogWriteError.
-  explicit LogFileWriter(const std::string& path);
+  // Creates or replaces the file; an empty path means one without a name that vanishes with the writer. `name`: what
+  // messages call it, if not by its path. Throws LogWriteError.
+  explicit LogFileWriter(const std::string& path, const std::string& name = "");
+  ~LogFileWriter() { flush(); }
+  LogFileWriter(const LogFileWriter&) = delete;
+  LogFileWriter& operator=(const LogFileWriter&) = delete;
 
-  // Appends an event; sealed if its channel says so. False once anything could not be written (disk full): the log then
-  // ends with the last complete event, and get_error() says why.
+  // Appends an event; sealed if its channel says so. It goes to the file with others, whole events at a time. False
+  // once anything could not be written (disk full): nothing more is, so that the log has an early end and no gap, and
+  // get_error() says why.
   bool append(std::int64_t timestamp_us, std::string_view channel, std::span<const std::uint8_t> data);
   // Hands what was appended to the operating system: from then on it survives the process.
   bool flush();
+  // Hands it to the disk: from then on it survives the machine.
+  bool sync();
   [[nodiscard]] const std::string& get_error() const { return error_; }
-  [[nodiscard]] std::int64_t get_bytes() const { return bytes_; }
 
   // For reading a nameless file back: the stream, rewound. Nothing may be appended afterwards.
   [[nodiscard]] std::FILE* rewind();
@@ -55,14 +59,13 @@ class LogFileWriter {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  bool fail(const char* what);
+  bool fail();
 
-  std::string path_;
+  std::string name_;
   std::unique_ptr<std::FILE, Close> file_;
-  std::vector<std::uint8_t> buffer_;
+  std::vector<std::uint8_t> pending_;  // appended, not yet written
   std::uint64_t crc_ = 0;
   std::int64_t number_ = 0;
-  std::int64_t bytes_ = 0;
   std::string error_;
 };
 

@@ -14,7 +14,8 @@ void encode(const LogHeader& record, std::vector<std::uint8_t>& to) {
   ByteWriter out(to);
   out.put_i32(record.version);
   out.put_i32(static_cast<std::int32_t>(record.pace));
-  for (const std::int64_t value : {record.session, record.schema_hash, record.model_hash, record.last_tick}) {
+  for (const std::int64_t value :
+       {record.session, record.schema_hash, record.model_hash, record.first_tick, record.last_tick}) {
     out.put_i64(value);
   }
   out.put_f64(record.dt);
@@ -24,6 +25,8 @@ void encode(const LogHeader& record, std::vector<std::uint8_t>& to) {
   }
   out.put_u32(static_cast<std::uint32_t>(record.overrides.size()));
   for (const std::string& text : record.overrides) out.put_text(text);
+  out.put_u32(static_cast<std::uint32_t>(record.start.size()));
+  for (const std::uint64_t word : record.start) out.put_i64(static_cast<std::int64_t>(word));
 }
 
 bool decode(std::span<const std::uint8_t> from, LogHeader& record) {
@@ -33,7 +36,8 @@ bool decode(std::span<const std::uint8_t> from, LogHeader& record) {
   const std::int32_t pace = in.get_i32();
   if (pace < 0 || pace > static_cast<std::int32_t>(Pace::kFast)) return false;
   record.pace = static_cast<Pace>(pace);
-  for (std::int64_t* value : {&record.session, &record.schema_hash, &record.model_hash, &record.last_tick}) {
+  for (std::int64_t* value :
+       {&record.session, &record.schema_hash, &record.model_hash, &record.first_tick, &record.last_tick}) {
     *value = in.get_i64();
   }
   record.dt = in.get_f64();
@@ -44,7 +48,11 @@ bool decode(std::span<const std::uint8_t> from, LogHeader& record) {
   const std::uint32_t count = in.get_u32();
   record.overrides.clear();
   for (std::uint32_t i = 0; i < count && in.get_remaining() > 0; ++i) record.overrides.push_back(in.get_text());
-  return record.overrides.size() == count && in.is_complete();
+  const std::size_t words = in.get_u32();
+  record.start.clear();
+  if (record.overrides.size() != count || in.get_remaining() != 8 * words) return false;
+  for (std::size_t i = 0; i < words; ++i) record.start.push_back(static_cast<std::uint64_t>(in.get_i64()));
+  return in.is_complete();
 }
 
 void encode(const LogTick& record, std::vector<std::uint8_t>& to) {
@@ -75,7 +83,7 @@ bool decode(std::span<const std::uint8_t> from, LogTick& record) {
     LogChange change;
     change.channel = in.get_i32();
     const std::int32_t cause = in.get_i32();
-    if (cause < 0 || cause > static_cast<std::int32_t>(ChangeCause::kPolicy)) return false;
+    if (cause < 0 || static_cast<std::size_t>(cause) >= kChangeCauseNames.size()) return false;
     change.cause = static_cast<ChangeCause>(cause);
     change.participant = in.get_i32();
     change.sequence = in.get_i64();

@@ -1,19 +1,24 @@
 // What a recording holds, event by event, in an LCM event log (hil/log_file.h) whose time stamps are simulated
 // microseconds:
 //
-//   UNLATCH_LOG_HEADER   once, first: everything to build the same simulation again
+//   UNLATCH_LOG_HEADER   once, first: everything to build the same simulation again, at the state where it began
 //   UNLATCH_STATE        State messages, every few ticks, for LCM's tools and for people; a replay does not need them
 //   UNLATCH_EVENT        Event messages: what the model's events and the flight-software policy did
 //   UNLATCH_LOG_TICK     every tick: the state's hash before its step, and which channels changed before it. Written
-//   when the
-//                        step has been decided, so a recording cut short ends with a tick whose inputs are known
+//                        when the step has been decided, so a recording cut short ends with a tick whose inputs are
+//                        known
 //   UNLATCH_LOG_TIMING   every tick, if asked: where its time went (TickTiming); a replay does not need it
 //   UNLATCH_LOG_END      once, last: how it ended, and what was lost on the way
 //
 // So a replay is exact: apply the changes of tick k, compare the hash, step. Why a channel changed (a command, or a
 // policy such as hold, zero or safe) is in the record, but wall time is nowhere in what is compared.
+//
+// A checkpoint (hil/checkpoint.h) is one event in the same kind of file:
+//
+//   UNLATCH_LOG_CHECKPOINT   what the header of a recording beginning there would be
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -24,8 +29,9 @@
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kLogVersion = 2;
+inline constexpr std::int32_t kLogVersion = 3;
 inline constexpr std::string_view kHeaderChannel = "UNLATCH_LOG_HEADER";
+inline constexpr std::string_view kCheckpointChannel = "UNLATCH_LOG_CHECKPOINT";
 inline constexpr std::string_view kTickChannel = "UNLATCH_LOG_TICK";
 inline constexpr std::string_view kTimingChannel = "UNLATCH_LOG_TIMING";
 inline constexpr std::string_view kEndChannel = "UNLATCH_LOG_END";
@@ -35,8 +41,8 @@ struct LogHeader {
   Pace pace = Pace::kFast;
   std::int64_t session = 0;
   std::int64_t schema_hash = kSchemaHash;
-  std::int64_t model_hash = 0;  // the plan's
-  std::int64_t last_tick = 0;
+  std::int64_t model_hash = 0;  // of everything in the scenario that decides a state, dt included
+  std::int64_t first_tick = 0, last_tick = 0;
   double dt = 0;         // s
   std::string program;   // "unlatch 0.1.0"
   std::string compiler;  // "g++ 12.2.0"
@@ -44,15 +50,17 @@ struct LogHeader {
   std::string scenario_path;  // where the text came from; for people
   std::string scenario_text;
   std::vector<std::string> overrides;  // PATH=VALUE, in order
+  std::vector<std::uint64_t> start;    // Simulation::save() at first_tick; empty: the model's initial state
 };
 
-enum class ChangeCause : std::int32_t { kCommand = 0, kPolicy = 1 };
+enum class ChangeCause : std::int32_t { kCommand = 0, kPolicy = 1, kFault = 2 };
+inline constexpr std::array<const char*, 3> kChangeCauseNames{"command", "policy", "fault"};  // one for each
 
 // One channel's value from this tick on.
 struct LogChange {
   std::int32_t channel = 0;
   ChangeCause cause = ChangeCause::kCommand;
-  std::int32_t participant = 0;  // of the command, or the participant that the policy was for
+  std::int32_t participant = 0;  // of the command, or whom the policy or the fault was for
   std::int64_t sequence = 0;     // of the command
   double value = 0;
 };

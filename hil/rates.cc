@@ -1,5 +1,7 @@
 #include "hil/rates.h"
 
+#include <algorithm>
+
 namespace unlatch::hil {
 namespace {
 
@@ -24,6 +26,22 @@ std::vector<std::int32_t> find_rest(const auto& parts, std::size_t count) {
 }
 
 }  // namespace
+
+std::uint64_t calc_hash(const Rates& rates, std::uint64_t plan_hash) noexcept {
+  const auto add = [&plan_hash](std::int64_t number) {
+    plan_hash = (plan_hash ^ static_cast<std::uint64_t>(number)) * 0x9E3779B97F4A7C15u;
+    plan_hash ^= plan_hash >> 32;
+  };
+  for (const RateGroup& group : rates.groups) {
+    add(group.rate.every);
+    add(group.rate.phase);
+    for (const std::vector<int>* list : {&group.channels, &group.sensors}) {
+      add(static_cast<std::int64_t>(list->size()));
+      for (const int index : *list) add(index);
+    }
+  }
+  return plan_hash;
+}
 
 SampleAndHold::SampleAndHold(const Model& model, const Rates& rates, std::span<const double> channels,
                              std::span<const double> sensors)
@@ -57,6 +75,11 @@ void SampleAndHold::renew(const std::vector<Part>& parts, std::int64_t tick, std
 
 void SampleAndHold::latch(std::int64_t tick, std::span<const double> commanded) noexcept {
   renew(channel_parts_, tick, commanded, channels_);
+}
+
+void SampleAndHold::restore(std::span<const double> channels, std::span<const double> sensors) noexcept {
+  std::copy(channels.begin(), channels.end(), channels_.begin());
+  std::copy(sensors.begin(), sensors.end(), sensors_.begin());
 }
 
 void SampleAndHold::sample(std::int64_t tick, std::span<const double> measured) noexcept {

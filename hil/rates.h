@@ -33,6 +33,10 @@ struct Rates {
   Rate states;
 };
 
+// A plan's hash, and of what is held when: two models with one hash have the same states from the same inputs. Without
+// groups it is the plan's. When States are sent decides no state.
+std::uint64_t calc_hash(const Rates& rates, std::uint64_t plan_hash) noexcept;
+
 // Rates compiled for a model: what is held, and when it is renewed. Only the constructor allocates.
 class SampleAndHold {
  public:
@@ -43,6 +47,9 @@ class SampleAndHold {
   void latch(std::int64_t tick, std::span<const double> commanded) noexcept;
   // The state is that of `tick` now.
   void sample(std::int64_t tick, std::span<const double> measured) noexcept;
+
+  // What is held, as get_channels() and get_sensors() gave it at another time.
+  void restore(std::span<const double> channels, std::span<const double> sensors) noexcept;
 
   [[nodiscard]] std::span<const double> get_channels() const noexcept { return channels_; }
   [[nodiscard]] std::span<const double> get_sensors() const noexcept { return sensors_; }

@@ -24,10 +24,11 @@ std::int64_t calc_state_every(const std::string& path, double dt) {
 
 }  // namespace
 
-Recorder::Recorder(const std::string& path, const LogHeader& header)
+Recorder::Recorder(const std::string& path, const LogHeader& header, std::size_t room)
     : may_wait_(header.pace != Pace::kRealtime),
       us_per_tick_(header.dt * 1e6),
       state_every_(calc_state_every(path, header.dt)),
+      items_(room),
       writer_(path) {
   encode(header, buffer_);
   writer_.append(0, kHeaderChannel, buffer_);
@@ -37,28 +38,33 @@ Recorder::Recorder(const std::string& path, const LogHeader& header)
 
 Recorder::~Recorder() = default;
 
-void Recorder::push(const Item& item) noexcept {
+bool Recorder::push(const Item& item) noexcept {
   while (!items_.try_enqueue(item)) {
     if (!may_wait_) {
       ++items_lost_;
+      return false;
+    }
+    const MayWait not_in_real_time;
+    std::this_thread::sleep_for(kWaitForRoom);
+  }
+  return true;
+}
+
+// The recorder's thread makes room for parts of earlier ticks alone: what one tick has beyond the ring is lost.
+void Recorder::state(const State& part) noexcept {
+  while (!states_.try_enqueue(part)) {
+    if (!may_wait_ || states_of_tick_ == static_cast<std::int32_t>(kStateRoom)) {
+      ++states_lost_;
       return;
     }
     const MayWait not_in_real_time;
     std::this_thread::sleep_for(kWaitForRoom);
   }
-}
-
-void Recorder::state(const State& part) noexcept {
-  if (states_.try_enqueue(part)) {
-    ++states_of_tick_;
-  } else {
-    ++states_lost_;
-  }
+  ++states_of_tick_;
 }
 
 void Recorder::tick(std::int64_t tick, std::int64_t hash) noexcept {
-  push(Mark{tick, hash, items_lost_, states_of_tick_});
-  states_of_tick_ = 0;
+  if (push(Mark{tick, hash, items_lost_, states_of_tick_})) states_of_tick_ = 0;  // else the next mark's
 }
 
 void Recorder::run(const std::stop_token& stopping) {
@@ -66,6 +72,7 @@ void Recorder::run(const std::stop_token& stopping) {
   bool clean = true;
   while (!stopping.stop_requested()) {
     if (drain()) clean = false;
+    note_failure();
     const auto now = std::chrono::steady_clock::now();
     if (!clean && now - flushed >= kFlush) {
       writer_.flush();

@@ -5,6 +5,7 @@
 
 #include <readerwriterqueue/readerwritercircularbuffer.h>
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <thread>
@@ -17,8 +18,8 @@ namespace unlatch::hil {
 class Recorder {
  public:
   // Writes the header. An empty path records into a nameless file without State messages, for looking at the run
-  // afterwards. Throws LogWriteError.
-  Recorder(const std::string& path, const LogHeader& header);
+  // afterwards. `room`: items that the ring holds. Throws LogWriteError.
+  Recorder(const std::string& path, const LogHeader& header, std::size_t room = kRoom);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -35,20 +36,24 @@ class Recorder {
 
   // After the cyclic thread is done, from any one thread: writes what is left and the end, completes `end.unrecorded`.
   void close(LogEnd& end);
+  // From any thread: nothing has been recorded since something went wrong with the file.
+  [[nodiscard]] bool has_failed() const noexcept { return failed_.load(std::memory_order_relaxed); }
   // What went wrong with the file; empty if nothing did. After close().
   [[nodiscard]] const std::string& get_error() const { return writer_.get_error(); }
   // A nameless recording, to be read while the recorder lives. After close().
   [[nodiscard]] std::FILE* rewind() { return writer_.rewind(); }
 
  private:
+  static constexpr std::size_t kRoom = 8192, kStateRoom = 256;
   struct Mark {
     std::int64_t tick, hash, lost;
     std::int32_t states;  // State messages in the other ring that belong before it
   };
   using Item = std::variant<Mark, LogChange, Event, TickTiming>;
 
-  void push(const Item& item) noexcept;
+  bool push(const Item& item) noexcept;
   void run(const std::stop_token& stopping);
+  void note_failure() { failed_.store(!writer_.get_error().empty(), std::memory_order_relaxed); }
   bool drain();
   void write(const Item& item);
   template <class M>
@@ -58,11 +63,12 @@ class Recorder {
   const double us_per_tick_;
   std::int64_t state_every_ = 0;  // ticks
 
-  moodycamel::BlockingReaderWriterCircularBuffer<Item> items_{8192};
-  moodycamel::BlockingReaderWriterCircularBuffer<State> states_{256};
+  moodycamel::BlockingReaderWriterCircularBuffer<Item> items_;
+  moodycamel::BlockingReaderWriterCircularBuffer<State> states_{kStateRoom};
   std::int32_t states_of_tick_ = 0;  // cyclic thread
   std::int64_t items_lost_ = 0;      // cyclic thread, until close()
   std::int64_t states_lost_ = 0;     // the same; reported, but a replay does not need them
+  std::atomic<bool> failed_{false};
 
   LogFileWriter writer_;
   LogTick record_;                    // recorder thread

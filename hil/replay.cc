@@ -22,13 +22,7 @@ class Replayer {
   }
 
   bool step(const LogTick& tick) {
-    for (const LogChange& change : tick.changes) {
-      if (change.channel < 0 || static_cast<std::size_t>(change.channel) >= simulation_.channels().size()) {
-        result_.mismatch = "tick " + std::to_string(tick.tick) + " sets a channel that the scenario does not have";
-        return false;
-      }
-      simulation_.channels()[static_cast<std::size_t>(change.channel)] = change.value;
-    }
+    for (const LogChange& change : tick.changes) apply(change, simulation_);
     const StepReport report = simulation_.step();
     status_ = report.status;
     if (status_ == StepStatus::kOk && analysis_ != nullptr) analysis_->update(report);
@@ -47,7 +41,6 @@ class Replayer {
     }
   }
 
-  [[nodiscard]] bool has_faulted() const { return status_ != StepStatus::kOk; }
   [[nodiscard]] StepStatus get_status() const { return status_; }
 
  private:
@@ -58,12 +51,6 @@ class Replayer {
   std::int64_t last_compared_ = -1;
 };
 
-void refuse_if_lossy(std::int64_t unrecorded) {
-  if (unrecorded == 0) return;
-  throw LogError("the recording is not replayable: " + std::to_string(unrecorded) +
-                 " of its items were lost on their way to the disk");
-}
-
 }  // namespace
 
 Scenario load_recorded_scenario(const LogHeader& header) {
@@ -73,10 +60,29 @@ Scenario load_recorded_scenario(const LogHeader& header) {
 std::unique_ptr<Simulation> build_recorded_simulation(const LogHeader& header, const Scenario& scenario,
                                                       const std::string& name) {
   auto simulation = build_simulation(scenario);
-  if (static_cast<std::int64_t>(simulation->plan().hash) == header.model_hash) return simulation;
+  if (simulation->get_model_hash() == header.model_hash) {
+    if (header.start.empty() || simulation->restore(header.start)) return simulation;
+    throw LogError(name +
+                   ": begins at a state that this program's model cannot have; replay it with the program that " +
+                   "recorded it");
+  }
   throw LogError(name + ": scenario '" + header.scenario_name +
                  "' compiles to another model here than in the program that recorded it (" + header.program + ", " +
-                 header.compiler + "); replay it with that one");
+                 header.compiler + "); use that one");
+}
+
+void refuse_if_lossy(const RecordingReader& recording, std::int64_t items) {
+  if (items == 0) return;
+  throw LogError(recording.get_name() + ": is not replayable: " + std::to_string(items) +
+                 " of its items were lost on their way to the disk");
+}
+
+void apply(const LogChange& change, Simulation& simulation) {
+  if (change.channel < 0 || static_cast<std::size_t>(change.channel) >= simulation.channels().size()) {
+    throw LogError("the recording sets channel " + std::to_string(change.channel) +
+                   ", which its scenario does not have; it was not written by unlatch");
+  }
+  simulation.channels()[static_cast<std::size_t>(change.channel)] = change.value;
 }
 
 // A tick's inputs are stepped with once the next record shows that its step was made.
@@ -86,11 +92,10 @@ ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnaly
   LogTick pending, tick;
   bool has_pending = false;
   while (recording.next(tick)) {
-    refuse_if_lossy(tick.unrecorded);
+    refuse_if_lossy(recording, tick.unrecorded);
     if (has_pending && !replayer.step(pending)) {
-      if (replayer.has_faulted())
-        result.mismatch = "the step of tick " + std::to_string(pending.tick) +
-                          " fails here: " + get_status_text(replayer.get_status());
+      result.mismatch =
+          "the step of tick " + std::to_string(pending.tick) + " fails here: " + get_status_text(replayer.get_status());
       return result;
     }
     if (!replayer.compare(tick.hash)) return result;
@@ -98,8 +103,8 @@ ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnaly
     has_pending = true;
   }
   if (recording.end) {
-    refuse_if_lossy(recording.end->unrecorded);
-    if (has_pending && !replayer.step(pending) && !replayer.has_faulted()) return result;
+    refuse_if_lossy(recording, recording.end->unrecorded);
+    if (has_pending) replayer.step(pending);
     replayer.check_end(*recording.end);
   }
   return result;

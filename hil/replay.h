@@ -23,13 +23,18 @@ struct ReplayResult {
 
 // The scenario of a recording, from the text in it. Throws ScenarioError.
 Scenario load_recorded_scenario(const LogHeader& header);
-// Its simulation. Throws LogError if this program compiles the scenario to another model; `name`: the recording's, for
-// that.
+// Its simulation, at the state where the recording begins. Throws LogError if this program compiles the scenario to
+// another model; `name`: the recording's, for that.
 std::unique_ptr<Simulation> build_recorded_simulation(const LogHeader& header, const Scenario& scenario,
                                                       const std::string& name);
 
-// Steps `simulation`, which must be at its initial state, through the recording; stops at the first difference.
-// `analysis` may be null. A recording that lost inputs throws LogError: it cannot be replayed.
+// Throws LogError if a recording has lost `items` of its inputs: what it would replay to is another run.
+void refuse_if_lossy(const RecordingReader& recording, std::int64_t items);
+// Sets the channel of a recorded change. Throws LogError if the scenario has no such channel.
+void apply(const LogChange& change, Simulation& simulation);
+
+// Steps `simulation`, which must be at the state where the recording begins, through the recording; stops at the first
+// difference. `analysis` may be null. A recording that lost inputs throws LogError: it cannot be replayed.
 ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis);
 
 }  // namespace unlatch::hil

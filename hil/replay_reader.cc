@@ -15,33 +15,49 @@ std::string to_hex(std::int64_t value) {
   return text;
 }
 
+// Why the first event on `found` is not the one on `wanted`.
+std::string explain_other_kind(const std::string& found, std::string_view wanted) {
+  if (wanted == kHeaderChannel && found == kCheckpointChannel) {
+    return "is a checkpoint, not a recording; go on from it with `unlatch run --resume`";
+  }
+  if (wanted == kCheckpointChannel && found == kHeaderChannel) {
+    return "is a recording, not a checkpoint; write one with `unlatch run --checkpoint`";
+  }
+  return "is an LCM log, but not a recording: it begins with a message on " + found +
+         "; record with `unlatch hil --log` or `unlatch run --log`";
+}
+
+// Why the first event's place holds none.
+const char* explain_no_header(Result result) {
+  if (result == Result::kEnd) return "is empty, not a recording";
+  if (result == Result::kTruncated) return "ends before its header is complete; nothing can be replayed";
+  return "is not a recording of unlatch, or its header is damaged (no intact LCM event at its start)";
+}
+
 }  // namespace
 
-RecordingReader::RecordingReader(LogFileReader file) : file_(std::move(file)) {
-  const std::string& name = file_.get_name();
-  const Result result = file_.next(event_);
-  if (result == Result::kEnd) throw LogError(name + ": is empty, not a recording");
-  if (result == Result::kTruncated)
-    throw LogError(name + ": ends before its header is complete; nothing can be replayed");
-  if (result == Result::kDamaged) {
-    throw LogError(name +
-                   ": is not a recording of unlatch, or its header is damaged (no intact LCM event at its start)");
-  }
-  if (event_.channel != kHeaderChannel) {
-    throw LogError(name + ": is an LCM log, but not a recording: it begins with a message on " + event_.channel +
-                   "; record with `unlatch hil --log` or `unlatch run --log`");
-  }
-  const bool readable = decode(event_.data, header);
+LogHeader read_header(LogFileReader& file, std::string_view channel) {
+  const auto refuse = [&file](const std::string& why) { throw LogError(file.get_name() + ": " + why); };
+  LogEvent event;
+  const Result result = file.next(event);
+  if (result != Result::kEvent) refuse(explain_no_header(result));
+  if (event.channel != channel) refuse(explain_other_kind(event.channel, channel));
+  LogHeader header;
+  const bool readable = decode(event.data, header);
   if (readable && header.version != kLogVersion) {
-    throw LogError(name + ": has log version " + std::to_string(header.version) + "; this program reads version " +
-                   std::to_string(kLogVersion) + "; replay it with the program that wrote it");
+    refuse("has log version " + std::to_string(header.version) + "; this program reads version " +
+           std::to_string(kLogVersion) + "; use the program that wrote it");
   }
-  if (!readable) throw LogError(name + ": has a header that cannot be read");
+  if (!readable) refuse("has a header that cannot be read");
   if (header.schema_hash != kSchemaHash) {
-    throw LogError(name + ": was recorded by " + header.program + " with message schema " + to_hex(header.schema_hash) +
-                   "; this program has " + to_hex(kSchemaHash) + "; replay it with the program that wrote it");
+    refuse("was written by " + header.program + " with message schema " + to_hex(header.schema_hash) +
+           "; this program has " + to_hex(kSchemaHash) + "; use the program that wrote it");
   }
+  return header;
 }
+
+RecordingReader::RecordingReader(LogFileReader file)
+    : header(read_header(file, kHeaderChannel)), file_(std::move(file)), next_tick_(header.first_tick) {}
 
 bool RecordingReader::stop(std::string why, bool is_damage) {
   shortfall = std::move(why);
@@ -49,12 +65,18 @@ bool RecordingReader::stop(std::string why, bool is_damage) {
   return false;
 }
 
-void RecordingReader::keep_notice() {
+void RecordingReader::keep_message() {
   Event event;
-  if (decode(event_.data, event) && is_notice(event)) notices.push_back(event);
+  State state;
+  if (event_.channel == get_channel(MessageKind::kEvent)) {
+    if (decode(event_.data, event) && is_notice(event)) notices.push_back(event);
+  } else if (keeps_states && event_.channel == get_channel(MessageKind::kState)) {
+    if (decode(event_.data, state) && is_well_formed(state)) states.push_back(state);
+  }
 }
 
 bool RecordingReader::next(LogTick& tick) {
+  states.clear();
   while (!end && shortfall.empty()) {
     const Result result = file_.next(event_);
     const std::string place = "byte " + std::to_string(file_.get_offset());
@@ -75,8 +97,8 @@ bool RecordingReader::next(LogTick& tick) {
         end.reset();
         return stop("its last record at " + place + " cannot be read", true);
       }
-    } else if (event_.channel == get_channel(MessageKind::kEvent)) {
-      keep_notice();
+    } else {
+      keep_message();
     }
   }
   return false;

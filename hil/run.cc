@@ -84,7 +84,8 @@ LogHeader build_log_header(const Scenario& scenario, const Simulation& simulatio
   LogHeader header;
   header.pace = pace;
   header.session = session;
-  header.model_hash = static_cast<std::int64_t>(simulation.plan().hash);
+  header.model_hash = simulation.get_model_hash();
+  header.first_tick = simulation.get_tick();
   header.last_tick = last_tick;
   header.dt = simulation.plan().options.dt;
   header.program = "unlatch " UNLATCH_VERSION;
@@ -93,16 +94,18 @@ LogHeader build_log_header(const Scenario& scenario, const Simulation& simulatio
   header.scenario_path = scenario.file;
   header.scenario_text = scenario.text;
   header.overrides = scenario.overrides;
+  if (header.first_tick > 0) header.start = simulation.save();
   return header;
 }
 
 LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
-                const std::atomic<bool>& stop, std::atomic<std::int64_t>& tick) {
+                const std::atomic<bool>& stop, const std::function<void()>& look) {
   LogEnd end;
   Timing timing;
   RunRecord record(simulation, recorder);
   analysis.update(StepReport{});
-  record.state(last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning);
+  record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
+  look();
   while (simulation.get_tick() < last_tick && end.status == RunStatus::kDone) {
     if (stop.load(std::memory_order_relaxed)) {
       end.status = RunStatus::kAborted;
@@ -122,7 +125,7 @@ LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorde
     analysis.update(report);
     record.events(report);
     record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
-    tick.store(simulation.get_tick(), std::memory_order_relaxed);
+    look();
   }
   end.tick = simulation.get_tick();
   end.hash = simulation.calc_hash();

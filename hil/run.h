@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -19,14 +20,14 @@ std::unique_ptr<Simulation> build_simulation(const Scenario& scenario);
 // A random session number, > 0.
 std::int64_t draw_session();
 
-// What a recording of this run begins with.
+// What a recording of this run, begun at the simulation's present tick, begins with.
 LogHeader build_log_header(const Scenario& scenario, const Simulation& simulation, Pace pace, std::int64_t session,
                            std::int64_t last_tick);
 
-// Steps as fast as it can to `last_tick`, analysing as it goes and recording if `recorder` is not null. `stop` ends it,
-// as aborted; `tick` shows how far it is. Either may be touched by other threads.
+// Steps as fast as it can to `last_tick`, analysing as it goes and recording if `recorder` is not null. Another thread
+// may set `stop`, which ends it as aborted. `look` is called at every tick, the first and the last included.
 LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
-                const std::atomic<bool>& stop, std::atomic<std::int64_t>& tick);
+                const std::atomic<bool>& stop, const std::function<void()>& look);
 
 // "singular pivot at joint 'nose1', tick 412 (t = 0.412 s)", of a step that failed.
 std::string describe_fault(const LogEnd& end, const Model& model, double dt);

@@ -1,6 +1,8 @@
 #include "hil/simulation.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -92,7 +94,8 @@ Simulation::Simulation(const Model& model, const PlanOptions& options, const Rat
       state_(plan_, {state_memory_.get(), plan_.get_state_bytes()}),
       workspace_(plan_, {workspace_memory_.get(), plan_.get_workspace_bytes()}),
       channels_(get_initial_channels(model_)),
-      held_(model_, rates, channels_, begin()) {}
+      held_(model_, rates, channels_, begin()),
+      model_hash_(static_cast<std::int64_t>(unlatch::hil::calc_hash(rates, plan_.hash))) {}
 
 std::span<const double> Simulation::begin() {
   init_state(plan_, state_);
@@ -108,6 +111,56 @@ StepReport Simulation::step() noexcept {
   const StepReport report = unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_);
   if (report.status == StepStatus::kOk) held_.sample(get_tick(), workspace_.sensors);
   return report;
+}
+
+std::vector<std::uint64_t> Simulation::save() const {
+  const std::span<const std::byte> block = state_.get_bytes();
+  std::vector<std::uint64_t> words(block.size() / sizeof(std::uint64_t));
+  std::memcpy(words.data(), block.data(), block.size());
+  for (const std::span<const double> values : {channels(), held_.get_channels(), held_.get_sensors()}) {
+    for (const double value : values) words.push_back(std::bit_cast<std::uint64_t>(value));
+  }
+  return words;
+}
+
+bool Simulation::restore(std::span<const std::uint64_t> saved) {
+  const std::size_t block = state_.get_bytes().size(), words = block / sizeof(std::uint64_t);
+  const std::size_t inputs = 2 * channels_.size();
+  if (saved.size() != words + inputs + held_.get_sensors().size()) return false;
+  std::vector<std::uint64_t> copy(saved.begin(), saved.end());  // a State is a view of memory that may be written
+  if (!is_possible(unlatch::State(plan_, {reinterpret_cast<std::byte*>(copy.data()), block}))) return false;
+  const auto is_finite = [](std::uint64_t word) { return std::isfinite(std::bit_cast<double>(word)); };
+  if (!std::ranges::all_of(saved.subspan(words, inputs), is_finite)) return false;
+
+  const std::vector<std::uint64_t> before = save();
+  if (take(saved)) return true;
+  (void)take(before);  // it had outputs before
+  return false;
+}
+
+bool Simulation::take(std::span<const std::uint64_t> saved) {
+  const std::size_t block = state_.get_bytes().size();
+  std::memcpy(state_.get_bytes().data(), saved.data(), block);
+  std::vector<double> values;
+  for (const std::uint64_t word : saved.subspan(block / sizeof(std::uint64_t))) {
+    values.push_back(std::bit_cast<double>(word));
+  }
+  const std::span<const double> all = values;
+  std::copy_n(all.begin(), channels_.size(), channels_.begin());
+  held_.restore(all.subspan(channels_.size(), channels_.size()), all.subspan(2 * channels_.size()));
+  return update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_) == StepStatus::kOk;
+}
+
+// What indexes with a state's numbers may rely on.
+bool Simulation::is_possible(const unlatch::State& state) const noexcept {
+  if (state.header->plan_hash != plan_.hash || state.header->tick < 0) return false;
+  for (std::size_t i = 0; i < state.joints.size(); ++i) {
+    const std::int64_t mode = state.joints[i].mode;
+    if (mode < 0 || mode >= static_cast<std::int64_t>(model_.joints[i].modes.size())) return false;
+  }
+  return std::all_of(state.events.begin(), state.events.end(), [](const EventState& event) {
+    return event.phase >= EventPhase::kArmed && event.phase <= EventPhase::kSpent;
+  });
 }
 
 std::int32_t Simulation::get_part_count() const noexcept {

@@ -37,6 +37,12 @@ class Simulation {
   // has changed but what is latched.
   StepReport step() noexcept UNLATCH_NONBLOCKING;
 
+  // All that decides how the run goes on, as 8-byte words: the state block; the channels' values, commanded and held;
+  // the sensor values held.
+  [[nodiscard]] std::vector<std::uint64_t> save() const;
+  // Goes back, or on, to what save() gave. False, and nothing changed, if it is not of this plan.
+  [[nodiscard]] bool restore(std::span<const std::uint64_t> saved);
+
   // The commanded value of each channel, what the next step will read unless it holds.
   std::span<double> channels() noexcept { return channels_; }
   std::span<const double> channels() const noexcept { return channels_; }
@@ -44,6 +50,8 @@ class Simulation {
   // h·ω and so on of the springs at the present state; overwrites the workspace.
   std::vector<ElementFrequency> calc_frequencies() { return unlatch::calc_frequencies(plan_, state_, workspace_); }
 
+  // Of everything that decides a state, but the inputs (hil/rates.h).
+  std::int64_t get_model_hash() const noexcept { return model_hash_; }
   const Model& model() const noexcept { return model_; }
   const Plan& plan() const noexcept { return plan_; }
   const unlatch::State& state() const noexcept { return state_; }
@@ -68,6 +76,8 @@ class Simulation {
   using Memory = std::unique_ptr<std::byte, Free>;
   static Memory allocate(std::size_t bytes);
   std::span<const double> begin();  // the initial state; gives its sensor values
+  [[nodiscard]] bool is_possible(const unlatch::State& state) const noexcept;
+  [[nodiscard]] bool take(std::span<const std::uint64_t> saved);
 
   Model model_;
   Plan plan_;
@@ -75,7 +85,8 @@ class Simulation {
   unlatch::State state_;
   Workspace workspace_;
   std::vector<double> channels_;
-  SampleAndHold held_;  // last: it begins with the channels and sensors of the initial state
+  SampleAndHold held_;  // after all these: it begins with the channels and sensors of the initial state
+  const std::int64_t model_hash_;
 };
 
 // One message per body, joint, channel, sensor value and signal; session is left 0.

@@ -6,7 +6,9 @@
 #include <poll.h>
 
 #include <array>
+#include <atomic>
 #include <condition_variable>
+#include <cstring>
 #include <mutex>
 #include <thread>
 
@@ -18,6 +20,18 @@ namespace {
 
 using namespace std::chrono_literals;
 using bridge::DdsEntity;
+
+// The first octets: how many messages of this ping follow, and its number, which the pong repeats.
+void mark(std::uint8_t* bytes, int left, std::uint32_t number) {
+  bytes[0] = static_cast<std::uint8_t>(left);
+  std::memcpy(bytes + 1, &number, sizeof number);
+}
+bool is_last(const std::uint8_t* bytes) { return bytes[0] == 0; }
+std::uint32_t get_number(const std::uint8_t* bytes) {
+  std::uint32_t number = 0;
+  std::memcpy(&number, bytes + 1, sizeof number);
+  return number;
+}
 
 // --- DDS: one topic for each size, reliable, keep last --------------------------------------------------------------
 
@@ -73,15 +87,25 @@ class DdsPingPong final : public PingPong {
 
  private:
   void send(int bodies) override {
-    if (as_one_) return DdsSide::write(long_pings_, &long_ping_);
+    ++number_;
+    if (as_one_) {
+      mark(long_ping_.bytes, 0, number_);
+      return DdsSide::write(long_pings_, &long_ping_);
+    }
     for (int left = calc_parts(bodies); left-- > 0;) {
-      ping_.bytes[0] = static_cast<std::uint8_t>(left);
+      mark(ping_.bytes, left, number_);
       DdsSide::write(pings_, &ping_);
     }
   }
-  bool receive(std::chrono::nanoseconds wait) override { return side_.wait(wait) && DdsSide::take(pongs_, &pong_); }
+  bool receive(std::chrono::nanoseconds wait) override {
+    while (side_.wait(wait)) {
+      if (DdsSide::take(pongs_, &pong_) && get_number(pong_.bytes) == number_) return true;
+    }
+    return false;
+  }
 
   const bool as_one_;
+  std::uint32_t number_ = 0;
   DdsSide side_;
   const dds_entity_t pings_ = side_.open_writer(bare_Ping_desc), long_pings_ = side_.open_writer(bare_LongPing_desc);
   const dds_entity_t pongs_ = side_.open_reader(bare_Pong_desc);
@@ -95,11 +119,13 @@ void echo_dds(bool as_one) {
   const dds_entity_t pings = side.open_reader(bare_Ping_desc), long_pings = side.open_reader(bare_LongPing_desc);
   const dds_entity_t pongs = side.open_writer(bare_Pong_desc);
   static bare_LongPing ping;
-  const bare_Pong pong{};
+  bare_Pong pong{};
   while (true) {
     if (!side.wait(1s)) continue;
     while (DdsSide::take(pings, &ping) || DdsSide::take(long_pings, &ping)) {
-      if (ping.bytes[0] == 0) DdsSide::write(pongs, &pong);
+      if (!is_last(ping.bytes)) continue;
+      mark(pong.bytes, 0, get_number(ping.bytes));
+      DdsSide::write(pongs, &pong);
     }
   }
 }
@@ -114,10 +140,12 @@ class LcmSide {
  public:
   LcmSide(bool as_one, const char* hears) : lcm_(lcm_create(get_url(as_one))) {
     if (lcm_ == nullptr) throw std::runtime_error("ping-pong: no LCM; is there a multicast route?");
-    const auto hear = [](const lcm_recv_buf_t* buffer, const char*, void* left) {
-      *static_cast<int*>(left) = *static_cast<const std::uint8_t*>(buffer->data);
+    const auto hear = [](const lcm_recv_buf_t* buffer, const char*, void* side) {
+      const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
+      static_cast<LcmSide*>(side)->heard_last_ = is_last(bytes);
+      static_cast<LcmSide*>(side)->heard_ = get_number(bytes);
     };
-    lcm_subscribe(lcm_, hears, hear, &left_);
+    lcm_subscribe(lcm_, hears, hear, this);
   }
   ~LcmSide() { lcm_destroy(lcm_); }
   LcmSide(const LcmSide&) = delete;
@@ -126,18 +154,20 @@ class LcmSide {
   void send(const char* channel, const void* bytes, std::size_t size) {
     lcm_publish(lcm_, channel, bytes, static_cast<unsigned int>(size));
   }
-  // True with the last message of a ping.
+  // True with the last message of a ping, or with a pong; then get_heard() is its number.
   bool receive(std::chrono::nanoseconds wait) {
     pollfd waiting{.fd = lcm_get_fileno(lcm_), .events = POLLIN, .revents = 0};
     const auto limit = std::chrono::duration_cast<std::chrono::milliseconds>(wait);
     if (::poll(&waiting, 1, static_cast<int>(limit.count())) <= 0) return false;
     lcm_handle(lcm_);
-    return left_ == 0;
+    return heard_last_;
   }
+  [[nodiscard]] std::uint32_t get_heard() const { return heard_; }
 
  private:
   lcm_t* lcm_;
-  int left_ = 0;
+  bool heard_last_ = false;
+  std::uint32_t heard_ = 0;
 };
 
 class LcmPingPong final : public PingPong {
@@ -148,24 +178,34 @@ class LcmPingPong final : public PingPong {
   static constexpr std::size_t kFingerprint = 8;
 
   void send(int bodies) override {
+    ++number_;
+    mark(bytes_.data(), 0, number_);
     if (as_one_) return side_.send("PING", bytes_.data(), kFingerprint + calc_bytes(bodies));
     for (int left = calc_parts(bodies); left-- > 0;) {
-      bytes_[0] = static_cast<std::byte>(left);
+      mark(bytes_.data(), left, number_);
       side_.send("PING", bytes_.data(), kFingerprint + calc_bytes(kFew));
     }
   }
-  bool receive(std::chrono::nanoseconds wait) override { return side_.receive(wait); }
+  bool receive(std::chrono::nanoseconds wait) override {
+    while (side_.receive(wait)) {
+      if (side_.get_heard() == number_) return true;
+    }
+    return false;
+  }
 
   const bool as_one_;
+  std::uint32_t number_ = 0;
   LcmSide side_;
-  std::vector<std::byte> bytes_ = std::vector<std::byte>(kFingerprint + calc_bytes(kMany));
+  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(kFingerprint + calc_bytes(kMany));
 };
 
 void echo_lcm(bool as_one) {
   LcmSide side(as_one, "PING");
-  const std::array<std::byte, 48> pong{};
+  std::array<std::uint8_t, 48> pong{};
   while (true) {
-    if (side.receive(1s)) side.send("PONG", pong.data(), pong.size());
+    if (!side.receive(1s)) continue;
+    mark(pong.data(), 0, side.get_heard());
+    side.send("PONG", pong.data(), pong.size());
   }
 }
 
@@ -173,7 +213,7 @@ void echo_lcm(bool as_one) {
 
 class Box {
  public:
-  void put(const std::vector<std::byte>& bytes) {
+  void put(const std::vector<std::uint8_t>& bytes) {
     {
       const std::lock_guard lock(mutex_);
       bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
@@ -181,7 +221,7 @@ class Box {
     ready_.notify_one();
   }
   // All that was put: its bytes.
-  std::size_t take(std::vector<std::byte>& bytes, std::chrono::nanoseconds wait) {
+  std::size_t take(std::vector<std::uint8_t>& bytes, std::chrono::nanoseconds wait) {
     std::unique_lock lock(mutex_);
     if (!ready_.wait_for(lock, wait, [this] { return !bytes_.empty(); })) return 0;
     bytes.assign(bytes_.begin(), bytes_.end());
@@ -192,7 +232,7 @@ class Box {
  private:
   std::mutex mutex_;
   std::condition_variable ready_;
-  std::vector<std::byte> bytes_;
+  std::vector<std::uint8_t> bytes_;
 };
 
 class InprocPingPong final : public PingPong {
@@ -202,28 +242,34 @@ class InprocPingPong final : public PingPong {
 
  private:
   void send(int bodies) override {
-    expected_ = calc_bytes(bodies);
-    if (as_one_) return ping_.put(all_);
-    for (int part = 0; part < calc_parts(bodies); ++part) ping_.put(part_);
+    ++number_;
+    for (int left = as_one_ ? 1 : calc_parts(bodies); left-- > 0;) {
+      mark(bytes_.data(), left, number_);
+      ping_.put(bytes_);
+    }
   }
-  bool receive(std::chrono::nanoseconds wait) override { return pong_.take(answer_, wait) > 0; }
+  bool receive(std::chrono::nanoseconds wait) override {
+    while (pong_.take(answer_, wait) > 0) {
+      if (get_number(answer_.data() + answer_.size() - kPong) == number_) return true;
+    }
+    return false;
+  }
 
+  static constexpr std::size_t kPong = 40;
   const bool as_one_;
   Box ping_, pong_;
-  std::vector<std::byte> part_ = std::vector<std::byte>(calc_bytes(kFew)), answer_;
-  std::vector<std::byte> all_ = std::vector<std::byte>(calc_bytes(kMany));
-  std::atomic<std::size_t> expected_{0};
+  std::uint32_t number_ = 0;
+  std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(calc_bytes(as_one_ ? kMany : kFew)), answer_;
   std::atomic<bool> stop_{false};
   std::jthread echo_{[this] {
     pin(kTheirs);
-    std::vector<std::byte> heard;
-    const std::vector<std::byte> answer(40);
-    std::size_t size = 0;
+    std::vector<std::uint8_t> heard, pong(kPong);
     while (!stop_) {
-      size += ping_.take(heard, 100ms);
-      if (size == 0 || size < expected_) continue;
-      size = 0;
-      pong_.put(answer);
+      if (ping_.take(heard, 100ms) == 0) continue;
+      const std::uint8_t* const latest = heard.data() + heard.size() - bytes_.size();
+      if (!is_last(latest)) continue;
+      mark(pong.data(), 0, get_number(latest));
+      pong_.put(pong);
     }
   }};
 };

@@ -24,13 +24,13 @@ using bridge::Role;
 constexpr auto kPatience = 10s;
 constexpr auto kResendAfter = 20ms;
 constexpr int kWarmUp = 50;
+constexpr const char* kPaced = "_paced";
 
-// Ports of its own, so that nobody else's messages wake the measured threads.
-const bridge::LcmOptions kLcm{"udpm://239.255.76.67:7701?ttl=0"};
-const bridge::DdsOptions kDds{.domain = 77, .interface = "lo"};
-
-std::unique_ptr<Port> open_port(const std::string& transport, Role role) {
-  return transport == "dds" ? bridge::open_dds_port(role, kDds) : bridge::open_lcm_port(role, kLcm);
+// A network of its own for each pair, so that nobody else's messages wake the measured threads.
+std::unique_ptr<Port> open_port(const std::string& transport, bool paced, Role role) {
+  if (transport == "dds") return bridge::open_dds_port(role, {.domain = paced ? 76 : 77});
+  return bridge::open_lcm_port(role,
+                               {.url = "udpm://239.255.76.67:" + std::string(paced ? "7700" : "7701") + "?ttl=0"});
 }
 
 // Answers every State with its acknowledgement.
@@ -89,8 +89,8 @@ class ProtocolPingPong final : public PingPong {
       port_ = hub_.open(Role::kSimulator);
       thread_ = std::make_unique<EchoThread>(hub_.open(Role::kParticipant));
     } else {
-      port_ = open_port(transport, Role::kSimulator);
-      process_ = std::make_unique<EchoProcess>(transport);
+      port_ = open_port(transport, paced, Role::kSimulator);
+      process_ = std::make_unique<EchoProcess>(transport + (paced ? kPaced : ""));
     }
     if (paced) {
       auto link = std::make_unique<hil::Link>();
@@ -151,6 +151,12 @@ class BarePingPong final : public PingPong {
   std::unique_ptr<EchoProcess> process_;
 };
 
+bool strip_end(std::string& text, const std::string& suffix) {
+  if (!text.ends_with(suffix)) return false;
+  text.erase(text.size() - suffix.size());
+  return true;
+}
+
 bool strip(std::string& text, const std::string& prefix) {
   if (!text.starts_with(prefix)) return false;
   text.erase(0, prefix.size());
@@ -185,8 +191,7 @@ std::unique_ptr<PingPong> open_pingpong(const std::string& who) {
   std::string transport = who;
   const bool bare = strip(transport, "bare_");
   const bool as_one = strip(transport, "one_");
-  const bool paced = transport.ends_with("_paced");
-  if (paced) transport.erase(transport.size() - 6);
+  const bool paced = strip_end(transport, kPaced);
   std::unique_ptr<PingPong> pingpong;
   if (bare) {
     pingpong = std::make_unique<BarePingPong>(transport, as_one);
@@ -234,7 +239,8 @@ int run_echo(char** arguments) {
     const bool as_one = strip(transport, "one_");
     echo_bare(transport, as_one);
   } else {
-    const auto port = open_port(transport, Role::kParticipant);
+    const bool paced = strip_end(transport, kPaced);
+    const auto port = open_port(transport, paced, Role::kParticipant);
     echo(*port, std::atomic<bool>(false));
   }
   return 0;

@@ -4,11 +4,17 @@
 //                                 it has seen all kinds
 //   bridge_party dds|lcm answer   participates; answers everything with a command and an acknowledgement, Hello with
 //                                 a HelloAck before; ends at the first Health
+//   bridge_party dds|lcm watch N  N observers; writes a line when all have heard a State; ends at the first Health
 // Exit code 0; 1 if ten seconds pass without a message; 3 with the reason on standard error if the port cannot be
 // opened.
 #include <array>
+#include <atomic>
 #include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <string_view>
+#include <thread>
+#include <vector>
 
 #include "bridge/port.h"
 
@@ -55,16 +61,41 @@ int answer(Port& port) {
   return 1;
 }
 
+using OpenPort = std::unique_ptr<Port> (*)(bridge::Role);
+
+int watch(OpenPort open, int count) {
+  std::atomic<int> waiting = count;
+  std::atomic<int> silent = 0;
+  std::vector<std::jthread> observers;
+  for (int i = 0; i < count; ++i) {
+    observers.emplace_back([&, port = std::shared_ptr<Port>(open(bridge::Role::kObserver))] {
+      hil::Message message;
+      bool has_heard = false;
+      while (port->poll(message, kPatience)) {
+        if (message.kind == hil::MessageKind::kHealth) return;
+        if (message.kind != hil::MessageKind::kState || has_heard) continue;
+        has_heard = true;
+        if (--waiting == 0) std::puts("all have heard"), std::fflush(stdout);
+      }
+      ++silent;
+    });
+  }
+  observers.clear();  // joins
+  return silent > 0;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 3) return 2;
-  const bool dds = arguments[1] == std::string_view("dds");
-  const bool observe = arguments[2] == std::string_view("record");
+  if (count < 3) return 2;
+  const std::string_view what = arguments[2];
+  const OpenPort open = arguments[1] == std::string_view("dds")
+                            ? [](bridge::Role role) { return bridge::open_dds_port(role); }
+                            : [](bridge::Role role) { return bridge::open_lcm_port(role); };
   try {
-    const auto role = observe ? bridge::Role::kObserver : bridge::Role::kParticipant;
-    const auto port = dds ? bridge::open_dds_port(role) : bridge::open_lcm_port(role);
-    return observe ? record(*port) : answer(*port);
+    if (what == "watch") return count == 4 ? watch(open, std::atoi(arguments[3])) : 2;
+    if (what == "record") return record(*open(bridge::Role::kObserver));
+    return answer(*open(bridge::Role::kParticipant));
   } catch (const bridge::PortError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 3;

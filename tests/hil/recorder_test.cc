@@ -1,8 +1,6 @@
 // Recordings: what they hold, and what a reader makes of damaged ones.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <lcm/lcm-cpp.hpp>
 
 #include "tests/hil/session_support.h"
@@ -12,13 +10,6 @@ namespace {
 
 using hil::LogFileReader;
 using hil::Pace;
-
-std::string read_bytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void write_bytes(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
 std::string record(const std::string& name) {
   const std::string path = make_path(name);
@@ -49,44 +40,71 @@ TEST(Recording, IsReadByLcmItself) {
   EXPECT_EQ(ticks, 50);
 }
 
-// Every prefix of a recording is a recording of the ticks that are complete in it.
-TEST(Recording, CutAnywhereItReplaysUpToItsLastCompleteRecord) {
-  const std::string whole = read_bytes(record("log"));
-  const std::string path = make_path("cut");
-  std::int64_t compared = 0, shorter = 0;
-  for (std::size_t length = 0; length < whole.size(); length += 61) {
-    write_bytes(path, whole.substr(0, length));
-    try {
-      const ReplayedLog replayed = replay_log(path);
-      EXPECT_TRUE(replayed.result.agrees());
-      EXPECT_FALSE(replayed.complete);
-      EXPECT_FALSE(replayed.shortfall.empty());
-      EXPECT_GE(replayed.result.compared, compared);
-      compared = replayed.result.compared;
-    } catch (const hil::LogError&) {
-      ++shorter;  // not even its header is complete
-    }
+// What a reader finds in a file's bytes: the ticks, and whether it takes the recording for whole.
+struct Found {
+  std::vector<std::int64_t> hashes;  // of the ticks
+  bool complete = false, damaged = false;
+};
+
+Found find_ticks(const std::string& bytes) {
+  Found found;
+  MemoryFile memory(bytes);
+  try {
+    hil::RecordingReader reader(memory.open());
+    hil::LogTick tick;
+    while (reader.next(tick)) found.hashes.push_back(tick.hash);
+    found.complete = reader.end.has_value();
+    found.damaged = reader.damaged;
+    EXPECT_NE(found.complete, !reader.shortfall.empty()) << "either whole or a sentence why not";
+  } catch (const hil::LogError&) {  // not even its header is complete
   }
-  EXPECT_GT(shorter, 0);
-  EXPECT_EQ(compared, 50);
+  return found;
 }
 
-TEST(Recording, AFlippedByteAnywhereIsNoticed) {
+bool is_beginning_of(const std::vector<std::int64_t>& part, const std::vector<std::int64_t>& whole) {
+  return part.size() <= whole.size() && std::equal(part.begin(), part.end(), whole.begin());
+}
+
+// Every prefix of a recording is a recording of the ticks that are complete in it.
+TEST(Recording, CutAnywhereItHoldsEveryTickThatIsComplete) {
   const std::string whole = read_bytes(record("log"));
-  const std::string path = make_path("flipped");
-  for (std::size_t at = 3; at < whole.size(); at += 97) {
+  const Found all = find_ticks(whole);
+  ASSERT_TRUE(all.complete);
+  ASSERT_EQ(all.hashes.size(), 50u);
+  std::size_t ticks = 0;
+  for (std::size_t length = 1; length < whole.size(); ++length) {
+    const Found found = find_ticks(whole.substr(0, length));
+    ASSERT_FALSE(found.complete || found.damaged) << "cut to " << length;
+    ASSERT_TRUE(is_beginning_of(found.hashes, all.hashes)) << "cut to " << length;
+    ASSERT_TRUE(found.hashes.size() == ticks || found.hashes.size() == ticks + 1) << "cut to " << length;
+    ticks = found.hashes.size();
+  }
+  EXPECT_EQ(ticks, 50u);
+}
+
+TEST(Recording, AFlippedByteAnywhereIsNoticedAndNothingAfterItIsBelieved) {
+  const std::string whole = read_bytes(record("log"));
+  const Found all = find_ticks(whole);
+  for (std::size_t at = 0; at < whole.size(); ++at) {
     std::string bytes = whole;
-    bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
-    write_bytes(path, bytes);
-    bool noticed = false;
-    try {
-      const ReplayedLog replayed = replay_log(path);
-      noticed = !replayed.complete;
-      EXPECT_TRUE(replayed.result.agrees()) << "what is intact agrees, byte " << at;
-    } catch (const hil::LogError&) {
-      noticed = true;
-    }
-    EXPECT_TRUE(noticed) << "byte " << at << " of " << whole.size();
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << at % 8));
+    const Found found = find_ticks(bytes);
+    ASSERT_FALSE(found.complete) << "byte " << at << " of " << whole.size();
+    ASSERT_TRUE(is_beginning_of(found.hashes, all.hashes)) << "byte " << at;
+    ASSERT_LE(found.hashes.size(), find_ticks(whole.substr(0, at + 1)).hashes.size()) << "byte " << at;
+  }
+}
+
+TEST(Recording, CutAnywhereItReplays) {
+  const std::string whole = read_bytes(record("log"));
+  const std::string path = make_path("cut");
+  const std::size_t header = whole.find(hil::kTickChannel);  // before it there is nothing to replay
+  for (std::size_t length = header + 61; length < whole.size(); length += 997) {
+    write_bytes(path, whole.substr(0, length));
+    const ReplayedLog replayed = replay_log(path);
+    EXPECT_TRUE(replayed.result.agrees());
+    EXPECT_FALSE(replayed.complete);
+    EXPECT_EQ(replayed.result.compared, static_cast<std::int64_t>(find_ticks(whole.substr(0, length)).hashes.size()));
   }
 }
 
@@ -154,6 +172,54 @@ TEST(Recording, AFullDiskIsSaidNotSwallowed) {
   EXPECT_FALSE(writer.flush());
   EXPECT_NE(writer.get_error().find("/dev/full: cannot be written"), std::string::npos) << writer.get_error();
   EXPECT_FALSE(writer.append(0, "SOME_CHANNEL", data));
+}
+
+// A ring made tiny, and a cyclic thread that does not wait, as in real time.
+TEST(Recording, WhatTheRingHadNoRoomForIsCountedAndTheRecordingIsNotReplayable) {
+  const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
+  const auto simulation = hil::build_simulation(scenario);
+  const std::string path = make_path("log");
+  constexpr std::int64_t kTicks = 50;
+  hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kRealtime, 1, kTicks), 4);
+  for (std::int64_t tick = 0; tick < kTicks; ++tick) {
+    recorder.change({0, hil::ChangeCause::kCommand, 7, tick + 1, 0.5});
+    recorder.tick(tick, simulation->calc_hash());
+    ASSERT_EQ(simulation->step().status, StepStatus::kOk);
+  }
+  hil::LogEnd end;
+  end.tick = kTicks;
+  end.hash = simulation->calc_hash();
+  recorder.close(end);
+  ASSERT_GT(end.unrecorded, 0) << "100 items at once do not fit a ring of four";
+
+  hil::RecordingReader reader{LogFileReader(path)};
+  hil::LogTick tick;
+  std::int64_t ticks = 0;
+  while (reader.next(tick)) ++ticks;
+  ASSERT_TRUE(reader.end) << reader.shortfall;
+  EXPECT_EQ(reader.end->unrecorded, end.unrecorded);
+  EXPECT_LT(ticks, kTicks);
+  try {
+    replay_log(path);
+    ADD_FAILURE() << "replayed";
+  } catch (const hil::LogError& error) {
+    EXPECT_NE(std::string(error.what()).find("not replayable: " + std::to_string(end.unrecorded)), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Recording, AtOtherPacesTheCyclicThreadWaitsForRoom) {
+  const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
+  const auto simulation = hil::build_simulation(scenario);
+  hil::RunAnalysis analysis(scenario, *simulation, {});
+  const std::string path = make_path("log");
+  hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 50), 4);
+  const std::atomic<bool> stop{false};
+  hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, 50, stop, [] {});
+  recorder.close(end);
+  EXPECT_EQ(end.unrecorded, 0);
+  EXPECT_EQ(end.states_unrecorded, 0);
+  EXPECT_EQ(replay_log(path).result.compared, 51);
 }
 
 TEST(Recording, ChecksumIsCrc64Xz) {

@@ -1,6 +1,8 @@
 // Replay: every tick's hash, the first difference by name.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {
@@ -95,7 +97,7 @@ TEST_F(Replay, AnotherEndIsADifference) {
   EXPECT_FALSE(replayed.result.mismatch.empty());
 }
 
-TEST_F(Replay, AChannelThatDoesNotExistIsADifferenceNotACrash) {
+TEST_F(Replay, AChannelThatDoesNotExistIsRefused) {
   rewrite(
       log_, edited_,
       [](hil::LogTick& tick) {
@@ -103,8 +105,84 @@ TEST_F(Replay, AChannelThatDoesNotExistIsADifferenceNotACrash) {
         return true;
       },
       leave);
-  EXPECT_FALSE(replay_log(edited_).result.agrees());
+  EXPECT_THROW(replay_log(edited_), hil::LogError);
 }
+
+// What was recorded of the inputs, tick by tick, and what the executive said.
+struct Inputs {
+  std::vector<std::pair<std::int64_t, hil::LogChange>> changes;
+  std::vector<std::pair<std::int64_t, std::string>> notices;
+};
+
+Inputs read_inputs(const std::string& path) {
+  Inputs inputs;
+  hil::RecordingReader reader{hil::LogFileReader(path)};
+  hil::LogTick tick;
+  while (reader.next(tick)) {
+    for (const hil::LogChange& change : tick.changes) inputs.changes.emplace_back(tick.tick, change);
+  }
+  for (const hil::Event& notice : reader.notices) {
+    inputs.notices.emplace_back(notice.tick, std::string(hil::get_name(notice.name)));
+  }
+  return inputs;
+}
+
+// Answers come when they like and commands name any tick, past ones too; then the flight software falls silent and the
+// policy decides. What arrived when is another story each time; each replays to the hash of every tick.
+class RealtimeReplay : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RealtimeReplay, JitterStrayCommandsAndThePolicyAreAllInTheRecording) {
+  const std::string policy = GetParam();
+  const std::uint32_t seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  constexpr std::int64_t kSilentFrom = 60;
+  FakeParticipant::Habits habits;
+  habits.dies_at = kSilentFrom;
+  habits.twice = true;
+  habits.mischief = [random = std::mt19937(seed), sequence = std::int64_t{1'000'000}](
+                        std::int64_t tick, hil::Link& link, std::int64_t session) mutable {
+    if (random() % 8 == 0) std::this_thread::sleep_for(std::chrono::microseconds(random() % 3000));
+    for (unsigned i = random() % 4; i > 0; --i) {
+      hil::Command stray;
+      stray.session = session;
+      stray.sequence = ++sequence;
+      stray.tick = std::max<std::int64_t>(0, tick + static_cast<std::int64_t>(random() % 21) - 10);
+      stray.valid_until_tick = random() % 2 == 0 ? -1 : stray.tick + 5;
+      stray.participant = FakeParticipant::kId;
+      stray.channel = static_cast<std::int32_t>(random() % 2);
+      stray.value = 0.2 + 0.8 * static_cast<double>(random() % 1000) / 1000;
+      link.deliver(stray);
+    }
+  };
+  const std::string log = make_path(policy);
+  const SessionResult result =
+      run_session(Pace::kRealtime, habits, log,
+                  {"flight_software.policy=" + policy, "flight_software.timeout=0.2", "step.until=1.2"});
+  ASSERT_EQ(result.end.status, hil::RunStatus::kDone) << result.end.message;
+  const ReplayedLog replayed = replay_log(log);
+  EXPECT_TRUE(replayed.complete) << replayed.shortfall;
+  EXPECT_TRUE(replayed.result.agrees()) << replayed.result.mismatch;
+  EXPECT_EQ(replayed.result.compared, 1201);
+
+  const Inputs inputs = read_inputs(log);
+  ASSERT_EQ(inputs.notices.size(), 2u);
+  EXPECT_EQ(inputs.notices[1].second, "policy." + policy);
+  std::int64_t commands = 0;
+  for (const auto& [tick, change] : inputs.changes) {
+    if (change.cause == hil::ChangeCause::kCommand) {
+      ++commands;
+      continue;
+    }
+    EXPECT_EQ(change.cause, hil::ChangeCause::kPolicy);
+    EXPECT_EQ(tick, inputs.notices[1].first) << "a policy acts at the tick that its notice names";
+    EXPECT_EQ(change.value, result.channels[static_cast<std::size_t>(change.channel)]) << "nothing came after it";
+    EXPECT_NE(policy, "hold") << "holding changes nothing";
+  }
+  EXPECT_GT(commands, 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(EachPolicy, RealtimeReplay, ::testing::Values("hold", "zero", "safe"),
+                         [](const auto& policy) { return std::string(policy.param); });
 
 // A fault is part of the run: the replay runs into the same one.
 TEST(FastRun, AFaultIsReportedRecordedAndReplayed) {
@@ -116,8 +194,7 @@ TEST(FastRun, AFaultIsReportedRecordedAndReplayed) {
   const std::string path = make_path("log");
   hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 50));
   const std::atomic<bool> stop{false};
-  std::atomic<std::int64_t> tick{0};
-  hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, 50, stop, tick);
+  hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, 50, stop, [] {});
   recorder.close(end);
   EXPECT_EQ(end.status, hil::RunStatus::kFaulted);
   EXPECT_EQ(end.tick, 0);
@@ -134,8 +211,7 @@ TEST(FastRun, RecordsAndReplays) {
   const std::string path = make_path("log");
   hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 50));
   const std::atomic<bool> stop{false};
-  std::atomic<std::int64_t> tick{0};
-  hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, 50, stop, tick);
+  hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, 50, stop, [] {});
   recorder.close(end);
   EXPECT_EQ(end.status, hil::RunStatus::kDone);
   ASSERT_EQ(analysis.timeline.size(), 1u);

@@ -1,11 +1,15 @@
 // A small session: a scenario with one commanded thruster, and a participant that can be told to misbehave.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -53,10 +57,35 @@ flight_software: {required: [fsw], timeout: 0.05, policy: hold}
 
 inline std::string make_path(const std::string& name) {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  return (std::filesystem::temp_directory_path() /
-          (std::string("unlatch_") + info->test_suite_name() + "_" + info->name() + "_" + name))
-      .string();
+  std::string file = std::string("unlatch_") + info->test_suite_name() + "_" + info->name() + "_" + name;
+  std::replace(file.begin(), file.end(), '/', '_');  // of tests with parameters
+  return (std::filesystem::temp_directory_path() / file).string();
 }
+
+inline std::string read_bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+inline void write_bytes(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+// A file that is read from memory: thousands of damaged ones cost no disk.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string bytes)
+      : bytes_(std::move(bytes)), file_(fmemopen(bytes_.data(), bytes_.size(), "rb")) {
+    if (!file_) throw std::runtime_error("fmemopen");
+  }
+  [[nodiscard]] hil::LogFileReader open() { return {file_.get(), "memory"}; }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::string bytes_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
 
 // Speaks to the other end of a Link, in a thread of its own. Every State is answered with the commands of `program`.
 class FakeParticipant {
@@ -188,7 +217,7 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.flight_software = scenario.flight_software;
   options.timing = scenario.timing;
   options.ticks = ticks;
-  options.start_timeout_ns = 2'000'000'000;
+  options.start_timeout_ns = 20'000'000'000;  // a stalled machine is nobody missing
   options.resend_ns = 5'000'000;
   hil::Link link(256, 256);
   hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, options.session, options.last_tick));

@@ -5,61 +5,17 @@
 """
 
 import json
-import os
-import random
 import signal
 import subprocess
-import sys
-import tempfile
 import time
-import unittest
 from pathlib import Path
 
-BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
-UNLATCH, FSW = str(BIN / "unlatch"), str(BIN / "unlatch-fsw")
-SCENARIOS = SOURCE / "hil/scenarios"
-BOOSTERS = str(SCENARIOS / "boosters/scenario.yaml")
+from processes import BOOSTERS, FSW, HANG, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, main
+
 DEAD_NOZZLE = str(SCENARIOS / "boosters/dead-nozzle.yaml")
-REFERENCE = str(SCENARIOS / "boosters/reference.yaml")
-
-HANG = 120  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
-PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine is no dead flight software
 
 
-def call(*arguments):
-    return subprocess.run(list(map(str, arguments)), capture_output=True, text=True, timeout=HANG)
-
-
-def start(*arguments, stderr=subprocess.DEVNULL):
-    return subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL, stderr=stderr, text=True)
-
-
-class ToolsTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory(prefix="unlatch_tools_")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def begin(self, *arguments, **options):
-        process = start(*arguments, **options)
-
-        def end():
-            process.kill()
-            process.wait()
-            if process.stderr:
-                process.stderr.close()
-
-        self.addCleanup(end)
-        return process
-
-    def run_ok(self, *arguments, code=0):
-        result = call(*arguments)
-        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout[-2000:]}\n{result.stderr[-2000:]}")
-        return result
-
-    def run_json(self, *arguments, code=0):
-        return json.loads(self.run_ok(*arguments, "--json", "-", code=code).stdout)
-
+class ToolsTest(ProcessTest):
     def run_over(self, transport, *arguments, code=0, scenario=BOOSTERS):
         """A session with the flight software as a process of its own, unless the transport is inproc."""
         if transport != "inproc":
@@ -239,25 +195,6 @@ class ToolsTest(unittest.TestCase):
         self.assertEqual((again["status"], again["message"]), ("aborted", "interrupted"))
         self.assertTrue(again["replay"]["agrees"])
 
-    def test_a_killed_simulator_leaves_a_recording_that_replays(self):
-        seed = int.from_bytes(os.urandom(4), "big")
-        print(f"seed {seed}")
-        delays = random.Random(seed)
-        for i in range(5):
-            log = self.folder / f"killed{i}.log"
-            simulator = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "realtime", "--until",
-                                   "30", "--log", log, *PATIENT)
-            while not log.exists() or log.stat().st_size < 100_000:  # well under way
-                self.assertIsNone(simulator.poll())
-                time.sleep(0.01)
-            time.sleep(delays.uniform(0, 0.15))
-            simulator.kill()
-            simulator.wait()
-            again = self.run_json(UNLATCH, "replay", log)
-            self.assertEqual(again["status"], "truncated")
-            self.assertTrue(again["replay"]["agrees"])
-            self.assertGreater(again["replay"]["ticks_compared"], 100)
-
     def test_flight_software_that_never_comes_is_named(self):
         result = self.run_ok(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "lockstep", "--start-timeout",
                              "0.3", code=1)
@@ -283,5 +220,4 @@ class ToolsTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    del sys.argv[1:3]
-    unittest.main(verbosity=2)
+    main()

@@ -23,6 +23,7 @@
 #include "tools/transport.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/pacing_options.h"
+#include "tools/unlatch/recording_watch.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -168,6 +169,7 @@ class Session {
   void watch(hil::Executive& executive, const std::atomic<bool>& ended) {
     const std::atomic<bool>& interrupted = catch_interrupts();
     Progress progress(scenario_.dt, last_tick_);
+    RecordingWatch recording(&*recorder_);
     bool last_look = false;
     while (!last_look) {
       last_look = ended.load(std::memory_order_acquire);
@@ -179,6 +181,7 @@ class Session {
         const bool good = hil::get_name(notice.name) == hil::kJoined;
         std::fprintf(stderr, "%s\n", good ? text.c_str() : paint(stderr, Colour::kYellow, text).c_str());
       }
+      recording.look(progress);
       progress.show(executive.get_tick());
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
@@ -192,7 +195,7 @@ class Session {
   }
 
   int report(const hil::LogEnd& end) {
-    if (!recorder_->get_error().empty()) throw OutputError(recorder_->get_error());
+    const std::string& error = recorder_->get_error();
     const auto again = hil::build_simulation(scenario_);
     hil::RunAnalysis analysis(scenario_, *again, {end.tick});
     hil::RecordingReader recording(open_recording());
@@ -200,8 +203,12 @@ class Session {
     std::string message = end.message;
     try {
       replayed = hil::replay(recording, *again, &analysis);
-    } catch (const hil::LogError& error) {
-      message += (message.empty() ? "" : "; ") + std::string(error.what());
+    } catch (const hil::LogError& lossy) {
+      message += (message.empty() ? "" : "; ") + std::string(lossy.what());
+    }
+    if (!recording.shortfall.empty()) {
+      message += (message.empty() ? "" : "; ") + std::string("what is reported ends with the recording: ") +
+                 recording.shortfall;
     }
     std::string status = get_status_name(end.status);
     if (replayed && !replayed->agrees()) status = "different";
@@ -209,6 +216,7 @@ class Session {
                            end.hash,  end.timing, recording.notices, replayed};
     print_report(get_people_stream(options_.output.json), report);
     write_json(build_json(report), options_.output.json);
+    if (!error.empty()) throw OutputError(error);
     return status == "ok" ? kExitDone : kExitFailed;
   }
 

@@ -3,11 +3,14 @@
 #include <cmath>
 #include <optional>
 #include <thread>
+#include <utility>
 
+#include "hil/checkpoint.h"
 #include "hil/run.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/recording_watch.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -16,40 +19,79 @@ namespace {
 
 struct RunOptions {
   ScenarioOptions scenario;
-  std::vector<double> samples;  // s
+  std::vector<double> samples;                              // s
+  std::vector<std::pair<double, std::string>> checkpoints;  // s, file
+  std::string resume;                                       // file
   OutputOptions output;
 };
 
-// Samples are taken at ticks; a time between two is moved, and that is said.
-std::vector<std::int64_t> calc_sample_ticks(const RunOptions& options, double dt, std::int64_t last_tick) {
-  std::vector<std::int64_t> ticks;
-  for (const double time : options.samples) {
-    const std::int64_t tick = hil::calc_nearest_tick(time, dt);
-    if (tick < 0 || tick > last_tick) {
-      throw CLI::ValidationError("--sample", std::to_string(time) + " s is not within the run");
-    }
-    constexpr double kSameTime = 1e-9;  // of a step: the rounding of T / dt
-    if (std::abs(static_cast<double>(tick) - time / dt) > kSameTime * std::max(1.0, time / dt)) {
-      std::fprintf(stderr, "note: %.9g s is not on a tick; the sample is taken at %.9g s\n", time,
-                   static_cast<double>(tick) * dt);
-    }
-    ticks.push_back(tick);
+// The ticks of this run: where it begins, where it ends.
+struct Span {
+  double dt;  // s
+  std::int64_t first, last;
+};
+
+// Samples and checkpoints are taken at ticks; a time between two is moved, and that is said.
+std::int64_t calc_tick_within(const char* option, const char* what, double time, const Span& span) {
+  const std::int64_t tick = hil::calc_nearest_tick(time, span.dt);
+  if (!(tick >= span.first && tick <= span.last)) {
+    throw CLI::ValidationError(option, std::to_string(time) + " s is not within the run");
   }
-  if (ticks.empty()) ticks.push_back(last_tick);
+  constexpr double kSameTime = 1e-9;  // of a step: the rounding of T / dt
+  if (std::abs(static_cast<double>(tick) - time / span.dt) > kSameTime * std::max(1.0, time / span.dt)) {
+    std::fprintf(stderr, "note: %.9g s is not on a tick; the %s is taken at %.9g s\n", time, what,
+                 static_cast<double>(tick) * span.dt);
+  }
+  return tick;
+}
+
+std::vector<std::int64_t> calc_sample_ticks(const RunOptions& options, const Span& span) {
+  std::vector<std::int64_t> ticks;
+  for (const double time : options.samples) ticks.push_back(calc_tick_within("--sample", "sample", time, span));
+  if (ticks.empty()) ticks.push_back(span.last);
   return ticks;
 }
 
+// Writes each checkpoint when the run comes to its tick.
+class Checkpoints {
+ public:
+  Checkpoints(const RunOptions& options, const hil::Scenario& scenario, const hil::Simulation& simulation,
+              const Span& span)
+      : scenario_(scenario), simulation_(simulation), last_tick_(span.last) {
+    for (const auto& [time, path] : options.checkpoints) {
+      due_.emplace(calc_tick_within("--checkpoint", "checkpoint", time, span), path);
+    }
+  }
+
+  void look() {
+    for (; !due_.empty() && due_.begin()->first == simulation_.get_tick(); due_.erase(due_.begin())) {
+      hil::write_checkpoint(due_.begin()->second, scenario_, simulation_, last_tick_);
+    }
+  }
+
+ private:
+  const hil::Scenario& scenario_;
+  const hil::Simulation& simulation_;
+  const std::int64_t last_tick_;
+  std::multimap<std::int64_t, std::string> due_;
+};
+
 hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& analysis, hil::Recorder* recorder,
-                              std::int64_t last_tick) {
-  std::atomic<std::int64_t> tick{0};
+                              Checkpoints& checkpoints, std::int64_t last_tick) {
+  std::atomic<std::int64_t> tick{simulation.get_tick()};
   Progress progress(simulation.plan().options.dt, last_tick);
   std::jthread watcher([&](const std::stop_token& stopping) {
+    RecordingWatch recording(recorder);
     while (!stopping.stop_requested()) {
+      recording.look(progress);
       progress.show(tick.load(std::memory_order_relaxed));
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   });
-  hil::LogEnd end = hil::run_fast(simulation, analysis, recorder, last_tick, catch_interrupts(), tick);
+  hil::LogEnd end = hil::run_fast(simulation, analysis, recorder, last_tick, catch_interrupts(), [&] {
+    checkpoints.look();
+    tick.store(simulation.get_tick(), std::memory_order_relaxed);
+  });
   watcher.request_stop();
   watcher.join();
   progress.clear();
@@ -62,23 +104,27 @@ int run(const RunOptions& options) {
   warn_of_unstable_elements(scenario);
   const auto simulated = hil::build_simulation(scenario);
   hil::Simulation& simulation = *simulated;
-  hil::RunAnalysis analysis(scenario, simulation, calc_sample_ticks(options, scenario.dt, last_tick));
+  if (!options.resume.empty()) hil::read_checkpoint(options.resume, scenario, simulation);
+  const Span span{scenario.dt, simulation.get_tick(), last_tick};
+  if (span.first > span.last) {
+    throw CLI::ValidationError("--resume", options.resume + ": is of a time after the end of this run");
+  }
+  hil::RunAnalysis analysis(scenario, simulation, calc_sample_ticks(options, span));
+  Checkpoints checkpoints(options, scenario, simulation, span);
 
   std::optional<hil::Recorder> recorder;
   if (!options.output.log.empty()) {
     recorder.emplace(options.output.log, hil::build_log_header(scenario, simulation, hil::Pace::kFast, 0, last_tick));
   }
-  hil::LogEnd end = run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, last_tick);
-  if (recorder) {
-    recorder->close(end);
-    if (!recorder->get_error().empty()) throw OutputError(recorder->get_error());
-  }
+  hil::LogEnd end = run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, checkpoints, last_tick);
+  if (recorder) recorder->close(end);
 
   const RunReport report{scenario,    simulation,  analysis, get_status_name(end.status),
                          end.message, end.tick,    end.hash, end.timing,
                          {},          std::nullopt};
   print_report(get_people_stream(options.output.json), report);
   write_json(build_json(report), options.output.json);
+  if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
   return end.status == hil::RunStatus::kDone ? kExitDone : kExitFailed;
 }
 
@@ -95,6 +141,13 @@ void add_run(CLI::App& app, int& exit_code) {
       ->add_option("--sample", options->samples,
                    "times at which the JSON has all bodies and reactions, s (default: the end)")
       ->delimiter(',');
+  command
+      ->add_option("--checkpoint", options->checkpoints,
+                   "T FILE: writes down the state at T s, for --resume; repeatable")
+      ->type_name("");
+  command->add_option(
+      "--resume", options->resume,
+      "goes on from a checkpoint of the same scenario, to the same bits; what is reported begins there");
   add_output_options(*command, options->output);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -1,4 +1,5 @@
 // unlatch: the command line.
+#include <csignal>
 #include <cstdio>
 
 #include "bridge/port.h"
@@ -13,6 +14,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "unlatch: separation and deployment dynamics in hard real time, with flight software in the loop.\n"
       "Exit codes: 0 done, 1 the run or comparison failed, 2 usage or input wrong, 3 environment."};
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), to be told like a full disk
   app.set_version_flag("--version", "unlatch " UNLATCH_VERSION);
   app.require_subcommand(1);
   int exit_code = tools::kExitDone;
@@ -20,6 +22,7 @@ int main(int argc, char** argv) {
   tools::add_run(app, exit_code);
   tools::add_hil(app, exit_code);
   tools::add_replay(app, exit_code);
+  tools::add_diff(app, exit_code);
   tools::add_log(app, exit_code);
   tools::add_preflight(app, exit_code);
 

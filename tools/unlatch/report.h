@@ -20,7 +20,7 @@ struct RunReport {
   std::string message;              // why, if not ok
   std::int64_t tick = 0, hash = 0;  // of the last state
   hil::TimingSummary timing;
-  std::vector<hil::Event> notices;  // participants and policies
+  std::vector<hil::Event> notices;  // participants, policies, faults
   std::optional<hil::ReplayResult> replay;
 };
 

@@ -1,0 +1,57 @@
+"""Real processes under test. A test file is called with BIN_FOLDER SOURCE_FOLDER [unittest options]."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+UNLATCH, FSW = str(BIN / "unlatch"), str(BIN / "unlatch-fsw")
+SCENARIOS = SOURCE / "hil/scenarios"
+BOOSTERS = str(SCENARIOS / "boosters/scenario.yaml")
+REFERENCE = str(SCENARIOS / "boosters/reference.yaml")
+
+HANG = 120  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
+PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine is no dead flight software
+
+
+def call(*arguments):
+    return subprocess.run(list(map(str, arguments)), capture_output=True, text=True, timeout=HANG)
+
+
+def start(*arguments, stderr=subprocess.DEVNULL):
+    return subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL, stderr=stderr, text=True)
+
+
+class ProcessTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="unlatch_tools_")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def begin(self, *arguments, **options):
+        process = start(*arguments, **options)
+
+        def end():
+            process.kill()
+            process.wait()
+            if process.stderr:
+                process.stderr.close()
+
+        self.addCleanup(end)
+        return process
+
+    def run_ok(self, *arguments, code=0):
+        result = call(*arguments)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout[-2000:]}\n{result.stderr[-2000:]}")
+        return result
+
+    def run_json(self, *arguments, code=0):
+        return json.loads(self.run_ok(*arguments, "--json", "-", code=code).stdout)
+
+
+def main():
+    del sys.argv[1:3]
+    unittest.main(verbosity=2)
