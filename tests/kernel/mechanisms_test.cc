@@ -22,9 +22,9 @@ using Eigen::Vector3d;
 namespace andrews {
 constexpr double kMass[] = {0.04325, 0.00365, 0.02373, 0.00706, 0.07050, 0.00706, 0.05498};
 constexpr double kInertia[] = {2.194e-6, 4.410e-7, 5.255e-6, 5.667e-7, 1.169e-5, 5.667e-7, 1.912e-5};
-constexpr double rr = 0.007, ra = 0.00092, d = 0.028, da = 0.0115, ss = 0.035, sa = 0.01874, sb = 0.01043, sc = 0.018,
-                 sd = 0.02, e = 0.02, ea = 0.01421, zf = 0.02, fa = 0.01421, zt = 0.04, ta = 0.02308, tb = 0.00916,
-                 u = 0.04, ua = 0.01228, ub = 0.00449;
+constexpr double rr = 0.007, ra = 0.00092, d = 0.028, da = 0.0115, sa = 0.01874, sb = 0.01043, sc = 0.018, sd = 0.02,
+                 e = 0.02, ea = 0.01421, zf = 0.02, fa = 0.01421, zt = 0.04, ta = 0.02308, tb = 0.00916, u = 0.04,
+                 ua = 0.01228, ub = 0.00449;
 constexpr double kSpring = 4530, kFreeLength = 0.07785, kTorque = 0.033;
 const Vector3d kA(-0.06934, -0.00227, 0), kB(-0.03635, 0.03273, 0), kC(0.014, 0.072, 0);
 

@@ -127,11 +127,11 @@ VectorXd calc_accurate(const SpringPendulum& p, double t) {
   struct Pair {
     Real angle, speed;
   };
-  const Real inertia = static_cast<Real>(p.inertia) + static_cast<Real>(p.mass) * p.arm * p.arm;
+  const auto real = [](double x) { return static_cast<Real>(x); };
+  const Real inertia = real(p.inertia) + real(p.mass) * real(p.arm) * real(p.arm);
+  const Real weight = real(p.mass) * real(p.gravity) * real(p.arm);
   const auto rate = [&](const Pair& y) -> Pair {
-    const Real moment = -p.stiffness * y.angle - p.damping * y.speed -
-                        static_cast<Real>(p.mass) * p.gravity * p.arm * std::cos(y.angle);
-    return {y.speed, moment / inertia};
+    return {y.speed, (-real(p.stiffness) * y.angle - real(p.damping) * y.speed - weight * std::cos(y.angle)) / inertia};
   };
   // A thousandth of the fastest swing's radian a step: an error of some 1e-13 of the amplitude per radian.
   const double fastest = std::sqrt((p.stiffness + p.mass * p.gravity * p.arm) / static_cast<double>(inertia)) + 1;
