@@ -1,12 +1,16 @@
 // The golden program of the kernel: needs nothing but kernel/ and Eigen, so that it runs wherever the kernel does.
-// Prints the hashes that tests/data/golden.json has; tools/determinism compares them over compilers and processors.
+// golden [--lanes NAME | --list-lanes]: prints the hashes that tests/data/golden.json has; tools/determinism compares
+// them over compilers and processors.
 #include "tests/golden/golden_models.h"
 #include "tests/golden/golden_run.h"
 
-int main() {
+int main(int argc, char** argv) {
+  using namespace unlatch::test;
+  int first = 0;
+  const unlatch::Lanes lanes = read_lanes(argc, argv, first);
   bool all = true;
-  for (const unlatch::test::GoldenModel& golden : unlatch::test::build_golden_models()) {
-    all &= unlatch::test::print_golden_hashes(golden.model.name.c_str(), golden.model, golden.dt, golden.ticks);
+  for (const GoldenModel& golden : build_golden_models()) {
+    all &= print_golden_hashes(golden.model.name.c_str(), golden.model, golden.dt, golden.ticks, lanes);
   }
   return all ? 0 : 1;
 }
