@@ -1,10 +1,15 @@
 #include "bridge/dds_domain.h"
 
+#include <dds/ddsrt/log.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <mutex>
+#include <string_view>
 
 namespace unlatch::bridge {
 namespace {
@@ -53,6 +58,19 @@ void close(const DdsEntity* domain) {
   delete domain;
 }
 
+// --- What cannot be read ---
+
+std::atomic<std::int64_t> g_unreadable{0};
+
+void hear_log(void*, const dds_log_data_t* line) {
+  const std::string_view text(line->message, line->size);
+  if (text.find(": deserialization unlatch") != text.npos) {
+    g_unreadable.fetch_add(1, std::memory_order_relaxed);
+  } else {
+    std::fprintf(stderr, "Cyclone DDS: %.*s\n", static_cast<int>(text.size()), text.data());
+  }
+}
+
 }  // namespace
 
 std::string describe(const DdsOptions& options) {
@@ -64,6 +82,8 @@ std::string describe(const DdsOptions& options) {
   return text + "on the interface '" + options.interface +
          "': " + (options.interface == "lo" ? "this machine only; " : "") + who;
 }
+
+std::int64_t get_dds_unreadable() noexcept { return g_unreadable.load(std::memory_order_relaxed); }
 
 PortError make_dds_error(const DdsOptions& options, const char* what, dds_return_t code) {
   const std::string where = std::getenv("CYCLONEDDS_URI") != nullptr
@@ -81,6 +101,8 @@ std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
     throw PortError("Cyclone DDS: there is no domain " + std::to_string(options.domain) + "; choose one from 0 to " +
                     std::to_string(kLastDomain));
   }
+  static std::once_flag once;
+  std::call_once(once, [] { dds_set_log_sink(hear_log, nullptr); });
   if (std::getenv("CYCLONEDDS_URI") != nullptr) return nullptr;
   if (!is_interface_name(options.interface)) {
     throw PortError("Cyclone DDS: '" + options.interface + "' is no name of a network interface; `ip link` lists them");

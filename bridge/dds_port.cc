@@ -194,8 +194,13 @@ class DdsPort final : public Port {
     return losses;
   }
 
+  [[nodiscard]] std::int64_t get_unreadable() const noexcept override {
+    return get_dds_unreadable() - unreadable_before_;
+  }
+
   const DdsOptions options_;
   const std::shared_ptr<const DdsEntity> domain_;  // outlives the participant
+  const std::int64_t unreadable_before_ = get_dds_unreadable();
   const DdsEntity participant_;
   const DdsEntity waitset_;
   std::array<dds_entity_t, kMessageKinds> writers_{};  // by kind; 0: not ours to publish

@@ -39,7 +39,7 @@ PortCounts Port::get_counts() const {
   return {published_.load(std::memory_order_relaxed),
           publish_failures_.load(std::memory_order_relaxed),
           received_.load(std::memory_order_relaxed),
-          malformed_.load(std::memory_order_relaxed),
+          get_malformed(),
           losses.lost,
           losses.unfit};
 }

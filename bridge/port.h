@@ -60,7 +60,9 @@ class Port {
 
   // From any thread.
   [[nodiscard]] PortCounts get_counts() const;
-  [[nodiscard]] std::int64_t get_malformed() const { return malformed_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::int64_t get_malformed() const {
+    return malformed_.load(std::memory_order_relaxed) + get_unreadable();
+  }
 
  protected:
   // kNothing: the wait is over; kOther: something came that is no message, look again.
@@ -76,6 +78,8 @@ class Port {
     std::int64_t unfit = 0;
   };
   [[nodiscard]] virtual Losses get_losses() const { return {}; }
+  // Malformed messages that the transport's own library has dropped (DDS: of this process).
+  [[nodiscard]] virtual std::int64_t get_unreadable() const noexcept { return 0; }
 
  private:
   const Role role_;

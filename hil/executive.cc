@@ -6,6 +6,15 @@
 #include "hil/run.h"
 
 namespace unlatch::hil {
+namespace {
+
+constexpr int kVerdictsPerTick = 16;
+
+std::int64_t calc_cutoff_ns(const FlightSoftware& flight_software, std::int64_t dt_ns) {
+  return std::llround(flight_software.cutoff * static_cast<double>(dt_ns));
+}
+
+}  // namespace
 
 Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, const std::string& scenario,
                      const ExecutiveOptions& options)
@@ -18,8 +27,11 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
       catalog_(build_catalog(simulation.model())),
       model_events_(build_event_messages(simulation.model())),
       roster_(options.pace == Pace::kFast ? std::vector<std::string>{} : options.flight_software.required),
-      desk_(simulation.model().channels, options.session, options.pace == Pace::kRealtime),
-      commander_(simulation.model().channels.size(), kNobody),
+      desk_(simulation.model().channels, {.session = options.session,
+                                          .delay_ticks = options.flight_software.delay,
+                                          .accept_late = options.pace == Pace::kRealtime}),
+      commander_(simulation.model().channels.size(), nullptr),
+      commanded_(simulation.channels().begin(), simulation.channels().end()),
       own_ticks_(std::make_unique<MonotonicTicks>(dt_ns_, std::llround(options.timing.spin * 1e9))),
       ticks_(options.ticks != nullptr ? options.ticks : own_ticks_.get()) {
   hello_.session = options.session;
@@ -30,6 +42,8 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
   hello_.protocol = kProtocolVersion;
   hello_.pace = static_cast<std::int32_t>(options.pace);
   hello_.timeout_ns = timeout_ns_;
+  if (options.pace == Pace::kRealtime) hello_.cutoff_ns = calc_cutoff_ns(options.flight_software, dt_ns_);
+  hello_.delay_ticks = options.flight_software.delay;
   hello_.policy = static_cast<std::int32_t>(options.flight_software.policy);
   for (const std::string& name : options.flight_software.required) {
     Catalog& item = catalog_.emplace_back();
@@ -65,12 +79,9 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
 LogEnd Executive::run() {
   std::string failure;
   hash_ = simulation_.calc_hash();
-  if (!introduce(failure)) return conclude(RunStatus::kAborted, failure);
-
-  started_ns_ = health_ns_ = get_monotonic_ns();
+  if (!introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
   timing_.begin();
   ticks_->restart(started_ns_);
-  publish_state(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning);
 
   while (simulation_.get_tick() < options_.last_tick) {
     if (await_tick() == Go::kStop || cycle() == Go::kStop) return conclude_stop();
@@ -94,6 +105,8 @@ Executive::Go Executive::await_tick() noexcept {
   now_.backlogged = ticks_->is_backlogged() ? 1 : 0;
   timing_.wakeup.record(now_.wakeup_ns);
   beat(Place::kHearing);
+  // The State went out a period before the instant for which we have just been woken.
+  cutoff_ns_ = ticks_->get_due_ns() - dt_ns_ + hello_.cutoff_ns;
   return wait_realtime();
 }
 
@@ -118,6 +131,7 @@ Executive::Go Executive::cycle() noexcept {
   beat(Place::kSpeaking);
   hash_ = simulation_.calc_hash();
   tick_.store(simulation_.get_tick(), std::memory_order_relaxed);
+  if (options_.faults != nullptr) begin_faults();
   speak(report);
 
   // 4. Account for the time.
@@ -148,6 +162,8 @@ Executive::Go Executive::account(std::int64_t step_end_ns) noexcept {
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
   if (now_ns - health_ns_ >= 1'000'000'000) publish_health(now_ns);
+  announce(now_ns);
+  verdicts_left_ = kVerdictsPerTick;
   if (options_.pace != Pace::kRealtime || now_ns <= ticks_->get_next_due_ns()) return Go::kStep;
   return account_overrun(now_ns);
 }

@@ -7,8 +7,8 @@
 // In the loop: no allocation, lock, file or logging; it speaks to the outside through a Line and a Recorder alone (in
 // real time the line is a Link; in lockstep, which has no deadline to miss, it may lead to the middleware itself). Wall
 // time decides whether a participant is alive, simulated time everything else. When a required participant does not
-// answer within its limit, the scenario's policy is applied once and recorded, and the run goes on without it (hold,
-// zero, safe), waits for it (pause) or ends (abort).
+// answer within its limit, the scenario's policy is applied and recorded, and the run goes on without it until it comes
+// back (hold, zero, safe) or for good (evict), waits for it (pause) or ends (abort). The protocol: hil/PROTOCOL.md.
 #pragma once
 
 #include <readerwriterqueue/readerwritercircularbuffer.h>
@@ -17,11 +17,13 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hil/executive_commands.h"
 #include "hil/executive_roster.h"
 #include "hil/executive_timing.h"
+#include "hil/fault_injector.h"
 #include "hil/line.h"
 #include "hil/nonblocking.h"
 #include "hil/recorder.h"
@@ -37,9 +39,11 @@ struct ExecutiveOptions {
   std::int64_t last_tick = 0;  // the run ends there
   FlightSoftware flight_software;
   TimingOptions timing;
+  FaultInjector* faults = nullptr;                 // what goes wrong on purpose; null for nothing
   TickSource* ticks = nullptr;                     // real time: what paces it; null for the monotonic clock
   std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
   std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
+  std::int64_t announce_ns = 10'000'000;           // one message of Hello and the catalog in turn, while it runs
 };
 
 class Executive {
@@ -80,16 +84,28 @@ class Executive {
   // executive_session.cc: the beginning, the end, and what is said
   bool introduce(std::string& failure);
   bool wait_for_introductions(std::int64_t deadline_ns);
+  bool configure(std::string& failure);
   void say_hello();
+  void announce(std::int64_t now_ns) noexcept;
   void send_until_taken(const Message& message);
+  void say(const Message& message) noexcept;
   void publish_state(RunStatus status) noexcept;
   void resend_state(RunStatus status) noexcept;
   void publish_event(Event event, double time, bool notice) noexcept;
   void publish_notice(std::string_view name, std::string_view subject) noexcept;
   void publish_overrun(const Overrun& overrun) noexcept;
   void publish_health(std::int64_t now_ns) noexcept;
+  void publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
+                       std::int64_t applied_tick) noexcept;
   [[nodiscard]] std::int64_t calc_dropped() const noexcept;
   LogEnd conclude(RunStatus status, std::string message);
+
+  // executive_faults.cc: what goes wrong on purpose
+  void begin_faults() noexcept;
+  void pass_through_faults() noexcept;
+  void force_channels() noexcept;
+  void tell_faults() noexcept;
+  [[nodiscard]] std::string_view find_speaker(const Message& message) noexcept;
 
   // executive_inputs.cc: what is heard, and when it is time to step
   Go wait_realtime() noexcept;
@@ -98,7 +114,11 @@ class Executive {
   void drain() noexcept UNLATCH_NONBLOCKING;
   void hear(const Message& message, std::int64_t arrived_ns) noexcept;
   void hear_hello(const HelloAck& hello) noexcept;
+  void hear_command(const Command& command, std::int64_t arrived_ns) noexcept;
   void hear_ack(const StepAck& ack, std::int64_t arrived_ns) noexcept;
+  void refuse(const HelloAck& hello, Reject reason, std::string_view notice) noexcept;
+  void resume(Participant& participant) noexcept;
+  [[nodiscard]] std::string_view find_mismatch(const HelloAck& hello) const noexcept;
   bool is_answered() noexcept;
   [[nodiscard]] Participant* find_overdue(std::int64_t now_ns) noexcept;
   [[nodiscard]] Go lose(Participant& participant) noexcept;
@@ -119,9 +139,9 @@ class Executive {
 
   Roster roster_;
   CommandDesk desk_;
-  std::vector<std::int32_t> commander_;  // of each channel: the participant that set it last, or kNobody
-  static constexpr std::int32_t kNobody = -1;
-  std::string refusal_;  // before the first tick: why a required participant will not take part
+  std::vector<const Participant*> commander_;  // of each channel: who set it last, or null
+  std::vector<double> commanded_;              // what each channel would have without faults
+  std::string refusal_;                        // before the first tick: why a required participant will not take part
   std::string end_message_;
 
   const std::unique_ptr<TickSource> own_ticks_;
@@ -132,15 +152,23 @@ class Executive {
   bool overrun_ends_ = false;  // why the run stops, if it was an overrun
   std::int64_t slipped_ns_ = 0, skipped_outputs_ = 0;
   Message message_;  // scratch
+  Message spoken_;   // scratch
   State state_;      // scratch
   std::int64_t hash_ = 0;
-  std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0;
+  std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0,
+               verdict_sequence_ = 0;
   std::int64_t sent_ns_ = 0;           // when the latest State went out
   std::int64_t sent_tick_ = 0;         // and its tick
   bool round_trip_open_ = false;       // it has not been answered by all yet
   std::int64_t heard_ns_ = 0;          // when the latest command arrived
   std::int64_t applied_since_ns_ = 0;  // arrival of the latest command that no State has followed yet; 0: none
   std::int64_t started_ns_ = 0, health_ns_ = 0;
+  std::int64_t cutoff_ns_ = 0;     // real time: commands that arrive later are for the next tick
+  std::int64_t announced_ns_ = 0;  // when announce() last spoke
+  std::size_t announce_next_ = 0;  // 0: Hello, then the catalog
+  std::int32_t refused_id_ = 0;    // of the latest HelloAck that was refused, so that each is told once
+  int verdicts_left_ = 0;          // that may still be told at this tick
+  std::int64_t malformed_ = 0;     // of the line, already counted
   std::int64_t resent_ = 0;
 
   std::atomic<bool> stop_{false};

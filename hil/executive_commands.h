@@ -1,5 +1,5 @@
-// The commands of a session: checked on arrival, kept until the tick that they name, applied in an order that does not
-// depend on how they arrived. Fixed memory.
+// The commands of a session: checked on arrival, kept until the tick that they are due, applied in an order that does
+// not depend on how they arrived. Fixed memory.
 #pragma once
 
 #include <array>
@@ -14,26 +14,42 @@
 
 namespace unlatch::hil {
 
+struct DeskOptions {
+  std::int64_t session = 0;
+  std::int64_t delay_ticks = 0;  // a command that names tick k is due at k + delay_ticks
+  bool accept_late = false;      // real time: a command that missed its tick acts at the next; else it is refused
+};
+
 class CommandDesk {
  public:
-  // In lockstep a command for a past tick is refused; in real time it is late: applied at the next tick and counted.
-  CommandDesk(std::span<const Channel> channels, std::int64_t session, bool accept_late);
+  struct Pending {
+    Command command;
+    const Participant* sender = nullptr;
+    std::int64_t due = 0;  // tick before whose step it acts
+    bool late = false;     // later than it was due
+  };
+  // What became of a command: nothing to say, or a reason; kLate is accepted, to act at `applied_tick`.
+  struct Outcome {
+    std::optional<Reject> reason;
+    std::int64_t applied_tick = -1;
+  };
 
-  // Takes a command that arrived before the step of `tick`; counts it if it is refused. `sender`: null if unknown.
-  void offer(const Command& command, Participant* sender, std::int64_t tick) noexcept;
+  CommandDesk(std::span<const Channel> channels, const DeskOptions& options);
+
+  // Takes a command whose earliest tick is `earliest`; counts it if it is refused or late. `sender`: null if unknown.
+  Outcome offer(const Command& command, Participant* sender, std::int64_t earliest) noexcept;
+  // Counts something else that was refused.
+  void refuse(Reject reason, std::int64_t count = 1) noexcept { rejected_[static_cast<std::size_t>(reason)] += count; }
   // Forgets what a participant has sent for later.
-  void drop(std::int32_t participant) noexcept;
-  // Passes each command that is due at `tick` to `apply`, by tick, then participant, then sequence.
+  void drop(const Participant& sender) noexcept;
+  // Passes each command that is due at `tick` to `apply`, by the tick named, then participant's name, then sequence.
   template <class Apply>
   void take_due(std::int64_t tick, Apply&& apply) noexcept {
     sort();
-    std::size_t due = 0;
-    for (; due < pending_.size() && pending_[due].tick <= tick; ++due) {
-      if (is_expired(pending_[due], tick)) continue;
-      if (pending_[due].tick < tick) ++late_;
-      apply(pending_[due]);
+    for (const Pending& pending : pending_) {
+      if (pending.due <= tick) apply(pending);
     }
-    pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(due));
+    std::erase_if(pending_, [tick](const Pending& pending) { return pending.due <= tick; });
   }
 
   [[nodiscard]] const std::array<std::int64_t, kRejectReasons>& get_rejected() const noexcept { return rejected_; }
@@ -42,16 +58,14 @@ class CommandDesk {
 
  private:
   static constexpr std::size_t kRoom = 4096;
-  [[nodiscard]] std::optional<Reject> check(const Command& command, Participant* sender,
-                                            std::int64_t tick) const noexcept;
-  bool is_expired(const Command& command, std::int64_t tick) noexcept;
+  static constexpr std::int64_t kLastTick = std::int64_t{1} << 53;  // beyond it nobody means what he says
+  [[nodiscard]] std::optional<Reject> check(const Command& command, std::int64_t acts_at,
+                                            std::int64_t due) const noexcept;
   void sort() noexcept;
-  void refuse(Reject reason) noexcept { ++rejected_[static_cast<std::size_t>(reason)]; }
 
   const std::span<const Channel> channels_;
-  const std::int64_t session_;
-  const bool accept_late_;
-  std::vector<Command> pending_;
+  const DeskOptions options_;
+  std::vector<Pending> pending_;
   std::array<std::int64_t, kRejectReasons> rejected_{};
   std::int64_t late_ = 0, dropped_ = 0;
 };

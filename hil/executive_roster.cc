@@ -4,6 +4,8 @@
 
 namespace unlatch::hil {
 
+using Standing = Participant::Standing;
+
 bool SeenCommands::insert(std::int64_t sequence) noexcept {
   std::int64_t& latest = latest_[slot(sequence)];
   if (sequence <= latest) return false;
@@ -32,43 +34,60 @@ Roster::Roster(const std::vector<std::string>& required) {
 
 Participant* Roster::find(std::int32_t id) noexcept {
   for (Participant& participant : participants_) {
-    if (participant.ready && participant.id == id) return &participant;
+    if (participant.standing != Standing::kAbsent && participant.id == id) return &participant;
   }
   return nullptr;
 }
 
-Participant* Roster::admit(const HelloAck& hello) noexcept {
-  const std::string_view name = get_name(hello.name);
-  Participant* const known = find(hello.participant);
-  if (known != nullptr) return known->name == name ? known : nullptr;
+Participant* Roster::find(std::string_view name) noexcept {
   for (Participant& participant : participants_) {
-    if (participant.name != name) continue;
-    if (participant.ready) return nullptr;  // a second one of that name
-    participant.id = hello.participant;
-    participant.ready = true;
-    return &participant;
+    if (participant.name == name) return &participant;
   }
-  if (participants_.size() == participants_.capacity()) return nullptr;
-  Participant& guest = participants_.emplace_back();
-  guest.name = name;  // may allocate: guests are expected before the first tick, or seldom
-  guest.id = hello.participant;
-  guest.ready = true;
-  guest.ack.tick = -1;
-  return &guest;
+  return nullptr;
 }
 
-bool Roster::is_complete() const noexcept {
-  return std::all_of(participants_.begin(), participants_.end(),
-                     [](const Participant& participant) { return participant.ready || !participant.required; });
+// A new start of a participant has said nothing yet.
+Admission Roster::begin(Participant& participant, const HelloAck& hello, Admission how) noexcept {
+  participant.standing = Standing::kPresent;
+  participant.leaving = false;
+  participant.id = hello.participant;
+  participant.ack = StepAck{};
+  participant.ack.tick = -1;
+  participant.waiting_since_ns = -1;
+  participant.seen = SeenCommands{};
+  return how;
 }
 
-std::string Roster::list_missing() const {
-  std::string names;
-  for (const Participant& participant : participants_) {
-    if (participant.ready || !participant.required) continue;
-    names += (names.empty() ? "'" : ", '") + participant.name + "'";
+Admission Roster::admit(const HelloAck& hello) noexcept {
+  const std::string_view name = get_name(hello.name);
+  const Participant* const same_id = find(hello.participant);
+  if (same_id != nullptr && same_id->name != name) return Admission::kNameTaken;
+  Participant* const known = find(name);
+  if (known == nullptr) {
+    if (participants_.size() == participants_.capacity()) return Admission::kFull;
+    Participant& guest = participants_.emplace_back();
+    guest.name = name;  // may allocate: guests are expected before the first tick, or seldom
+    return begin(guest, hello, Admission::kFirstStart);
   }
-  return names;
+  switch (known->standing) {
+    case Standing::kAbsent:
+      return begin(*known, hello, Admission::kFirstStart);
+    case Standing::kPresent:
+      return same_id != nullptr ? Admission::kKnown : Admission::kNameTaken;
+    case Standing::kLost:
+      return same_id == nullptr ? begin(*known, hello, Admission::kNewStart) : Admission::kKnown;
+    case Standing::kEvicted:
+      break;
+  }
+  return Admission::kEvicted;
+}
+
+bool Roster::is_complete() const noexcept { return count_missing() == 0; }
+
+std::int64_t Roster::count_missing() const noexcept {
+  return std::count_if(participants_.begin(), participants_.end(), [](const Participant& participant) {
+    return participant.required && !participant.is_present();
+  });
 }
 
 }  // namespace unlatch::hil

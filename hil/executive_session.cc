@@ -25,13 +25,49 @@ bool Executive::introduce(std::string& failure) {
   do {
     if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
     say_hello();
-    if (wait_for_introductions(get_monotonic_ns() + kHelloInterval_ns)) return true;
+    if (wait_for_introductions(get_monotonic_ns() + kHelloInterval_ns)) {
+      hello_.status = static_cast<std::int32_t>(RunStatus::kConfigured);
+      return true;
+    }
     if (!refusal_.empty()) return failure = refusal_, false;
   } while (get_monotonic_ns() < give_up_ns);
-  failure = "no answer from the flight software " + roster_.list_missing() + " within " +
-            std::to_string(options_.start_timeout_ns / 1'000'000'000) +
+  failure = "no answer from the flight software " +
+            roster_.list_required([](const Participant& participant) { return !participant.is_present(); }) +
+            " within " + std::to_string(options_.start_timeout_ns / 1'000'000'000) +
             " s: start it on the same transport, with the name that the scenario requires";
   return false;
+}
+
+// Configured: State(0) goes out until everybody required has answered it, so that the way is known to be open in both
+// directions, for every topic, before the clock starts. Armed: it is; the first step follows.
+bool Executive::configure(std::string& failure) {
+  const std::int64_t give_up_ns = get_monotonic_ns() + options_.start_timeout_ns;
+  if (options_.faults != nullptr) begin_faults();
+  if (options_.pace != Pace::kFast) {
+    publish_state(RunStatus::kConfigured);
+    while (drain(), !is_answered()) {
+      if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
+      const std::int64_t now_ns = get_monotonic_ns();
+      if (now_ns > give_up_ns || !roster_.is_complete()) {
+        failure = "the flight software " + roster_.list_required([](const Participant& participant) {
+          return !participant.has_answered(0);
+        }) + " has introduced itself, but does not answer State 0: does it hear the State and send StepAck?";
+        return false;
+      }
+      announce(now_ns);
+      if (now_ns - sent_ns_ >= options_.resend_ns) {
+        resend_state(RunStatus::kConfigured);
+        sent_ns_ = now_ns;
+      }
+      sleep_until_ns(now_ns + kLook_ns);
+    }
+    resend_state(RunStatus::kArmed);
+    resent_ = 0;
+  }
+  hello_.status = static_cast<std::int32_t>(RunStatus::kRunning);
+  started_ns_ = health_ns_ = get_monotonic_ns();
+  if (options_.pace == Pace::kFast) publish_state(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning);
+  return true;
 }
 
 bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
@@ -53,9 +89,25 @@ void Executive::say_hello() {
 
 // A large catalog does not fit the ring at once; without anybody at its other end we do not wait for ever.
 void Executive::send_until_taken(const Message& message) {
+  if (options_.faults != nullptr) return say(message);
   for (int attempt = 0; attempt < 100 && !link_.send(message); ++attempt) {
     sleep_until_ns(get_monotonic_ns() + kLook_ns);
   }
+}
+
+// For those who come later, or come back: one message now and then, so that no tick is burdened with a whole catalog.
+void Executive::announce(std::int64_t now_ns) noexcept {
+  if (now_ns - announced_ns_ < options_.announce_ns) return;
+  announced_ns_ = now_ns;
+  if (announce_next_ == 0) {
+    say(hello_);
+    ++hello_.sequence;
+  } else {
+    Catalog& item = catalog_[announce_next_ - 1];
+    item.sequence = catalog_sequence_++;
+    say(item);
+  }
+  announce_next_ = (announce_next_ + 1) % (catalog_.size() + 1);
 }
 
 // --- What is said while it runs -------------------------------------------------------------------------------------
@@ -69,7 +121,8 @@ void Executive::publish_state(RunStatus status) noexcept {
   state_.status = static_cast<std::int32_t>(status);
   for (std::int32_t part = parts - 1; part >= 0; --part) {  // part 0 comes last: it is the token of lockstep
     simulation_.fill_state(part, dt_ns_, state_);
-    link_.send(state_);
+    if (options_.faults != nullptr) options_.faults->distort(state_);
+    say(state_);
     if (record) recorder_.state(state_);
   }
   sent_ns_ = get_monotonic_ns();
@@ -85,7 +138,8 @@ void Executive::resend_state(RunStatus status) noexcept {
   sent_tick_ = simulation_.get_tick();
   for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) {
     simulation_.fill_state(part, dt_ns_, state_);
-    link_.send(state_);
+    if (options_.faults != nullptr) options_.faults->distort(state_);
+    say(state_);
   }
   ++resent_;
 }
@@ -96,9 +150,9 @@ void Executive::publish_event(Event event, double time, bool notice) noexcept {
   event.tick = simulation_.get_tick() - (notice ? 0 : 1);  // of the step that it happened in
   event.time = time;
   event.time_ns = std::llround(time * 1e9);
-  link_.send(event);
+  say(event);
   recorder_.event(event);
-  if (notice) notices_.try_enqueue(event);
+  if (notice && is_notice(event)) notices_.try_enqueue(event);
 }
 
 void Executive::publish_notice(std::string_view name, std::string_view subject) noexcept {
@@ -132,6 +186,22 @@ void Executive::publish_overrun(const Overrun& overrun) noexcept {
   publish_event(event, simulation_.get_time(), false);
 }
 
+void Executive::publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
+                                std::int64_t applied_tick) noexcept {
+  if (verdicts_left_ == 0) return;
+  --verdicts_left_;
+  Verdict verdict;
+  verdict.session = options_.session;
+  verdict.sequence = verdict_sequence_++;
+  verdict.tick = simulation_.get_tick();
+  verdict.refers_to = refers_to;
+  verdict.applied_tick = applied_tick;
+  verdict.participant = participant;
+  verdict.reason = static_cast<std::int32_t>(reason);
+  verdict.channel = channel;
+  say(verdict);
+}
+
 void Executive::publish_health(std::int64_t now_ns) noexcept {
   Health health;
   health.session = options_.session;
@@ -147,18 +217,21 @@ void Executive::publish_health(std::int64_t now_ns) noexcept {
   health.dropped = calc_dropped();
   health.resent = resent_;
   health.late = desk_.get_late();
+  health.missing = roster_.count_missing();
   health.rejected = desk_.get_rejected();
-  link_.send(health);
+  say(health);
   health_ns_ = now_ns;
 }
 
 std::int64_t Executive::calc_dropped() const noexcept {
-  return link_.get_dropped_out() + link_.get_dropped_in() + desk_.get_dropped();
+  const std::int64_t by_faults = options_.faults != nullptr ? options_.faults->get_dropped() : 0;
+  return link_.get_dropped_out() + link_.get_dropped_in() + desk_.get_dropped() + by_faults;
 }
 
 // --- The end: nothing here is in the cycle --------------------------------------------------------------------------
 
 LogEnd Executive::conclude(RunStatus status, std::string message) {
+  if (options_.faults != nullptr) tell_faults();
   beat(Place::kEnding);
   for (int i = 0; i < kFarewells; ++i) {
     resend_state(status);

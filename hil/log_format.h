@@ -53,14 +53,14 @@ struct LogHeader {
   std::vector<std::uint64_t> start;    // Simulation::save() at first_tick; empty: the model's initial state
 };
 
-enum class ChangeCause : std::int32_t { kCommand = 0, kPolicy = 1, kFault = 2 };
-inline constexpr std::array<const char*, 3> kChangeCauseNames{"command", "policy", "fault"};  // one for each
+enum class ChangeCause : std::int32_t { kCommand = 0, kPolicy = 1, kFault = 2, kLateCommand = 3 };
+inline constexpr std::array<const char*, 4> kChangeCauseNames{"command", "policy", "fault", "late command"};
 
 // One channel's value from this tick on.
 struct LogChange {
   std::int32_t channel = 0;
   ChangeCause cause = ChangeCause::kCommand;
-  std::int32_t participant = 0;  // of the command, or whom the policy or the fault was for
+  std::int32_t participant = 0;  // whose command, or whom the policy was for: required ones from 0, then guests
   std::int64_t sequence = 0;     // of the command
   double value = 0;
 };

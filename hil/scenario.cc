@@ -13,26 +13,7 @@ namespace {
 
 constexpr int kLanguageVersion = 1;
 constexpr double kMaxTicks = 1e12;
-
-// The bytes of a regular file. One byte beyond the bound is enough: the parser refuses it.
-std::string read_file(const std::string& path) {
-  const auto fail = [&](const std::string& what) -> std::string {
-    throw ScenarioError({{path, {}, "", what, "name a readable scenario file (.yaml)"}});
-  };
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) return fail("there is no such file");
-  if (status.type() == std::filesystem::file_type::directory) return fail("this is a folder");
-  if (error || status.type() != std::filesystem::file_type::regular) return fail("this is not a regular file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return fail("it cannot be opened");
-  constexpr std::size_t kEnough = (1u << 20) + 1;
-  std::string text(kEnough, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (stream.bad()) return fail("it cannot be read");
-  return text;
-}
+constexpr double kMaxDelay = 1000;  // ticks
 
 // The tree of the file with the overrides in it. A file that is not YAML is the only mistake then; bad overrides are
 // all reported.
@@ -54,10 +35,30 @@ YamlNode build_tree(const std::string& text, const std::vector<std::string>& ove
 
 }  // namespace
 
-const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "abort"};
+// One byte beyond the bound is enough: the parser refuses it.
+std::string read_text_file(const std::string& path, const std::string& kind) {
+  const auto fail = [&](const std::string& what) -> std::string {
+    throw ScenarioError({{path, {}, "", what, "name a readable " + kind + " file (.yaml)"}});
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return fail("there is no such file");
+  if (status.type() == std::filesystem::file_type::directory) return fail("this is a folder");
+  if (error || status.type() != std::filesystem::file_type::regular) return fail("this is not a regular file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return fail("it cannot be opened");
+  constexpr std::size_t kEnough = (1u << 20) + 1;
+  std::string text(kEnough, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.bad()) return fail("it cannot be read");
+  return text;
+}
+
+const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "abort", "evict"};
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
-  return load_scenario_text(read_file(path), path, overrides);
+  return load_scenario_text(read_text_file(path, "scenario"), path, overrides);
 }
 
 Scenario load_scenario_text(const std::string& text, const std::string& file,
@@ -149,6 +150,18 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
   software.timeout = map.number("timeout", "s", software.timeout);
   if (!(software.timeout > 0 && software.timeout <= 3600))
     mistakes_.add(map.node().find("timeout")->mark, "this time-out is not usable", "more than 0, at most 3600 s");
+  software.pause_limit = map.number("pause_limit", "s", software.pause_limit);
+  if (!(software.pause_limit > 0 && software.pause_limit <= 1e6))
+    mistakes_.add(map.node().find("pause_limit")->mark, "this limit is not usable", "more than 0, at most 1e6 s");
+  software.cutoff = map.number("cutoff", "", software.cutoff);
+  if (!(software.cutoff > 0 && software.cutoff <= 1))
+    mistakes_.add(map.node().find("cutoff")->mark, "this cut-off is not usable",
+                  "a fraction of the tick, more than 0, at most 1");
+  const double delay = map.number("delay", "", software.delay);
+  if (delay >= 0 && delay <= kMaxDelay && delay == std::floor(delay))
+    software.delay = static_cast<int>(delay);
+  else
+    mistakes_.add(map.node().find("delay")->mark, "this delay is not usable", "whole ticks, 0 to 1000");
   const int policy = map.choice("policy", "policy", kPolicyNames, static_cast<int>(software.policy));
   if (policy >= 0) software.policy = static_cast<FlightSoftware::Policy>(policy);
   map.finish();

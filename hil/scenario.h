@@ -23,9 +23,13 @@ struct FlightSoftware {
     kSafe,   // channels go to their safe values
     kPause,  // the run waits
     kAbort,  // the run ends
+    kEvict,  // as hold, and the participant may not come back
   };
   std::vector<std::string> required;  // names of participants
   double timeout = 0.25;              // s of wall time without an answer
+  double pause_limit = 600;           // s of wall time that the policy 'pause' waits before it aborts
+  double cutoff = 1;                  // real time: fraction of a tick after which its commands are late
+  int delay = 0;                      // ticks by which the transport delays every command
   Policy policy = Policy::kHold;
 };
 extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy
@@ -44,6 +48,9 @@ struct Scenario {
   std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
   std::map<std::string, SourceMark> marks;     // places of the elements, by ModelError::where: "body 'core'"
 };
+
+// The text of a regular file; `kind` says what it should be, for messages. Throws ScenarioError.
+std::string read_text_file(const std::string& path, const std::string& kind);
 
 // Both throw ScenarioError with every mistake of the file and of the physics (validate()) at once. An unreadable file
 // is a ScenarioError as well.

@@ -5,10 +5,15 @@
 //   bridge_party dds|lcm answer   participates; answers everything with a command and an acknowledgement, Hello with
 //                                 a HelloAck before; ends at the first Health
 //   bridge_party dds|lcm watch N  N observers; writes a line when all have heard a State; ends at the first Health
+//   bridge_party dds|lcm stunt    sends three commands whose bytes are too few
 // Exit code 0; 1 if ten seconds pass without a message; 3 with the reason on standard error if the port cannot be
 // opened.
+#include <dds/dds.h>
+#include <lcm/lcm.h>
+
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -17,6 +22,7 @@
 #include <vector>
 
 #include "bridge/port.h"
+#include "unlatch.h"
 
 namespace {
 
@@ -25,6 +31,7 @@ using namespace unlatch;
 using bridge::Port;
 
 constexpr auto kPatience = 10s;
+constexpr int kStunted = 3;
 
 int record(Port& port) {
   std::array<bool, hil::kMessageKinds> seen{};
@@ -84,11 +91,67 @@ int watch(OpenPort open, int count) {
   return silent > 0;
 }
 
+// Writes samples of a shorter type under the name of unlatch::Command, as a party with another schema would that
+// tells nothing of its types.
+int write_stunted_commands() {
+  const dds_topic_descriptor_t& other = unlatch_StepAck_desc;
+  const dds_topic_descriptor_t stunted{.m_size = other.m_size,
+                                       .m_align = other.m_align,
+                                       .m_flagset = other.m_flagset & ~std::uint32_t{DDS_TOPIC_XTYPES_METADATA},
+                                       .m_nkeys = 0,
+                                       .m_typename = unlatch_Command_desc.m_typename,
+                                       .m_keys = nullptr,
+                                       .m_nops = other.m_nops,
+                                       .m_ops = other.m_ops,
+                                       .m_meta = "",
+                                       .type_information = {},
+                                       .type_mapping = {},
+                                       .restrict_data_representation = 0};
+  const auto port = bridge::open_dds_port(bridge::Role::kObserver);  // opens the domain, on the loopback interface
+  const dds_entity_t stranger = dds_create_participant(0, nullptr, nullptr);
+  const dds_entity_t topic = dds_create_topic(stranger, &stunted, "unlatch_Command", nullptr, nullptr);
+  if (topic < 0) return 1;
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 64);
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  const dds_entity_t writer = dds_create_writer(stranger, topic, qos, nullptr);
+  dds_delete_qos(qos);
+  dds_publication_matched_status_t matched{};
+  for (int i = 0; i < 1000 && matched.current_count < 2; ++i) {
+    dds_get_publication_matched_status(writer, &matched);
+    std::this_thread::sleep_for(1ms);
+  }
+  if (matched.current_count < 2) return 1;  // our own observer, and the simulator
+  const unlatch_StepAck sample{};
+  for (int i = 0; i < kStunted; ++i) dds_write(writer, &sample);
+  dds_write_flush(writer);  // the domain batches
+  dds_wait_for_acks(writer, DDS_SECS(1));
+  std::this_thread::sleep_for(100ms);
+  dds_delete(stranger);
+  return 0;
+}
+
+int publish_stunted_commands() {
+  std::array<std::uint8_t, hil::kCommandWireBytes> bytes{};
+  lcm_t* lcm = lcm_create(bridge::LcmOptions{}.url.c_str());
+  if (lcm == nullptr) return 1;
+  for (int i = 0; i < kStunted; ++i) {
+    lcm_publish(lcm, "UNLATCH_COMMAND", bytes.data(), static_cast<unsigned>(bytes.size()) - 1);
+  }
+  std::this_thread::sleep_for(100ms);
+  lcm_destroy(lcm);
+  return 0;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   if (count < 3) return 2;
   const std::string_view what = arguments[2];
+  if (what == "stunt") {
+    return arguments[1] == std::string_view("dds") ? write_stunted_commands() : publish_stunted_commands();
+  }
   const OpenPort open = arguments[1] == std::string_view("dds")
                             ? [](bridge::Role role) { return bridge::open_dds_port(role); }
                             : [](bridge::Role role) { return bridge::open_lcm_port(role); };

@@ -71,7 +71,8 @@ TEST(Executive, RefusesAndCountsWhatIsWrong) {
   };
   const SessionResult result = run_session(Pace::kLockstep, habits);
   const auto count = [&](Reject reason) { return result.end.timing.rejected[static_cast<std::size_t>(reason)]; };
-  EXPECT_EQ(count(Reject::kWrongSession), 2);
+  EXPECT_EQ(count(Reject::kWrongSession), 1);
+  EXPECT_EQ(count(Reject::kUnknownParticipant), 1);
   EXPECT_EQ(count(Reject::kPastTick), 1);
   EXPECT_EQ(count(Reject::kExpired), 1);
   EXPECT_EQ(count(Reject::kNotFinite), 2);
@@ -127,6 +128,22 @@ TEST(Realtime, SilenceEndsInThePolicy) {
   const ReplayedLog replayed = replay_log(log);
   EXPECT_TRUE(replayed.result.agrees());
   EXPECT_EQ(replayed.result.compared, 401);
+}
+
+TEST(Realtime, ALostParticipantComesBack) {
+  const std::string log = make_path("log");
+  Habits habits;
+  habits.dies_at = 12;
+  habits.returns_after = std::chrono::milliseconds(200);
+  const SessionResult result =
+      run_session(Pace::kRealtime, habits, log, {"flight_software.policy=safe", "step.until=0.6"});
+  EXPECT_EQ(result.end.status, RunStatus::kDone);
+  ASSERT_GE(result.notices.size(), 3u);
+  EXPECT_EQ(result.notices[1], "policy.safe");
+  EXPECT_EQ(result.notices[2], "participant.resumed");
+  // Its commands are looked at again; by then they are beyond the channels' ranges.
+  EXPECT_GT(result.end.timing.rejected[static_cast<std::size_t>(Reject::kOutOfRange)], 0);
+  EXPECT_TRUE(replay_log(log).result.agrees());
 }
 
 // Whatever run() allocates at its beginning and end, a longer run allocates no more.

@@ -78,6 +78,64 @@ TEST(Lockstep, AParticipantIsLostOnceAndTheRunGoesOn) {
   EXPECT_EQ(replayed.result.compared, kTicks + 1);
 }
 
+TEST(Lockstep, AnnouncedCommandsThatNeverComeEndInThePolicy) {
+  Habits habits;
+  habits.announces_too_many_at = 12;
+  const SessionResult result = run_session(Pace::kLockstep, habits, "", {"flight_software.policy=abort"});
+  EXPECT_EQ(result.end.status, RunStatus::kAborted);
+  EXPECT_EQ(result.end.tick, 12);
+}
+
+TEST(Lockstep, AnOldAnswerRepeatedEndsInThePolicy) {
+  Habits habits;
+  habits.repeats_itself_at = 12;
+  const SessionResult result = run_session(Pace::kLockstep, habits, "", {"flight_software.policy=abort"});
+  EXPECT_EQ(result.end.status, RunStatus::kAborted);
+  EXPECT_EQ(result.end.tick, 12);
+}
+
+TEST(Lockstep, PolicyEvictKeepsTheValues) {
+  Habits habits;
+  habits.dies_at = 12;
+  const SessionResult result = run_session(Pace::kLockstep, habits, "", {"flight_software.policy=evict"});
+  EXPECT_EQ(result.end.status, RunStatus::kDone);
+  EXPECT_EQ(result.notices, (std::vector<std::string>{"participant.joined", "policy.evict"}));
+  EXPECT_DOUBLE_EQ(result.channels[0], 0.55);  // of tick 10
+}
+
+// The ticks before whose step channels changed, from a recording.
+std::vector<std::int64_t> list_changes(const std::string& path, std::int32_t channel) {
+  hil::RecordingReader recording{hil::LogFileReader(path)};
+  std::vector<std::int64_t> ticks;
+  hil::LogTick tick;
+  while (recording.next(tick)) {
+    for (const hil::LogChange& change : tick.changes) {
+      if (change.channel == channel) ticks.push_back(tick.tick);
+    }
+  }
+  return ticks;
+}
+
+TEST(Lockstep, ATransportDelayShiftsEveryCommand) {
+  const std::string prompt = make_path("prompt"), delayed = make_path("delayed");
+  run_session(Pace::kLockstep, {}, prompt);
+  EXPECT_EQ(list_changes(prompt, 1), (std::vector<std::int64_t>{0, 15, 30, 45}));
+  const SessionResult result = run_session(Pace::kLockstep, {}, delayed, {"flight_software.delay=1"});
+  EXPECT_EQ(result.end.status, RunStatus::kDone);
+  EXPECT_EQ(list_changes(delayed, 1), (std::vector<std::int64_t>{1, 16, 31, 46}));
+  EXPECT_EQ(result.end.timing.late_commands, 0);
+}
+
+TEST(Lockstep, APauseEndsAtItsLimit) {
+  Habits habits;
+  habits.dies_at = 12;
+  const SessionResult result =
+      run_session(Pace::kLockstep, habits, "", {"flight_software.policy=pause", "flight_software.pause_limit=0.1"});
+  EXPECT_EQ(result.end.status, RunStatus::kAborted);
+  EXPECT_EQ(result.end.tick, 12);
+  EXPECT_NE(result.end.message.find("'fsw' did not come back within the pause_limit"), std::string::npos);
+}
+
 TEST(Lockstep, PolicyZeroGoesToTheNearestValueOfTheRange) {
   const std::string log = make_path("log");
   Habits habits;

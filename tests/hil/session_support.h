@@ -100,6 +100,8 @@ class FakeParticipant {
     std::int64_t dies_at = -1;                   // answers nothing from this tick on
     std::chrono::milliseconds returns_after{0};  // 0: never; else answers again so long after it died
     bool refuses = false;
+    std::int64_t announces_too_many_at = -1;  // from this tick on, commands that it never sends
+    std::int64_t repeats_itself_at = -1;      // from this tick on it acknowledges the tick before, again and again
     std::function<void(std::int64_t tick, hil::Link& link, std::int64_t session)> mischief;
   };
   static constexpr std::int32_t kId = 7;
@@ -179,6 +181,13 @@ class FakeParticipant {
     ack.last_command = sequence_;
     ack.participant = kId;
     ack.command_count = static_cast<std::int32_t>(answer_.size());
+    if (habits_.announces_too_many_at >= 0 && state.tick >= habits_.announces_too_many_at) {
+      ack.last_command += 3;
+      ack.command_count += 3;
+    }
+    if (habits_.repeats_itself_at >= 0 && state.tick >= habits_.repeats_itself_at) {
+      ack.tick = habits_.repeats_itself_at - 1;
+    }
     if (habits_.ack_first) link_.deliver(ack);
     std::vector<hil::Command> commands = answer_;
     if (habits_.reversed) std::reverse(commands.begin(), commands.end());
@@ -207,7 +216,7 @@ struct SessionResult {
 // A whole session; `log` empty: not kept.
 inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& habits, const std::string& log = "",
                                  const std::vector<std::string>& overrides = {}, bool with_participant = true,
-                                 hil::TickSource* ticks = nullptr) {
+                                 hil::TickSource* ticks = nullptr, hil::FaultInjector* faults = nullptr) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
   const auto simulation = hil::build_simulation(scenario);
   hil::ExecutiveOptions options;
@@ -219,6 +228,7 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.ticks = ticks;
   options.start_timeout_ns = 20'000'000'000;  // a stalled machine is nobody missing
   options.resend_ns = 5'000'000;
+  options.faults = faults;
   hil::Link link(256, 256);
   hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, options.session, options.last_tick));
   hil::Executive executive(*simulation, link, recorder, scenario.name, options);

@@ -144,6 +144,73 @@ class ToolsTest(ProcessTest):
         result = self.run_ok(UNLATCH, "replay", heard, code=2)
         self.assertIn("not a recording", result.stderr)
 
+    # --- faults on purpose --------------------------------------------------------------------------------------
+
+    def run_with_faults(self, transport, name, *arguments, until="3"):
+        log = self.folder / f"{name}-{transport}.log"
+        report = self.run_over(transport, "--pace", "lockstep", "--until", until, "--log", log, "--faults",
+                               SCENARIOS / f"boosters/faults/{name}.yaml", *arguments)
+        again = self.run_json(UNLATCH, "replay", log)  # without the script
+        self.assertTrue(again["replay"]["agrees"])
+        self.assertEqual((again["hash"], again["notices"]), (report["hash"], report["notices"]))
+        return report
+
+    def test_a_lossy_line_changes_no_bit_over_any_transport(self):
+        good = self.run_over("inproc", "--pace", "lockstep", "--until", "1", *PATIENT)
+        for transport in ("inproc", "dds", "lcm"):
+            report = self.run_with_faults(transport, "lossy-line", *PATIENT, until="1")
+            self.assertEqual(report["hash"], good["hash"])
+            self.assertGreater(report["timing"]["resent"], 50)
+
+    def test_a_stuck_contact_and_a_jammed_nozzle_keep_the_nose_on_the_core(self):
+        for name in ("stuck-contact", "jammed-nozzle"):
+            report = self.run_with_faults("inproc", name, *PATIENT)
+            times = {(e["name"], e["subject"]): e["t"] for e in report["events"]}
+            self.assertIn(("contact", "booster1"), times)
+            self.assertNotIn(("nozzle", "booster1"), times)
+            self.assertIn(("nozzle", "booster2"), times)
+            self.assertIn({"t": 0.0, "name": "fault." + ("stick" if "contact" in name else "jam"),
+                           "subject": "kr1" if "contact" in name else "nozzle1"}, report["notices"])
+
+    def test_a_frozen_computer_comes_back_at_its_tick_the_same_way_every_time(self):
+        patience = ["--set", "flight_software.timeout=1"]
+        reports = [self.run_with_faults(transport, "frozen-computer", *patience) for transport in ("inproc", "dds")]
+        self.assertEqual(len({report["hash"] for report in reports}), 1)
+        names = [n["name"] for n in reports[0]["notices"]]
+        self.assertEqual(names, ["participant.joined", "fault.freeze", "policy.hold", "fault.freeze.end",
+                                 "participant.resumed"])
+        self.assertNotIn("ties_cut", {event["name"] for event in reports[0]["events"]})
+
+    def test_a_mistake_in_a_fault_script_has_file_and_line(self):
+        script = self.folder / "bad.yaml"
+        script.write_text("unlatch_faults: 1\nfaults:\n  - stick: kr9\n    ticks: [3, 1]\n")
+        result = self.run_ok(UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", script,
+                             code=2)
+        self.assertRegex(result.stderr, r"bad\.yaml:3:\d+: unknown sensor 'kr9'; did you mean 'kr")
+        self.assertRegex(result.stderr, r"bad\.yaml:4:\d+: these ticks end before they begin")
+
+    # --- one flight software more, or one less ------------------------------------------------------------------
+
+    def test_a_second_computer_of_one_name_is_named_and_a_killed_one_can_be_started_again(self):
+        first = self.begin(FSW, "--transport", "dds")
+        simulator = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "realtime", "--until", "60",
+                               "--set", "flight_software.timeout=1", stderr=subprocess.PIPE)
+
+        def read_until(words):
+            said = ""
+            while words not in said:
+                line = simulator.stderr.readline()
+                self.assertNotEqual(line, "", said)
+                said += line
+
+        read_until("takes part")
+        self.begin(FSW, "--transport", "dds")
+        read_until("a second flight software named 'fsw' asks to take part and is refused")
+        first.kill()
+        read_until("policy 'hold' is applied")
+        read_until("was started again and takes part")  # the second takes the place of the first
+        simulator.send_signal(signal.SIGINT)
+
     def kill_flight_software(self, policy, pace, code):
         """Kills it with SIGKILL mid-run; returns the report and what was said to people."""
         log = self.folder / f"{policy}-{pace}.log"

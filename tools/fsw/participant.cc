@@ -1,6 +1,8 @@
 #include "tools/fsw/participant.h"
 
 #include <chrono>
+#include <cstdio>
+#include <random>
 
 namespace unlatch::fsw {
 namespace {
@@ -13,16 +15,12 @@ using hil::RunStatus;
 
 constexpr auto kPollWait = 50ms;
 
-// The same number in every run, so that the order in which commands are applied is too. FNV-1a of the name, 31 bits.
-std::int32_t calc_id(const std::string& name) {
-  std::uint32_t hash = 2166136261u;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
-  return static_cast<std::int32_t>(hash >> 1);
-}
+// Another number for every start: the simulator tells two of one name apart by it.
+std::int32_t draw_id() { return static_cast<std::int32_t>(std::random_device{}() >> 1); }
 
 }  // namespace
 
-Participant::Participant(bridge::Port& port, const std::string& name) : port_(port), name_(name), id_(calc_id(name)) {}
+Participant::Participant(bridge::Port& port, const std::string& name) : port_(port), name_(name), id_(draw_id()) {}
 
 Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>& stop) {
   Outcome outcome;
@@ -36,8 +34,12 @@ Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>
     }
     if (message.kind == MessageKind::kHello) {
       hear_hello(message.hello);
+      answer_hello();
     } else if (message.kind == MessageKind::kCatalog && message.catalog.session == session_) {
       vehicle_.learn(message.catalog);
+      if (!attached_) answer_hello();
+    } else if (message.kind == MessageKind::kVerdict && message.verdict.session == session_) {
+      hear_verdict(message.verdict);
     } else if (message.kind == MessageKind::kState && message.state.session == session_ && session_ != 0) {
       hear_state(message.state);
       if (has_ended(message.state, outcome)) return outcome;
@@ -49,8 +51,8 @@ Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>
       outcome.explanation = refusal_;
       return outcome;
     }
-    if (message.kind != MessageKind::kState) answer_hello();
   }
+  if (attached_) say(AckStatus::kLeaving);
   outcome.explanation = "stopped";
   return outcome;
 }
@@ -75,15 +77,26 @@ void Participant::hear_hello(const hil::Hello& hello) {
   }
 }
 
-// Once the catalog is complete; and again whenever the simulator says hello again, because it has not heard us then.
+// Once the catalog is complete, and again whenever the simulator says hello again.
 void Participant::answer_hello() {
-  if (session_ == 0 || !vehicle_.is_known()) return;
+  if (session_ == 0 || !vehicle_.is_known() || !refusal_.empty()) return;
   if (!attached_) {
     const std::string missing = sequence_.attach(vehicle_);
     if (!missing.empty()) return refuse("the vehicle lacks " + missing);
     attached_ = true;
   }
   say(AckStatus::kReady);
+}
+
+// Of refusals only this one concerns a person: two computers were started with one name. We stay, in case the other
+// goes.
+void Participant::hear_verdict(const hil::Verdict& verdict) {
+  if (verdict.participant != id_ || verdict.reason != static_cast<int>(hil::Reject::kNameTaken) || told_) return;
+  told_ = true;
+  std::fprintf(stderr,
+               "unlatch-fsw: another participant named '%s' takes part already; give each its own --name, or end the "
+               "other one\n",
+               name_.c_str());
 }
 
 void Participant::refuse(const std::string& reason) {

@@ -1,6 +1,6 @@
 // The protocol's side of flight software: introduces itself, answers every State with commands and an acknowledgement,
 // answers a State that is sent again exactly as before, and leaves when the session ends. docs:
-// bridge/schema/README.md.
+// hil/PROTOCOL.md.
 #pragma once
 
 #include <atomic>
@@ -27,6 +27,7 @@ class Participant {
  private:
   void hear_hello(const hil::Hello& hello);
   void hear_state(const hil::State& state);
+  void hear_verdict(const hil::Verdict& verdict);
   void answer_hello();
   void refuse(const std::string& reason);
   void say(hil::AckStatus status);
@@ -44,6 +45,7 @@ class Participant {
   hil::HelloAck agreed_;      // what this session was agreed on
   bool attached_ = false;     // to this session's vehicle
   std::string refusal_;       // why not
+  bool told_ = false;         // that its name is taken
   std::int64_t answered_tick_ = -1;
   std::int64_t last_command_ = 0;              // sequence number
   std::vector<hil::Command> answer_commands_;  // to answered_tick_

@@ -36,6 +36,7 @@ struct HilOptions {
   hil::Pace pace = hil::Pace::kRealtime;
   double start_timeout_s = 20;
   PacingOptions pacing;
+  std::string faults;  // file
   OutputOptions output;
 };
 
@@ -61,10 +62,21 @@ class FlightSoftwareThread {
 std::string describe(const hil::Event& notice, const hil::FlightSoftware& flight_software) {
   const std::string name(hil::get_name(notice.name)), subject(hil::get_name(notice.subject));
   const std::string at = "t = " + std::to_string(notice.time) + " s: ";
+  if (name.starts_with(hil::kFaultPrefix)) return at + "fault script: " + name.substr(6) + " " + subject;
   if (name == hil::kJoined) return "flight software '" + subject + "' takes part";
   if (name == hil::kResumed) return at + "flight software '" + subject + "' is back, the run goes on";
+  if (name == hil::kRejoined) return at + "flight software '" + subject + "' was started again and takes part";
+  if (name == hil::kLeft) return at + "flight software '" + subject + "' has left";
+  if (name == hil::kSecondOfName) {
+    return at + "a second flight software named '" + subject +
+           "' asks to take part and is refused; start each with a --name of its own";
+  }
+  if (name == hil::kNotAdmitted) {
+    return at + "flight software '" + subject + "' is refused: built for another message schema, meant for another " +
+           "model, or evicted";
+  }
   return at + "flight software '" + subject + "' has not answered for " + std::to_string(flight_software.timeout) +
-         " s; policy '" + name.substr(hil::kPolicyPrefix.size()) + "' is applied";
+         " s, or has left; policy '" + name.substr(hil::kPolicyPrefix.size()) + "' is applied";
 }
 
 class Session {
@@ -83,12 +95,14 @@ class Session {
       std::fprintf(stderr, "note: at pace fast the flight software that the scenario requires takes no part\n");
     }
     open_tick_source();
+    if (!options_.faults.empty()) faults_.emplace(hil::load_faults(options_.faults, scenario_));
     connect();
     recorder_.emplace(options_.output.log, header_);
     hil::LogEnd end = run_executive();
     flight_software_.clear();
     pump_.reset();
     recorder_->close(end);
+    if (faults_) tell_faults();
     return report(end);
   }
 
@@ -120,8 +134,17 @@ class Session {
     }
   }
 
+  void tell_faults() {
+    for (const auto& [fault, count] : faults_->list_tallies()) {
+      std::fprintf(stderr, "fault script: %s %s befell %lld messages\n",
+                   hil::kFaultNames[static_cast<std::size_t>(fault->kind)].c_str(), fault->subject.c_str(),
+                   static_cast<long long>(count));
+    }
+  }
+
   hil::LogEnd run_executive() {
     hil::ExecutiveOptions options;
+    if (faults_) options.faults = &*faults_;
     options.pace = options_.pace;
     options.session = session_;
     options.last_tick = last_tick_;
@@ -231,6 +254,7 @@ class Session {
   std::unique_ptr<hil::Line> line_;
   std::unique_ptr<bridge::Pump> pump_;
   std::vector<std::unique_ptr<FlightSoftwareThread>> flight_software_;
+  std::optional<hil::FaultInjector> faults_;
   std::optional<hil::Recorder> recorder_;
 };
 
@@ -257,6 +281,8 @@ void add_hil(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   add_pacing_options(*command, options->pacing);
+  command->add_option("--faults", options->faults,
+                      "fault script (.yaml): what goes wrong on purpose, see hil/scenarios/FAULTS.md");
   add_output_options(*command, options->output);
   command->callback([options, &exit_code] {
     options->pacing.add_overrides(options->scenario.overrides);

@@ -1,0 +1,149 @@
+// A flight computer for tests: it speaks the protocol of hil/PROTOCOL.md over a port, in a thread of its own, and can
+// be told to leave, to stop, or to say other things than it should.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "bridge/port.h"
+
+namespace unlatch::test {
+
+class Computer {
+ public:
+  struct Habits {
+    std::int32_t id = 1;
+    // Channel and value of each command for a tick.
+    std::function<std::vector<std::pair<int, double>>(std::int64_t tick)> program = nullptr;
+    std::chrono::microseconds pace{0};  // takes so long for an answer
+    std::int64_t leaves_at = -1;        // says so, and falls silent
+    std::int64_t dies_at = -1;          // falls silent
+    // Called once for each tick, before its answer.
+    std::function<void(const hil::State& state, Computer& computer)> mischief = nullptr;
+  };
+
+  Computer(std::unique_ptr<bridge::Port> port, std::string name, Habits habits)
+      : port_(std::move(port)), name_(std::move(name)), habits_(std::move(habits)) {
+    thread_ = std::jthread([this](const std::stop_token& stopping) {
+      hil::Message message;
+      while (!stopping.stop_requested()) {
+        if (port_->poll(message, std::chrono::milliseconds(5))) hear(message);
+      }
+    });
+  }
+
+  hil::Command make_command(std::int64_t tick, int channel, double value) {
+    hil::Command command;
+    command.session = session_;
+    command.sequence = ++sequence_;
+    command.tick = tick;
+    command.valid_until_tick = -1;
+    command.value = value;
+    command.participant = habits_.id;
+    command.channel = channel;
+    return command;
+  }
+  void say(const hil::Message& message) { port_->publish(message); }
+  [[nodiscard]] std::int64_t get_tick() const { return tick_.load(); }
+  void stop() { thread_ = {}; }
+
+  // To be read after stop().
+  std::vector<hil::Verdict> verdicts;    // on what this computer said
+  hil::Health health;                    // the latest
+  hil::Hello hello;                      // the latest
+  std::vector<hil::RunStatus> statuses;  // of Hello up to Configured, then of State; each change
+
+ private:
+  void hear(const hil::Message& message) {
+    if (silent_) return;
+    switch (message.kind) {
+      case hil::MessageKind::kHello:
+        hello = message.hello;
+        note(hello.status);
+        session_ = hello.session;
+        return say_hello(hil::AckStatus::kReady);
+      case hil::MessageKind::kState:
+        if (message.state.part == 0 && message.state.session == session_) {
+          note(message.state.status);
+          hear_state(message.state);
+        }
+        return;
+      case hil::MessageKind::kVerdict:
+        if (message.verdict.participant == habits_.id) verdicts.push_back(message.verdict);
+        return;
+      case hil::MessageKind::kHealth:
+        health = message.health;
+        return;
+      default:
+        return;
+    }
+  }
+
+  void note(std::int32_t number) {
+    const auto status = static_cast<hil::RunStatus>(number);
+    if (statuses.empty() || status > statuses.back()) statuses.push_back(status);
+  }
+
+  void say_hello(hil::AckStatus status) {
+    hil::HelloAck ack;
+    ack.session = session_;
+    ack.schema_hash = hil::kSchemaHash;
+    ack.model_hash = hello.model_hash;
+    ack.dt_ns = hello.dt_ns;
+    ack.protocol = hil::kProtocolVersion;
+    ack.participant = habits_.id;
+    ack.status = static_cast<std::int32_t>(status);
+    hil::set_name(ack.name, name_);
+    say(ack);
+  }
+
+  void hear_state(const hil::State& state) {
+    if (state.status >= static_cast<int>(hil::RunStatus::kDone)) return;
+    if (habits_.dies_at >= 0 && state.tick >= habits_.dies_at) {
+      silent_ = true;
+      return;
+    }
+    if (habits_.leaves_at >= 0 && state.tick >= habits_.leaves_at) {
+      silent_ = true;
+      return say_hello(hil::AckStatus::kLeaving);
+    }
+    if (state.tick > tick_) {
+      std::this_thread::sleep_for(habits_.pace);
+      answer_.clear();
+      tick_ = state.tick;
+      if (habits_.mischief) habits_.mischief(state, *this);
+      if (habits_.program) {
+        for (const auto& [channel, value] : habits_.program(state.tick)) {
+          answer_.push_back(make_command(state.tick, channel, value));
+        }
+      }
+    }
+    if (state.tick < tick_) return;
+    for (const hil::Command& command : answer_) say(command);
+    hil::StepAck ack;
+    ack.session = session_;
+    ack.sequence = state.sequence;
+    ack.tick = state.tick;
+    ack.last_command = sequence_;
+    ack.participant = habits_.id;
+    ack.command_count = static_cast<std::int32_t>(answer_.size());
+    say(ack);
+  }
+
+  std::unique_ptr<bridge::Port> port_;
+  const std::string name_;
+  const Habits habits_;
+  std::int64_t session_ = 0, sequence_ = 0;
+  std::atomic<std::int64_t> tick_{-1};
+  bool silent_ = false;
+  std::vector<hil::Command> answer_;
+  std::jthread thread_;
+};
+
+}  // namespace unlatch::test

@@ -1,0 +1,273 @@
+// The protocol of hil/PROTOCOL.md over every transport: whole sessions, executive, rings, pump and middleware. Run
+// through tests/support/netns.sh, because LCM needs a multicast route.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "bridge/pump.h"
+#include "tests/bridge/computer.h"
+#include "tests/hil/session_support.h"
+
+namespace unlatch::test {
+namespace {
+
+using namespace std::chrono_literals;
+using bridge::Port;
+using bridge::Role;
+using hil::Pace;
+using hil::Reject;
+using hil::RunStatus;
+using Habits = Computer::Habits;
+
+constexpr const char* kTwo = "flight_software.required=[guidance, separation]";
+constexpr const char* kPatient = "flight_software.timeout=30";  // a stalled machine is no dead computer
+
+// Throttle at every 10th tick.
+std::vector<std::pair<int, double>> drive(std::int64_t tick) {
+  if (tick % 10 != 0) return {};
+  return {{0, 0.5 + 0.005 * static_cast<double>(tick % 90)}};
+}
+
+class Sessions : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Port> open(Role role) {
+    if (GetParam() == "dds") return bridge::open_dds_port(role);
+    if (GetParam() == "lcm") return bridge::open_lcm_port(role);
+    return hub_.open(role);
+  }
+
+  Computer& start(const std::string& name, Habits habits) {
+    return *computers_.emplace_back(std::make_unique<Computer>(open(Role::kParticipant), name, std::move(habits)));
+  }
+
+  // A session to its end; `meanwhile` runs beside it, in this thread.
+  SessionResult run(
+      const std::vector<std::string>& overrides, Pace pace = Pace::kLockstep, const std::string& log = "",
+      const std::function<void(hil::Executive&)>& meanwhile = [](hil::Executive&) {}) {
+    const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
+    const auto simulation = hil::build_simulation(scenario);
+    hil::ExecutiveOptions options;
+    options.pace = pace;
+    options.session = session_;
+    options.last_tick = static_cast<std::int64_t>(scenario.until / scenario.dt + 0.5);
+    options.flight_software = scenario.flight_software;
+    options.start_timeout_ns = 10'000'000'000;
+    options.announce_ns = 2'000'000;
+    hil::Link link;
+    hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, session_, options.last_tick));
+    hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+    const auto port = open(Role::kSimulator);
+    SessionResult result;
+    {
+      bridge::Pump pump(link, *port);
+      std::jthread cyclic([&] { result.end = executive.run(); });
+      meanwhile(executive);
+    }
+    recorder.close(result.end);
+    hil::Event notice;
+    while (executive.take_notice(notice)) {
+      result.notices.push_back(std::string(hil::get_name(notice.name)) + " " +
+                               std::string(hil::get_name(notice.subject)));
+    }
+    result.channels.assign(simulation->channels().begin(), simulation->channels().end());
+    for (const auto& computer : computers_) computer->stop();
+    return result;
+  }
+
+  static constexpr std::int64_t session_ = 4711;
+  bridge::InprocHub hub_;
+  std::vector<std::unique_ptr<Computer>> computers_;
+};
+
+TEST_P(Sessions, GoThroughTheStatesOfTheProtocol) {
+  start("fsw", {.program = drive});
+  const SessionResult result = run({kPatient});
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_EQ(computers_[0]->statuses,
+            (std::vector<RunStatus>{RunStatus::kDiscover, RunStatus::kConfigured, RunStatus::kArmed,
+                                    RunStatus::kRunning, RunStatus::kDone}));
+  const hil::Hello& hello = computers_[0]->hello;
+  EXPECT_EQ(hello.protocol, hil::kProtocolVersion);
+  EXPECT_EQ(hello.schema_hash, hil::kSchemaHash);
+  EXPECT_NE(hello.model_hash, 0);
+  EXPECT_EQ(hello.dt_ns, 1'000'000);
+  EXPECT_EQ(hello.participant_count, 1);
+}
+
+// The two command the same channel; the later name has the last word, whoever answers first.
+TEST_P(Sessions, SeveralComputersCommandInTheOrderOfTheirNames) {
+  std::set<std::int64_t> hashes;
+  for (const auto slow : {0, 1}) {
+    start("guidance", {.id = 99,
+                       .program =
+                           [](std::int64_t) {
+                             return std::vector<std::pair<int, double>>{{0, 0.4}};
+                           },
+                       .pace = slow * 300us});
+    start("separation", {.id = 5,
+                         .program =
+                             [](std::int64_t) {
+                               return std::vector<std::pair<int, double>>{{0, 0.8}};
+                             },
+                         .pace = (1 - slow) * 300us});
+    const SessionResult result = run({kTwo, kPatient});
+    EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+    EXPECT_EQ(result.channels[0], 0.8);
+    hashes.insert(result.end.hash);
+    computers_.clear();
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST_P(Sessions, AComputerMayLeaveAndAnotherStartOfItRejoin) {
+  start("guidance", {.id = 1, .pace = 1ms});
+  start("separation", {.id = 2, .leaves_at = 20});
+  const std::string log = make_path("log");
+  const SessionResult result =
+      run({kTwo, kPatient, "step.until=1"}, Pace::kLockstep, log, [&](hil::Executive& executive) {
+        while (executive.get_tick() < 30) std::this_thread::sleep_for(1ms);
+        start("separation", {.id = 3, .program = [](std::int64_t) {
+                               return std::vector<std::pair<int, double>>{{1, 0.5}};
+                             }});
+      });
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_EQ(result.end.tick, 1000);
+  ASSERT_EQ(result.notices.size(), 5u);
+  EXPECT_EQ(result.notices[2], "participant.left separation");
+  EXPECT_EQ(result.notices[3], "policy.hold separation");
+  EXPECT_EQ(result.notices[4], "participant.rejoined separation");
+  EXPECT_EQ(result.channels[1], 0.5);
+  EXPECT_EQ(computers_[2]->get_tick(), 999);
+  EXPECT_TRUE(replay_log(log).result.agrees());
+}
+
+TEST_P(Sessions, ASilentComputerIsEvictedAndStaysOut) {
+  start("guidance", {.id = 1, .pace = 200us});
+  start("separation", {.id = 2, .dies_at = 20});
+  const SessionResult result =
+      run({kTwo, "flight_software.timeout=0.5", "flight_software.policy=evict", "step.until=1"}, Pace::kLockstep, "",
+          [&](hil::Executive& executive) {
+            while (executive.get_tick() < 30) std::this_thread::sleep_for(1ms);
+            start("separation", {.id = 3});
+          });
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  ASSERT_EQ(result.notices.size(), 4u);
+  EXPECT_EQ(result.notices[2], "policy.evict separation");
+  EXPECT_EQ(result.notices[3], "participant.refused separation");
+}
+
+TEST_P(Sessions, TwoOfOneNameAreNamed) {
+  start("fsw", {.id = 1, .program = drive});
+  const std::int64_t alone = run({kPatient, "step.until=0.5"}).end.hash;
+  computers_.clear();
+  start("fsw", {.id = 1, .program = drive, .pace = 1ms});
+  const SessionResult result = run({kPatient, "step.until=0.5"}, Pace::kLockstep, "", [&](hil::Executive& executive) {
+    while (executive.get_tick() < 5) std::this_thread::sleep_for(1ms);
+    start("fsw", {.id = 2, .program = drive});
+  });
+  EXPECT_EQ(result.end.hash, alone);
+  EXPECT_EQ(result.notices, (std::vector<std::string>{"participant.joined fsw", "participant.name_taken fsw"}));
+  ASSERT_FALSE(computers_[1]->verdicts.empty());
+  EXPECT_EQ(computers_[1]->verdicts[0].reason, static_cast<int>(Reject::kNameTaken));
+  for (const hil::Verdict& verdict : computers_[0]->verdicts) {
+    EXPECT_EQ(verdict.reason, static_cast<int>(Reject::kDuplicate));  // a State said again is answered again
+  }
+}
+
+// Each reason, by its name in the schema: what is said instead of a good command.
+struct Misdeed {
+  Reject reason;
+  std::function<void(hil::Command& command)> spoil;
+};
+const Misdeed kMisdeeds[] = {
+    {Reject::kWrongSession, [](hil::Command& c) { c.session += 1; }},
+    {Reject::kPastTick, [](hil::Command& c) { c.tick -= 1; }},
+    {Reject::kDuplicate, [](hil::Command& c) { c.sequence = 1; }},
+    {Reject::kExpired, [](hil::Command& c) { c.valid_until_tick = c.tick - 1; }},
+    {Reject::kNotFinite, [](hil::Command& c) { c.value = std::numeric_limits<double>::quiet_NaN(); }},
+    {Reject::kNotFinite, [](hil::Command& c) { c.value = -std::numeric_limits<double>::infinity(); }},
+    {Reject::kOutOfRange, [](hil::Command& c) { c.value = 1.01; }},
+    {Reject::kUnknownChannel, [](hil::Command& c) { c.channel = 2; }},
+    {Reject::kUnknownChannel, [](hil::Command& c) { c.channel = -1; }},
+    {Reject::kMalformed, [](hil::Command& c) { c.tick = std::numeric_limits<std::int64_t>::min(); }},
+    {Reject::kMalformed, [](hil::Command& c) { c.sequence = 0; }},
+};
+
+TEST_P(Sessions, EachRefusalIsCountedAndPublished) {
+  start("fsw", {.id = 1, .program = drive});
+  const std::int64_t well_behaved = run({kPatient}).end.hash;
+  computers_.clear();
+
+  std::array<std::int64_t, hil::kRejectReasons> sent{};
+  std::vector<std::int64_t> numbers;
+  start("fsw", {.id = 1, .program = drive, .mischief = [&](const hil::State& state, Computer& computer) {
+                  if (state.tick != 25) return;
+                  for (const Misdeed& misdeed : kMisdeeds) {
+                    hil::Command command = computer.make_command(state.tick, 0, 0.9);
+                    misdeed.spoil(command);
+                    numbers.push_back(command.sequence);
+                    ++sent[static_cast<std::size_t>(misdeed.reason)];
+                    computer.say(command);
+                  }
+                  // The answer to this State may overtake them on no transport; still, leave them time.
+                  std::this_thread::sleep_for(20ms);
+                }});
+  const SessionResult result = run({kPatient});
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_EQ(result.end.hash, well_behaved);
+  std::set<std::pair<std::int64_t, Reject>> heard;
+  for (const hil::Verdict& verdict : computers_[0]->verdicts) {
+    heard.emplace(verdict.refers_to, static_cast<Reject>(verdict.reason));
+    EXPECT_EQ(verdict.applied_tick, -1);
+  }
+  for (std::size_t i = 0; i < std::size(kMisdeeds); ++i) {
+    EXPECT_TRUE(heard.contains({numbers[i], kMisdeeds[i].reason})) << hil::get_text(kMisdeeds[i].reason);
+  }
+  for (std::size_t i = 0; i < hil::kRejectReasons; ++i) {
+    const auto reason = static_cast<Reject>(i);
+    if (reason == Reject::kDuplicate) {  // a State that was said again is answered again
+      EXPECT_GE(result.end.timing.rejected[i], sent[i]);
+    } else {
+      EXPECT_EQ(result.end.timing.rejected[i], sent[i]) << hil::get_text(reason);
+    }
+    EXPECT_EQ(computers_[0]->health.rejected[i], result.end.timing.rejected[i]) << hil::get_text(reason);
+  }
+}
+
+TEST_P(Sessions, MalformedBytesAreCountedAndPublished) {
+  if (GetParam() == "inproc") GTEST_SKIP() << "there are no bytes in-process";
+  constexpr int kCount = 3;  // see party.cc
+  start("fsw", {.id = 1, .program = drive, .mischief = [&](const hil::State& state, Computer&) {
+                  if (state.tick != 25) return;
+                  EXPECT_EQ(std::system((BRIDGE_PARTY " " + GetParam() + " stunt").c_str()), 0);
+                }});
+  const SessionResult result = run({kPatient});
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  const auto malformed = static_cast<std::size_t>(Reject::kMalformed);
+  EXPECT_EQ(result.end.timing.rejected[malformed], kCount);
+  EXPECT_EQ(computers_[0]->health.rejected[malformed], kCount);
+}
+
+TEST_P(Sessions, RealtimeFlagsACommandBehindTheCutOff) {
+  const std::string log = make_path("log");
+  start("fsw", {.id = 1, .program = drive});
+  // The cut-off is a microsecond after the State: no answer can be in time.
+  const SessionResult result = run({kPatient, "flight_software.cutoff=0.001"}, Pace::kRealtime, log);
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_GE(result.end.timing.late_commands, 3);
+  const auto& verdicts = computers_[0]->verdicts;
+  const auto late = std::find_if(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) {
+    return verdict.reason == static_cast<int>(Reject::kLate);
+  });
+  ASSERT_NE(late, verdicts.end());
+  EXPECT_GT(late->applied_tick, 0);
+  EXPECT_TRUE(replay_log(log).result.agrees());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Sessions, testing::Values("inproc", "dds", "lcm"),
+                         [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace unlatch::test
