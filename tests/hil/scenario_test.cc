@@ -48,7 +48,7 @@ TEST(Scenario, PlacesBodiesRelativeToMovingBodies) {
 TEST(Scenario, EveryShippedFileLoads) {
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(UNLATCH_SOURCE_DIR "/hil/scenarios")) {
-    if (entry.path().extension() != ".yaml") continue;
+    if (entry.path().extension() != ".yaml" || entry.path().parent_path().filename() == "faults") continue;
     ++count;
     EXPECT_NO_THROW(hil::load_scenario(entry.path().string())) << entry.path();
   }
