@@ -37,7 +37,6 @@ void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int
     if (has_row(group.freedoms, r)) {
       const bool active = held && !has_row(rows, r);
       get_number(lanes, slot, group.freedom_parts[r] + kMask) = get_mask(active);
-      get_number(lanes, slot, group.freedom_parts[r] + kKappa) = 0;
       if (active) phase.freedoms = static_cast<RowSet>(phase.freedoms | row_bit(r));
     }
     if (has_row(group.rows, r)) {

@@ -47,8 +47,8 @@ enum LaneField : std::int32_t {
   kHeld = kMultipliers + 6,    // mask: three rows or more hold, the child is eliminated through its freedoms
   kJointEnd = kHeld + 1,
 };
-// A freedom's part: mask, U = A s, 1 / sᵀ A s, sᵀ b and later the freedom's acceleration, κ of an implicit spring.
-enum FreedomField : std::int32_t { kMask = 0, kU = 1, kInverse = 7, kBeta = 8, kKappa = 9, kFreedomEnd = 10 };
+// A freedom's part: mask, U = A s, 1 / sᵀ A s, sᵀ b and later the freedom's acceleration.
+enum FreedomField : std::int32_t { kMask = 0, kU = 1, kInverse = 7, kBeta = 8, kFreedomEnd = 9 };
 // A row's part, where one or two hold: mask, its wrench w at the child's origin, A⁻¹ w, 1 / wᵀ A⁻¹ w, and μ.
 enum RowField : std::int32_t { kRowMask = 0, kWrench = 1, kReply = 7, kRowInverse = 13, kMu = 14, kRowEnd = 15 };
 inline constexpr int kBlockFields = -kBlock;
