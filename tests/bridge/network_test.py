@@ -40,12 +40,12 @@ class NetworkTest(ProcessTest):
         """The policy pause acts; healed, the session goes on to the same bits as if nothing had happened."""
         network = self.join(Cable())
         log = self.folder / "run.log"
-        until = "4"
+        until = "16"  # of lockstep: still under way when the cable is pulled the second time, however fast the machine
         simulator = self.begin_session(network, transport, "--until", until, "--set", "flight_software.timeout=0.3", "--set",
                                        "flight_software.policy=pause", "--log", log)
         self.wait_for(simulator, "takes part")
         for _ in range(2):
-            time.sleep(0.2)
+            time.sleep(0.1)
             pauses = simulator.said.read_text().count("policy 'pause'")
             network.hosts[side].down()
             while simulator.said.read_text().count("policy 'pause'") == pauses:
@@ -71,7 +71,7 @@ class NetworkTest(ProcessTest):
     def test_a_partition_without_healing_ends_in_the_policy_hold(self):
         network = self.join(Cable())
         log = self.folder / "run.log"
-        simulator = self.begin_session(network, "dds", "--until", "4", "--set", "flight_software.timeout=0.3", "--set",
+        simulator = self.begin_session(network, "dds", "--until", "12", "--set", "flight_software.timeout=0.3", "--set",
                                        "flight_software.policy=hold", "--log", log)
         self.wait_for(simulator, "takes part")
         time.sleep(0.1)
