@@ -1,0 +1,132 @@
+#!/usr/bin/python3
+"""Tight-tolerance references of the shipped solar arrays, independent of unlatch's code and of make-array: the motion is
+planar, so bodies have x, y and a turn; a dense KKT matrix by least squares (cables of latched hinges are redundant), SciPy's
+DOP853 at rtol 1e-12, events by root-finding, rigid latches by the same matrix as a plastic impulse.
+
+    array_reference.py    writes tests/data/array_panels.json; needs python3-scipy
+"""
+import json
+import pathlib
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+MASS, INERTIA = 8.0, 3.3                 # a panel of 1 m; about z
+BUS_MASS, BUS_INERTIA, FOLD = 800.0, 280.0, 1.4
+EFFORT, STIFFNESS, DAMPING = 0.6, 0.4, 0.05
+LATCH, LATCH_DAMPING, CABLE, CABLE_DAMPING = 900.0, 6.0, 150.0, 3.0
+CASES = {"scenario": (4, "rigid", "rows", 10.0), "elastic": (4, "elastic", "none", 20.0),
+         "elastic-cables": (4, "elastic", "elastic", 20.0), "two": (2, "rigid", "rows", 20.0),
+         "eight": (8, "rigid", "rows", 20.0)}
+TOUCH = 1e-9  # rad; hinges that a cable ties together come to zero together
+
+
+class Array:
+    def __init__(self, n, latches, cables):
+        self.n, self.latches, self.cables = n, latches, cables
+        self.mass = np.repeat([BUS_MASS] + [MASS] * n, 3)
+        self.mass[2::3] = [BUS_INERTIA] + [INERTIA] * n
+        self.latched = [False] * n
+        q, edge = [np.zeros(3)], np.array([1.0, 0])
+        for k in range(n):
+            turn = FOLD if k % 2 == 0 else -FOLD
+            along = np.array([np.cos(turn), np.sin(turn)])
+            q.append(np.array([*(edge + along / 2), turn]))
+            edge = edge + along
+        self.start = np.concatenate([np.concatenate(q), np.zeros(3 * (n + 1))])
+
+    def rows(self, q, v):
+        """G and the right-hand side of G a = c."""
+        size, g, c = len(q), [], []
+        for k in range(self.n):
+            a, b = 3 * k, 3 * (k + 1)
+            arm_a = (1.0 if k == 0 else 0.5) * np.array([np.cos(q[a + 2]), np.sin(q[a + 2])])
+            arm_b = -0.5 * np.array([np.cos(q[b + 2]), np.sin(q[b + 2])])
+            for i in range(2):
+                row = np.zeros(size)
+                row[a + i], row[b + i] = -1, 1
+                row[a + 2], row[b + 2] = -np.array([-arm_a[1], arm_a[0]])[i], np.array([-arm_b[1], arm_b[0]])[i]
+                g.append(row)
+                c.append(arm_b[i] * v[b + 2] ** 2 - arm_a[i] * v[a + 2] ** 2)
+            if self.latched[k] and self.latches == "rigid":
+                row = np.zeros(size)
+                row[a + 2], row[b + 2] = -1, 1
+                g.append(row)
+                c.append(0)
+        if self.cables == "rows":
+            for k in range(2, self.n):
+                row = np.zeros(size)
+                row[3 * (k - 1) + 2], row[3 * (k + 1) + 2] = -1, 1
+                g.append(row)
+                c.append(0)
+        return np.array(g), np.array(c)
+
+    def torques(self, q, v):
+        f = np.zeros(len(q))
+
+        def add(base, follower, torque):
+            f[3 * base + 2] -= torque
+            f[3 * follower + 2] += torque
+
+        for k in range(self.n):
+            angle, rate = q[3 * k + 5] - q[3 * k + 2], v[3 * k + 5] - v[3 * k + 2]
+            if not self.latched[k]:
+                add(k, k + 1, (-EFFORT if k % 2 == 0 else EFFORT) - STIFFNESS * angle - DAMPING * rate)
+            elif self.latches == "elastic":
+                add(k, k + 1, -LATCH * angle - LATCH_DAMPING * rate)
+        if self.cables == "elastic":
+            for k in range(2, self.n):
+                a, b = 3 * (k - 1) + 2, 3 * (k + 1) + 2
+                add(k - 1, k + 1, -CABLE * (q[b] - q[a]) - CABLE_DAMPING * (v[b] - v[a]))
+        return f
+
+    def solve(self, g, f, c):
+        kkt = np.block([[np.diag(self.mass), -g.T], [g, np.zeros((len(g), len(g)))]])
+        return np.linalg.lstsq(kkt, np.concatenate([f, c]), rcond=1e-12)[0][:len(self.mass)]
+
+    def rate(self, _, y):
+        q, v = np.split(y, 2)
+        g, c = self.rows(q, v)
+        return np.concatenate([v, self.solve(g, self.torques(q, v), c)])
+
+    def opening(self, y, k):
+        """Rises through zero where hinge k is unfolded."""
+        return (-1 if k % 2 == 0 else 1) * (y[3 * k + 5] - y[3 * k + 2])
+
+    def run(self, until):
+        samples = [round(until * i / 20, 9) for i in range(21)]
+        t, y, events, states = 0.0, self.start, [], {}
+        while True:
+            if t in samples:
+                states[str(t)] = [float(x) for x in y]
+            if t >= until:
+                return {"events": events, "samples": states}
+            stop = min(s for s in samples if s > t)
+            open_hinges = [k for k in range(self.n) if not self.latched[k]]
+            guards = []
+            for k in open_hinges:
+                def guard(_, z, k=k):
+                    return self.opening(z, k)
+                guard.terminal, guard.direction = True, 1
+                guards.append(guard)
+            out = solve_ivp(self.rate, (t, stop), y, method="DOP853", rtol=1e-12, atol=1e-13, events=guards or None)
+            t, y = (out.t[-1], out.y[:, -1]) if out.status == 1 else (stop, out.y[:, -1])
+            if out.status == 1:
+                due = [k for k in open_hinges if self.opening(y, k) >= -TOUCH]
+                for k in due:
+                    events.append([t, k + 1])
+                    self.latched[k] = True
+                if self.latches == "rigid":
+                    q, v = np.split(y, 2)
+                    g, _ = self.rows(q, v)
+                    y = np.concatenate([q, self.solve(g, self.mass * v, np.zeros(len(g)))])
+
+
+if __name__ == "__main__":
+    result = {"about": "tests/support/array_reference.py: planar, DOP853 at rtol 1e-12. Events: t, panel. Samples: x, y, turn of "
+                       "bus and panels, then their rates"}
+    for name, (n, latches, cables, until) in CASES.items():
+        result[name] = Array(n, latches, cables).run(until)
+        print(name, result[name]["events"], flush=True)
+    lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in result.items()]
+    (pathlib.Path(__file__).parent.parent / "data/array_panels.json").write_text("{" + ",\n".join(lines) + "}\n")
