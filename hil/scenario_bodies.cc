@@ -28,7 +28,48 @@ Eigen::Matrix3d read_inertia(const YamlNode& node, Mistakes& mistakes) {
   return inertia;
 }
 
+// One value per knot of a law: a list as long as `count`, or nothing where `missing` will do.
+std::vector<const YamlNode*> read_knots(YamlMap& map, const std::string& key, std::size_t count, bool required,
+                                        Mistakes& mistakes) {
+  std::vector<const YamlNode*> out;
+  const YamlNode* node = required ? map.require(key) : map.find(key);
+  if (node == nullptr) return out;
+  if (!node->is_sequence() || node->items.size() != count)
+    mistakes.add(node->mark, key + " is not a list of " + std::to_string(count), "one for each of `at`");
+  else
+    for (const YamlNode& item : node->items) out.push_back(&item);
+  return out;
+}
+
 }  // namespace
+
+// What a body's mass does in time or with what it has burnt: columns of a table.
+MassLaw ScenarioReader::read_law(const YamlNode& node) {
+  MassLaw law;
+  YamlMap map(node, "a mass law", mistakes_);
+  const bool burnt = map.choice("of", "variable", {"time", "burnt"}) == 1;
+  law.of = burnt ? MassLaw::Of::kBurnt : MassLaw::Of::kTime;
+  const YamlNode* at = map.require("at");
+  const std::size_t count = at != nullptr && at->is_sequence() ? at->items.size() : 0;
+  if (at != nullptr && count == 0)
+    mistakes_.add(at->mark, "at is not a list", burnt ? "kg burnt: [0 kg, 60 kg]" : "times: [0 s, 4 s]");
+  for (std::size_t i = 0; i < count; ++i)
+    law.knots.push_back({read_number(at->items[i], burnt ? "kg" : "s", 0.0, mistakes_), 0, Eigen::Vector3d::Zero(),
+                         Eigen::Matrix3d::Zero()});
+  const auto masses = read_knots(map, "mass", count, true, mistakes_);
+  for (std::size_t i = 0; i < masses.size(); ++i) law.knots[i].mass = read_number(*masses[i], "kg", 0.0, mistakes_);
+  const auto inertias = read_knots(map, "inertia", count, true, mistakes_);
+  for (std::size_t i = 0; i < inertias.size(); ++i) law.knots[i].inertia = read_inertia(*inertias[i], mistakes_);
+  const auto centres = read_knots(map, "centre_of_mass", count, false, mistakes_);
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    law.knots[i].centre = read_vector(*centres[i], "m", Eigen::Vector3d::Zero(), mistakes_);
+  if (const YamlNode* exit = map.find("jet_exit")) {
+    law.jet_damping = true;
+    law.exit = read_vector(*exit, "m", Eigen::Vector3d::Zero(), mistakes_);
+  }
+  map.finish();
+  return law;
+}
 
 void ScenarioReader::read_bodies(YamlMap& top) {
   top.require("bodies");
@@ -40,8 +81,16 @@ void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
   Body body;
   body.name = name;
   YamlMap map(node, "body '" + name + "'", mistakes_);
-  body.mass = map.number("mass", "kg");
-  if (const YamlNode* inertia = map.require("inertia")) body.inertia = read_inertia(*inertia, mistakes_);
+  if (const YamlNode* law = map.find("law")) {
+    body.law = read_law(*law);
+    if (!body.law->knots.empty()) {
+      body.mass = body.law->knots.front().mass;
+      body.inertia = body.law->knots.front().inertia;
+    }
+  } else {
+    body.mass = map.number("mass", "kg");
+    if (const YamlNode* inertia = map.require("inertia")) body.inertia = read_inertia(*inertia, mistakes_);
+  }
   body.p_WB = map.vector("position", "m", Eigen::Vector3d::Zero());
   if (const YamlNode* attitude = map.find("attitude")) body.q_WB = read_attitude(*attitude);
   body.v_WB = map.vector("velocity", "m/s", Eigen::Vector3d::Zero());

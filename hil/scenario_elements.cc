@@ -90,6 +90,10 @@ void ScenarioReader::read_load(YamlMap& map, Load load) {
   load.direction = map.vector("direction", "") * map.number("scale", "", 1.0);
   if (const YamlNode* profile = map.require("profile")) load.profile = read_profile(*profile, force ? "N" : "N m");
   load.channel = map.choice("channel", "channel", channels_, kNone);
+  if (force) {
+    load.consumption = map.number("consumption", "kg/(N s)", 0.0);
+    load.tank = map.choice("tank", "body", bodies_, kNone);
+  }
   load.on = map.boolean("on", true);
   model_.loads.push_back(std::move(load));
 }
@@ -115,6 +119,7 @@ void ScenarioReader::read_joint_spring(YamlMap& map, JointSpring spring) {
   spring.damping = map.number("damping", turns ? "N m s/rad" : "N s/m", 0.0);
   spring.rest = map.number("rest", turns ? "rad" : "m", 0.0);
   spring.on = map.boolean("on", true);
+  if (map.find("implicit")) spring.implicit = map.boolean("implicit", true);
   model_.joint_springs.push_back(std::move(spring));
 }
 

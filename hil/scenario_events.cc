@@ -83,8 +83,8 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   using Kind = Condition::Kind;
   Condition condition;
   YamlMap map(node, "a condition", mistakes_);
-  const std::string kind = map.only_one_of({"time", "reaction", "displacement", "angle", "speed", "body_rate", "signal",
-                                            "command", "mode", "all", "any", "not"},
+  const std::string kind = map.only_one_of({"time", "reaction", "displacement", "angle", "speed", "body_rate", "burnt",
+                                            "signal", "command", "mode", "all", "any", "not"},
                                            "to say what it looks at");
   if (kind.empty()) return condition;
   const YamlNode& value = *map.find(kind);
@@ -97,6 +97,10 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
     condition.kind = Kind::kBodyRate;
     condition.subject = read_choice(value, "body", bodies_, mistakes_);
     read_threshold(map, "rad/s", condition);
+  } else if (kind == "burnt") {
+    condition.kind = Kind::kBurnt;
+    condition.subject = read_choice(value, "body", bodies_, mistakes_);
+    read_threshold(map, "kg", condition);
   } else if (kind == "command") {
     condition.kind = Kind::kCommand;
     condition.subject = read_choice(value, "channel", channels_, mistakes_);

@@ -44,6 +44,7 @@ class ScenarioReader {
     bool placed = false;
   };
   void read_body(const std::string& name, const YamlNode& node);
+  MassLaw read_law(const YamlNode& node);
   void place_bodies();
   void report_circles();
   Eigen::Quaterniond read_attitude(const YamlNode& node);

@@ -19,6 +19,21 @@ constexpr const char* kJointFields[] = {"mode",     "angle.x",  "angle.y",  "ang
 constexpr const char* kElementFields[] = {"switched_on", "from", "to", "start", "duration"};
 constexpr const char* kEventFields[] = {"phase", "due"};
 constexpr const char* kSignalFields[] = {"value"};
+constexpr const char* kExtraFields[] = {"value"};
+
+// Coordinates beyond the bodies, as State::extras has them.
+std::vector<std::string> list_extras(const Model& model) {
+  std::vector<std::string> names;
+  for (const Body& body : model.bodies)
+    if (body.law) names.push_back("body '" + body.name + "' burnt");
+  for (const Body& body : model.bodies) {
+    if (!body.flexible) continue;
+    for (const char* what : {" mode ", " rate of mode "})
+      for (Eigen::Index k = 1; k <= body.flexible->frequencies.size(); ++k)
+        names.push_back("body '" + body.name + "'" + what + std::to_string(k));
+  }
+  return names;
+}
 
 // Items of one kind, one after the other in the block: each has the same fields of 8 bytes.
 struct Section {
@@ -51,6 +66,7 @@ std::vector<Section> build_sections(const Model& model, const unlatch::State& st
                    [&](std::size_t i) { return quote("element", model.element_name(static_cast<int>(i))); }),
       make_section(state.events, kEventFields, 1, event_name),
       make_section(state.signals, kSignalFields, 0, [&](std::size_t i) { return quote("signal", model.signals[i]); }),
+      make_section(state.extras, kExtraFields, 0, [names = list_extras(model)](std::size_t i) { return names[i]; }),
   };
 }
 

@@ -1,5 +1,6 @@
 #include "kernel/balance.h"
 
+#include "kernel/flexible.h"
 #include "kernel/kinematics.h"
 
 namespace unlatch {
@@ -11,14 +12,29 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Balance calc_balance(const Plan& plan, const State& state, const Workspace& ws) noexcept {
   Balance sum{{0, 0, 0}, {0, 0, 0}, 0};
+  const auto add = [&](double mass, const Vec3& p, const Vec3& v, const BodyKinematics& k) {
+    const Vec3 momentum = mass * v;
+    const Vec3 spin = k.J * k.w;
+    sum.momentum += momentum;
+    sum.angular_momentum += cross(p, momentum) + spin;
+    sum.kinetic += 0.5 * (dot(momentum, v) + dot(spin, k.w));
+  };
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     const BodyState& s = state.bodies[b];
     const BodyKinematics k = ws.kinematics[b];
-    const Vec3 momentum = plan.bodies[b].mass * s.v;
-    const Vec3 spin = k.J * k.w;
-    sum.momentum += momentum;
-    sum.angular_momentum += cross(s.p, momentum) + spin;
-    sum.kinetic += 0.5 * (dot(momentum, s.v) + dot(spin, k.w));
+    if (plan.bodies[b].flexible != kNone) {
+      const PlanFlexible& flexible = plan.flexible[at(plan.bodies[b].flexible)];
+      if (flexible.body != static_cast<int>(b)) continue;  // a marker
+      const Balance own = calc_flexible_balance(plan, flexible, s, state.extras.data() + flexible.extras);
+      sum.momentum += own.momentum;
+      sum.angular_momentum += own.angular_momentum;
+      sum.kinetic += own.kinetic;
+    } else if (plan.bodies[b].varying == kNone) {
+      add(plan.bodies[b].mass, s.p, s.v, k);
+    } else {
+      const VaryingBody& body = ws.varying[at(plan.bodies[b].varying)];
+      add(body.mass, s.p + body.centre, s.v + cross(k.w, body.centre), k);
+    }
   }
   return sum;
 }

@@ -1,9 +1,14 @@
 #include "kernel/forces.h"
 
+#include <algorithm>
+
+#include "kernel/compliance.h"
 #include "kernel/elementary.h"
+#include "kernel/flexible.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_access.h"
 #include "kernel/step.h"
+#include "kernel/varying.h"
 
 namespace unlatch {
 namespace {
@@ -63,6 +68,7 @@ void add_loads(const Plan& plan, const Inputs& inputs, const State& state, doubl
       last_s = s;
     }
     const double size = last_value * scale * command;
+    if (load.consumption != 0) ws.extras.rate[at(load.varying)] += load.consumption * std::abs(size) * load.length;
     const Mat3 R = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation);
     const Vec3 vector = size * (load.world ? load.direction : R * load.direction);
     if (load.torque)
@@ -97,9 +103,9 @@ void add_joint_springs(const Plan& plan, const State& state, double t, Workspace
     const double scale = calc_scale(state.elements[at(spring.element)], t);
     if (scale == 0) continue;
     const std::size_t coordinate = at(spring.joint) * kRows + at(spring.axis);
-    const double size = (spring.effort - spring.stiffness * (ws.coordinates[coordinate] - spring.rest) -
-                         spring.damping * ws.speeds[coordinate]) *
-                        scale;
+    double x = ws.coordinates[coordinate], rate = ws.speeds[coordinate], lead = 0;
+    if (spring.compliant != kNone) lead = calc_lead(ws.compliant[at(spring.compliant)], ws.implicit, x, rate);
+    const double size = (spring.effort - spring.stiffness * (x - spring.rest) - spring.damping * rate) * scale + lead;
     const PlanJoint& joint = plan.joints[at(spring.joint)];
     const JointFrame f = get_joint_frame(plan, state, ws, spring.joint);
     if (spring.axis < kRotX) {
@@ -153,10 +159,13 @@ Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
 
 void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   plan.kernels->init_forces(plan, ws);
+  std::fill(ws.extras.rate.begin(), ws.extras.rate.end(), 0.0);
   add_loads(plan, inputs, state, t, ws);
   add_point_springs(plan, state, t, ws);
   add_joint_springs(plan, state, t, ws);
   add_plane_torsions(plan, state, t, ws);
+  add_varying_forces(plan, ws);
+  add_flexible_forces(plan, ws);
 }
 
 }  // namespace unlatch

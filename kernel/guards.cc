@@ -39,6 +39,9 @@ double calc_elementary(const Plan& plan, const Inputs& inputs, const State& stat
     case Condition::Kind::kCommand:
       value = inputs.commands[subject];
       break;
+    case Condition::Kind::kBurnt:
+      value = state.extras[at(plan.bodies[subject].varying)];
+      break;
     case Condition::Kind::kSignal:
       return state.signals[subject] != 0 ? kYes : kNo;
     case Condition::Kind::kMode:

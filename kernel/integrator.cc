@@ -2,12 +2,16 @@
 
 #include <cstring>
 
+#include "kernel/compliance.h"
+#include "kernel/extras.h"
+#include "kernel/flexible.h"
 #include "kernel/forces.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_state.h"
 #include "kernel/loops.h"
 #include "kernel/step.h"
 #include "kernel/tree_solver.h"
+#include "kernel/varying.h"
 
 namespace unlatch {
 namespace {
@@ -20,27 +24,64 @@ int project(const Plan& plan, const State& state, Workspace& ws) {
   update_joints(plan, state, BiasKind::kPosition, ws);
   if (const int node = factor_and_solve(plan, state, ws, kCorrection); node != kNone) return node;
   plan.kernels->add_displacements(plan, ws);
+  add_modal_displacements(plan, ws);
 
   update_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kVelocity, ws);
   solve(plan, ws, kCorrection);
   plan.kernels->add_velocities(plan, ws);
+  add_modal_velocities(plan, ws);
   return kNone;
 }
 
 // Without outputs it does without multipliers, and coordinates that no spring reads. Takes as many rows of loops for
 // independent as the latest evaluation has found.
 int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs, Workspace& ws) {
+  update_masses(plan, t, ws);
   update_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kAcceleration, ws);
   update_coordinates(plan, state, outputs, ws);
   update_forces(plan, inputs, state, t, ws);
-  return factor_and_solve(plan, state, ws, {Source::kForces, true, outputs});
+  if (const int node = factor_and_solve(plan, state, ws, {Source::kForces, true, outputs}); node != kNone) return node;
+  update_modal_rates(plan, ws);
+  return kNone;
+}
+
+// The end of a sub-step, on its rows and in `to`.
+int finish(const Plan& plan, const State& from, double end, State& to, Workspace& ws) {
+  update_masses(plan, end, ws);
+  if (const int node = project(plan, from, ws); node != kNone) return node;
+  std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
+  update_markers(plan, ws);
+  store_bodies(plan, ws, to);
+  store_extras(ws, to);
+  return kNone;
+}
+
+// ROS2, see compliance.h.
+int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, State& to,
+                         Workspace& ws) {
+  const LaneKernels& kernels = *plan.kernels;
+  begin_compliance(plan, from, t, h, ws);
+  const double lead = ws.implicit.lead;
+  kernels.restart(plan, ws);
+  restart_extras(ws);
+  if (const int node = evaluate_stage(plan, inputs, from, t, false, ws); node != kNone) return node;
+  kernels.finish_first_stage(plan, ws, h, lead);
+  lead_modal_rates(plan, ws);
+  begin_second_extras(ws, h);
+  keep_first_stage(plan, ws);
+  if (const int node = evaluate_stage(plan, inputs, from, t + h, false, ws); node != kNone) return node;
+  kernels.finish_second_stage(plan, ws, h, lead);
+  lead_modal_rates(plan, ws);
+  finish_extras(ws, 0.5, h);
+  return finish(plan, from, t + h, to, ws);
 }
 
 }  // namespace
 
 int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+  end_compliance(plan, ws);
   ws.loop_most = kAllRows;
   if (const int node = evaluate_stage(plan, inputs, state, t, true, ws); node != kNone) return node;
   ws.loop_most = ws.loop_count - ws.loop_redundant;
@@ -49,24 +90,32 @@ int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, d
 
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   load_state(plan, state, ws);
+  load_extras(state, ws);
   return evaluate_lanes(plan, inputs, state, t, ws);
+}
+
+void keep_start(const Plan& plan, Workspace& ws) noexcept {
+  plan.kernels->keep_start(plan, ws);
+  keep_extras(ws);
 }
 
 int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, State& to,
               Workspace& ws) noexcept {
+  if (is_stiff(plan, from, t + 0.5 * h)) return integrate_implicitly(plan, inputs, from, t, h, to, ws);
   const LaneKernels& kernels = *plan.kernels;
   constexpr double kOuter = 1.0 / 6.0, kInner = 1.0 / 3.0;
   kernels.begin_stages(plan, ws, kOuter, 0.5 * h);
+  begin_extras(ws, kOuter, 0.5 * h);
   if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, false, ws); node != kNone) return node;
   kernels.advance_stage(plan, ws, kInner, 0.5 * h);
+  advance_extras(ws, kInner, 0.5 * h);
   if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, false, ws); node != kNone) return node;
   kernels.advance_stage(plan, ws, kInner, h);
+  advance_extras(ws, kInner, h);
   if (const int node = evaluate_stage(plan, inputs, from, t + h, false, ws); node != kNone) return node;
   kernels.finish_stages(plan, ws, kOuter, h);
-  if (const int node = project(plan, from, ws); node != kNone) return node;
-  std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
-  store_bodies(plan, ws, to);
-  return kNone;
+  finish_extras(ws, kOuter, h);
+  return finish(plan, from, t + h, to, ws);
 }
 
 int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
@@ -74,7 +123,10 @@ int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
   ws.loop_most = kAllRows;
   if (const int node = factor_and_solve(plan, state, ws, {Source::kNothing, true, true}); node != kNone) return node;
   plan.kernels->add_velocities(plan, ws);
+  add_modal_velocities(plan, ws);
+  update_markers(plan, ws);
   store_bodies(plan, ws, state);
+  store_extras(ws, state);
   return kNone;
 }
 

@@ -19,7 +19,7 @@ int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double 
 int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
 // What the latest evaluation was of is where the next sub-steps begin.
-inline void keep_start(const Plan& plan, Workspace& ws) noexcept { plan.kernels->keep_start(plan, ws); }
+void keep_start(const Plan& plan, Workspace& ws) noexcept;
 
 // `to` = `from` after h seconds, in the lanes too. `from` is what keep_start() kept, and it stays kept. Needs the
 // latest evaluation to be of `from`, or of a state in the same modes on its rows. Returns as evaluate().

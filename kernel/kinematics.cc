@@ -1,8 +1,10 @@
 #include "kernel/kinematics.h"
 
 #include "kernel/elementary.h"
+#include "kernel/flexible.h"
 #include "kernel/lane_access.h"
 #include "kernel/rows.h"
+#include "kernel/varying.h"
 
 namespace unlatch {
 namespace {
@@ -65,8 +67,16 @@ JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace
           slip.ang};
 }
 
+void update_kinematics(const Plan& plan, Workspace& ws) noexcept {
+  update_markers(plan, ws);
+  plan.kernels->update_kinematics(plan, ws);
+  update_varying_kinematics(plan, ws);
+  update_flexible_kinematics(plan, ws);
+}
+
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept {
   plan.kernels->update_joints(plan, ws, kind);
+  update_marker_biases(plan, kind, ws);
   for (const std::int32_t j : plan.loose_joints) {
     const PlanJoint& joint = plan.joints[at(j)];
     const BodyFrame base = get_body_frame(ws, joint.base), follower = get_body_frame(ws, joint.follower);

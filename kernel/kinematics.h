@@ -18,7 +18,7 @@ BodyFrame get_body_frame(const Workspace& ws, int body) noexcept;
 JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace& ws, int joint) noexcept;
 
 // Rotations, angular velocities and inertias of all bodies.
-inline void update_kinematics(const Plan& plan, Workspace& ws) noexcept { plan.kernels->update_kinematics(plan, ws); }
+void update_kinematics(const Plan& plan, Workspace& ws) noexcept;
 
 // Frames of all joints and the right-hand sides of their rows; needs kinematics.
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept;

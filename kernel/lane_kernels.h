@@ -49,6 +49,11 @@ struct LaneKernels {
   void (*advance_stage)(const Plan&, Workspace&, double weight, double h);
   // The same, but the pose goes `h` seconds from the beginning along the sum.
   void (*finish_stages)(const Plan&, Workspace&, double weight, double h);
+  // The stages of a sub-step with implicit elements, see compliance.h: back to the beginning; from there to the second
+  // stage, with the first one's solution; from there to the end, with the second one's. `lead`: γ h.
+  void (*restart)(const Plan&, Workspace&);
+  void (*finish_first_stage)(const Plan&, Workspace&, double h, double lead);
+  void (*finish_second_stage)(const Plan&, Workspace&, double h, double lead);
   // Applies the latest solution as a displacement, or as a change of velocity.
   void (*add_displacements)(const Plan&, Workspace&);
   void (*add_velocities)(const Plan&, Workspace&);

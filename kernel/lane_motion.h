@@ -306,6 +306,47 @@ void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
   });
 }
 
+// The stages of a step with implicit elements, see compliance.h; `lead` is γ h.
+
+// To the beginning.
+template <int kWidest>
+void restart(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    set_rates(v.from(kPose), get_rates(v.from(kStart)));
+  });
+}
+
+// x' = v + lead a, v' = a
+template <int kWidest>
+void finish_first_stage(const Plan& plan, Workspace& ws, double h, double lead) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
+    const Rates<T> start = get_rates(v.from(kStart));
+    Rates<T> k = calc_rates(v);
+    k.p = start.v + T(lead) * k.v;
+    k.q = quaternion_rate(start.q, start.w + T(lead) * k.w);
+    set_rates(v.from(kSum), k);
+    set_rates(v.from(kPose), add(start, T(h), k));
+  });
+}
+
+// x' = v + lead (a − 2 a1), v' = a; the quaternion's part of A stays that of the beginning. Then the mean of both
+// stages.
+template <int kWidest>
+void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+    using T = typename V::T;
+    const Rates<T> start = get_rates(v.from(kStart)), first = get_rates(v.from(kSum));
+    Rates<T> k = calc_rates(v);
+    const QuatT<T> turn = quaternion_rate(start.q, T(lead) * (k.w - T(2) * first.w));
+    k.p = k.p + T(lead) * (k.v - T(2) * first.v);
+    k.q = {k.q.w + turn.w, k.q.x + turn.x, k.q.y + turn.y, k.q.z + turn.z};
+    Rates<T> end = add(start, T(0.5 * h), add(first, T(1), k));
+    end.q = normalized(end.q);
+    set_rates(v.from(kPose), end);
+  });
+}
+
 // --- Corrections ----------------------------------------------------------------------------------------------------
 
 template <int kWidest>

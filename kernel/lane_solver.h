@@ -10,7 +10,9 @@
 // crosses the joint. About 550 flop per revolute joint and body. Compiled once per instruction set, see pack.h.
 #pragma once
 
+#include "kernel/flexible.h"
 #include "kernel/lane_node.h"
+#include "kernel/varying.h"
 
 namespace unlatch::UNLATCH_ISA {
 
@@ -82,8 +84,9 @@ UNLATCH_INLINE void eliminate_freedoms(const P& part, const N& node, const Spati
     if constexpr (kFactor) {
       const T mask = own.get(kMask);
       SpatialT<T> U = whole ? node.times(s) : passed.A * s;
-      const T pivot = dot(s, U);
+      T pivot = dot(s, U);
       bad = bad | (mask & ~node.is_pivot(pivot, s));
+      if (has_row(part.group.compliant, r)) pivot = pivot + part.v.get(part.group.pivots[r]);
       const T inverse = mask & (T(1) / pivot);
       U = mask & U;
       own.set(kU, U);
@@ -226,9 +229,15 @@ template <int kWidest, bool kFactor>
 UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep) {
   FanSums fan;
   init_blocks<kWidest, kFactor>(plan, ws, sweep);
+  if (kFactor) add_varying_blocks(plan, ws);
   for (std::size_t g = plan.groups.size(); g-- > 0;) {
     const LaneGroup& group = plan.groups[g];
     int node = kNone;
+    if (group.special != LaneSpecial::kOrdinary) {
+      node = eliminate_special(plan, ws, sweep, group, kFactor);
+      if (node != kNone) return node;
+      continue;
+    }
     for_width<kWidest>(group, [&]<class T, int kWidth>() {
       node = group.leaf ? eliminate_group<true, kFactor, T, kWidth>(plan, ws, sweep, g, fan)
                         : eliminate_group<false, kFactor, T, kWidth>(plan, ws, sweep, g, fan);
@@ -335,6 +344,10 @@ template <int kWidest>
 void substitute(const Plan& plan, Workspace& ws, const Sweep& sweep) {
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     const LaneGroup& group = plan.groups[g];
+    if (group.special != LaneSpecial::kOrdinary) {
+      substitute_special(plan, ws, sweep, group);
+      continue;
+    }
     for_width<kWidest>(group, [&]<class T, int kWidth>() {
       if (group.leaf)
         substitute_group<true, T, kWidth>(plan, ws, sweep, g);
@@ -357,6 +370,9 @@ constexpr LaneKernels build_kernels(Lanes lanes) {
           begin_stages<kWidest>,
           advance_stage<kWidest>,
           finish_stages<kWidest>,
+          restart<kWidest>,
+          finish_first_stage<kWidest>,
+          finish_second_stage<kWidest>,
           add_displacements<kWidest>,
           add_velocities<kWidest>};
 }

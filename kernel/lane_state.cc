@@ -30,10 +30,11 @@ void load_body(const BodyState& body, double* lanes, LaneSlot slot) {
 // What one lane's mode makes of its parts. `rows`: that hold; 0 for an empty lane.
 void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int joint, RowSet rows, double* lanes,
                LaneSlot slot, LanePhase& phase) {
-  const bool held = std::popcount(rows) >= 3;
+  const bool held = std::popcount(rows) >= 3 || (group.compliant != 0 && joint != kNone);
   get_number(lanes, slot, kHeld) = get_mask(held);
   (held ? phase.held : phase.loose) = true;
   for (int r = 0; r < kRows; ++r) {
+    if (has_row(group.compliant, r)) get_number(lanes, slot, group.pivots[r]) = 0;
     if (has_row(group.freedoms, r)) {
       const bool active = held && !has_row(rows, r);
       get_number(lanes, slot, group.freedom_parts[r] + kMask) = get_mask(active);

@@ -20,32 +20,43 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // What must be equal for two nodes to share a group.
 struct Kind {
   bool leaf = false, has_joint = false, shared_axes = true, universal = false, loose = false;
-  RowSet freedoms = 0, rows = 0;
+  RowSet freedoms = 0, rows = 0, compliant = 0;
   std::uint8_t carried = 0;
+  LaneSpecial special = LaneSpecial::kOrdinary;
 
   std::uint64_t get_key() const {
     return static_cast<std::uint64_t>(leaf) | static_cast<std::uint64_t>(has_joint) << 1 |
            static_cast<std::uint64_t>(shared_axes) << 3 | static_cast<std::uint64_t>(universal) << 4 |
            static_cast<std::uint64_t>(loose) << 5 | static_cast<std::uint64_t>(freedoms) << 8 |
-           static_cast<std::uint64_t>(rows) << 16 | static_cast<std::uint64_t>(carried) << 24;
+           static_cast<std::uint64_t>(rows) << 16 | static_cast<std::uint64_t>(carried) << 24 |
+           static_cast<std::uint64_t>(compliant) << 32 | static_cast<std::uint64_t>(special) << 40;
   }
 };
 
-Kind find_kind(const Model& model, const PlanNode& node) {
+LaneSpecial find_special(const Model& model, const PlanNode& node) {
+  if (model.bodies[at(node.body)].flexible) return LaneSpecial::kFlexible;
+  const bool beyond = model.bodies[at(node.body)].marker && node.joint == kNone && node.parent != kNone;
+  return beyond ? LaneSpecial::kMarker : LaneSpecial::kOrdinary;
+}
+
+Kind find_kind(const Model& model, const Plan& plan, const PlanNode& node) {
   Kind kind;
   kind.leaf = node.leaf;
+  kind.special = find_special(model, node);
   if (node.joint == kNone) {
     kind.loose = true;
     return kind;
   }
+  kind.compliant = plan.compliant_axes[at(node.joint)];
   const Joint& joint = model.joints[at(node.joint)];
   kind.has_joint = true;
   kind.universal = joint.universal;
   kind.shared_axes = !joint.rotation_axes.has_value() && !joint.universal;
   for (const JointMode& mode : joint.modes) {
     const int count = std::popcount(mode.rows);
-    if (count < 3) kind.loose = true;
-    if (count >= 3)
+    const bool held = count >= 3 || kind.compliant != 0;
+    if (!held) kind.loose = true;
+    if (held)
       kind.freedoms = static_cast<RowSet>(kind.freedoms | (~mode.rows & (kPointRows | kRotationRows)));
     else
       kind.rows = static_cast<RowSet>(kind.rows | mode.rows);
@@ -85,6 +96,7 @@ class Layout {
       begin = end;
     }
     place_joints();
+    place_springs();
   }
 
  private:
@@ -96,7 +108,7 @@ class Layout {
     std::vector<Candidate> level;
     for (std::size_t k = begin; k < end; ++k) {
       const int parent = old_[k].parent == kNone ? kNone : placed[at(old_[k].parent)];
-      level.push_back({static_cast<int>(k), parent, find_kind(model_, old_[k]).get_key(), 0});
+      level.push_back({static_cast<int>(k), parent, find_kind(model_, plan_, old_[k]).get_key(), 0});
     }
     const auto sort = [&](auto order) {
       std::sort(level.begin(), level.end(), [&](const Candidate& a, const Candidate& b) {
@@ -180,7 +192,7 @@ class Layout {
   static int get_width(std::size_t count) { return static_cast<int>(std::bit_ceil(count)); }
 
   std::size_t place_group(const Candidate* members, std::size_t count, LaneLink link, std::vector<int>& placed) {
-    const Kind kind = find_kind(model_, old_[at(members[0].node)]);
+    const Kind kind = find_kind(model_, plan_, old_[at(members[0].node)]);
     LaneGroup group{};
     group.first = static_cast<std::int32_t>(plan_.lane_nodes.size());
     group.width = static_cast<std::uint8_t>(get_width(count));
@@ -195,6 +207,8 @@ class Layout {
     group.freedoms = kind.freedoms;
     group.rows = kind.rows;
     group.carried = kind.carried;
+    group.compliant = kind.compliant;
+    group.special = kind.special;
     lay_out(group);
     for (std::size_t lane = 0; lane < group.width; ++lane) {
       const Candidate& member = members[std::min(lane, count - 1)];
@@ -219,6 +233,22 @@ class Layout {
                : LaneSides::kMixed;
   }
 
+  // Where each implicit spring's pivot and the acceleration along it are.
+  void place_springs() {
+    std::vector<int> node_of(model_.joints.size(), kNone);
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k)
+      if (plan_.nodes[k].joint != kNone) node_of[at(plan_.nodes[k].joint)] = static_cast<int>(k);
+    for (PlanCompliant& c : plan_.compliant) {
+      const JointSpring& spring = model_.joint_springs[at(c.spring)];
+      const int node = node_of[at(spring.joint)];
+      const LaneSlot slot = get_slot(places_[at(node)]);
+      const LaneGroup& group = plan_.groups[at(places_[at(node)].group)];
+      c.pivot = slot.offset + group.pivots[spring.axis] * slot.stride;
+      c.acceleration = slot.offset + (group.freedom_parts[spring.axis] + kBeta) * slot.stride;
+      c.side = plan_.nodes[at(node)].side;
+    }
+  }
+
   // Where the optional parts of the group's block begin, in rows, and where the block lies.
   void lay_out(LaneGroup& group) {
     int rows = group.has_joint ? kJointEnd : kBodyEnd;
@@ -236,6 +266,7 @@ class Layout {
     for (int r = 0; r < kRows; ++r) {
       if (has_row(group.freedoms, r)) take(group.freedom_parts[r], kFreedomEnd);
       if (has_row(group.rows, r)) take(group.row_parts[r], kRowEnd);
+      if (has_row(group.compliant, r)) take(group.pivots[r], 1);
     }
     const int before = group.leaf ? 0 : kBlockFields;
     group.data = used_ + before * group.width;

@@ -85,6 +85,13 @@ struct LanePhase {
   bool held, loose;       // some lane is held by three rows or more, by fewer
 };
 
+// Nodes that the lanes leave to flexible.h in the solver.
+enum class LaneSpecial : std::uint8_t {
+  kOrdinary,
+  kFlexible,  // a flexible body
+  kMarker,    // a marker beyond its body
+};
+
 enum class LaneSides : std::uint8_t { kFollowers, kBases, kMixed };
 
 struct LaneGroup {
@@ -100,13 +107,16 @@ struct LaneGroup {
   LaneSides sides;            // what the children are to their joints
   bool shared_axes;           // one frame for point–plane and rotation rows
   bool universal;
-  bool may_be_loose;     // some mode leaves fewer than three rows, or a lane is empty
-  RowSet freedoms;       // that some mode of three rows or more leaves
-  RowSet rows;           // that some mode of one or two rows holds
+  bool may_be_loose;  // some mode leaves fewer than three rows, or a lane is empty
+  RowSet freedoms;    // that some mode of three rows or more leaves
+  RowSet rows;        // that some mode of one or two rows holds
+  RowSet compliant;   // freedoms with springs that are integrated implicitly
+  LaneSpecial special;
   std::uint8_t carried;  // bit a: some mode's orientation is measured by where axis a has gone
   // where the optional parts begin, in rows
   std::uint16_t rotation_axes, crossed, carried_axes, free;
   std::uint16_t freedom_parts[kRows], row_parts[kRows];  // per row, of those in `freedoms` and in `rows`
+  std::uint16_t pivots[kRows];                           // of those in `compliant`: what is added to the pivot
 };
 
 // Where one body's or joint's numbers are: row r of it is lanes[offset + r · stride].

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernel/flexible.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_access.h"
 
@@ -50,6 +51,10 @@ void init_loads(const Plan& plan, Workspace& ws, Source source) {
     const double* forces = ws.lanes.data() + group.data + kForce * group.width;
     for (int i = 0; i < 6 * group.width; ++i) loads[i] = source == Source::kForces ? forces[i] : 0;
   }
+  for (const PlanFlexible& body : plan.flexible) {
+    const ModalWork work = get_work(plan, body, ws);
+    for (int k = 0; k < body.modes; ++k) work.given[k] = source == Source::kForces ? work.force[k] : 0;
+  }
 }
 
 void add_wrench(const LoopRow& row, double size, Workspace& ws) {
@@ -82,16 +87,24 @@ double calc_turning_mobility(const Sym3& J, const Vec3& torque) {
   return dot(torque, Mat3{yz, cross(z, x), cross(x, y)} * torque) / dot(x, yz);
 }
 
+// The same for a force as well, at the body's origin; a marker has the mobility of its body.
+double calc_mobility(const Plan& plan, const Workspace& ws, int body, Spatial w) {
+  const PlanBody& b = plan.bodies[at(body)];
+  double mass = b.mass;
+  if (b.varying != kNone) mass = ws.varying[at(b.varying)].mass;
+  if (b.flexible != kNone) {
+    const PlanFlexible& carrier = plan.flexible[at(b.flexible)];
+    w.ang += cross(get_body_frame(ws, body).p - get_body_frame(ws, carrier.body).p, w.lin);
+    mass = carrier.mass;
+    body = carrier.body;
+  }
+  return dot(w.lin, w.lin) / mass + calc_turning_mobility(ws.kinematics[at(body)].J, w.ang);
+}
+
 // How much the row's bodies would give way to it if nothing held them.
 double calc_free_mobility(const Plan& plan, const Workspace& ws, const LoopRow& row) {
-  double sum = 0;
-  for (const bool follower : {false, true}) {
-    if (!follower && row.base == kGround) continue;
-    const std::size_t b = at(follower ? row.follower : row.base);
-    const Spatial& w = follower ? row.on_follower : row.on_base;
-    sum += dot(w.lin, w.lin) / plan.bodies[b].mass + calc_turning_mobility(ws.kinematics[b].J, w.ang);
-  }
-  return sum;
+  const double follower = calc_mobility(plan, ws, row.follower, row.on_follower);
+  return row.base == kGround ? follower : calc_mobility(plan, ws, row.base, row.on_base) + follower;
 }
 
 // Of the rows from `first` on, the one whose pivot is largest beside its row's own diagonal entry, ties to the earlier;

@@ -65,4 +65,29 @@ const std::string& Model::element_name(int element) const {
   return plane_torsions.at(index - joint_springs.size()).name;
 }
 
+// As calc_marker_state() of flexible.h; what validate() refuses is left where it is.
+Model place_markers(const Model& model) {
+  Model out = model;
+  for (Body& body : out.bodies) {
+    if (!body.marker || body.marker->body < 0 || static_cast<std::size_t>(body.marker->body) >= model.bodies.size())
+      continue;
+    const Body& carrier = model.bodies[static_cast<std::size_t>(body.marker->body)];
+    if (!carrier.flexible) continue;
+    const Eigen::Index m = carrier.flexible->frequencies.size();
+    if (body.marker->shape.cols() != m || body.marker->turn.cols() != m) continue;
+    const auto get = [m](const Eigen::VectorXd& v) { return v.size() == m ? v : Eigen::VectorXd::Zero(m).eval(); };
+    const Eigen::VectorXd eta = get(carrier.flexible->initial), rate = get(carrier.flexible->initial_rate);
+    const Eigen::Vector3d u = body.marker->position + body.marker->shape * eta;
+    const Eigen::Vector3d g = 0.5 * body.marker->turn * eta, g_rate = 0.5 * body.marker->turn * rate;
+    const Eigen::Quaterniond q = carrier.q_WB.normalized();
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(1, g.x(), g.y(), g.z()).normalized();
+    const Eigen::Vector3d w_rel = 2 / (1 + g.squaredNorm()) * (g_rate + g.cross(g_rate));
+    body.p_WB = carrier.p_WB + q * u;
+    body.q_WB = q * turn;
+    body.v_WB = carrier.v_WB + q * (carrier.w_WB_B.cross(u) + body.marker->shape * rate);
+    body.w_WB_B = turn.conjugate() * (carrier.w_WB_B + w_rel);
+  }
+  return out;
+}
+
 }  // namespace unlatch

@@ -22,6 +22,39 @@ using Attitude = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 // --- Bodies ---------------------------------------------------------------------------------------------------------
 
+// How a body's mass, centre of mass and inertia change: linear between the knots, constant beyond them.
+struct MassLaw {
+  enum class Of { kTime, kBurnt };  // the knots' variable: t, s; or what the body has burnt, kg
+  struct Knot {
+    double at, mass;          // s or kg; kg
+    Eigen::Vector3d centre;   // of mass, from the body's origin, which is fixed in the structure; body axes, m
+    Eigen::Matrix3d inertia;  // about the centre of mass, body axes, kg m²
+  };
+  Of of = Of::kTime;
+  std::vector<Knot> knots;
+  bool jet_damping = false;                        // see varying.h
+  Eigen::Vector3d exit = Eigen::Vector3d::Zero();  // where the particles leave, from the body's origin, body axes, m
+};
+
+// Small elastic deformations as m modes over the body's frame, whose origin is the undeformed centre of mass. The sums
+// are over the body's particles at r with the mode shapes Φ_k, scaled so that Σ m |Φ_k|² = 1.
+struct FlexibleBody {
+  Eigen::VectorXd frequencies;            // ω_k, rad/s, > 0
+  Eigen::VectorXd damping;                // ζ_k, of critical
+  Eigen::Matrix3Xd momentum;              // Σ m Φ_k; 0 for modes of a body that nothing holds
+  std::vector<Eigen::Matrix3d> first;     // Σ m r Φ_kᵀ
+  std::vector<Eigen::Matrix3d> second;    // Σ m Φ_k Φ_lᵀ, at k · m + l
+  Eigen::VectorXd initial, initial_rate;  // modal coordinates at the start and their rates, 1/s; empty for 0
+};
+
+// A frame without mass that a flexible body carries: what joints, loads and sensors are fixed to.
+struct Marker {
+  int body = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // undeformed, from the body's origin, body axes, m
+  Eigen::Matrix3Xd shape;                              // Φ_k there
+  Eigen::Matrix3Xd turn;                               // Ψ_k: small rotation there per unit of the coordinate, rad
+};
+
 struct Body {
   std::string name;
   double mass = 0;                                    // kg, > 0
@@ -30,6 +63,10 @@ struct Body {
   Attitude q_WB = Attitude::Identity();               // initial attitude, body to inertial
   Eigen::Vector3d v_WB = Eigen::Vector3d::Zero();     // initial velocity of the centre of mass, inertial axes, m/s
   Eigen::Vector3d w_WB_B = Eigen::Vector3d::Zero();   // initial angular velocity, body axes, rad/s
+  // At most one of these.
+  std::optional<MassLaw> law;  // then mass and inertia are those at the start, and the body's origin is its structure's
+  std::optional<FlexibleBody> flexible;  // then mass and inertia are the undeformed ones
+  std::optional<Marker> marker;          // then nothing above counts: it moves with its flexible body
 };
 
 // --- Joints ---------------------------------------------------------------------------------------------------------
@@ -97,6 +134,8 @@ struct Load {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // multiplied by the size; need not be a unit vector
   Profile profile;                                       // N or N m
   int channel = kNone;                                   // command channel that multiplies it
+  double consumption = 0;                                // kg burnt per N s of a force: 1 / (Isp · g0)
+  int tank = kNone;                                      // body with a mass law that burns it; by default `body`
   bool on = true;
 };
 
@@ -119,6 +158,7 @@ struct JointSpring {
   int axis = kRotZ;                                         // Row: kX … kRotZ
   double effort = 0, stiffness = 0, damping = 0, rest = 0;  // N or N m, per m or rad, per m/s or rad/s, m or rad
   bool on = true;
+  std::optional<bool> implicit{};  // integrated implicitly, see compliance.h; by default the plan decides
 };
 
 // A torsion spring that keeps an axis of the follower in a plane of the base, (4.17) with a signed angle:
@@ -189,6 +229,7 @@ struct Condition {
     kAll,
     kAny,
     kNot,
+    kBurnt,  // what a body with a mass law has burnt, kg
   };
   Kind kind = Kind::kTime;
   int subject = 0;
@@ -248,6 +289,9 @@ struct ModelError {
   std::string mend;   // what would be right
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
+
+// The same with the initial poses and velocities of the markers of its flexible bodies, which follow from the bodies'.
+Model place_markers(const Model& model);
 
 // Every mistake that makes the model unphysical or inconsistent, all at once. Empty: it may be compiled.
 std::vector<ModelError> validate(const Model& model);

@@ -43,18 +43,35 @@ class Hasher {
   }
   void add_one(const Profile::Harmonic& h) { add(h.amplitude, h.frequency, h.phase); }
   void add_one(const Profile& p) { add(p.kind, p.value, p.initial, p.final, p.tau, p.times, p.values, p.harmonics); }
-  void add_one(const Body& b) { add(b.mass, b.inertia, b.p_WB, b.q_WB, b.v_WB, b.w_WB_B); }
+  void add_one(const MassLaw::Knot& k) { add(k.at, k.mass, k.centre, k.inertia); }
+  void add_one(const MassLaw& l) { add(l.of, l.knots, l.jet_damping, l.exit); }
+  void add_one(const FlexibleBody& f) {
+    add(f.frequencies, f.damping, f.momentum, f.first, f.second, f.initial, f.initial_rate);
+  }
+  void add_one(const Body& b) {
+    add(b.mass, b.inertia, b.p_WB, b.q_WB, b.v_WB, b.w_WB_B);
+    // Models without these keep the hash that they have always had.
+    if (b.law) add(*b.law);
+    if (b.flexible) add(*b.flexible);
+    if (b.marker) add(b.marker->body, b.marker->position, b.marker->shape, b.marker->turn);
+  }
   void add_one(const JointMode& m) { add(m.rows); }
   void add_one(const Joint& j) {
     add(j.base, j.follower, j.point_base, j.point_follower, j.axes, j.rotation_axes, j.follower_axes, j.universal,
         j.modes, j.mode);
   }
   void add_one(const Gravity& g) { add(g.uniform, g.mu, g.centre); }
-  void add_one(const Load& l) { add(l.body, l.kind, l.frame, l.point, l.direction, l.profile, l.channel, l.on); }
+  void add_one(const Load& l) {
+    add(l.body, l.kind, l.frame, l.point, l.direction, l.profile, l.channel, l.on);
+    if (l.consumption != 0) add(l.consumption, l.tank);
+  }
   void add_one(const PointSpring& s) {
     add(s.base, s.follower, s.point_base, s.point_follower, s.stiffness, s.damping, s.free_length, s.push_only, s.on);
   }
-  void add_one(const JointSpring& s) { add(s.joint, s.axis, s.effort, s.stiffness, s.damping, s.rest, s.on); }
+  void add_one(const JointSpring& s) {
+    add(s.joint, s.axis, s.effort, s.stiffness, s.damping, s.rest, s.on);
+    if (s.implicit) add(*s.implicit);
+  }
   void add_one(const PlaneTorsion& s) {
     add(s.base, s.follower, s.normal_base, s.axis_follower, s.stiffness, s.damping, s.on);
   }

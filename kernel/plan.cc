@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "kernel/flexible.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_kernels.h"
 #include "kernel/model_hash.h"
+#include "kernel/stiffness.h"
 #include "kernel/topology.h"
 
 namespace unlatch {
@@ -22,9 +24,96 @@ Eigen::Matrix3d get_attitude(const Model& model, int body) {
   return body == kGround ? Eigen::Matrix3d::Identity() : model.bodies[at(body)].q_WB.normalized().toRotationMatrix();
 }
 
-PlanBody compile_body(const Body& body) {
-  return {
+void append(std::vector<double>& to, const Eigen::Matrix3Xd& columns) {
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    for (Eigen::Index i = 0; i < 3; ++i) to.push_back(columns(i, k));
+}
+void append(std::vector<double>& to, const std::vector<Eigen::Matrix3d>& matrices) {
+  for (const Eigen::Matrix3d& m : matrices)
+    for (Eigen::Index r = 0; r < 3; ++r)
+      for (Eigen::Index c = 0; c < 3; ++c) to.push_back(m(r, c));
+}
+
+// Whether some mode swings faster than the step resolves.
+bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
+
+void compile_flexible(const Model& model, int body, Plan& plan) {
+  const FlexibleBody& shape = *model.bodies[at(body)].flexible;
+  const auto m = static_cast<std::int32_t>(shape.frequencies.size());
+  PlanFlexible out{body,
+                   m,
+                   static_cast<std::int32_t>(plan.markers.size()),
+                   0,
+                   static_cast<std::int32_t>(plan.initial_extras.size()),
+                   static_cast<std::int32_t>(plan.modal.size()),
+                   plan.modal_work,
+                   kNone,
+                   has_stiff_mode(shape, plan.options.dt),
+                   model.bodies[at(body)].mass,
+                   to_sym(model.bodies[at(body)].inertia)};
+  append(plan.modal, shape.momentum);
+  append(plan.modal, shape.first);
+  append(plan.modal, shape.second);
+  for (const double w : shape.frequencies) plan.modal.push_back(w * w);
+  for (Eigen::Index k = 0; k < m; ++k) plan.modal.push_back(2 * shape.damping[k] * shape.frequencies[k]);
+  for (const Eigen::VectorXd* start : {&shape.initial, &shape.initial_rate})
+    for (Eigen::Index k = 0; k < m; ++k) plan.initial_extras.push_back(start->size() == 0 ? 0 : (*start)[k]);
+  for (int i = 0; i < static_cast<int>(model.bodies.size()); ++i) {
+    const std::optional<Marker>& marker = model.bodies[at(i)].marker;
+    if (!marker || marker->body != body) continue;
+    plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
+                            static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
+    append(plan.modal, marker->shape);
+    append(plan.modal, marker->turn);
+    plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
+    ++out.markers;
+  }
+  plan.bodies[at(body)].flexible = static_cast<std::int32_t>(plan.flexible.size());
+  plan.modal_work += get_work_size(m) + out.markers * get_marker_size(m);
+  plan.flexible.push_back(out);
+}
+
+// What the tree makes of flexible bodies and their markers: by which marker each is held, and what hangs on the others.
+// Where the markers start.
+void place_flexible(Plan& plan) {
+  std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
+  for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
+  for (const PlanNode& node : plan.nodes) {
+    const std::int32_t marker = marker_of[at(node.body)];
+    if (marker != kNone) plan.markers[at(marker)].bare = node.leaf;
+    const PlanBody& body = plan.bodies[at(node.body)];
+    if (body.flexible != kNone && marker == kNone && node.parent != kNone)
+      plan.flexible[at(body.flexible)].inboard = marker_of[at(plan.nodes[at(node.parent)].body)];
+  }
+  for (const PlanMarker& marker : plan.markers) {
+    const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
+    const double* coordinates = plan.initial_extras.data() + carrier.extras;
+    plan.bodies[at(marker.body)].initial = calc_marker_state(plan, marker, plan.bodies[at(carrier.body)].initial,
+                                                             coordinates, coordinates + carrier.modes);
+  }
+}
+
+PlanBody compile_body(const Body& body, Plan& plan) {
+  PlanBody out{
       body.mass, to_sym(body.inertia), {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
+  if (!body.law && !body.flexible && !body.marker) return out;
+  out.mass = 0;  // what these have beyond a constant diag(mass, inertia) is added where it is known
+  out.inertia = {};
+  if (!body.law) return out;
+  out.varying = static_cast<std::int32_t>(plan.varying.size());
+  plan.varying.push_back({static_cast<std::int32_t>(plan.bodies.size()),
+                          static_cast<std::int32_t>(plan.mass_knots.size()),
+                          static_cast<std::int32_t>(body.law->knots.size()), body.law->of == MassLaw::Of::kBurnt,
+                          body.law->jet_damping, to_vec(body.law->exit)});
+  for (const MassLaw::Knot& knot : body.law->knots)
+    plan.mass_knots.push_back({knot.at, knot.mass, to_vec(knot.centre), to_sym(knot.inertia)});
+  return out;
+}
+
+// Bodies whose block is more than diag(mass, inertia) are no leaves to the solver, whatever is beyond them.
+void mark_blocks(const Model& model, Plan& plan) {
+  for (PlanNode& node : plan.nodes)
+    if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
 }
 
 // Which coordinates of a joint somebody reads; the others are not computed. Bit r: Row r.
@@ -105,6 +194,49 @@ std::int32_t compile_profile(const Profile& profile, const Profile* previous, Pl
   return static_cast<std::int32_t>(plan.profiles.size()) - 1;
 }
 
+std::int32_t find_compliant(const Plan& plan, std::ptrdiff_t spring) {
+  const auto found = std::find_if(plan.compliant.begin(), plan.compliant.end(),
+                                  [&](const PlanCompliant& c) { return c.spring == spring; });
+  return found == plan.compliant.end() ? kNone : static_cast<std::int32_t>(found - plan.compliant.begin());
+}
+
+// Per joint, the axes of the springs in `chosen`.
+std::vector<RowSet> list_axes(const Model& model, const std::vector<bool>& chosen) {
+  std::vector<RowSet> axes(model.joints.size(), 0);
+  for (std::size_t i = 0; i < model.joint_springs.size(); ++i)
+    if (chosen[i]) {
+      RowSet& of_joint = axes[at(model.joint_springs[i].joint)];
+      of_joint = static_cast<RowSet>(of_joint | row_bit(model.joint_springs[i].axis));
+    }
+  return axes;
+}
+
+// Springs that are integrated implicitly: those that the user or the step size wants so, if their joint is an edge of
+// the tree. Returns what the tree refuses to those that the user wants.
+std::vector<ModelError> compile_compliance(const Model& model, const std::vector<bool>& stiff, Plan& plan) {
+  std::vector<ModelError> errors;
+  std::vector<bool> edge(model.joints.size(), false);
+  for (const PlanNode& node : plan.nodes)
+    if (node.joint != kNone) edge[at(node.joint)] = true;
+  plan.compliant_axes.assign(model.joints.size(), 0);
+  for (std::size_t i = 0; i < model.joint_springs.size(); ++i) {
+    const JointSpring& spring = model.joint_springs[i];
+    const std::vector<JointMode>& modes = model.joints[at(spring.joint)].modes;
+    const auto frees = [&](const JointMode& mode) { return !has_row(mode.rows, spring.axis); };
+    if (!stiff[i] || std::none_of(modes.begin(), modes.end(), frees)) continue;
+    if (edge[at(spring.joint)]) {
+      plan.compliant.push_back({static_cast<std::int32_t>(i), 0, 0, 0});
+      RowSet& axes = plan.compliant_axes[at(spring.joint)];
+      axes = static_cast<RowSet>(axes | row_bit(spring.axis));
+    } else if (spring.implicit.value_or(false)) {
+      errors.push_back({"element '" + spring.name + "'",
+                        "its joint closes a loop, where no spring can be integrated implicitly",
+                        "leave `implicit` out, or let another joint of the loop be the later one", "implicit"});
+    }
+  }
+  return errors;
+}
+
 void compile_elements(const Model& model, Plan& plan) {
   std::int32_t element = 0;
   const auto next = [&](bool on) {
@@ -115,14 +247,17 @@ void compile_elements(const Model& model, Plan& plan) {
   for (const Load& l : model.loads) {
     plan.loads.push_back({l.body, next(l.on), compile_profile(l.profile, previous, plan), l.channel,
                           l.kind == Load::Kind::kTorque, l.frame == Load::Frame::kWorld, to_vec(l.point),
-                          to_vec(l.direction)});
+                          to_vec(l.direction), l.direction.norm(), l.consumption,
+                          plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
     previous = &l.profile;
   }
   for (const PointSpring& s : model.point_springs)
     plan.point_springs.push_back({s.base, s.follower, next(s.on), s.push_only, to_vec(s.point_base),
                                   to_vec(s.point_follower), s.stiffness, s.damping, s.free_length});
+  const JointSpring* first = model.joint_springs.data();
   for (const JointSpring& s : model.joint_springs)
-    plan.joint_springs.push_back({s.joint, s.axis, next(s.on), s.effort, s.stiffness, s.damping, s.rest});
+    plan.joint_springs.push_back(
+        {s.joint, s.axis, next(s.on), s.effort, s.stiffness, s.damping, s.rest, find_compliant(plan, &s - first)});
   for (const PlaneTorsion& s : model.plane_torsions)
     plan.plane_torsions.push_back(
         {s.base, s.follower, next(s.on), to_vec(s.normal_base), to_vec(s.axis_follower), s.stiffness, s.damping});
@@ -173,7 +308,8 @@ void check_options(const Model& model, const PlanOptions& options, std::vector<M
 
 }  // namespace
 
-PlanResult compile_plan(const Model& model, const PlanOptions& options) {
+PlanResult compile_plan(const Model& unplaced, const PlanOptions& options) {
+  const Model model = place_markers(unplaced);
   PlanResult result;
   result.errors = validate(model);
   check_options(model, options, result.errors);
@@ -181,11 +317,19 @@ PlanResult compile_plan(const Model& model, const PlanOptions& options) {
 
   Plan plan;
   plan.options = options;
-  Topology topology = compile_topology(model, options.root);
+  const std::vector<bool> stiff = find_stiff_springs(model, options.dt);
+  Topology topology = compile_topology(model, list_axes(model, stiff), options.root);
   plan.nodes = std::move(topology.nodes);
   plan.loops = std::move(topology.loops);
+  result.errors = compile_compliance(model, stiff, plan);
+  if (!result.errors.empty()) return result;
 
-  for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body));
+  for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
+  plan.initial_extras.assign(plan.varying.size(), 0.0);
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
+    if (model.bodies[at(b)].flexible) compile_flexible(model, b, plan);
+  place_flexible(plan);
+  mark_blocks(model, plan);
   compile_events(model, plan);
   const std::vector<ReadCoordinates> read = find_read_coordinates(model, plan.conditions);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {

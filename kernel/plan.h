@@ -37,13 +37,53 @@ struct PlanNode {
   std::int32_t parent;  // node, or kNone for the root of a tree
   std::int32_t joint;   // to the parent, or to the ground for a root that is held; kNone for a root that is not
   double side;          // +1: this body is the joint's follower; −1: its base
-  bool leaf;            // nothing is beyond it
+  bool leaf;            // nothing is beyond it, and its mass is constant: its block is diag(mass, inertia)
 };
 
 struct PlanBody {
-  double mass;   // kg
+  double mass;   // kg; of a body with a mass law 0, the law adds it
   Sym3 inertia;  // body axes, kg m²
   BodyState initial;
+  std::int32_t varying = kNone;   // into Plan::varying
+  std::int32_t flexible = kNone;  // into Plan::flexible: of a flexible body, and of its markers
+};
+
+// A flexible body, see flexible.h.
+struct PlanFlexible {
+  std::int32_t body, modes;
+  std::int32_t first_marker, markers;  // into Plan::markers
+  std::int32_t extras;                 // into State::extras: its modal coordinates, then their rates
+  std::int32_t numbers;                // into Plan::modal: invariants, stiffness and damping
+  std::int32_t work;                   // into Workspace::modal
+  std::int32_t inboard;                // marker that it is held by, into Plan::markers; kNone for a root
+  bool implicit;                       // some mode swings faster than the step resolves
+  double mass;                         // kg
+  Sym3 inertia;                        // undeformed, body axes, kg m²
+};
+struct PlanMarker {
+  std::int32_t body, flexible;
+  std::int32_t numbers;  // into Plan::modal: Φ, then Ψ, three per mode
+  Vec3 position;         // undeformed, from the body's origin, body axes, m
+  bool bare;             // no joint hangs on it
+};
+
+// A spring that is integrated implicitly, see compliance.h.
+struct PlanCompliant {
+  std::int32_t spring;               // into Plan::joint_springs
+  std::int32_t pivot, acceleration;  // where Workspace::lanes has what it adds to its freedom's pivot, and that
+                                     // freedom's acceleration
+  double side;                       // of the joint's child
+};
+
+struct MassKnot {
+  double at, mass;
+  Vec3 centre;
+  Sym3 inertia;
+};
+struct PlanVarying {
+  std::int32_t body, first, count;  // of its knots
+  bool by_burnt, jet_damping;
+  Vec3 exit;
 };
 
 struct PlanJoint {
@@ -73,6 +113,9 @@ struct PlanLoad {
   std::int32_t body, element, profile, channel;
   bool torque, world;
   Vec3 point, direction;
+  double length;         // of the direction
+  double consumption;    // kg per N s
+  std::int32_t varying;  // into Plan::varying: what burns it
 };
 
 struct PlanPointSpring {
@@ -85,6 +128,7 @@ struct PlanPointSpring {
 struct PlanJointSpring {
   std::int32_t joint, axis, element;
   double effort, stiffness, damping, rest;
+  std::int32_t compliant;  // into Plan::compliant, kNone if it is integrated explicitly
 };
 
 struct PlanPlaneTorsion {
@@ -134,11 +178,21 @@ class Plan {
   std::vector<LaneGroup> groups;           // parents before children
   std::vector<std::int32_t> lane_nodes;    // per lane: its node, or kNone
   std::vector<LaneSlot> lane_parents;      // per lane: where its parent is
+  std::vector<RowSet> compliant_axes;      // per joint: axes with implicit springs
   std::vector<double> lane_constants;      // blocks of LaneConstant rows
   std::vector<LaneSlot> body_slots;        // per body
   std::vector<LaneSlot> multiplier_slots;  // per joint: the six multipliers
   std::int32_t lane_numbers = 0;           // size of Workspace::lanes
   const LaneKernels* kernels = nullptr;    // the stages of the step, compiled for this processor
+
+  std::vector<PlanVarying> varying;
+  std::vector<MassKnot> mass_knots;
+  std::vector<PlanFlexible> flexible;
+  std::vector<PlanMarker> markers;  // those of one flexible body together
+  std::vector<double> modal;
+  std::int32_t modal_work = 0;         // size of Workspace::modal
+  std::vector<double> initial_extras;  // coordinates beyond the bodies: burnt by each of `varying`, then modal ones
+  std::vector<PlanCompliant> compliant;
 
   Vec3 gravity{};
   double mu = 0;

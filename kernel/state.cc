@@ -1,5 +1,6 @@
 #include "kernel/state.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -26,13 +27,14 @@ State::State(const Plan& plan, std::span<std::byte> memory) noexcept {
   elements = take<ElementState>(cursor, plan.element_scales.size());
   events = take<EventState>(cursor, plan.events.size());
   signals = take<double>(cursor, static_cast<std::size_t>(plan.signal_count));
+  extras = take<double>(cursor, plan.initial_extras.size());
   bytes_ = memory.first(static_cast<std::size_t>(cursor - memory.data()));
 }
 
 std::size_t Plan::get_state_bytes() const {
   return sizeof(StateHeader) + bodies.size() * sizeof(BodyState) + joints.size() * sizeof(JointState) +
          element_scales.size() * sizeof(ElementState) + events.size() * sizeof(EventState) +
-         static_cast<std::size_t>(signal_count) * sizeof(double);
+         (static_cast<std::size_t>(signal_count) + initial_extras.size()) * sizeof(double);
 }
 
 void init_state(const Plan& plan, State& state) noexcept {
@@ -45,6 +47,7 @@ void init_state(const Plan& plan, State& state) noexcept {
   }
   for (EventState& event : state.events) event = {EventPhase::kArmed, 0};
   for (double& signal : state.signals) signal = 0;
+  std::copy(plan.initial_extras.begin(), plan.initial_extras.end(), state.extras.begin());
 }
 
 // Four interleaved multiply–xorshift chains over the 64-bit words, then mixed: about a nanosecond for four words.

@@ -1,7 +1,8 @@
 // State: exactly what decides the next step, in one flat block that the caller owns. Copy it with memcpy, hash it, save
 // it, move it: the step gives the same bits. Every field is 8 bytes wide, so the block has no padding.
 //
-//   [StateHeader][BodyState × bodies][JointState × joints][ElementState × elements][EventState × events][signals]
+//   [StateHeader][BodyState × bodies][JointState × joints][ElementState × elements][EventState ×
+//   events][signals][extras]
 #pragma once
 
 #include <cstddef>
@@ -66,6 +67,8 @@ class State {
   std::span<ElementState> elements;
   std::span<EventState> events;
   std::span<double> signals;
+  std::span<double> extras;  // kg burnt by each body with a mass law; then per flexible body its modal coordinates, and
+                             // their rates, 1/s
 
   std::span<std::byte> get_bytes() const { return bytes_; }
 

@@ -8,7 +8,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Edge {
-  int joint, neighbour;
+  int joint, neighbour;  // joint: kNone between a flexible body and its marker
 };
 
 struct Graph {
@@ -17,12 +17,13 @@ struct Graph {
   std::vector<std::int32_t> loops;
 };
 
-bool may_hold(const Joint& joint) {
-  return std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows != 0; });
+bool may_hold(const Joint& joint, RowSet compliant) {
+  return compliant != 0 ||
+         std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows != 0; });
 }
 
 // Finds which bodies belong together; joints that would close a loop do not become edges.
-Graph build_graph(const Model& model) {
+Graph build_graph(const Model& model, const std::vector<RowSet>& compliant) {
   const int bodies = static_cast<int>(model.bodies.size());
   Graph graph{std::vector<std::vector<Edge>>(at(bodies)), std::vector<int>(at(bodies), kNone), {}};
   std::vector<int> group(at(bodies) + 1);  // union–find with path halving
@@ -32,13 +33,21 @@ Graph build_graph(const Model& model) {
     return b;
   };
   std::vector<bool> held(at(bodies), false);  // per group representative: one of its bodies is held to the ground
+  for (int marker = 0; marker < bodies; ++marker) {
+    if (!model.bodies[at(marker)].marker) continue;
+    const int body = model.bodies[at(marker)].marker->body;
+    group[at(marker)] = body;
+    graph.edges[at(body)].push_back({kNone, marker});
+    graph.edges[at(marker)].push_back({kNone, body});
+  }
   for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
     const Joint& joint = model.joints[at(j)];
-    if (!may_hold(joint)) continue;
+    if (!may_hold(joint, compliant[at(j)])) continue;
     const int f = find(joint.follower);
     const int b = joint.base == kGround ? kGround : find(joint.base);
     if (b == f || (b == kGround && held[at(f)]) || (b != kGround && held[at(b)] && held[at(f)])) {
-      graph.loops.push_back(j);
+      const bool rows = may_hold(joint, 0);
+      if (rows) graph.loops.push_back(j);  // a joint that only carries springs closes no loop
     } else if (b == kGround) {
       held[at(f)] = true;
       graph.ground[at(joint.follower)] = j;
@@ -76,8 +85,8 @@ int find_middle(const Graph& graph, int start, std::vector<int>& reached_from) {
 
 }  // namespace
 
-Topology compile_topology(const Model& model, int root) {
-  const Graph graph = build_graph(model);
+Topology compile_topology(const Model& model, const std::vector<RowSet>& compliant, int root) {
+  const Graph graph = build_graph(model, compliant);
   const std::size_t bodies = model.bodies.size();
   std::vector<int> reached_from(bodies, kNone);
   std::vector<bool> seen(bodies, false);
@@ -98,8 +107,9 @@ Topology compile_topology(const Model& model, int root) {
   for (std::size_t k = 0; k < topology.nodes.size(); ++k) {
     const PlanNode node = topology.nodes[k];
     for (const Edge& edge : graph.edges[at(node.body)]) {
-      if (node.parent != kNone && edge.joint == node.joint) continue;
-      const double side = model.joints[at(edge.joint)].follower == edge.neighbour ? 1.0 : -1.0;
+      if (node.parent != kNone && edge.neighbour == topology.nodes[at(node.parent)].body) continue;
+      const bool follows = edge.joint == kNone || model.joints[at(edge.joint)].follower == edge.neighbour;
+      const double side = follows ? 1.0 : -1.0;
       topology.nodes[k].leaf = false;
       topology.nodes.push_back({edge.neighbour, static_cast<std::int32_t>(k), edge.joint, side, true});
     }

@@ -12,8 +12,9 @@ struct Topology {
   std::vector<std::int32_t> loops;  // joints left over: each closes a loop
 };
 
-// The joints that may hold rows make the edges. Each connected part becomes one tree: rooted at the body that a joint
+// The joints that may hold rows, or have implicit springs along the axes in `compliant`, make the edges, and flexible
+// bodies with their markers. Each connected part becomes one tree: rooted at the body that a joint
 // holds to the ground, else at `root` if it is given and there, else in the middle, where the tree is shallowest. O(n).
-Topology compile_topology(const Model& model, int root);
+Topology compile_topology(const Model& model, const std::vector<RowSet>& compliant, int root);
 
 }  // namespace unlatch

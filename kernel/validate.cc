@@ -75,17 +75,112 @@ void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErro
            "no body's largest principal moment exceeds the sum of the other two");
 }
 
+void check_law(const std::string& where, const MassLaw& law, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "law"});
+  };
+  if (law.knots.empty()) return report("its mass law has no knots", "at least one: mass, centre of mass, inertia");
+  for (std::size_t i = 0; i < law.knots.size(); ++i) {
+    const MassLaw::Knot& knot = law.knots[i];
+    if (!std::isfinite(knot.at)) return report("its mass law has a knot that is not finite", "finite times or masses");
+    if (i > 0 && !(knot.at > law.knots[i - 1].at))
+      report("its mass law's knots do not increase: " + show(law.knots[i - 1].at) + ", " + show(knot.at),
+             "each is later, or more has been burnt, than at the one before");
+    if (!(knot.mass > 0) || !std::isfinite(knot.mass))
+      report("its mass becomes " + show(knot.mass) + " kg at " + show(knot.at), "greater than 0, and finite");
+    check_finite(where, "law", knot.centre.allFinite(), errors);
+    check_inertia(where, knot.inertia, errors);
+  }
+  check_finite(where, "law", law.exit.allFinite(), errors);
+}
+
+// Sizes, and that modal masses are 1: Σ m Φ_k·Φ_l is the trace of Σ m Φ_k Φ_lᵀ.
+void check_flexible(const std::string& where, const FlexibleBody& body, ModelErrors& errors) {
+  constexpr double kOrthonormal = 1e-3;  // modes of a lumped mass matrix; the kernel takes what the sums say
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "flexible"});
+  };
+  const Eigen::Index m = body.frequencies.size();
+  const auto size = static_cast<std::size_t>(m);
+  if (m == 0) return report("it is flexible without modes", "at least one mode, or a rigid body");
+  if (body.damping.size() != m || body.momentum.cols() != m || body.first.size() != size ||
+      body.second.size() != size * size || (body.initial.size() != 0 && body.initial.size() != m) ||
+      (body.initial_rate.size() != 0 && body.initial_rate.size() != m))
+    return report("its modes' numbers do not belong together", "as many of each as there are frequencies");
+  bool finite = body.momentum.allFinite() && body.initial.allFinite() && body.initial_rate.allFinite();
+  for (const std::vector<Eigen::Matrix3d>* list : {&body.first, &body.second})
+    for (const Eigen::Matrix3d& matrix : *list) finite = finite && matrix.allFinite();
+  if (!finite) return report("its modes have numbers that are not finite", "finite shapes");
+  for (Eigen::Index k = 0; k < m; ++k) {
+    if (!(body.frequencies[k] > 0) || !std::isfinite(body.frequencies[k]) || !(body.damping[k] >= 0) ||
+        !std::isfinite(body.damping[k]))
+      report("mode " + std::to_string(k + 1) + " has the frequency " + show(body.frequencies[k]) +
+                 " rad/s and the damping " + show(body.damping[k]),
+             "a frequency greater than 0, a damping of 0 or more");
+    for (Eigen::Index l = 0; l < m; ++l) {
+      const double mass = body.second[static_cast<std::size_t>(k * m + l)].trace();
+      if (!(std::abs(mass - (k == l ? 1 : 0)) < kOrthonormal))
+        return report(
+            "the modal mass of modes " + std::to_string(k + 1) + " and " + std::to_string(l + 1) + " is " + show(mass),
+            "mass-normalised modes: 1 for one mode, 0 for two");
+    }
+  }
+}
+
+void check_marker(const Model& model, const std::string& where, const Marker& marker, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "marker"});
+  };
+  if (!is_index(marker.body, model.bodies.size()) || !model.bodies[static_cast<std::size_t>(marker.body)].flexible)
+    return report("it is the marker of no flexible body", "the index of a body with modes");
+  const Eigen::Index m = model.bodies[static_cast<std::size_t>(marker.body)].flexible->frequencies.size();
+  if (marker.shape.cols() != m || marker.turn.cols() != m)
+    return report("its shapes are not as many as its body's modes", "a displacement and a rotation per mode");
+  if (!marker.position.allFinite() || !marker.shape.allFinite() || !marker.turn.allFinite())
+    report("its place or shapes are not finite", "finite values");
+}
+
+// A flexible body is held, pushed and felt at its markers.
+void check_attached(const Model& model, const std::string& where, int body, ModelErrors& errors) {
+  if (is_index(body, model.bodies.size()) && model.bodies[static_cast<std::size_t>(body)].flexible)
+    errors.push_back({where,
+                      "it acts on the flexible body '" + model.bodies[static_cast<std::size_t>(body)].name + "' itself",
+                      "name one of its markers", "body"});
+}
+
+void validate_attachments(const Model& model, ModelErrors& errors) {
+  for (const Joint& joint : model.joints)
+    for (const int body : {joint.base, joint.follower})
+      check_attached(model, quoted("joint", joint.name), body, errors);
+  for (const Load& load : model.loads) check_attached(model, quoted("element", load.name), load.body, errors);
+  for (const PointSpring& spring : model.point_springs)
+    for (const int body : {spring.base, spring.follower})
+      check_attached(model, quoted("element", spring.name), body, errors);
+  for (const PlaneTorsion& torsion : model.plane_torsions)
+    for (const int body : {torsion.base, torsion.follower})
+      check_attached(model, quoted("element", torsion.name), body, errors);
+}
+
 void validate_bodies(const Model& model, ModelErrors& errors) {
   constexpr double kShortest = 1e-6;  // a quaternion shorter than this has no direction worth trusting
   if (model.bodies.empty()) errors.push_back({"model", "it has no bodies", "give at least one", "bodies"});
   for (const Body& body : model.bodies) {
     const std::string where = quoted("body", body.name);
+    if (body.law.has_value() + body.flexible.has_value() + body.marker.has_value() > 1)
+      errors.push_back(
+          {where, "it has more than one of a mass law, modes, and a body that carries it", "at most one", ""});
+    if (body.marker) {
+      check_marker(model, where, *body.marker, errors);
+      continue;
+    }
+    if (body.flexible) check_flexible(where, *body.flexible, errors);
     if (!(body.mass > 0) || !std::isfinite(body.mass))
       errors.push_back({where, "its mass is " + show(body.mass) + " kg", "greater than 0, and finite", "mass"});
     check_inertia(where, body.inertia, errors);
     check_finite(where, "position", body.p_WB.allFinite(), errors);
     check_finite(where, "velocity", body.v_WB.allFinite(), errors);
     check_finite(where, "rate", body.w_WB_B.allFinite(), errors);
+    if (body.law) check_law(where, *body.law, errors);
     const double length = body.q_WB.norm();
     if (!(length > kShortest) || !std::isfinite(length))
       errors.push_back(
@@ -159,6 +254,14 @@ void validate_loads(const Model& model, ModelErrors& errors) {
       errors.push_back({where, "it acts on no body", "a body's index", "body"});
     if (load.channel != kNone && !is_index(load.channel, model.channels.size()))
       errors.push_back({where, "its channel does not exist", "a channel's index, or kNone", "channel"});
+    check_not_negative(where, "consumption", load.consumption, errors);
+    const int tank = load.tank == kNone ? load.body : load.tank;
+    if (load.consumption > 0 &&
+        (!is_index(tank, model.bodies.size()) || !model.bodies[static_cast<std::size_t>(tank)].law))
+      errors.push_back({where, "it consumes propellant of a body that has no mass law",
+                        "give that body a `law`, or name the tank", "consumption"});
+    if (load.consumption > 0 && load.kind == Load::Kind::kTorque)
+      errors.push_back({where, "a torque consumes nothing", "only a force does", "consumption"});
     check_finite(where, "point", load.point.allFinite(), errors);
     check_finite(where, "direction", load.direction.allFinite(), errors);
     if (load.direction.isZero(0))
@@ -243,7 +346,8 @@ void validate_gravity(const Gravity& gravity, ModelErrors& errors) {
 
 }  // namespace
 
-std::vector<ModelError> validate(const Model& model) {
+std::vector<ModelError> validate(const Model& unplaced) {
+  const Model model = place_markers(unplaced);
   ModelErrors errors;
   check_all_names(model, errors);
   validate_gravity(model.gravity, errors);
@@ -252,6 +356,7 @@ std::vector<ModelError> validate(const Model& model) {
   validate_joints(model, errors);
   validate_loads(model, errors);
   validate_springs(model, errors);
+  validate_attachments(model, errors);
   validate_sensors(model, errors);
   validate_events(model, errors);
   return errors;

@@ -67,6 +67,11 @@ struct EventCheck {
       case Kind::kBodyRate:
         check_subject("body", condition.subject, model.bodies.size(), "when");
         break;
+      case Kind::kBurnt:
+        if (!is_index(condition.subject, model.bodies.size()) ||
+            !model.bodies[static_cast<std::size_t>(condition.subject)].law)
+          report("it looks at what a body burns that has no mass law", "the index of a body with a law", "when");
+        break;
       case Kind::kSignal:
         check_subject("signal", condition.subject, model.signals.size(), "when");
         break;

@@ -34,6 +34,12 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   arena.take(ws.lanes, static_cast<std::size_t>(plan.lane_numbers));
   arena.take(ws.phases, plan.groups.size());
   arena.take(ws.slots, bodies + joints);
+  Extras& e = ws.extras;
+  for (std::span<double>* extras : {&e.now, &e.rate, &e.start, &e.first, &e.sum})
+    arena.take(*extras, plan.initial_extras.size());
+  arena.take(ws.varying, plan.varying.size());
+  arena.take(ws.modal, static_cast<std::size_t>(plan.modal_work));
+  arena.take(ws.compliant, plan.compliant.size());
   arena.take(ws.coordinates, joints * kRows);
   arena.take(ws.speeds, joints * kRows);
   arena.take(ws.loose_frames, plan.loose_joints.size());

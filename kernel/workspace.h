@@ -25,7 +25,7 @@ struct BodyKinematics {
   Sym3 J;  // inertia in world axes, kg m²
 };
 
-// A joint at one stage, world axes. Computed by the kernels' update_joints, or by update_loose_joints().
+// A joint at one stage, world axes. Computed by the kernels' update_joints, or by update_joints() in kinematics.h.
 struct JointFrame {
   Vec3 r_base, r_follower;  // from each body's origin to the follower's point, m
   Mat3 n;                   // axes of the point–plane rows
@@ -75,6 +75,33 @@ struct LoopRow {
   double own;                                      // its diagonal entry of Λ
 };
 
+// Coordinates beyond the bodies as the stages of a step take them, see extras.h.
+struct Extras {
+  std::span<double> now, rate;  // at the stage, 1/s
+  std::span<double> start, first,
+      sum;  // at the beginning of the sub-step, their rates there, weighted sum of the rates
+};
+
+// A body with a mass law at one stage. Computed by update_masses() and update_varying_kinematics().
+struct VaryingBody {
+  double mass, mass_slope;          // kg; per unit of the law's variable
+  Vec3 centre_B, centre;            // centre of mass from the body's origin, body axes and world axes, m
+  Sym3 inertia_B, inertia_slope_B;  // about the centre of mass, body axes, kg m²; per unit of the law's variable
+};
+
+// Where a step with implicit elements stands, see compliance.h.
+enum class ImplicitStage : std::int32_t { kOff, kFirst, kSecond };
+struct Implicit {
+  ImplicitStage stage = ImplicitStage::kOff;
+  double h = 0, lead = 0;  // s; lead: γ h
+};
+// A spring that is integrated implicitly. Computed by begin_compliance() and keep_first_stage().
+struct CompliantSpring {
+  double stiffness, damping;              // times its switch scale
+  double first_rate, first_acceleration;  // of its coordinate, k1
+  double second_place, second_rate;       // of its coordinate at the second stage, m or rad
+};
+
 struct Workspace {
   Workspace() = default;
   // `memory`: at least plan.get_workspace_bytes(), aligned to 64.
@@ -87,6 +114,12 @@ struct Workspace {
   BodyView<BodyKinematics, read_kinematics> kinematics;
   BodyView<Spatial, read_acceleration> accelerations;  // of the latest solve; m/s², rad/s², world axes
   MultiplierView multipliers;
+
+  Extras extras;
+  std::span<VaryingBody> varying;        // per body with a mass law
+  std::span<double> modal;               // of flexible bodies and their markers, see flexible.h
+  std::span<CompliantSpring> compliant;  // as Plan::compliant
+  Implicit implicit;
 
   // per joint, model order
   std::span<double> coordinates;  // 6 per joint that is read: displacement along n, m; angle about m, rad

@@ -1,0 +1,181 @@
+// Springs that the step does not resolve: ROS2 with compliant rows in the step's own matrix.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/balance.h"
+#include "kernel/integrator.h"
+#include "tests/support/implicit_springs.h"
+#include "tests/support/simulation.h"
+#include "tests/support/small_models.h"
+
+namespace unlatch::test {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+SpringChain build_chain(double stiffness, double damping) {
+  return {{1, 2, 0.5},
+          {stiffness, 2 * stiffness, stiffness},
+          {damping, damping, 2 * damping},
+          {0.05, -0.02, 0.03},
+          {0.1, 0.2, -0.1}};
+}
+
+// Stretches of a chain's springs, then their rates.
+VectorXd read_chain(const Simulation& s) {
+  const auto n = static_cast<Eigen::Index>(s.state.bodies.size());
+  VectorXd y(2 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto b = static_cast<std::size_t>(i);
+    y[i] = s.state.bodies[b].p.x - (i == 0 ? 0 : s.state.bodies[b - 1].p.x) - 1;
+    y[n + i] = s.state.bodies[b].v.x - (i == 0 ? 0 : s.state.bodies[b - 1].v.x);
+  }
+  return y;
+}
+
+TEST(Compliance, IsRos2OnAChainOfSprings) {
+  for (const double stiffness : {1e4, 1e6, 1e9}) {
+    const SpringChain chain = build_chain(stiffness, 3);
+    Model model = build_model(chain);
+    for (JointSpring& spring : model.joint_springs) spring.implicit = true;
+    Simulation s(model);
+    VectorXd expected = get_start(chain);
+    const Eigen::MatrixXd A = build_jacobian(chain);
+    double scale = expected.tail(3).norm();
+    for (int i = 0; i < 50; ++i) {
+      ASSERT_EQ(s.advance().status, StepStatus::kOk);
+      expected = step_ros2([&A](const VectorXd& y) -> VectorXd { return A * y; }, A, expected, 1e-3);
+      scale = std::max(scale, expected.norm());
+      // Positions of some metres carry the stretches: their rounding times the stiffest rate √(k/m).
+      EXPECT_LT((read_chain(s) - expected).norm(), 1e-9 * scale) << stiffness << " N/m, step " << i;
+    }
+  }
+}
+
+double run_pendulum(const SpringPendulum& pendulum, double h, double t) {
+  Model model = build_model(pendulum);
+  model.joint_springs[0].implicit = true;
+  Simulation s(model, {.dt = h});
+  for (int i = 0; i < std::lround(t / h); ++i) EXPECT_EQ(s.advance().status, StepStatus::kOk);
+  return std::atan2(s.state.bodies[0].p.y, s.state.bodies[0].p.x);
+}
+
+TEST(Compliance, HasOrderTwoWhereTheStepResolvesTheSpring) {
+  SpringPendulum pendulum;
+  pendulum.stiffness = 50;
+  pendulum.damping = 0.1;
+  pendulum.angle = 0.4;
+  pendulum.speed = -0.3;
+  const double exact = calc_accurate(pendulum, 1)[0];
+  const double coarse = std::abs(run_pendulum(pendulum, 2e-3, 1) - exact);
+  const double fine = std::abs(run_pendulum(pendulum, 1e-3, 1) - exact);
+  EXPECT_NEAR(coarse / fine, 4, 0.4);
+}
+
+// The latch of 1e9 N m/rad at 1 ms: h ω is 27,000. It holds the bar up against its weight, and stays still.
+TEST(Compliance, AStiffLatchIsStableAndHolds) {
+  SpringPendulum pendulum;
+  pendulum.stiffness = 1e9;
+  pendulum.angle = 1e-3;
+  pendulum.speed = 0.5;
+  Model model = build_model(pendulum);
+  Simulation s(model);
+  ASSERT_NE(s.plan.joint_springs[0].compliant, kNone);  // the plan's own decision
+  for (int i = 0; i < 10'000; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+  const double sag = -pendulum.mass * pendulum.gravity * pendulum.arm / pendulum.stiffness;  // 4.9e-9 rad
+  EXPECT_NEAR(std::atan2(s.state.bodies[0].p.y, s.state.bodies[0].p.x), sag, 1e-12);
+  EXPECT_NEAR(s.state.bodies[0].w.z, 0, 1e-9);
+}
+
+// Two bodies on six springs and no row, a bushing, that turn as one.
+Model build_bushing(double stiffness) {
+  Model model;
+  model.bodies = {box("left", 3, 1, 2, 1.5), box("right", 2, 0.5, 1, 1)};
+  model.bodies[1].p_WB = {2, 0, 0};
+  const Vector3d turning(0.3, -0.2, 0.5);
+  model.bodies[0].v_WB = {0.1, 0.2, -0.3};
+  model.bodies[1].v_WB = model.bodies[0].v_WB + turning.cross(model.bodies[1].p_WB);
+  model.bodies[0].w_WB_B = model.bodies[1].w_WB_B = turning;
+  Joint joint;
+  joint.name = "bushing";
+  joint.base = 0;
+  joint.follower = 1;
+  joint.point_base = {1, 0, 0};
+  joint.point_follower = {-1, 0, 0};
+  joint.modes = {{"free", 0}};
+  model.joints.push_back(joint);
+  for (int axis = 0; axis < kRows; ++axis) {
+    JointSpring spring;
+    spring.name = std::string("spring_") + kRowNames[axis];
+    spring.joint = 0;
+    spring.axis = axis;
+    spring.stiffness = stiffness;
+    spring.damping = 1e-4 * stiffness;
+    model.joint_springs.push_back(spring);
+  }
+  return model;
+}
+
+TEST(Compliance, ABushingOfSixSpringsKeepsMomentaAndBecomesAWeld) {
+  const Model model = build_bushing(1e8);
+  Simulation s(model);
+  EXPECT_EQ(s.plan.compliant.size(), 6u);
+  ASSERT_EQ(evaluate(s.plan, {s.commands}, s.state, 0, s.workspace), kNone);
+  const Balance before = calc_balance(s.plan, s.state, s.workspace);
+  for (int i = 0; i < 2000; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+  const Balance after = calc_balance(s.plan, s.state, s.workspace);
+  // Momentum is linear, angular momentum is not: it is kept to the method's order, as (w h)² of its size per radian.
+  EXPECT_LT(norm(after.momentum - before.momentum), 1e-11);
+  EXPECT_LT(norm(after.angular_momentum - before.angular_momentum), 1e-6);
+  const Vec3 turning = rotation_matrix(s.state.bodies[0].q) * s.state.bodies[0].w -
+                       rotation_matrix(s.state.bodies[1].q) * s.state.bodies[1].w;
+  EXPECT_LT(norm(turning), 1e-6);
+}
+
+TEST(Compliance, ThePlanDecidesByTheStepAndTheUserOverrules) {
+  const SpringPendulum pendulum{.stiffness = 1e4};  // ω is about 170 rad/s
+  Model model = build_model(pendulum);
+  EXPECT_EQ(Simulation(model, {.dt = 1e-3}).plan.joint_springs[0].compliant, kNone);
+  EXPECT_NE(Simulation(model, {.dt = 1e-2}).plan.joint_springs[0].compliant, kNone);
+  model.joint_springs[0].implicit = false;
+  EXPECT_EQ(Simulation(model, {.dt = 1e-2}).plan.joint_springs[0].compliant, kNone);
+  model.joint_springs[0].implicit = true;
+  EXPECT_NE(Simulation(model, {.dt = 1e-3}).plan.joint_springs[0].compliant, kNone);
+}
+
+TEST(Compliance, ASpringInAJointThatClosesALoopStaysExplicitUnlessDemanded) {
+  Model model = build_model(SpringPendulum{.stiffness = 1e9});
+  Joint second = model.joints[0];
+  second.name = "second";
+  model.joints.push_back(second);
+  model.joint_springs[0].joint = 1;
+  EXPECT_EQ(Simulation(model).plan.compliant.size(), 0u);
+  model.joint_springs[0].implicit = true;
+  const PlanResult result = compile_plan(model, {});
+  ASSERT_EQ(result.errors.size(), 1u);
+  EXPECT_NE(result.errors[0].what.find("closes a loop"), std::string::npos);
+}
+
+// Switched off it is as if it were not there: the step is RK4, bit for bit.
+TEST(Compliance, ASpringThatIsOffLeavesTheStepAlone) {
+  Model with = build_pendulum(false, 2), without = build_pendulum(false, 2);
+  JointSpring spring;
+  spring.name = "latch";
+  spring.stiffness = 1e9;
+  spring.on = false;
+  with.joint_springs.push_back(spring);
+  Simulation a(with), b(without);
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(a.advance().status, StepStatus::kOk);
+    ASSERT_EQ(b.advance().status, StepStatus::kOk);
+  }
+  for (std::size_t body = 0; body < 2; ++body) {
+    EXPECT_EQ(a.state.bodies[body].p.x, b.state.bodies[body].p.x);
+    EXPECT_EQ(a.state.bodies[body].w.z, b.state.bodies[body].w.z);
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test
