@@ -107,15 +107,13 @@ void add_joint_springs(const Plan& plan, const State& state, double t, Workspace
     if (spring.compliant != kNone) lead = calc_lead(ws.compliant[at(spring.compliant)], ws.implicit, x, rate);
     const double size = (spring.effort - spring.stiffness * (x - spring.rest) - spring.damping * rate) * scale + lead;
     const PlanJoint& joint = plan.joints[at(spring.joint)];
-    const JointFrame f = get_joint_frame(plan, state, ws, spring.joint);
+    const Vec3 vector = size * get_axis(plan, ws, spring.joint, spring.axis);
     if (spring.axis < kRotX) {
-      const Vec3 force = size * column(f.n, spring.axis);
-      push(ws, joint.follower, force, cross(f.r_follower, force));
-      push(ws, joint.base, -force, -cross(f.r_base, force));
+      push(ws, joint.follower, vector, cross(get_arm(plan, ws, spring.joint, true), vector));
+      push(ws, joint.base, -vector, -cross(get_arm(plan, ws, spring.joint, false), vector));
     } else {
-      const Vec3 torque = size * column(f.m, spring.axis - kRotX);
-      push(ws, joint.follower, {0, 0, 0}, torque);
-      push(ws, joint.base, {0, 0, 0}, -torque);
+      push(ws, joint.follower, {0, 0, 0}, vector);
+      push(ws, joint.base, {0, 0, 0}, -vector);
     }
   }
 }

@@ -24,12 +24,38 @@ Mat3 universal_frame(const Mat3& base, const Mat3& follower) {
   return {base.x, cross(z, base.x), z};
 }
 
+// By which turn the follower's pair of axes stands from the base's.
+double calc_turn(const Vec3& bi, const Vec3& bj, const Vec3& fi, const Vec3& fj) {
+  return elementary::atan2(dot(bj, fi) - dot(bi, fj), dot(bi, fi) + dot(bj, fj));
+}
+
+// The angle about axis k of the rotation frame, from the two axes of each side that it takes.
+double calc_angle(const Plan& plan, const State& state, const Workspace& ws, int joint, int k) {
+  const PlanJoint& j = plan.joints[at(joint)];
+  const int first = (k + 1) % 3, second = (k + 2) % 3;
+  const Mat3 follower = read_mat(ws.lanes.data(), ws.slots[at(j.follower)], kRotation);
+  const Vec3 fi = follower * column(j.rotation_follower, first), fj = follower * column(j.rotation_follower, second);
+  if (!is_crossed(j, get_active_rows(plan, state, joint)))
+    return calc_turn(get_axis(plan, ws, joint, kRotX + first), get_axis(plan, ws, joint, kRotX + second), fi, fj);
+  const Mat3 base = get_body_frame(ws, j.base).R;  // the cross has turned the joint's own
+  return calc_turn(base * column(j.rotation_base, first), base * column(j.rotation_base, second), fi, fj);
+}
+
+// Along an axis of the joint frame.
+double get_displacement(const PlanJoint& joint, const Workspace& ws, int row) {
+  if (joint.loose == kNone) {
+    const LaneSlot slot = ws.slots[at(joint.child)];
+    return ws.lanes[at(slot.offset + (kGap + row) * slot.stride)];
+  }
+  const Vec3& d = ws.loose_frames[at(joint.loose)].displacement;
+  return row == kX ? d.x : (row == kY ? d.y : d.z);
+}
+
 }  // namespace
 
 double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
-  const Vec3 &bi = column(base, i), &bj = column(base, j), &fi = column(follower, i), &fj = column(follower, j);
-  return elementary::atan2(dot(bj, fi) - dot(bi, fj), dot(bi, fi) + dot(bj, fj));
+  return calc_turn(column(base, i), column(base, j), column(follower, i), column(follower, j));
 }
 
 Quat calc_relative_attitude(const Plan& plan, const State& state, int joint) noexcept {
@@ -67,6 +93,33 @@ JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace
           slip.ang};
 }
 
+Vec3 get_axis(const Plan& plan, const Workspace& ws, int joint, int row) noexcept {
+  const PlanJoint& j = plan.joints[at(joint)];
+  if (j.loose != kNone) {
+    const JointFrame& f = ws.loose_frames[at(j.loose)];
+    return row < kRotX ? column(f.n, row) : column(f.m, row - kRotX);
+  }
+  const int first = row < kRotX ? kAxes + 3 * row : j.rotation_row + 3 * (row - kRotX);
+  return read_vec(ws.lanes.data(), ws.slots[at(j.child)], first);
+}
+
+Spatial get_slip(const Plan& plan, const Workspace& ws, int joint) noexcept {
+  const PlanJoint& j = plan.joints[at(joint)];
+  if (j.loose == kNone) return read_spatial(ws.lanes.data(), ws.slots[at(j.child)], kSlip);
+  const JointFrame& f = ws.loose_frames[at(j.loose)];
+  return {f.v_rel, f.w_rel};
+}
+
+Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower) noexcept {
+  const PlanJoint& j = plan.joints[at(joint)];
+  if (j.loose != kNone) {
+    const JointFrame& f = ws.loose_frames[at(j.loose)];
+    return of_follower ? f.r_follower : f.r_base;
+  }
+  const bool of_child = j.child == (of_follower ? j.follower : j.base);
+  return read_vec(ws.lanes.data(), ws.slots[at(j.child)], of_child ? kArmChild : kArmParent);
+}
+
 void update_kinematics(const Plan& plan, Workspace& ws) noexcept {
   update_markers(plan, ws);
   plan.kernels->update_kinematics(plan, ws);
@@ -100,21 +153,15 @@ void update_coordinates(const Plan& plan, const State& state, bool all, Workspac
     const PlanJoint& joint = plan.joints[at(j)];
     const RowSet read = all ? joint.read : joint.driven;
     if (read == 0) continue;
-    const JointFrame f = get_joint_frame(plan, state, ws, j);
-    const double displacement[3] = {f.displacement.x, f.displacement.y, f.displacement.z};
+    const Spatial slip = get_slip(plan, ws, j);
     double* coordinates = &ws.coordinates[at(j) * kRows];
     double* speeds = &ws.speeds[at(j) * kRows];
-    for (int k = 0; k < 3; ++k) {
-      if (has_row(read, kX + k)) {
-        coordinates[kX + k] = displacement[k];
-        speeds[kX + k] = dot(column(f.n, k), f.v_rel);
-      }
-      if (has_row(read, kRotX + k)) {
-        const Mat3 base = get_body_frame(ws, joint.base).R * joint.rotation_base;
-        coordinates[kRotX + k] =
-            unwind(calc_twist(base, calc_follower_axes(plan, ws, j), k), state.joints[at(j)].angle[k]);
-        speeds[kRotX + k] = dot(column(f.m, k), f.w_rel);
-      }
+    for (int row = 0; row < kRows; ++row) {
+      if (!has_row(read, row)) continue;
+      coordinates[row] =
+          row < kRotX ? get_displacement(joint, ws, row)
+                      : unwind(calc_angle(plan, state, ws, j, row - kRotX), state.joints[at(j)].angle[row - kRotX]);
+      speeds[row] = dot(get_axis(plan, ws, j, row), row < kRotX ? slip.lin : slip.ang);
     }
   }
 }
