@@ -59,6 +59,11 @@ void RunAnalysis::take_sample() {
   sample.tick = simulation_.get_tick();
   sample.time = simulation_.get_time();
   sample.bodies.assign(simulation_.state().bodies.begin(), simulation_.state().bodies.end());
+  sample.modal.resize(sample.bodies.size());
+  for (const PlanFlexible& body : simulation_.plan().flexible) {
+    const double* eta = simulation_.state().extras.data() + body.extras;
+    sample.modal[static_cast<std::size_t>(body.body)].assign(eta, eta + body.modes);
+  }
   for (std::size_t i = 0; i < scenario_.model.joints.size(); ++i) {
     const Joint& joint = scenario_.model.joints[i];
     const JointMode& mode = joint.modes[static_cast<std::size_t>(simulation_.state().joints[i].mode)];

@@ -29,6 +29,7 @@ struct Sample {
   std::int64_t tick = 0;
   double time = 0;
   std::vector<unlatch::BodyState> bodies;
+  std::vector<std::vector<double>> modal;  // per body: its modal coordinates
   std::vector<ReactionSample> reactions;
 };
 

@@ -77,7 +77,9 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
     const double h_omega = plan.options.dt * element.omega, h_decay = plan.options.dt * element.decay;
     const double worst = std::max(h_omega, h_decay);
     std::string verdict = "resolved";
-    if (worst > kStable)
+    if (element.implicit)
+      verdict = worst > kAccurate ? "implicit: second order, damps what the step does not resolve" : "implicit";
+    else if (worst > kStable)
       verdict = paint(stdout, Colour::kRed, "unstable: make the step smaller, or the element softer");
     else if (worst > kAccurate)
       verdict = paint(stdout, Colour::kYellow, "stable, but not resolved accurately");

@@ -18,7 +18,7 @@ Json build_sample(const hil::Sample& sample, const Model& model) {
                                     {"q", Json::array({body.q.w, body.q.x, body.q.y, body.q.z})},
                                     {"v", to_json(body.v)},
                                     {"w", to_json(body.w)},
-                                    {"modal", Json::array()}};
+                                    {"modal", sample.modal[i]}};
   }
   for (const hil::ReactionSample& reaction : sample.reactions) {
     Json rows = Json::array(), values = Json::array();

@@ -52,7 +52,7 @@ hil::Scenario load(const ScenarioOptions& options) {
 
 void warn_of_unstable_elements(const hil::Scenario& scenario) {
   for (const ElementFrequency& element : hil::build_simulation(scenario)->calc_frequencies()) {
-    if (scenario.dt * std::max(element.omega, element.decay) <= kStable) continue;
+    if (element.implicit || scenario.dt * std::max(element.omega, element.decay) <= kStable) continue;
     std::fprintf(stderr,
                  "warning: element '%s' is too stiff for this step and will be unstable: h*omega %.3g, h*decay %.3g; "
                  "see `unlatch check`\n",

@@ -1,0 +1,305 @@
+// Random systems of everything at once: trees of all joint kinds, springs that are integrated implicitly, a flexible
+// mast among the rigid bodies, a loop through it; against one dense system of equations that shares nothing with the
+// solver:
+//
+//   [M + Σ κ gᵀg   −Gᵀ] [a]   [F + Σ gᵀ (e + κ c_g)]
+//   [G               0] [λ] = [c                    ]
+//
+// g: the Jacobian row of a spring's coordinate, ẍ = g a − c_g; e: its effort; κ: what the implicit method adds. Markers
+// are bodies with no mass of their own, tied to the mast by six more rows each.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "kernel/compliance.h"
+#include "kernel/extras.h"
+#include "kernel/flexible.h"
+#include "kernel/forces.h"
+#include "kernel/loops.h"
+#include "kernel/tree_solver.h"
+#include "kernel/varying.h"
+#include "tests/support/modal_model.h"
+#include "tests/support/random.h"
+#include "tests/support/random_model.h"
+#include "tests/support/simulation.h"
+
+namespace unlatch::test {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int kModes = 4, kMarkers = 3;
+constexpr double kStep = 1e-3;  // s
+
+Vector3d draw(Random& random, double size) {
+  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+}
+Eigen::Quaterniond draw_attitude(Random& random) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(random.uniform(0, 3), draw(random, 1).normalized()));
+}
+Vec3 to_vec(const Vector3d& a) { return {a.x(), a.y(), a.z()}; }
+Vector3d to_eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
+
+struct System {
+  Model model;
+  ModalBody lumped;
+  int mast = 0;  // its markers follow it
+};
+
+// A joint of random kind whose point and axes fit the two bodies where they are.
+Joint connect(const Model& model, const std::string& name, int base, int follower, const Vector3d& point,
+              Random& random) {
+  static const RowSet kKinds[] = {0b111111, 0b011111, 0b000111, 0b111011, 0b101111, 0b011011, 0b000011, 0b100111};
+  const Body &b = model.bodies[static_cast<std::size_t>(base)], &f = model.bodies[static_cast<std::size_t>(follower)];
+  Joint joint;
+  joint.name = name;
+  joint.base = base;
+  joint.follower = follower;
+  joint.point_base = b.q_WB.conjugate() * (point - b.p_WB);
+  joint.point_follower = f.q_WB.conjugate() * (point - f.p_WB);
+  joint.axes = draw_attitude(random).toRotationMatrix();
+  joint.modes = {{"on", kKinds[random.below(8)]}, {"free", 0}};
+  return joint;
+}
+
+System build_system(std::uint64_t seed) {
+  Random random(seed);
+  System s{build_random_model(seed, {.bodies = 2 + random.below(7)}),
+           build_lattice_mast(2, kModes, seed % 2 == 0 ? Support::kFree : Support::kClamped), 0};
+  Model& model = s.model;
+  const int rigid = static_cast<int>(model.bodies.size());
+  for (Body& body : model.bodies) {  // at rest; the test sets speeds that no joint has to agree with
+    body.v_WB.setZero();
+    body.w_WB_B.setZero();
+  }
+  s.mast = rigid;
+  Body mast = build_flexible_body("mast", s.lumped);
+  mast.q_WB = draw_attitude(random);
+  // A bent mast has particles for markers; a straight one has markers that turn, by formulas that hold without bending.
+  const bool bent = random.chance(0.5);
+  if (bent) mast.flexible->initial = Eigen::VectorXd::NullaryExpr(kModes, [&] { return random.uniform(-0.3, 0.3); });
+  model.bodies.push_back(mast);
+  for (const std::size_t particle : {0u, 6u, 11u}) {
+    Eigen::Matrix3Xd turn = Eigen::Matrix3Xd::Zero(3, kModes);
+    for (Index k = 0; k < kModes && !bent; ++k) turn.col(k) = draw(random, 0.2);
+    model.bodies.push_back(build_marker("m" + std::to_string(particle), s.mast, s.lumped, particle, turn));
+  }
+  const int host = random.below(rigid);
+  const Body& carrier = model.bodies[static_cast<std::size_t>(host)];
+  const Vector3d point = carrier.p_WB + draw(random, 1);
+  Model placed = place_markers(model);
+  model.bodies[static_cast<std::size_t>(s.mast)].p_WB +=
+      point - placed.bodies[static_cast<std::size_t>(s.mast) + 1].p_WB;
+  placed = place_markers(model);
+  model.joints.push_back(connect(placed, "to_mast", host, s.mast + 1, point, random));
+  Body bob;
+  bob.name = "bob";
+  bob.mass = 3;
+  bob.inertia = Vector3d(1, 1.5, 2).asDiagonal();
+  bob.q_WB = draw_attitude(random);
+  bob.p_WB = placed.bodies[static_cast<std::size_t>(s.mast) + 2].p_WB + draw(random, 1);
+  model.bodies.push_back(bob);
+  placed = place_markers(model);
+  model.joints.push_back(connect(placed, "to_bob", s.mast + 2, s.mast + 1 + kMarkers, bob.p_WB, random));
+  if (random.chance(0.5)) {
+    Joint loop = connect(placed, "loop", random.below(rigid), s.mast + 3,
+                         placed.bodies[static_cast<std::size_t>(s.mast) + 3].p_WB, random);
+    loop.modes[0].rows = kPointRows;
+    model.joints.push_back(loop);
+  }
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {  // a stiff spring along something that the mode leaves free
+    const Joint& joint = model.joints[j];
+    const RowSet rows = joint.modes[static_cast<std::size_t>(joint.mode)].rows;
+    const int axis = random.below(kRows);
+    if (joint.universal || joint.name == "loop" || has_row(rows, axis) || random.chance(0.4)) continue;
+    JointSpring spring;
+    spring.name = "spring" + std::to_string(j);
+    spring.joint = static_cast<int>(j);
+    spring.axis = axis;
+    spring.effort = random.uniform(-5, 5);
+    spring.stiffness = std::pow(10, random.uniform(2, 8));
+    spring.damping = random.uniform(0, 20);
+    spring.implicit = true;
+    model.joint_springs.push_back(spring);
+  }
+  return s;
+}
+
+// The dense system in its own unknowns: (v', w') per body, then the modal ones.
+struct Dense {
+  RealMatrix M, G;
+  RealVector F, c;
+};
+
+void append_rows(Dense& d, const RealMatrix& rows, const RealVector& bias) {
+  const Index before = d.G.rows();
+  d.G.conservativeResize(before + rows.rows(), d.M.cols());
+  d.G.bottomRows(rows.rows()) = rows;
+  d.c.conservativeResize(before + rows.rows());
+  d.c.tail(rows.rows()) = bias;
+}
+
+RealMatrix cross_matrix(const Vector3d& a) {
+  RealMatrix m(3, 3);
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
+Dense build_dense(const System& s, const Model& placed, const SystemState& state, const FlexibleState& mast) {
+  Model rigid = placed;  // what the rows of joints need of bodies: that they have some mass, which is taken away again
+  for (Body& body : rigid.bodies) {
+    body.flexible.reset();
+    if (!body.marker) continue;
+    body.marker.reset();
+    body.mass = 1;
+    body.inertia.setIdentity();
+  }
+  const DenseKkt kkt = build_dense_kkt(rigid, state);
+  const Index n = kkt.mass.rows();
+  Dense d{RealMatrix::Zero(n + kModes, n + kModes), RealMatrix(0, n + kModes), RealVector::Zero(n + kModes),
+          RealVector(0)};
+  d.M.topLeftCorner(n, n) = kkt.mass;
+  d.F.head(n) = kkt.gyroscopic;
+  for (int k = 0; k <= kMarkers; ++k) {
+    d.M.middleRows(6 * (s.mast + k), 6).setZero();
+    d.F.segment(6 * (s.mast + k), 6).setZero();
+  }
+  const FlexibleSystem own = calc_flexible_system(s.lumped, mast, {});
+  const Index at = 6 * s.mast;
+  d.M.block(at, at, 6, 6) = own.mass.topLeftCorner(6, 6);
+  d.M.block(at, n, 6, kModes) = own.mass.topRightCorner(6, kModes);
+  d.M.block(n, at, kModes, 6) = own.mass.bottomLeftCorner(kModes, 6);
+  d.M.block(n, n, kModes, kModes) = own.mass.bottomRightCorner(kModes, kModes);
+  d.F.segment(at, 6) = own.force.head(6);
+  d.F.tail(kModes) = own.force.tail(kModes);
+  RealMatrix rows = RealMatrix::Zero(kkt.rows.rows(), n + kModes);
+  rows.leftCols(n) = kkt.rows;
+  append_rows(d, rows, kkt.bias);
+
+  const RealMatrix R = mast.q_WB.toRotationMatrix().cast<Real>();
+  for (int k = 0; k < kMarkers; ++k) {
+    const std::size_t particle = std::vector<std::size_t>{0, 6, 11}[static_cast<std::size_t>(k)];
+    const std::size_t body = static_cast<std::size_t>(s.mast + 1 + k);
+    const PointJacobian point = calc_point_jacobian(s.lumped, mast, particle);
+    const RealMatrix turn = placed.bodies[body].marker->turn.cast<Real>();  // straight: Ψ' = Ψ
+    const RealMatrix R_marker = state.bodies[body].q_WB.toRotationMatrix().cast<Real>();
+    RealMatrix tie = RealMatrix::Zero(6, n + kModes);
+    tie.block(0, 6 * (s.mast + 1 + k), 3, 3).setIdentity();
+    tie.block(0, at, 3, 6) = -point.J.leftCols(6);
+    tie.block(0, n, 3, kModes) = -point.J.rightCols(kModes);
+    tie.block(3, 6 * (s.mast + 1 + k) + 3, 3, 3) = R_marker;
+    tie.block(3, at + 3, 3, 3) = -R;
+    tie.block(3, n, 3, kModes) = -R * turn;
+    RealVector bias(6);
+    const RealVector w = R * mast.w_WB_B.cast<Real>(), w_rel = R * turn * mast.eta_rate.cast<Real>();
+    bias << point.bias, cross_matrix(w.cast<double>()) * w_rel;
+    append_rows(d, tie, bias);
+  }
+  return d;
+}
+
+// Adds an implicit spring: its Jacobian row is that of the joint's row, if it held.
+void add_spring(Dense& d, const Model& placed, const SystemState& state, const JointSpring& spring, double x) {
+  Model rigid = placed;
+  for (Body& body : rigid.bodies) {
+    body.flexible.reset();
+    if (!body.marker) continue;
+    body.marker.reset();
+    body.mass = 1;
+    body.inertia.setIdentity();
+  }
+  Joint& joint = rigid.joints[static_cast<std::size_t>(spring.joint)];
+  joint.modes = {{"spring", row_bit(spring.axis)}};
+  SystemState alone = state;
+  alone.modes[static_cast<std::size_t>(spring.joint)] = 0;
+  const DenseKkt kkt = build_dense_kkt(rigid, alone);
+  for (std::size_t i = 0; i < kkt.names.size(); ++i) {
+    if (kkt.names[i].joint != spring.joint) continue;
+    const RealVector g = kkt.rows.row(static_cast<Index>(i)).transpose();
+    const Real rate = g.dot(kkt.speed), lead = static_cast<Real>(kGamma) * static_cast<Real>(kStep);
+    const Real k = spring.stiffness, damping = spring.damping, pivot = lead * (lead * k + damping);
+    const Real effort = spring.effort - k * (x - spring.rest) - damping * rate - lead * k * rate;
+    const Index n = g.size();
+    d.M.topLeftCorner(n, n) += pivot * g * g.transpose();
+    d.F.head(n) += g * (effort + pivot * kkt.bias[static_cast<Index>(i)]);
+  }
+}
+
+TEST(Everything, AtOnceAgreesWithADenseSolve) {
+  constexpr int kSystems = 1000;
+  constexpr double kAgree = 1e-10;  // relative, of accelerations; springs to 1e8 N/m add some digits' loss
+  int compared = 0, springs = 0, loops = 0;
+  double worst = 0;
+  for (std::uint64_t seed = 7000; seed < 7000 + kSystems; ++seed) {
+    const System s = build_system(seed);
+    Simulation sim(s.model, {.dt = kStep});
+    Random random(seed ^ 0x5a5a);
+    for (auto& body : sim.state.bodies) {
+      body.v = to_vec(draw(random, 1));
+      body.w = to_vec(draw(random, 1));
+    }
+    for (double& extra : sim.state.extras.subspan(kModes, kModes)) extra = random.uniform(-2, 2);
+    Workspace& ws = sim.workspace;
+    load_state(sim.plan, sim.state, ws);
+    load_extras(sim.state, ws);
+    begin_compliance(sim.plan, sim.state, 0, kStep, ws);
+    update_masses(sim.plan, 0, ws);
+    update_kinematics(sim.plan, ws);
+    update_markers(sim.plan, ws);
+    store_bodies(sim.plan, ws, sim.state);  // markers move with the mast
+    update_joints(sim.plan, sim.state, BiasKind::kAcceleration, ws);
+    update_coordinates(sim.plan, sim.state, true, ws);
+    update_forces(sim.plan, {sim.commands}, sim.state, 0, ws);
+    ws.loop_most = kAllRows;
+    ASSERT_EQ(factor_and_solve(sim.plan, sim.state, ws, {Source::kForces, true, true}), kNone) << seed;
+
+    const Model placed = place_markers(s.model);
+    SystemState state = build_initial_state(placed);
+    for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+      const auto& from = sim.state.bodies[b];
+      state.bodies[b] = {
+          to_eigen(from.p), to_eigen(from.v), {from.q.w, from.q.x, from.q.y, from.q.z}, to_eigen(from.w)};
+    }
+    const auto& m = state.bodies[static_cast<std::size_t>(s.mast)];
+    FlexibleState mast{m.p_WB, m.v_WB, m.q_WB, m.w_WB_B, Eigen::VectorXd(kModes), Eigen::VectorXd(kModes)};
+    for (std::size_t k = 0; k < kModes; ++k) {
+      mast.eta[static_cast<Index>(k)] = sim.state.extras[k];
+      mast.eta_rate[static_cast<Index>(k)] = sim.state.extras[kModes + k];
+    }
+    Dense d = build_dense(s, placed, state, mast);
+    for (const JointSpring& spring : s.model.joint_springs)
+      add_spring(d, placed, state, spring,
+                 ws.coordinates[static_cast<std::size_t>(spring.joint * kRows + spring.axis)]);
+    const Index n = d.M.rows(), rows = d.G.rows();
+    RealMatrix H = RealMatrix::Zero(n + rows, n + rows);
+    H << d.M, -d.G.transpose(), d.G, RealMatrix::Zero(rows, rows);
+    RealVector right(n + rows);
+    right << d.F, d.c;
+    const Eigen::FullPivLU<RealMatrix> lu(H);
+    if (lu.rank() < H.rows()) continue;  // redundant rows: multipliers are not unique, and Loops.* compare those
+    const RealVector expected = lu.solve(right);
+    Real error = 0, size = 0;
+    for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+      const Spatial a = ws.accelerations[b];
+      const Index i = static_cast<Index>(6 * b);
+      const RealVector turn = state.bodies[b].q_WB.toRotationMatrix().cast<Real>() * expected.segment(i + 3, 3);
+      error += (to_eigen(a.lin).cast<Real>() - expected.segment(i, 3)).squaredNorm() +
+               (to_eigen(a.ang).cast<Real>() - turn).squaredNorm();
+      size += expected.segment(i, 6).squaredNorm();
+    }
+    const double relative = static_cast<double>(std::sqrt(error / size));
+    EXPECT_LT(relative, kAgree) << "seed " << seed;
+    worst = std::max(worst, relative);
+    ++compared;
+    springs += static_cast<int>(sim.plan.compliant.size());
+    loops += sim.plan.loops.empty() ? 0 : 1;
+  }
+  std::printf("%d random systems from seed 7000, %d with loops, %d implicit springs: worst disagreement %.1e\n",
+              compared, loops, springs, worst);
+  EXPECT_GT(compared, kSystems / 2);
+}
+
+}  // namespace
+}  // namespace unlatch::test
