@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""The dual-spin capsule as users run it, against the exact phase, the paper's ordinary differential equations (2.1)-(2.3), and
+the Fresnel integrals of its figures 6 and 7. Run by ctest:
+
+    capsule_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import json
+import math
+import sys
+
+from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
+
+CAPSULE = SCENARIOS / "capsule"
+ODE = json.loads((SOURCE / "tests/data/capsule_ode.json").read_text())
+FRESNEL = json.loads((SOURCE / "tests/data/capsule_fresnel.json").read_text())
+SCALE = 1e-3  # figure6.yaml and figure7.yaml have a thousandth of the paper's L0
+# Of reference.yaml.
+A2, C2, A1, A1K, C1, C1K, T = 180, 120, 90, 30, 60, 15, 20
+R0, SIGMA0, P0, Q0 = 0.2, 6.0, 0.03, 0.05
+ODE_AGREES = 1e-9      # rad, rad/s: RK4 at 1 ms
+FRESNEL_AGREES = 1e-6  # of L0 = 0.75: what is left of small angles squared, and of RK4 at 0.5 ms
+LIMIT_AGREES = 2e-6    # the same, and the third term of the tail
+
+
+def calc_angles(q):
+    """gamma, psi, phi of (2.3): the attitude is a turn by psi about x, gamma about y, phi about z."""
+    w, x, y, z = q
+    gamma = math.asin(2 * (x * z + w * y))
+    psi = math.atan2(-2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
+    phi = math.atan2(-2 * (x * y - w * z), 1 - 2 * (y * y + z * z))
+    return gamma, psi, phi
+
+
+class CapsuleTest(ProcessTest):
+    def sample(self, file, times, *options):
+        report = self.run_json(UNLATCH, "run", CAPSULE / file, "--sample", ",".join(map(str, times)), *options)
+        self.assertEqual(report["status"], "ok")
+        return report["samples"]
+
+    def compare_with_ode(self, name, *options):
+        states = {float(t): y for t, y in ODE[name].items()}
+        worst = 0
+        for sample in self.sample("reference.yaml", sorted(states), *options):
+            p, q, r, sigma, gamma, psi, phi, _ = states[sample["t"]]
+            capsule, motor = sample["bodies"]["capsule"], sample["bodies"]["motor"]
+            found = [*capsule["w"], motor["w"][2] - capsule["w"][2], *calc_angles(capsule["q"])]
+            gaps = [a - b for a, b in zip(found, (p, q, r, sigma, gamma, psi, phi))]
+            gaps[6] = math.remainder(gaps[6], 2 * math.pi)
+            worst = max(worst, *map(abs, gaps))
+        print(f"{name}: {worst:.1e}", file=sys.stderr)
+        self.assertLess(worst, ODE_AGREES)
+
+    def test_free_spin_follows_the_papers_equations(self):
+        self.compare_with_ode("free")
+
+    def test_an_internal_torque_follows_the_papers_equations(self):
+        self.compare_with_ode("friction", "--set", "elements.friction.on=true")
+
+    def test_phase_is_the_exact_one_and_not_its_quadratic(self):
+        a, c, a0 = (A1 - A1K) / T, (C1 - C1K) / T, A1 + A2
+        k = R0 * (a0 - C1 - C2) - C1 * SIGMA0
+        n = a * R0 - c * (R0 + SIGMA0)
+        omega, mu = k / a0, (a * k / a0**2 - n / a0) / 2
+        amplitude, s0 = math.hypot(P0, Q0), math.atan2(P0, Q0)
+        times = [2 * i for i in range(11)]
+        for t, sample in zip(times, self.sample("reference.yaml", times)):
+            p, q, _ = sample["bodies"]["capsule"]["w"]
+            exact = s0 + n / a * t - (k - n * a0 / a) / a * math.log(1 - a * t / a0)
+            self.assertAlmostEqual(math.hypot(p, q), amplitude, delta=ODE_AGREES)
+            self.assertAlmostEqual(math.remainder(math.atan2(p, q) - exact, 2 * math.pi), 0, delta=1e-8)
+        quadratic = s0 + omega * T + mu * T * T
+        self.assertGreater(abs(quadratic - exact), 0.01)  # (2.7) is an approximation
+
+    def compare_with_fresnel(self, file, key, mu):
+        points = {float(t): [float(x) for x in xy] for t, xy in FRESNEL[key]["int_p_dt_int_q_dt"].items()}
+        samples = self.sample(file, sorted(points))
+        for sample in samples:
+            gamma, psi, _ = calc_angles(sample["bodies"]["capsule"]["q"])
+            # By (2.3) psi is the integral of p, gamma that of q; the paper's (2.10) has them the other way round.
+            for angle, wanted in zip((psi, gamma), points[sample["t"]]):
+                self.assertAlmostEqual(angle / SCALE, wanted, delta=FRESNEL_AGREES)
+        # The rest of the way to the limit point, by parts: the integrals of sin F and cos F from t on, F' = omega + 2 mu t.
+        t, amplitude = samples[-1]["t"], 0.75
+        phase, speed = 0.5 + 10 * t + mu * t * t, 10 + 2 * mu * t
+        tail = (amplitude * (math.cos(phase) / speed + 2 * mu * math.sin(phase) / speed**3),
+                amplitude * (-math.sin(phase) / speed + 2 * mu * math.cos(phase) / speed**3))
+        limit = [float(x) for x in FRESNEL[key]["limit"]]
+        for angle, rest, wanted in zip((psi, gamma), tail, limit):
+            self.assertAlmostEqual(angle / SCALE + rest, wanted, delta=LIMIT_AGREES)
+        return limit
+
+    def test_figure_6_winds_into_its_limit_point(self):
+        limit = self.compare_with_fresnel("figure6.yaml", "omega=10,mu=2.5", 2.5)
+        self.assertAlmostEqual(limit[0], 0.0670992388580498, delta=1e-15)
+        self.assertAlmostEqual(limit[1], -0.0325242635870585, delta=1e-15)
+
+    def test_figure_7_unwinds_and_winds_into_its_limit_point(self):
+        limit = self.compare_with_fresnel("figure7.yaml", "omega=10,mu=-2.5", -2.5)
+        self.assertAlmostEqual(limit[0], -0.176649962112910, delta=1e-15)
+        self.assertAlmostEqual(limit[1], -0.844573734013524, delta=1e-15)
+
+    def test_angles_of_the_papers_size_are_no_small_angles(self):
+        q = self.sample("figure7.yaml", [10], "--set", "bodies.capsule.rate[0]=0.3595691539531523", "--set",
+                        "bodies.motor.rate[0]=0.3595691539531523", "--set", "bodies.capsule.rate[1]=0.6581869214177796",
+                        "--set", "bodies.motor.rate[1]=0.6581869214177796")[0]["bodies"]["capsule"]["q"]
+        gamma, psi, _ = calc_angles(q)
+        wanted = [float(x) for x in FRESNEL["omega=10,mu=-2.5"]["int_p_dt_int_q_dt"]["10"]]
+        self.assertGreater(math.dist((psi, gamma), wanted), 0.01)  # rad; figure 7 as drawn is a limit, not the motion
+
+    def test_spin_up_keeps_the_thrust_on_its_line(self):
+        """The velocity gained points the nearer to the axis, the faster the motor spins."""
+        errors = []
+        for spin in (0, 2, 6):
+            sample = self.sample("scenario.yaml", [22], "--set", f"bodies.motor.rate[2]={spin}")[0]
+            v = sample["bodies"]["capsule"]["v"]
+            errors.append(math.atan2(math.hypot(v[0], v[1]), v[2]))
+        self.assertGreater(errors[0], errors[1])
+        self.assertGreater(errors[1], errors[2])
+
+    def test_what_burns_is_gone_when_the_motor_stops(self):
+        report = self.run_json(UNLATCH, "run", CAPSULE / "scenario.yaml")
+        times = {event["name"]: event["t"] for event in report["events"]}
+        flow = 27459 * 3.642e-4
+        self.assertAlmostEqual(times["burnout"], 1 + 0.1 + 199.99 / flow, delta=1e-6)
+
+    def test_portraits_are_what_their_generator_writes(self):
+        self.run_ok(CAPSULE / "make-portraits", "--check")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""Figures of the solar array: hinge angles, what hinges bear around the latches, the shock's spectrum, residual rates."""
+import math
+
+COLOURS = ("#c1121f", "#457b9d", "#e09f3e", "#2a9d5c", "#6a4c93", "#555555", "#b5838d", "#1d3557")
+
+
+def calc_angles(run, panels):
+    """Of each hinge over time, rad: panels turn about z alone."""
+    angles = [[] for _ in range(panels)]
+    for sample in run["samples"]:
+        turns = [2 * math.atan2(body["q"][3], body["q"][0]) for body in sample["bodies"].values()]
+        for k in range(panels):
+            angles[k].append(math.remainder(turns[k + 1] - turns[k], 2 * math.pi))
+    return angles
+
+
+def add(figure, tools):
+    @figure("array-angles")
+    def angles(bench):
+        import matplotlib.pyplot as plt
+        drawn, columns = plt.subplots(1, 3, figsize=(10, 3), sharey=True, constrained_layout=True)
+        for axes, file, title in zip(columns, ("scenario", "elastic", "elastic-cables"),
+                                     ("cables, rigid latches", "no cables, elastic latches", "elastic cables and latches")):
+            run = bench.run(f"array/{file}.yaml", 10, 0.01)
+            for k, values in enumerate(calc_angles(run, 4)):
+                axes.plot(tools.get_times(run), [math.degrees(v) for v in values], color=COLOURS[k],
+                          label=f"hinge {k + 1}", linestyle=("-", "--", "-.", ":")[k])
+            tools.mark_events(axes, run, ("latch",))
+            axes.set_title(title, loc="left")
+            axes.set_xlabel("t, s")
+        columns[0].set_ylabel("hinge angle, deg")
+        columns[0].legend(fontsize=7)
+        return drawn
+
+    @figure("array-reference")
+    def reference(bench):
+        import matplotlib.pyplot as plt
+        run = bench.run("array/reference.yaml", 20, 0.01)
+        times = tools.get_times(run)
+        drawn, rows = plt.subplots(2, 1, figsize=(7.5, 4), sharex=True, constrained_layout=True)
+        for k in (1, 2):
+            force = [math.hypot(*(v for v in sample["reactions"][f"hinge{k}"]["lambda"][:3])) for sample in run["samples"]]
+            rows[0].plot(times, force, color=COLOURS[k - 1], label=f"hinge {k}")
+        for name, colour in (("bus", "0.3"), ("panel1", COLOURS[0]), ("panel2", COLOURS[1])):
+            rows[1].plot(times, [math.degrees(sample["bodies"][name]["w"][2]) for sample in run["samples"]], color=colour,
+                         label=name, linewidth=0.9)
+        for axes in rows:
+            tools.mark_events(axes, run, ("latch1", "latch2"))
+            axes.legend(fontsize=7)
+        rows[0].set_ylabel("force in the hinge, N")
+        rows[1].set_ylabel("rate about z, deg/s")
+        rows[1].set_xlabel("t, s")
+        rows[0].set_title("Two panels with elastic latches, the reference case", loc="left")
+        return drawn
+
+    @figure("array-latch-shock")
+    def shock(bench):
+        import numpy
+        import matplotlib.pyplot as plt
+        every = 0.005
+        run = bench.run("array/elastic.yaml", 20, every)
+        times = numpy.array(tools.get_times(run))
+        last = max(event["t"] for event in run["events"])
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(10, 3.2), constrained_layout=True)
+        for k in range(1, 5):
+            force = numpy.array(tools.get_row(run, f"hinge{k}", "y"))
+            left.plot(times, force, color=COLOURS[k - 1], linewidth=0.7, label=f"hinge {k}")
+            after = force[times >= last] * numpy.hanning((times >= last).sum())
+            spectrum = 4 * numpy.abs(numpy.fft.rfft(after)) / len(after)  # amplitudes; a Hann window halves them
+            right.semilogy(numpy.fft.rfftfreq(len(after), every), spectrum, color=COLOURS[k - 1], linewidth=0.9)
+        left.set_xlim(3, 12)
+        tools.mark_events(left, run, ("latch",))
+        left.set_title("Shear in the hinges of four panels with elastic latches", loc="left")
+        left.set_xlabel("t, s")
+        left.set_ylabel("N")
+        left.legend(fontsize=7)
+        right.set_xlim(0, 8)
+        right.set_ylim(1e-4, None)
+        right.set_title("Amplitudes after the last latch", loc="left")
+        right.set_xlabel("Hz")
+        right.set_ylabel("N")
+        return drawn
+
+    @figure("array-panels")
+    def panels(bench):
+        import matplotlib.pyplot as plt
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(10, 3), constrained_layout=True)
+        counts, last, losses, peaks = (2, 4, 8, 16), [], [], []
+        for n in counts:
+            until = 4 * n + 20
+            run = bench.run(bench.array(n, "--until", str(until)), until, 0.1)
+            last.append(max(event["t"] for event in run["events"] if event["name"] == "latch"))
+            losses.append(-sum(audit["energy_jump"] for audit in run["audit"]))
+            rates = [math.degrees(sample["bodies"]["bus"]["w"][2]) for sample in run["samples"]]
+            peaks.append(max(map(abs, rates)))
+            left.plot(tools.get_times(run), rates, color=COLOURS[counts.index(n)], label=f"{n} panels")
+        left.set_title("Rate of the bus while panels with cables unfold; rigid latches", loc="left")
+        left.set_xlabel("t, s")
+        left.set_ylabel("deg/s")
+        left.set_xlim(0, 30)
+        left.legend(fontsize=7)
+        right.plot(counts, last, "o-", color=COLOURS[0], label="last latch, s")
+        right.plot(counts, losses, "s--", color=COLOURS[1], label="energy lost in latches, J")
+        right.plot(counts, peaks, "^:", color=COLOURS[3], label="largest rate of the bus, deg/s")
+        right.set_xscale("log", base=2)
+        right.set_xticks(counts, counts)
+        right.set_xlabel("panels")
+        right.legend(fontsize=7)
+        return drawn

@@ -1,0 +1,101 @@
+"""Figures of the strap-on boosters: who is where, how they turn, what the nodes bear, how close they come."""
+import math
+
+COLOURS = ("#c1121f", "#457b9d", "#e09f3e", "#2a9d5c")
+CASES = (("cyclogram.yaml", (), "nominal"), ("late-valve.yaml", (), "valve 1 late"),
+         ("cyclogram.yaml", ("--set", "events.nozzle:booster1.enabled=false"), "nozzle 1 dead"),
+         ("uncut-tie.yaml", (), "ties 2 hold"), ("imbalance.yaml", (), "engines unequal"))
+UNTIL, EVERY = 2.5, 0.005
+
+
+def run_case(bench, case):
+    file, options, _ = case
+    return bench.run(f"boosters/{file}", UNTIL, EVERY, *options)
+
+
+def add(figure, tools):
+    @figure("boosters-separation")
+    def separation(bench):
+        import matplotlib.pyplot as plt
+        drawn, rows = plt.subplots(3, 1, figsize=(7.5, 6.4), sharex=True, constrained_layout=True)
+        for axes, case in zip(rows, (CASES[0], CASES[2], CASES[4])):
+            run = run_case(bench, case)
+            for i, time in enumerate((0.0, 1.3, 1.7, 2.1, 2.5)):
+                sample = min(run["samples"], key=lambda s: abs(s["t"] - time))
+                core = sample["bodies"]["core"]
+                for k in (1, 3):
+                    body = sample["bodies"][f"booster{k}"]
+                    corners = [tools.seen_from(core, body, p)
+                               for p in ((13.2, 0, 0), (-5.5, 1.34, 0), (-5.5, -1.34, 0), (13.2, 0, 0))]
+                    axes.plot([c[0] for c in corners], [c[1] for c in corners], color=COLOURS[k - 1],
+                              alpha=0.3 + 0.175 * i, linewidth=1, label=f"booster {k}" if i == 4 else None)
+            for x0, x1, r in ((-19.5, 1, 1.025), (1, 26, 1.33)):
+                axes.fill([x0, x1, x1, x0], [-r, -r, r, r], color="0.85", zorder=0)
+            axes.set_aspect("equal")
+            axes.set(xlim=(-28, 28), ylim=(-11, 11), ylabel="across, m")
+            axes.set_title(f"{case[2]}: boosters 1 and 3 in the core's axes at 0, 1.3, 1.7, 2.1, 2.5 s", loc="left")
+        rows[0].legend(loc="upper right", fontsize=7)
+        rows[-1].set_xlabel("along the core, m")
+        return drawn
+
+    @figure("boosters-reactions")
+    def reactions(bench):
+        import matplotlib.pyplot as plt
+        run = run_case(bench, CASES[0])
+        times = tools.get_times(run)
+        drawn, rows = plt.subplots(3, 1, figsize=(7.5, 5.4), sharex=True, constrained_layout=True)
+        for axes, row, unit in zip(rows, ("x", "z", "rot_y"), ("kN", "kN", "kN m")):
+            axes.plot(times, [v / 1000 for v in tools.get_row(run, "nose1", row)], color=COLOURS[0])
+            axes.set_ylabel(f"{row}, {unit}")
+            tools.mark_events(axes, run, ("throttle", "verniers_off", "rudders_neutral", "ties_cut", "cutoff", "release",
+                                          "contact", "liftoff"))
+        rows[0].set_title("What node 1 bears, core on booster: along its generatrix, across it, and the ties' moment",
+                          loc="left")
+        rows[-1].set_xlabel("t, s")
+        rows[-1].set_xlim(0, 1.5)
+        return drawn
+
+    @figure("boosters-attitude")
+    def attitude(bench):
+        import matplotlib.pyplot as plt
+        drawn, grid = plt.subplots(2, len(CASES), figsize=(10, 4.2), sharex=True, sharey="row", constrained_layout=True)
+        for column, case in zip(grid.T, CASES):
+            run = run_case(bench, case)
+            times = tools.get_times(run)
+            for k in range(1, 5):
+                angles, rates = [], []
+                for sample in run["samples"]:
+                    body, core = sample["bodies"][f"booster{k}"], sample["bodies"]["core"]
+                    axis = tools.into(core["q"], tools.rotate(body["q"], (1, 0, 0)))
+                    angles.append(math.degrees(math.acos(max(-1, min(1, axis[0])))))
+                    rates.append(math.degrees(math.hypot(*body["w"])))
+                style = dict(color=COLOURS[k - 1], label=f"booster {k}", linestyle=("-", "--", "-.", ":")[k - 1])
+                column[0].plot(times, angles, **style)
+                column[1].plot(times, rates, **style)
+            column[0].set_title(case[2], loc="left")
+            column[1].set_xlabel("t, s")
+        grid[0][0].set_ylabel("angle to the core, deg")
+        grid[1][0].set_ylabel("angular rate, deg/s")
+        grid[0][0].legend(fontsize=6)
+        return drawn
+
+    @figure("boosters-clearance")
+    def clearance(bench):
+        import matplotlib.pyplot as plt
+        drawn, axes = plt.subplots(figsize=(7.5, 3), constrained_layout=True)
+        for i, case in enumerate(CASES):
+            run = run_case(bench, case)
+            found = {pair["pair"][1]: pair for pair in run["clearance"] if pair["pair"][0] == "core"}
+            for k in range(1, 5):
+                pair = found[f"booster{k}"]
+                axes.bar(i + 0.2 * (k - 2.5), pair["min"], 0.18, color=COLOURS[k - 1],
+                         label=f"booster {k}" if i == 0 else None)
+                axes.annotate(f"{pair['t']:.2f} s", (i + 0.2 * (k - 2.5), pair["min"]), rotation=90, ha="center",
+                              va="bottom", fontsize=6, xytext=(0, 2), textcoords="offset points")
+        axes.set_axisbelow(True)
+        axes.set_xticks(range(len(CASES)), [case[2] for case in CASES])
+        axes.set_ylim(0, axes.get_ylim()[1] * 1.25)
+        axes.set_ylabel("least distance to the core, m")
+        axes.set_title("How close the boosters come to the core after the ties are cut, and when", loc="left")
+        axes.legend(ncols=4, fontsize=7)
+        return drawn

@@ -1,0 +1,75 @@
+"""Figures of the dual-spin capsule: the paper's phase portraits 6 and 7, the retro-burn's error against spin-up."""
+import math
+
+# Limit points (integral of p, integral of q) of the paper's L0 = 0.75; the runs have a thousandth of it.
+LIMITS = {"figure6": (0.0670992388580498, -0.0325242635870585), "figure7": (-0.176649962112910, -0.844573734013524)}
+SCALE = 1000
+
+
+def calc_angles(q):
+    """gamma, psi of (2.3)."""
+    w, x, y, z = q
+    return math.asin(2 * (x * z + w * y)), math.atan2(-2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
+
+
+def add(figure, tools):
+    @figure("capsule-portraits")
+    def portraits(bench):
+        import matplotlib.pyplot as plt
+        drawn, columns = plt.subplots(1, 2, figsize=(9, 4.3), constrained_layout=True)
+        for axes, (name, limit) in zip(columns, LIMITS.items()):
+            run = bench.run(f"capsule/{name}.yaml", 10, 0.005)
+            gamma, psi = zip(*(calc_angles(sample["bodies"]["capsule"]["q"]) for sample in run["samples"]))
+            # The paper's axes: its gamma is the integral of p, which by (2.3) is psi.
+            axes.plot([SCALE * v for v in psi], [SCALE * v for v in gamma], color="#1d3557", linewidth=0.8)
+            axes.plot(0, 0, "s", color="#1d3557", markersize=5, label="start")
+            axes.plot(*limit, "+", color="#c1121f", markersize=11, markeredgewidth=2, label="limit point")
+            axes.set_aspect("equal")
+            axes.set_xlabel("ψ (the paper's γ), units of L0 = 0.75")
+            axes.set_title(f"Figure {name[-1]}: ω = 10 1/s, μ = {2.5 if name[-1] == '6' else -2.5} 1/s²", loc="left")
+            axes.legend(fontsize=7)
+        columns[0].set_ylabel("γ (the paper's ψ)")
+        return drawn
+
+    @figure("capsule-finite-angles")
+    def finite(bench):
+        import matplotlib.pyplot as plt
+        drawn, axes = plt.subplots(figsize=(4.8, 4.5), constrained_layout=True)
+        small = bench.run("capsule/figure7.yaml", 10, 0.005)
+        gamma, psi = zip(*(calc_angles(sample["bodies"]["capsule"]["q"]) for sample in small["samples"]))
+        axes.plot([SCALE * v for v in psi], [SCALE * v for v in gamma], color="0.6", linewidth=0.7, label="small angles")
+        p, q = (0.75 * part for part in (math.sin(0.5), math.cos(0.5)))
+        options = [word for body in ("capsule", "motor") for i, v in enumerate((p, q))
+                   for word in ("--set", f"bodies.{body}.rate[{i}]={v!r}")]
+        run = bench.run("capsule/figure7.yaml", 10, 0.005, *options)
+        gamma, psi = zip(*(calc_angles(sample["bodies"]["capsule"]["q"]) for sample in run["samples"]))
+        axes.plot(psi, gamma, color="#c1121f", linewidth=0.9, label="the whole motion, L0 = 0.75 1/s")
+        axes.set_aspect("equal")
+        axes.set_xlabel("ψ, rad")
+        axes.set_ylabel("γ, rad")
+        axes.set_title("Figure 7 is drawn for angles that are not small", loc="left")
+        axes.legend(fontsize=7)
+        return drawn
+
+    @figure("capsule-retro-burn")
+    def burn(bench):
+        import matplotlib.pyplot as plt
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(9, 3), constrained_layout=True)
+        spins, errors = (0, 0.5, 1, 2, 3, 4, 6, 8, 10), []
+        for spin in spins:
+            run = bench.run("capsule/scenario.yaml", 22, 0.05, "--set", f"bodies.motor.rate[2]={spin}")
+            velocity = run["samples"][-1]["bodies"]["capsule"]["v"]
+            errors.append(math.degrees(math.atan2(math.hypot(*velocity[:2]), velocity[2])))
+            if spin in (0, 2, 6):
+                axis = [tools.rotate(sample["bodies"]["capsule"]["q"], (0, 0, 1)) for sample in run["samples"]]
+                left.plot(tools.get_times(run), [math.degrees(math.acos(min(1, a[2]))) for a in axis], label=f"{spin} rad/s",
+                          color={0: "#c1121f", 2: "#e09f3e", 6: "#457b9d"}[spin])
+        left.set_xlabel("t, s")
+        left.set_ylabel("axis off its line, deg")
+        left.set_title("Retro-burn with the motor spun up to …", loc="left")
+        left.legend(fontsize=7)
+        right.semilogy(spins, errors, "o-", color="#1d3557")
+        right.set_xlabel("spin of the motor, rad/s")
+        right.set_ylabel("direction of the velocity gained, deg off")
+        right.set_title("Error of the burn against spin-up", loc="left")
+        return drawn
