@@ -1,5 +1,7 @@
 #include "kernel/model.h"
 
+#include <algorithm>
+
 namespace unlatch {
 
 const char* const kRowNames[kRows] = {"x", "y", "z", "rot_x", "rot_y", "rot_z"};
@@ -63,6 +65,11 @@ const std::string& Model::element_name(int element) const {
   index -= point_springs.size();
   if (index < joint_springs.size()) return joint_springs[index].name;
   return plane_torsions.at(index - joint_springs.size()).name;
+}
+
+bool has_markers(const Model& model) {
+  return std::any_of(model.bodies.begin(), model.bodies.end(),
+                     [](const Body& body) { return body.marker.has_value(); });
 }
 
 // As calc_marker_state() of flexible.h; what validate() refuses is left where it is.

@@ -290,6 +290,7 @@ struct ModelError {
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
 
+bool has_markers(const Model& model);
 // The same with the initial poses and velocities of the markers of its flexible bodies, which follow from the bodies'.
 Model place_markers(const Model& model);
 

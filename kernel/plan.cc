@@ -309,7 +309,9 @@ void check_options(const Model& model, const PlanOptions& options, std::vector<M
 }  // namespace
 
 PlanResult compile_plan(const Model& unplaced, const PlanOptions& options) {
-  const Model model = place_markers(unplaced);
+  std::optional<Model> placed;
+  if (has_markers(unplaced)) placed = place_markers(unplaced);
+  const Model& model = placed ? *placed : unplaced;
   PlanResult result;
   result.errors = validate(model);
   check_options(model, options, result.errors);

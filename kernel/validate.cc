@@ -347,7 +347,9 @@ void validate_gravity(const Gravity& gravity, ModelErrors& errors) {
 }  // namespace
 
 std::vector<ModelError> validate(const Model& unplaced) {
-  const Model model = place_markers(unplaced);
+  std::optional<Model> placed;
+  if (has_markers(unplaced)) placed = place_markers(unplaced);
+  const Model& model = placed ? *placed : unplaced;
   ModelErrors errors;
   check_all_names(model, errors);
   validate_gravity(model.gravity, errors);

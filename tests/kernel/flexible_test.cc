@@ -301,6 +301,55 @@ TEST(Flexible, FrozenModesAreTheRigidRun) {
   EXPECT_LT(norm(a.state.bodies[0].w - b.state.bodies[0].w), 1e-5);
 }
 
+// With all its modes a mast that a ball holds at one particle swings as the lattice does with that particle fixed.
+TEST(Flexible, AHeldBodySwingsWithTheFrequenciesOfItsHeldLattice) {
+  constexpr int kBays = 2, kAll = 12 * (kBays + 1) - 6;
+  const ModalBody lumped = build_lattice_mast(kBays, kAll, Support::kFree);
+  const Index dofs = 12 * (kBays + 1);
+  Eigen::MatrixXd shapes(dofs, kAll);
+  VectorXd mass(dofs);
+  for (std::size_t i = 0; i < lumped.masses.size(); ++i) {
+    shapes.middleRows<3>(static_cast<Index>(3 * i)) = lumped.shapes[i];
+    mass.segment<3>(static_cast<Index>(3 * i)).setConstant(lumped.masses[i]);
+  }
+  // K = M Φ ω² Φᵀ M, for rigid motions cost nothing; then without the first particle.
+  const Eigen::MatrixXd weighted = mass.asDiagonal() * shapes;
+  const Eigen::MatrixXd K = weighted * lumped.frequencies.cwiseAbs2().asDiagonal() * weighted.transpose();
+  const VectorXd root = mass.tail(dofs - 3).cwiseSqrt().cwiseInverse();
+  const VectorXd lattice = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                               root.asDiagonal() * K.bottomRightCorner(dofs - 3, dofs - 3) * root.asDiagonal())
+                               .eigenvalues()
+                               .tail(kAll);  // three are turns about the particle
+
+  Model model;
+  model.bodies.push_back(build_flexible_body("mast", lumped));
+  model.bodies[0].flexible->damping.setZero();
+  model.bodies.push_back(build_marker("root", 0, lumped, 0, Eigen::Matrix3Xd::Zero(3, kAll)));
+  Joint ball;
+  ball.name = "ball";
+  ball.follower = 1;
+  ball.point_base = lumped.positions[0];
+  ball.modes = {{"ball", kPointRows}};
+  model.joints.push_back(ball);
+  Simulation s(model);
+  Eigen::MatrixXd A(kAll, kAll);  // η'' = −A η
+  constexpr double kSmall = 1e-6;
+  for (Index k = 0; k < kAll; ++k) {
+    A.col(k).setZero();
+    for (const double eta : {kSmall, -kSmall}) {
+      init_state(s.plan, s.state);
+      s.state.extras[static_cast<std::size_t>(k)] = eta;
+      const Vector3d away = -eta * lumped.shapes[0].col(k);  // the particle stays where it is
+      s.state.bodies[0].p = {away.x(), away.y(), away.z()};
+      evaluate_or_fail(s);
+      A.col(k) -= read_acceleration(s).tail(kAll) / (2 * eta);
+    }
+  }
+  VectorXd found = A.eigenvalues().real();
+  std::sort(found.begin(), found.end());
+  for (Index k = 0; k < kAll; ++k) EXPECT_NEAR(found[k], lattice[k], 1e-7 * lattice[k]) << "mode " << k + 1;
+}
+
 TEST(Flexible, EveryWidthOfLanesGivesTheSameBits) {
   const Model model = build_welded_masts(1);
   std::uint64_t hash = 0;
