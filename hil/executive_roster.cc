@@ -1,6 +1,7 @@
 #include "hil/executive_roster.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace unlatch::hil {
 
@@ -30,6 +31,8 @@ Roster::Roster(const std::vector<std::string>& required) {
     participant.ack.tick = -1;
     participants_.push_back(participant);
   }
+  guest_names_.resize(participants_.capacity() - participants_.size());
+  for (std::string& name : guest_names_) name.reserve(kNameLength);
 }
 
 Participant* Roster::find(std::int32_t id) noexcept {
@@ -64,9 +67,11 @@ Admission Roster::admit(const HelloAck& hello) noexcept {
   if (same_id != nullptr && same_id->name != name) return Admission::kNameTaken;
   Participant* const known = find(name);
   if (known == nullptr) {
-    if (participants_.size() == participants_.capacity()) return Admission::kFull;
+    if (guest_names_.empty()) return Admission::kFull;
     Participant& guest = participants_.emplace_back();
-    guest.name = name;  // may allocate: guests are expected before the first tick, or seldom
+    guest.name = std::move(guest_names_.back());
+    guest.name.assign(name);
+    guest_names_.pop_back();
     return begin(guest, hello, Admission::kFirstStart);
   }
   switch (known->standing) {

@@ -91,6 +91,7 @@ class Roster {
   static constexpr std::size_t kMaxParticipants = 16;
   static Admission begin(Participant& participant, const HelloAck& hello, Admission how) noexcept;
   std::vector<Participant> participants_;  // required ones first; never grows beyond what it was given room for
+  std::vector<std::string> guest_names_;   // memory for the names of guests to come: one may join between two deadlines
 };
 
 }  // namespace unlatch::hil

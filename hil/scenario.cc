@@ -104,8 +104,8 @@ void ScenarioReader::read(const YamlNode& root) {
 void ScenarioReader::read_step(YamlMap& top) {
   const YamlNode* node = top.require("step");
   if (!node) return;
-  YamlMap map(*node, "step", mistakes_);
   const std::size_t before = mistakes_.count();
+  YamlMap map(*node, "step", mistakes_);
   const double dt = scenario_.dt = map.number("dt", "s");
   const double until = scenario_.until = map.number("until", "s");
   map.finish();

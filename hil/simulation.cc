@@ -129,8 +129,10 @@ bool Simulation::restore(std::span<const std::uint64_t> saved) {
   if (saved.size() != words + inputs + held_.get_sensors().size()) return false;
   std::vector<std::uint64_t> copy(saved.begin(), saved.end());  // a State is a view of memory that may be written
   if (!is_possible(unlatch::State(plan_, {reinterpret_cast<std::byte*>(copy.data()), block}))) return false;
+  // Every word of the state but its header: modes and phases are small by now, and as numbers finite as well.
   const auto is_finite = [](std::uint64_t word) { return std::isfinite(std::bit_cast<double>(word)); };
-  if (!std::ranges::all_of(saved.subspan(words, inputs), is_finite)) return false;
+  constexpr std::size_t kHeader = sizeof(StateHeader) / sizeof(std::uint64_t);
+  if (!std::ranges::all_of(saved.subspan(kHeader, words - kHeader + inputs), is_finite)) return false;
 
   const std::vector<std::uint64_t> before = save();
   if (take(saved)) return true;
@@ -153,7 +155,8 @@ bool Simulation::take(std::span<const std::uint64_t> saved) {
 
 // What indexes with a state's numbers may rely on.
 bool Simulation::is_possible(const unlatch::State& state) const noexcept {
-  if (state.header->plan_hash != plan_.hash || state.header->tick < 0) return false;
+  constexpr std::int64_t kMaxTick = std::int64_t{1} << 53;  // beyond it a time in seconds does not tell two ticks apart
+  if (state.header->plan_hash != plan_.hash || state.header->tick < 0 || state.header->tick > kMaxTick) return false;
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const std::int64_t mode = state.joints[i].mode;
     if (mode < 0 || mode >= static_cast<std::int64_t>(model_.joints[i].modes.size())) return false;

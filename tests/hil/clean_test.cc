@@ -105,6 +105,28 @@ TEST(CyclicThread, TakesNothingFromTheHeapWhilePoliciesAndOverrunsAct) {
   }
 }
 
+TEST(CyclicThread, TakesNothingFromTheHeapWhenAGuestJoinsLate) {
+  const std::vector<std::string> overrides{"step.until=0.2"};
+  hil::HelloAck guest;
+  guest.schema_hash = hil::kSchemaHash;
+  guest.protocol = hil::kProtocolVersion;
+  guest.participant = FakeParticipant::kId + 1;
+  guest.dt_ns = 1'000'000;
+  guest.model_hash = static_cast<std::int64_t>(
+      hil::build_simulation(hil::load_scenario_text(kSessionScenario, "session.yaml", overrides))->plan().hash);
+  hil::set_name(guest.name, "a guest whose name is as long as names may be ..");
+  FakeParticipant::Habits habits;
+  habits.mischief = [guest](std::int64_t tick, hil::Link& link, std::int64_t session) mutable {
+    guest.session = session;
+    if (tick == 20) link.deliver(guest);
+  };
+  CountingTicks ticks(std::chrono::milliseconds(1));
+  const SessionResult result = run_session(Pace::kRealtime, habits, make_path("log"), overrides, true, &ticks);
+  EXPECT_EQ(result.end.status, hil::RunStatus::kDone) << result.end.message;
+  EXPECT_EQ(std::count(result.notices.begin(), result.notices.end(), "participant.joined"), 2);
+  EXPECT_EQ(ticks.allocations, 0);
+}
+
 TEST(CyclicThread, MeetsNoPageForTheFirstTime) {
   for (const std::string& refused : hil::request_real_time()) {
     if (refused.find("mlockall") != std::string::npos) GTEST_SKIP() << refused;

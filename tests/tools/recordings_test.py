@@ -10,35 +10,18 @@ import concurrent.futures
 import json
 import os
 import random
+import re
 import resource
+import shutil
 import signal
-import struct
 import subprocess
 import time
 
 from processes import BOOSTERS, HANG, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
+from recording_files import read_events, read_ticks
 
 KILLS = int(os.environ.get("UNLATCH_KILLS", 200))
 ENDLESS = ["--until", "100000"]
-
-
-def read_events(path):
-    """The complete events of an LCM log, found without any code of ours, and whether something is left behind them."""
-    data, at, events = path.read_bytes(), 0, []
-    while len(data) - at >= 28:
-        sync, number, _, channel, length = struct.unpack_from(">IqqII", data, at)
-        assert sync == 0xEDA1DA01 and number == len(events), f"{path}: byte {at} of {len(data)}"
-        if at + 28 + channel + length > len(data):
-            break
-        events.append((data[at + 28:at + 28 + channel].decode(), data[at + 28 + channel:at + 28 + channel + length]))
-        at += 28 + channel + length
-    return events, at < len(data)
-
-
-def read_ticks(path):
-    """The ticks of the complete tick records."""
-    events, _ = read_events(path)
-    return [struct.unpack_from(">q", data)[0] for channel, data in events if channel == "UNLATCH_LOG_TICK"]
 
 
 def in_mounts_of_its_own(script, *arguments):
@@ -243,6 +226,15 @@ class RecordingsTest(ProcessTest):
         process.returncode = os.waitstatus_to_exitcode(status)
         self.assertEqual(process.returncode, 0)
         return usage.ru_maxrss * 1024
+
+    def test_a_replay_is_clean_under_valgrind(self):
+        if shutil.which("valgrind") is None:
+            self.skipTest("valgrind is not installed (tools/setup dev)")
+        log = self.folder / "run.log"
+        self.run_ok(UNLATCH, "run", REFERENCE, "--until", "0.8", "--log", log)  # releases and contacts are before
+        said = self.run_ok("valgrind", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite,indirect,possible",
+                           UNLATCH, "replay", log).stderr
+        print(re.search("ERROR SUMMARY.*", said).group())
 
     def test_memory_does_not_grow_with_the_length_of_a_recording(self):
         log = self.folder / "long.log"

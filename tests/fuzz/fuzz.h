@@ -1,0 +1,70 @@
+// What the fuzz targets share. A target is LLVMFuzzerTestOneInput in one file: libFuzzer calls it with inputs that it
+// makes up (tools/fuzz), replay_main.cc with those in the repository (ctest). Whatever the bytes, it returns 0; what
+// may not be ends the program.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <string>
+
+#include "hil/run.h"
+#include "hil/scenario.h"
+#include "hil/simulation.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace unlatch::fuzz {
+
+inline void require(bool holds, const char* what) {
+  if (holds) return;
+  std::fprintf(stderr, "FOUND: %s\n", what);
+  std::abort();
+}
+
+inline std::string to_text(const std::uint8_t* data, std::size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
+}
+
+inline bool is_finite(const unlatch::State& state) {
+  for (const unlatch::BodyState& b : state.bodies) {
+    for (const double number :
+         {b.p.x, b.p.y, b.p.z, b.q.w, b.q.x, b.q.y, b.q.z, b.v.x, b.v.y, b.v.z, b.w.x, b.w.y, b.w.z})
+      if (!std::isfinite(number)) return false;
+  }
+  return true;
+}
+
+// Whatever model came out of a file, a step of it ends in a status and leaves no number in its state that is none.
+inline void step_a_little(hil::Simulation& simulation) {
+  constexpr int kSteps = 3;
+  for (int i = 0; i < kSteps; ++i) {
+    if (simulation.step().status != StepStatus::kOk) break;
+    require(is_finite(simulation.state()), "a number that is not finite in a state after a good step");
+  }
+}
+
+// A scenario of one body that is pushed, a latch and an event: small, so that an execution is short.
+inline const char* const kSmallScenario = R"(unlatch: 1
+name: small
+step: {dt: 0.001, until: 0.004}
+bodies:
+  core: {mass: 100, inertia: [10, 20, 25]}
+  pod: {mass: 5, inertia: [1, 1, 1], position: [2, 0, 0]}
+channels:
+  throttle: {initial: 0.5, range: [0.2, 1], safe: 0.3}
+joints:
+  latch: {between: [core, pod], point: [2, 0, 0], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}
+elements:
+  engine: {type: thrust, body: core, direction: [1, 0, 0], profile: 5000, channel: throttle}
+sensors:
+  gyro: {type: rate, body: core}
+events:
+  - {name: leave, subject: pod, when: {time: 0.0025}, then: [{set_mode: {joint: latch, mode: free}}]}
+flight_software: {required: [fsw], timeout: 0.05, policy: hold}
+)";
+
+}  // namespace unlatch::fuzz

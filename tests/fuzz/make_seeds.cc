@@ -1,0 +1,87 @@
+// Writes the inputs to begin with that are not text, from the code as it is, so that they never grow old:
+//   make_seeds FOLDER     FOLDER/<target>; empty for targets whose inputs are text, in corpus/
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+
+#include "hil/checkpoint.h"
+#include "tests/bridge/random_messages.h"
+#include "tests/fuzz/fuzz.h"
+
+using namespace unlatch;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uint64_t kSeed = 9;
+
+void write(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+template <class T>
+std::string to_bytes(const T& value, std::size_t size = sizeof(T)) {
+  return {reinterpret_cast<const char*>(&value), size};
+}
+
+// Each message as LCM and as DDS carry it.
+void write_messages(const fs::path& folder) {
+  test::Random random(kSeed);
+  for (const hil::MessageKind kind : test::list_kinds()) {
+    const hil::Message message = test::make_random_message(kind, random);
+    const std::string name(hil::get_kind_name(kind)), choice(1, static_cast<char>(kind));
+    std::array<std::uint8_t, hil::kMaxWireBytes> wire{};
+    const std::size_t length = hil::encode(message, wire);
+    write(folder / "messages" / name, choice + to_bytes(wire, length));
+    const std::string little_endian("\0\1\0\0", 4);
+    write(folder / "dds" / name, choice + little_endian + to_bytes(message.hello, hil::get_size(kind)));
+  }
+}
+
+// A recording of the small scenario, its first half, and checkpoints.
+void write_logs(const fs::path& folder) {
+  const hil::Scenario scenario = hil::load_scenario_text(fuzz::kSmallScenario, "small.yaml");
+  const auto simulation = hil::build_simulation(scenario);
+  constexpr std::int64_t kLast = 4;
+  hil::write_checkpoint(folder / "checkpoint" / "begin", scenario, *simulation, kLast);
+  const hil::LogHeader header = hil::build_log_header(scenario, *simulation, hil::Pace::kFast, 1, kLast);
+  hil::RunAnalysis analysis(scenario, *simulation, {});
+  {
+    hil::Recorder recorder(folder / "log" / "whole", header);
+    const std::atomic<bool> stop{false};
+    hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, kLast, stop, [] {});
+    recorder.close(end);
+  }
+  hil::write_checkpoint(folder / "checkpoint" / "end", scenario, *simulation, kLast);
+  fs::copy_file(folder / "log" / "whole", folder / "log" / "half");
+  fs::resize_file(folder / "log" / "half", fs::file_size(folder / "log" / "whole") * 2 / 3);
+}
+
+// A command, an acknowledgement and a farewell, under every pace and policy; what the marks mean: session_fuzz.cc.
+void write_sessions(const fs::path& folder) {
+  hil::Command command;
+  command.sequence = 1;
+  command.valid_until_tick = -1;
+  command.value = 0.75;
+  hil::StepAck ack;
+  ack.last_command = 1;
+  ack.command_count = 1;
+  hil::HelloAck farewell;
+  farewell.status = static_cast<std::int32_t>(hil::AckStatus::kLeaving);
+  const std::string said = '\x72' + to_bytes(command) + '\x70' + to_bytes(ack) + '\x80' + '\x41' + to_bytes(farewell);
+  for (int choice = 0; choice < 2 * static_cast<int>(hil::kPolicyNames.size()); ++choice)
+    write(folder / "session" / std::to_string(choice), static_cast<char>(choice) + said);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2) return std::fprintf(stderr, "make_seeds FOLDER\n"), 2;
+  const fs::path folder(arguments[1]);
+  for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults"}) {
+    fs::remove_all(folder / target);
+    fs::create_directories(folder / target);
+  }
+  write_messages(folder);
+  write_logs(folder);
+  write_sessions(folder);
+  return 0;
+}

@@ -1,0 +1,22 @@
+// The scenario loader: a text gives a scenario, or a ScenarioError; what loads compiles and steps, or says why not.
+#include "hil/clearance.h"
+#include "tests/fuzz/fuzz.h"
+
+using namespace unlatch;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  constexpr std::size_t kMaxBodies = 32;  // whose steps are short
+  try {
+    const hil::Scenario scenario = hil::load_scenario_text(fuzz::to_text(data, size), "fuzz.yaml");
+    if (scenario.model.bodies.size() > kMaxBodies) return 0;
+    const auto simulation = hil::build_simulation(scenario);
+    hil::ClearanceMonitor clearance(scenario.clearance, scenario.shapes);
+    std::vector<hil::Pose> poses;
+    for (const Body& body : scenario.model.bodies) poses.push_back({body.p_WB, body.q_WB});
+    clearance.update(0, poses);
+    fuzz::step_a_little(*simulation);
+  } catch (const hil::ScenarioError& error) {
+    fuzz::require(!error.mistakes.empty(), "a refusal without a mistake");
+  }
+  return 0;
+}

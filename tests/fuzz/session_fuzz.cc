@@ -1,0 +1,156 @@
+// What participants say to the cyclic executive, in real time and in lockstep, under every policy. Nobody waits: the
+// clock below stands in for hil/pacer.cc and jumps to every deadline, so that an execution is short and the same each
+// time.
+//
+//   input  = choices (1 byte: bit 0 the pace, the rest the policy), then what is said, item by item
+//   item   = kind and marks (1 byte), the message's bytes (as many as its struct has, or what is left)
+#include <algorithm>
+#include <cstring>
+
+#include "hil/executive.h"
+#include "hil/pacer.h"
+#include "tests/fuzz/fuzz.h"
+
+using namespace unlatch;
+
+namespace {
+
+constexpr std::int64_t kLook_ns = 1000;
+constexpr std::int32_t kComputer = 7;
+constexpr std::int64_t kSession = 4711;
+std::int64_t clock_ns = 0;
+
+}  // namespace
+
+std::int64_t hil::get_monotonic_ns() noexcept { return clock_ns += kLook_ns; }
+void hil::sleep_until_ns(std::int64_t deadline_ns) noexcept { clock_ns = std::max(clock_ns, deadline_ns); }
+
+namespace {
+
+// Says what the flight software says to begin with, then what the input has for it.
+class FuzzLine final : public hil::Line {
+ public:
+  FuzzLine(std::span<const std::uint8_t> script, std::int64_t model_hash) : script_(script), model_hash_(model_hash) {}
+
+  bool send(const hil::Message& message) noexcept override {
+    if (message.kind == hil::MessageKind::kState) tick_ = message.state.tick;
+    fuzz::require(hil::is_well_formed(message), "a message of the simulator's that no port would let through");
+    return true;
+  }
+  bool receive(hil::Message& message, std::int64_t& arrived_ns) noexcept override {
+    arrived_ns = clock_ns;
+    if (said_ < 2) {
+      message = said_ == 0 ? hil::Message(make_hello()) : hil::Message(make_ack());
+      ++said_;
+      return true;
+    }
+    if (script_.empty()) return false;
+    const std::uint8_t marks = script_[0];
+    script_ = script_.subspan(1);
+    if ((marks & 0x80) != 0) return false;  // what follows comes later
+    switch (marks % 3) {
+      case 0: {
+        hil::Command command = take<hil::Command>();
+        adapt(command, marks);
+        message = command;
+        break;
+      }
+      case 1: {
+        hil::StepAck ack = take<hil::StepAck>();
+        adapt(ack, marks);
+        message = ack;
+        break;
+      }
+      default: {
+        hil::HelloAck hello = take<hil::HelloAck>();
+        if ((marks & 0x40) != 0) hello = mix(make_hello(), hello);
+        message = hello;
+        break;
+      }
+    }
+    return hil::is_well_formed(message);  // a port lets nothing else through
+  }
+  void wait(std::chrono::nanoseconds limit) noexcept override { clock_ns += limit.count(); }
+  [[nodiscard]] std::int64_t get_dropped_out() const noexcept override { return 0; }
+  [[nodiscard]] std::int64_t get_dropped_in() const noexcept override { return 0; }
+  [[nodiscard]] std::int64_t get_malformed() const noexcept override { return 0; }
+
+ private:
+  template <class T>
+  T take() {
+    T value{};
+    const std::size_t size = std::min(script_.size(), sizeof value);
+    if (size > 0) std::memcpy(static_cast<void*>(&value), script_.data(), size);
+    script_ = script_.subspan(size);
+    return value;
+  }
+  // Marks make a message one of this session, of the computer that takes part, or of the present tick.
+  template <class T>
+  void adapt(T& message, std::uint8_t marks) const {
+    if ((marks & 0x40) != 0) message.session = kSession;
+    if ((marks & 0x20) != 0) message.participant = kComputer;
+    if ((marks & 0x10) != 0) message.tick = tick_ + message.tick % 3;
+  }
+  [[nodiscard]] hil::HelloAck make_hello() const {
+    hil::HelloAck hello;
+    hello.session = kSession;
+    hello.schema_hash = hil::kSchemaHash;
+    hello.model_hash = model_hash_;
+    hello.dt_ns = 1'000'000;
+    hello.protocol = hil::kProtocolVersion;
+    hello.participant = kComputer;
+    hello.status = static_cast<std::int32_t>(hil::AckStatus::kReady);
+    hil::set_name(hello.name, "fsw");
+    return hello;
+  }
+  static hil::StepAck make_ack() {
+    hil::StepAck ack;
+    ack.session = kSession;
+    ack.participant = kComputer;
+    return ack;
+  }
+  // Agreed on everything, with another's number, status and name.
+  static hil::HelloAck mix(hil::HelloAck agreed, const hil::HelloAck& other) {
+    agreed.participant = other.participant % 4 + kComputer;
+    agreed.status = other.status;
+    if (other.name[0] != 0) agreed.name = other.name;
+    return agreed;
+  }
+
+  std::span<const std::uint8_t> script_;
+  const std::int64_t model_hash_;
+  std::int64_t tick_ = 0;
+  int said_ = 0;
+};
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  constexpr std::size_t kRoom = 64;
+  static const hil::Scenario scenario = hil::load_scenario_text(fuzz::kSmallScenario, "small.yaml");
+  static const auto simulation = hil::build_simulation(scenario);
+  static const auto beginning = simulation->save();
+  fuzz::require(simulation->restore(beginning), "a simulation that does not go back to its beginning");
+  clock_ns = 1'000'000'000;
+
+  hil::ExecutiveOptions options;
+  options.pace = (data[0] & 1) != 0 ? hil::Pace::kRealtime : hil::Pace::kLockstep;
+  options.session = kSession;
+  options.last_tick = 4;
+  options.flight_software = scenario.flight_software;
+  options.flight_software.policy = static_cast<hil::FlightSoftware::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
+  options.flight_software.delay = (data[0] >> 4) % 3;
+  options.flight_software.pause_limit = 0.1;  // s; the clock jumps there
+  FuzzLine line({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().hash));
+  hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, options.pace, kSession, options.last_tick),
+                         kRoom);
+  hil::LogEnd end = hil::Executive(*simulation, line, recorder, scenario.name, options).run();
+  recorder.close(end);
+  fuzz::require(end.tick == simulation->get_tick() && end.tick <= options.last_tick, "an end that is elsewhere");
+  fuzz::require(fuzz::is_finite(simulation->state()), "a number that is not finite in the state");
+  for (const double value : simulation->channels()) {
+    fuzz::require(value >= 0.2 && value <= 1, "a channel outside its range");
+  }
+  return 0;
+}
