@@ -32,8 +32,8 @@ class Types {
     const dds_entity_t participant =
         check(dds_create_participant(static_cast<dds_domainid_t>(options.domain), nullptr, nullptr));
     for (std::size_t i = 0; i < kTypes.size(); ++i) {
-      const dds_entity_t topic =
-          check(dds_create_topic(participant, kTypes[i], kTypes[i]->m_typename, nullptr, nullptr));
+      const std::string name(hil::get_kind_name(static_cast<hil::MessageKind>(i)));
+      const dds_entity_t topic = check(dds_create_topic(participant, kTypes[i], name.c_str(), nullptr, nullptr));
       const dds_entity_t reader = check(dds_create_reader(participant, topic, nullptr, nullptr));
       const dds_entity_t writer = check(dds_create_writer(participant, topic, nullptr, nullptr));
       const hil::Message zero;
