@@ -1,11 +1,8 @@
 // Numbers that mean harm. Whatever the model, a step does bounded work and ends in a status: the new state is finite,
-// or the old one is untouched. Where the kernel promises no invalid operation, floating-point traps are on: one ends
-// the test.
+// or the old one is untouched (tests/support/survival.h). Where the kernel promises no invalid operation,
+// floating-point traps are on: one ends the test. Events that mean harm: hostile_events_test.cc.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cfenv>
-#include <cmath>
 #include <iostream>
 #include <limits>
 
@@ -13,111 +10,13 @@
 #include "tests/support/random.h"
 #include "tests/support/random_model.h"
 #include "tests/support/reference_models.h"
-#include "tests/support/simulation.h"
-#include "tests/support/small_models.h"
+#include "tests/support/survival.h"
 
 namespace unlatch::test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kDenormal = std::numeric_limits<double>::denorm_min();
-
-// --- What must hold -------------------------------------------------------------------------------------------------
-
-// Invalid operations, divisions by zero and overflows end the process. Inexact results and underflows are everyday.
-class Traps {
- public:
-  explicit Traps(int trapped = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW) {
-    std::feclearexcept(FE_ALL_EXCEPT);
-    feenableexcept(trapped);
-  }
-  ~Traps() {
-    fedisableexcept(FE_ALL_EXCEPT);
-    std::feclearexcept(FE_ALL_EXCEPT);
-  }
-  Traps(const Traps&) = delete;
-  Traps& operator=(const Traps&) = delete;
-};
-
-bool is_finite(std::initializer_list<double> numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
-}
-
-// Every number that the state holds.
-bool is_finite(const State& state) {
-  bool finite = true;
-  for (const BodyState& b : state.bodies)
-    finite = finite &&
-             is_finite({b.p.x, b.p.y, b.p.z, b.q.w, b.q.x, b.q.y, b.q.z, b.v.x, b.v.y, b.v.z, b.w.x, b.w.y, b.w.z});
-  for (const JointState& j : state.joints)
-    finite = finite && is_finite({j.angle[0], j.angle[1], j.angle[2], j.offset.x, j.offset.y, j.offset.z, j.locked.w,
-                                  j.locked.x, j.locked.y, j.locked.z});
-  for (const ElementState& e : state.elements)
-    finite = finite && is_finite({e.switched_on, e.from, e.to, e.start, e.duration});
-  for (const EventState& e : state.events) finite = finite && std::isfinite(e.due);
-  for (const double signal : state.signals) finite = finite && std::isfinite(signal);
-  for (const double extra : state.extras) finite = finite && std::isfinite(extra);
-  return finite;
-}
-
-struct Survival {
-  StepStatus status = StepStatus::kOk;  // of the last step
-  int steps = 0;                        // that were good
-  int fired = 0;                        // events
-};
-
-// Steps until `ticks` are done or a step fails, and looks at every one.
-Survival survive(Simulation& s, int ticks) {
-  // A split takes a trial and two iterations; what is left after the last split takes one more.
-  const int most_substeps = 3 * s.plan.options.max_splits + 1;
-  Survival survival;
-  for (; survival.steps < ticks; ++survival.steps) {
-    const std::uint64_t before = calc_hash(s.state);
-    const std::int64_t tick = s.state.header->tick;
-    const StepReport report = s.advance();
-    EXPECT_LE(report.substeps, most_substeps) << "tick " << tick;
-    survival.status = report.status;
-    survival.fired += static_cast<int>(report.events.size());
-    if (report.status != StepStatus::kOk) {
-      EXPECT_EQ(calc_hash(s.state), before) << "a failed step has changed the state, tick " << tick;
-      return survival;
-    }
-    EXPECT_EQ(s.state.header->tick, tick + 1);
-    if (!is_finite(s.state)) {
-      ADD_FAILURE() << "a number that is not finite after a good step, tick " << tick;
-      return survival;
-    }
-  }
-  return survival;
-}
-
-Survival survive(const Model& model, int ticks, const PlanOptions& options = {}) {
-  Simulation s(model, options);
-  return survive(s, ticks);
-}
-
-PointSpring build_spring(int base, int follower, double stiffness, double damping, double free_length) {
-  PointSpring spring;
-  spring.name = "spring" + std::to_string(follower);
-  spring.base = base;
-  spring.follower = follower;
-  spring.stiffness = stiffness;
-  spring.damping = damping;
-  spring.free_length = free_length;
-  return spring;
-}
-
-Joint build_joint(int base, int follower, const Eigen::Vector3d& point_base, const Eigen::Vector3d& point_follower,
-                  const std::vector<JointMode>& modes) {
-  Joint joint;
-  joint.name = "joint" + std::to_string(follower);
-  joint.base = base;
-  joint.follower = follower;
-  joint.point_base = point_base;
-  joint.point_follower = point_follower;
-  joint.modes = modes;
-  return joint;
-}
 
 // --- Traps ----------------------------------------------------------------------------------------------------------
 
@@ -387,110 +286,6 @@ TEST(Hostile, AFallThroughTheCentreOfGravityEndsInAStatus) {
     model.gravity.mu = 4e14;
     survive(model, 100);
   }
-}
-
-// --- Events ---------------------------------------------------------------------------------------------------------
-
-TEST(Hostile, EventsOfEveryKindAtTheBeginningActThere) {
-  using Kind = Condition::Kind;
-  Model model = build_pendulum(true, 0);
-  model.signals = {"a"};
-  model.channels.push_back({"c", 1, 0, 1, 0, "1"});
-  for (const Condition& condition :
-       {when_time(0), when_time(-5), when(Kind::kDisplacement, 0, kX, 0), when(Kind::kAngle, 0, kRotZ, 0),
-        when(Kind::kSpeed, 0, kRotZ, 0), when(Kind::kBodyRate, 0, 0, 0), when(Kind::kCommand, 0, 0, 1)}) {
-    model.events.push_back({"e" + std::to_string(model.events.size()), "", condition, 0, {act_raise(0)}, false});
-  }
-  model.events.push_back({"latch", "", when_time(0), 0, {act_set_mode(0, 1)}, false});
-  model.events.push_back({"release", "", when(Kind::kSignal, 0, 0, 0), 0, {act_set_mode(0, 2)}, false});
-  Simulation s(model);
-  const Traps traps;
-  const StepReport report = s.advance();
-  ASSERT_EQ(report.status, StepStatus::kOk);
-  ASSERT_EQ(report.events.size(), model.events.size());
-  for (const FiredEvent& fired : report.events) EXPECT_EQ(fired.time, 0);
-  EXPECT_EQ(s.state.joints[0].mode, 2);
-}
-
-// In the middle of a step, each releasing and latching what others hold.
-TEST(Hostile, AHundredEventsAtOneInstantActThereInTheirOrder) {
-  constexpr int kBodies = 50;
-  constexpr double kInstant = 0.00237;
-  Model model;
-  model.gravity.uniform = {0, -9.81, 0};
-  for (int k = 0; k < kBodies; ++k) {
-    model.bodies.push_back(box("b" + std::to_string(k), 1, 0.1, 0.1, 0.1));
-    model.bodies.back().p_WB = {k + 0.5, 0, 0};
-    model.joints.push_back(build_joint(k - 1, k, {k == 0 ? 0.0 : 0.5, 0, 0}, {-0.5, 0, 0},
-                                       {{"hinge", kRevoluteRows}, {"free", 0}, {"weld", kWeldRows}}));
-  }
-  for (int mode : {1, 2})
-    for (int k = 0; k < kBodies; ++k)
-      model.events.push_back(
-          {"e" + std::to_string(model.events.size()), "", when_time(kInstant), 0, {act_set_mode(k, mode)}, false});
-  Simulation s(model);
-  const Traps traps;
-  int fired = 0;
-  for (int i = 0; i < 10; ++i) {
-    const StepReport report = s.advance();
-    ASSERT_EQ(report.status, StepStatus::kOk);
-    for (const FiredEvent& event : report.events) {
-      EXPECT_EQ(event.event, fired++);
-      EXPECT_NEAR(event.time, kInstant, 1e-15);
-    }
-  }
-  EXPECT_EQ(fired, 2 * kBodies);
-  for (const JointState& joint : s.state.joints) EXPECT_EQ(joint.mode, 2);
-}
-
-// Each undoes the other's condition at once.
-TEST(Hostile, EventsThatChaseOneAnotherAreBounded) {
-  Model model = build_pendulum(true, 1);
-  model.signals = {"ping"};
-  Action lower = act_raise(0);
-  lower.value = 0;
-  Condition off = when(Condition::Kind::kNot, 0, 0, 0);
-  off.parts = {when(Condition::Kind::kSignal, 0, 0, 0)};
-  model.events.push_back({"raise", "", off, 0, {act_raise(0)}, true});
-  model.events.push_back({"lower", "", when(Condition::Kind::kSignal, 0, 0, 0), 0, {lower}, true});
-  const Survival survival = survive(model, 500);
-  EXPECT_GT(survival.fired, 0);
-}
-
-// A joint that locks as soon as it turns, and is freed as soon as it is locked: several times a step.
-TEST(Hostile, AChatteringLatchIsBounded) {
-  using Kind = Condition::Kind;
-  Model model = build_pendulum(true, 0);
-  model.gravity.uniform = {0, 9.81, 0};
-  model.events.push_back({"lock", "", when(Kind::kSpeed, 0, kRotZ, 1e-4), 0, {act_set_mode(0, 1)}, true});
-  model.events.push_back({"free", "", when(Kind::kMode, 0, 1, 0), 1e-4, {act_set_mode(0, 0)}, true});
-  const Survival survival = survive(model, 1000);
-  EXPECT_EQ(survival.status, StepStatus::kOk);
-  EXPECT_GT(survival.fired, 1000);
-}
-
-// A guard that touches zero without crossing it, and one that is zero throughout.
-TEST(Hostile, GuardsThatStandAtZeroAreBounded) {
-  Model model = build_pendulum(true, 0);
-  model.events.push_back({"always", "", when(Condition::Kind::kSpeed, 0, kRotZ, 0), 0, {}, true});
-  model.events.push_back({"edge", "", when(Condition::Kind::kAngle, 0, kRotZ, 0), 0.0005, {}, true});
-  Simulation s(model);
-  const Traps traps;
-  EXPECT_EQ(survive(s, 1000).status, StepStatus::kOk);
-}
-
-TEST(Hostile, ALatchHitAtZeroSpeedChangesNothing) {
-  Model model = build_pendulum(false, 0);
-  model.events.push_back({"latch", "", when_time(0.0105), 0, {act_set_mode(0, 1)}, false});
-  Simulation s(model);
-  const Traps traps;
-  for (int i = 0; i < 20; ++i) {
-    const StepReport report = s.advance();
-    ASSERT_EQ(report.status, StepStatus::kOk);
-    for (const EventAudit& audit : report.audits) EXPECT_EQ(audit.jump.kinetic, 0);
-  }
-  EXPECT_EQ(s.state.joints[0].mode, 1);
-  for (const BodyState& body : s.state.bodies) EXPECT_EQ(body.v.y, 0);
 }
 
 // --- All of it ------------------------------------------------------------------------------------------------------
