@@ -7,9 +7,10 @@ namespace {
 
 class Replayer {
  public:
-  Replayer(Simulation& simulation, RunAnalysis* analysis, ReplayResult& result)
-      : simulation_(simulation), analysis_(analysis), result_(result) {
-    if (analysis_ != nullptr) analysis_->update(StepReport{});
+  using Look = std::function<void(const StepReport&)>;
+  Replayer(Simulation& simulation, RunAnalysis* analysis, const Look& look, ReplayResult& result)
+      : simulation_(simulation), analysis_(analysis), look_(look), result_(result) {
+    show(StepReport{});
   }
 
   bool compare(std::int64_t recorded) {
@@ -25,7 +26,7 @@ class Replayer {
     for (const LogChange& change : tick.changes) apply(change, simulation_);
     const StepReport report = simulation_.step();
     status_ = report.status;
-    if (status_ == StepStatus::kOk && analysis_ != nullptr) analysis_->update(report);
+    if (status_ == StepStatus::kOk) show(report);
     return status_ == StepStatus::kOk;
   }
 
@@ -44,8 +45,14 @@ class Replayer {
   [[nodiscard]] StepStatus get_status() const { return status_; }
 
  private:
+  void show(const StepReport& report) {
+    if (analysis_ != nullptr) analysis_->update(report);
+    if (look_) look_(report);
+  }
+
   Simulation& simulation_;
   RunAnalysis* analysis_;
+  const Look& look_;
   ReplayResult& result_;
   StepStatus status_ = StepStatus::kOk;
   std::int64_t last_compared_ = -1;
@@ -86,9 +93,10 @@ void apply(const LogChange& change, Simulation& simulation) {
 }
 
 // A tick's inputs are stepped with once the next record shows that its step was made.
-ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis) {
+ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis,
+                    const std::function<void(const StepReport&)>& look) {
   ReplayResult result;
-  Replayer replayer(simulation, analysis, result);
+  Replayer replayer(simulation, analysis, look, result);
   LogTick pending, tick;
   bool has_pending = false;
   while (recording.next(tick)) {

@@ -1,6 +1,7 @@
 // Runs a recording again and compares the state's hash at every tick.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -34,7 +35,9 @@ void refuse_if_lossy(const RecordingReader& recording, std::int64_t items);
 void apply(const LogChange& change, Simulation& simulation);
 
 // Steps `simulation`, which must be at the state where the recording begins, through the recording; stops at the first
-// difference. `analysis` may be null. A recording that lost inputs throws LogError: it cannot be replayed.
-ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis);
+// difference. `analysis` may be null. `look`, if given, is called at every state, the first included, after the
+// analysis and with what it was given. A recording that lost inputs throws LogError: it cannot be replayed.
+ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis,
+                    const std::function<void(const StepReport&)>& look = {});
 
 }  // namespace unlatch::hil

@@ -95,6 +95,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_sensors(top);
   read_events(top);
   read_clearance(top);
+  read_points(top);
   read_flight_software(top);
   read_timing(top);
   top.finish();

@@ -34,6 +34,14 @@ struct FlightSoftware {
 };
 extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy
 
+// A point of a body whose path is drawn and plotted. It decides nothing.
+struct TracedPoint {
+  std::string name;
+  int body = 0;
+  Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();  // body axes, m
+  int seen_from = kGround;                         // the body in whose axes the path is told; the ground: W
+};
+
 struct Scenario {
   std::string file;                    // as given to the loader, for messages
   std::string text;                    // of the file: with `overrides` it makes this scenario again
@@ -46,7 +54,8 @@ struct Scenario {
   TimingOptions timing;
   std::vector<std::vector<Shape>> shapes;      // of each body
   std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
-  std::map<std::string, SourceMark> marks;     // places of the elements, by ModelError::where: "body 'core'"
+  std::vector<TracedPoint> points;
+  std::map<std::string, SourceMark> marks;  // places of the elements, by ModelError::where: "body 'core'"
 };
 
 // The text of a regular file; `kind` says what it should be, for messages. Throws ScenarioError.

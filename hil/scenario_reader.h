@@ -36,6 +36,7 @@ class ScenarioReader {
   void read_sensors(YamlMap& top);
   void read_events(YamlMap& top);
   void read_clearance(YamlMap& top);
+  void read_points(YamlMap& top);
 
   // Bodies.
   struct Placement {

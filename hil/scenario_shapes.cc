@@ -1,4 +1,4 @@
-// Shapes of bodies, and the pairs whose clearance is watched.
+// Shapes of bodies, the pairs whose clearance is watched, the points whose path is drawn.
 #include <algorithm>
 
 #include "hil/scenario_reader.h"
@@ -75,6 +75,25 @@ void ScenarioReader::read_clearance(YamlMap& top) {
                       "give it one, or leave the pair out");
     scenario_.clearance.emplace_back(a, b);
   }
+}
+
+void ScenarioReader::read_points(YamlMap& top) {
+  std::vector<std::string> frames = bodies_;
+  frames.push_back("ground");
+  for_each_named(top, "points", "point", [&](const std::string& name, const YamlNode& node) {
+    TracedPoint point{.name = name};
+    YamlMap map(node, "a point", mistakes_);
+    point.body = map.choice("body", "body", bodies_);
+    point.p_BP = map.vector("at", "m", Eigen::Vector3d::Zero());
+    const int ground = static_cast<int>(bodies_.size());
+    const int frame = map.choice("seen_from", "body", frames, ground);
+    point.seen_from = frame == ground ? kGround : frame;
+    map.finish();
+    if (point.body >= 0 && point.body == point.seen_from)
+      mistakes_.add(map.node().find("seen_from")->mark, "a point that is seen from its own body does not move",
+                    "name another body, or ground");
+    scenario_.points.push_back(point);
+  });
 }
 
 }  // namespace unlatch::hil

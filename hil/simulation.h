@@ -47,6 +47,9 @@ class Simulation {
   std::span<double> channels() noexcept { return channels_; }
   std::span<const double> channels() const noexcept { return channels_; }
 
+  // The value of each channel that the last step read, and the next reads unless it latches another.
+  std::span<const double> get_inputs() const noexcept { return held_.get_channels(); }
+
   // h·ω and so on of the springs at the present state; overwrites the workspace.
   std::vector<ElementFrequency> calc_frequencies() { return unlatch::calc_frequencies(plan_, state_, workspace_); }
 

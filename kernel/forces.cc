@@ -27,24 +27,6 @@ double calc_table(std::span<const Knot> knots, double s) {
   return a.value + (b.value - a.value) * ((s - a.time) / (b.time - a.time));
 }
 
-double calc_profile(const Plan& plan, const PlanProfile& profile, double s) {
-  switch (profile.kind) {
-    case Profile::Kind::kConstant:
-      return profile.value;
-    case Profile::Kind::kExponential:
-      return profile.final + (profile.initial - profile.final) * elementary::exp(-s / profile.tau);
-    case Profile::Kind::kTable:
-      return calc_table(std::span(plan.knots).subspan(at(profile.first), at(profile.count)), s);
-    case Profile::Kind::kHarmonic: {
-      double sum = 0;
-      for (const Profile::Harmonic& h : std::span(plan.harmonics).subspan(at(profile.first), at(profile.count)))
-        sum += h.amplitude * elementary::sin(h.frequency * s + h.phase);
-      return sum;
-    }
-  }
-  return 0;
-}
-
 // A force at an arm from the body's origin, or a torque; nothing can push the ground.
 void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
   if (body == kGround) return;
@@ -141,6 +123,24 @@ void add_plane_torsions(const Plan& plan, const State& state, double t, Workspac
 }
 
 }  // namespace
+
+double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noexcept {
+  switch (profile.kind) {
+    case Profile::Kind::kConstant:
+      return profile.value;
+    case Profile::Kind::kExponential:
+      return profile.final + (profile.initial - profile.final) * elementary::exp(-s / profile.tau);
+    case Profile::Kind::kTable:
+      return calc_table(std::span(plan.knots).subspan(at(profile.first), at(profile.count)), s);
+    case Profile::Kind::kHarmonic: {
+      double sum = 0;
+      for (const Profile::Harmonic& h : std::span(plan.harmonics).subspan(at(profile.first), at(profile.count)))
+        sum += h.amplitude * elementary::sin(h.frequency * s + h.phase);
+      return sum;
+    }
+  }
+  return 0;
+}
 
 double calc_scale(const ElementState& element, double t) noexcept {
   const double elapsed = t - element.start;

@@ -11,6 +11,9 @@ struct Inputs;
 // An element's switch scale at time t.
 double calc_scale(const ElementState& element, double t) noexcept;
 
+// A profile's value, s seconds after its element was switched on.
+double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noexcept;
+
 // ws.forces at time t, s; needs ws.kinematics, ws.frames and ws.coordinates.
 void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 

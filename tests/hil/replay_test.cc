@@ -1,6 +1,7 @@
 // Replay: every tick's hash, the first difference by name.
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
 
 #include "tests/hil/session_support.h"
@@ -49,6 +50,17 @@ TEST_F(Replay, AgreesAtEveryTick) {
   EXPECT_TRUE(replayed.complete);
   EXPECT_TRUE(replayed.result.agrees()) << replayed.result.mismatch;
   EXPECT_EQ(replayed.result.compared, 51);
+}
+
+TEST_F(Replay, ShowsEveryState) {
+  hil::RecordingReader recording{hil::LogFileReader(log_)};
+  const hil::Scenario scenario = hil::load_recorded_scenario(recording.header);
+  const auto simulation = hil::build_recorded_simulation(recording.header, scenario, log_);
+  std::vector<std::int64_t> ticks, expected(51);
+  std::iota(expected.begin(), expected.end(), 0);
+  (void)hil::replay(recording, *simulation, nullptr,
+                    [&](const StepReport&) { ticks.push_back(simulation->get_tick()); });
+  EXPECT_EQ(ticks, expected);
 }
 
 TEST_F(Replay, NamesTheFirstTickThatDiffers) {

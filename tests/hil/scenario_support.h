@@ -49,6 +49,9 @@ events:
     then: [{raise: kr}, {set_mode: {joint: nose, mode: free}}]
 clearance: all
 flight_software: {required: [fsw], timeout: 0.5, policy: safe}
+points:
+  aft: {body: booster, at: [-1, 0, 50 mm], seen_from: core}
+  fore: {body: core}
 )";
 
 inline std::string replaced(std::string text, const std::string& what, const std::string& with) {

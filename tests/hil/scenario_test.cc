@@ -29,6 +29,11 @@ TEST(Scenario, ReadsEverySection) {
   EXPECT_EQ(s.model.events.at(0).delay, 0.012);
   EXPECT_EQ(s.model.events.at(0).then.at(1).mode, 1);
   EXPECT_EQ(s.clearance, (std::vector<std::pair<int, int>>{{0, 1}}));
+  ASSERT_EQ(s.points.size(), 2u);
+  EXPECT_EQ(s.points[0].body, 1);
+  EXPECT_EQ(s.points[0].p_BP, Eigen::Vector3d(-1, 0, 0.05));
+  EXPECT_EQ(s.points[0].seen_from, 0);
+  EXPECT_EQ(s.points[1].seen_from, kGround);
   EXPECT_EQ(s.flight_software.policy, hil::FlightSoftware::Policy::kSafe);
   EXPECT_EQ(s.marks.at("joint 'nose'").line, 18);
 }
@@ -103,6 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"TwoKinds", "{raise: kr}", "{raise: kr, ramp: {}}", "s.yaml:37:12: ", "both ramp and raise"},
         Wrong{"Policy", "policy: safe", "policy: stop", "s.yaml:39:58: ", "known: hold, zero, safe, pause, abort"},
         Wrong{"Version", "unlatch: 1", "unlatch: 2", "s.yaml:1:10: ", "`unlatch: 1`"},
+        Wrong{"StepAlone", "step: {dt: 0.001, until: 1}", "step: 0.001", "s.yaml:3:7: ", "step"},
         Wrong{"Step", "dt: 0.001", "dt: 0", "s.yaml:3:12: ", "whole nanoseconds"},
         Wrong{"Circle", "inertia: [10, 20, 25]", "inertia: [10, 20, 25]\n    relative_to: core",
               "s.yaml:8:18: ", "core -> core"},
@@ -117,6 +123,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"NotPositive", "[10, 20, 25]", "[-1, 20, 25]", "s.yaml:7:14: ", "not positive definite"},
         Wrong{"Gap", "point: [2, 0, 0]", "point: [1, 0, 0]",
               "s.yaml:20:12: ", "1 m along x; move body 'booster' by [-1"},
+        Wrong{"PointOfItself", "seen_from: core", "seen_from: booster", "s.yaml:41:55: ", "does not move"},
+        Wrong{"PointOfNobody", "fore: {body: core", "fore: {body: cor", "s.yaml:42:16: ", "did you mean 'core'?"},
         Wrong{"Channel", "initial: 1", "initial: 2", "s.yaml:16:23: ", "initial is 2; within its range [0, 1]"}),
     [](const auto& at) { return std::string(at.param.name); });
 

@@ -19,6 +19,7 @@ void add_hil(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
 void add_preflight(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);
+void add_report(CLI::App& app, int& exit_code);
 void add_log(CLI::App& app, int& exit_code);
 
 // What check, run and hil say about their scenario.

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   tools::add_hil(app, exit_code);
   tools::add_replay(app, exit_code);
   tools::add_diff(app, exit_code);
+  tools::add_report(app, exit_code);
   tools::add_log(app, exit_code);
   tools::add_preflight(app, exit_code);
 

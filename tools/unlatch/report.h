@@ -27,6 +27,9 @@ struct RunReport {
 std::string to_hex(std::int64_t hash);
 const char* get_status_name(hil::RunStatus status);
 
+// What went wrong with a separation, a sentence each: who still hangs on, who left long after the first, who struck.
+std::vector<std::string> build_verdicts(const RunReport& report);
+
 nlohmann::ordered_json build_json(const RunReport& report);
 void print_report(std::FILE* to, const RunReport& report);
 
@@ -36,6 +39,7 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 void write_json(const nlohmann::ordered_json& json, const std::string& target);
+void write_text(const std::string& text, const std::string& target);
 // People's text goes to standard error when standard output is JSON's.
 inline std::FILE* get_people_stream(const std::string& json_target) { return json_target == "-" ? stderr : stdout; }
 

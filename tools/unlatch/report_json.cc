@@ -172,6 +172,7 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   }
   json["audit"] = Json::array();
   for (const EventAudit& audit : report.analysis.audits) json["audit"].push_back(build_audit(audit));
+  json["verdicts"] = build_verdicts(report);
   json["timing"] = to_json(report.timing);
   if (report.replay) json["replay"] = to_json(*report.replay);
   return json;
@@ -179,7 +180,10 @@ nlohmann::ordered_json build_json(const RunReport& report) {
 
 void write_json(const nlohmann::ordered_json& json, const std::string& target) {
   if (target.empty()) return;
-  const std::string text = json.dump(1) + "\n";
+  write_text(json.dump(1) + "\n", target);
+}
+
+void write_text(const std::string& text, const std::string& target) {
   std::FILE* const file = target == "-" ? stdout : std::fopen(target.c_str(), "wb");
   if (file == nullptr) throw OutputError(target + ": cannot be created: " + std::strerror(errno));
   const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;

@@ -8,7 +8,6 @@ namespace unlatch::tools {
 namespace {
 
 constexpr double kDegPerRad = 57.29577951308232;
-constexpr double kStayedLong_s = 0.1;  // beyond what a late command or a dispersed tail-off explains
 
 void print_heading(std::FILE* to, const char* text) {
   std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
@@ -150,41 +149,9 @@ void print_timing(std::FILE* to, const hil::TimingSummary& timing) {
   }
 }
 
-void print_verdict(std::FILE* to, const std::string& text) {
-  std::fprintf(to, "\n%s\n", paint(to, Colour::kRed, text).c_str());
-}
-
-// What went wrong with a separation: who still hangs on, who left long after the first, who struck.
 void print_verdicts(std::FILE* to, const RunReport& report) {
-  const Model& model = report.scenario.model;
-  const auto& tip_offs = report.analysis.tip_offs;
-  if (tip_offs.empty()) return;
-  const auto body_name = [&model](int body) {
-    return body == kGround ? "the ground" : model.bodies[static_cast<std::size_t>(body)].name;
-  };
-  for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    const Joint& joint = model.joints[i];
-    const auto& mode = joint.modes[static_cast<std::size_t>(report.simulation.state().joints[i].mode)];
-    const auto is_free = [](const JointMode& candidate) { return candidate.rows == 0; };
-    if (is_free(mode) || std::none_of(joint.modes.begin(), joint.modes.end(), is_free)) continue;
-    print_verdict(to, body_name(joint.follower) + " stayed on " + body_name(joint.base) + ": " + joint.name +
-                          " is still in mode '" + mode.name + "' at the end");
-  }
-  const auto earliest =
-      std::min_element(tip_offs.begin(), tip_offs.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
-  for (const hil::TipOff& tip_off : tip_offs) {
-    if (tip_off.time - earliest->time < kStayedLong_s) continue;
-    char text[160];
-    std::snprintf(text, sizeof text, "%s stayed on %s %.3f s longer than %s, the first to leave", tip_off.body.c_str(),
-                  tip_off.base.c_str(), tip_off.time - earliest->time, earliest->body.c_str());
-    print_verdict(to, text);
-  }
-  for (const hil::Clearance& clearance : report.analysis.clearances()) {
-    if (clearance.smallest > 0) continue;
-    char text[160];
-    std::snprintf(text, sizeof text, "%s and %s touch at t = %.3f s", body_name(clearance.a).c_str(),
-                  body_name(clearance.b).c_str(), clearance.time);
-    print_verdict(to, text);
+  for (const std::string& verdict : build_verdicts(report)) {
+    std::fprintf(to, "\n%s\n", paint(to, Colour::kRed, verdict).c_str());
   }
 }
 

@@ -1,0 +1,262 @@
+#!/usr/bin/env python3
+"""Facts about the page of `unlatch report`, in a real browser without a network:
+
+    report_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+
+import base64
+import json
+import re
+import sys
+from array import array
+from pathlib import Path
+
+from browser import CHROMIUM, Browser
+from processes import BOOSTERS, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
+
+MOST_BYTES = 5_000_000  # of a page of 10 s at 1 kHz
+# Positions are kept in single precision relative to the first body, at most 60 m away here: half a unit of its last place.
+SINGLE = 60 * 2.0**-24
+SAMPLES = [0, 0.25, 0.731, 1.5, 2]  # s; the recording's frames are every tick
+HOSTILE = "</script><script>window.struck = 1</script><!-- <img src=x onerror='window.struck = 2'>"
+
+
+def read_document(page):
+    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read_text(), re.DOTALL).group(1)
+    return json.loads(text)
+
+
+class ReportTest(ProcessTest):
+    """One browser for all facts; each opens the pages that it needs."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = Browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+
+    def record(self, name, *arguments):
+        log = self.folder / f"{name}.log"
+        self.run_ok(UNLATCH, *arguments, "--log", log)
+        return log
+
+    def build(self, *logs, code=0):
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "report", *logs, "--out", page, code=code)
+        return page
+
+    def open(self, *logs):
+        self.browser.open(self.build(*logs))
+        self.assert_silent()
+
+    def assert_silent(self):
+        self.assertEqual(self.browser.complaints, [])
+        self.assertEqual([url for url in self.browser.requests if not url.startswith(("file:", "data:"))], [])
+
+    def ask(self, expression):
+        return self.browser.evaluate(expression)
+
+    def set_slider(self, share):
+        self.ask("(() => { const slider = document.querySelector('input.time'); slider.value = %r;"
+                 " slider.dispatchEvent(new Event('input')); })()" % share)
+        self.browser.settle()
+
+    def read_picture(self):
+        """Colours in the picture, and a number that changes with it."""
+        return self.ask("""(() => {
+            const gl = unlatchReport.stage.canvas.getContext('webgl2'), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
+            const pixels = new Uint32Array(w * h);
+            gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(pixels.buffer));
+            return { colours: new Set(pixels).size, sum: pixels.reduce((sum, pixel, i) => (sum * 31 + pixel) % 1000003, 7) };
+        })()""")
+
+    # --- One run --------------------------------------------------------------------------------------------------
+
+    def test_the_slider_moves_the_bodies_to_where_the_run_had_them(self):
+        log = self.record("run", "run", REFERENCE)
+        truth = self.run_json(UNLATCH, "run", REFERENCE, "--sample", ",".join(map(str, SAMPLES)))
+        self.open(log)
+        pictures = []
+        for sample in truth["samples"]:
+            self.set_slider(sample["t"] / 2)
+            self.assertAlmostEqual(self.ask("unlatchReport.clock.t"), sample["t"], delta=1e-12)
+            core = sample["bodies"]["core"]["p"]
+            shown = self.ask("unlatchReport.stage.actors[0].poses.map(({ p }) => [p.x, p.y, p.z])")
+            for i, (name, body) in enumerate(sample["bodies"].items()):
+                page = self.ask(f"unlatchReport.getPosition({json.dumps(name)}, {sample['t']})")
+                for k in range(3):
+                    self.assertAlmostEqual(page[k], body["p"][k], delta=SINGLE)
+                    self.assertAlmostEqual(shown[i][k], body["p"][k] - core[k], delta=SINGLE)
+            pictures.append(self.read_picture())
+        self.assertGreater(min(picture["colours"] for picture in pictures), 100, "a blank or nearly blank picture")
+        self.assertEqual(len({picture["sum"] for picture in pictures}), len(pictures), "the picture did not change")
+        self.assert_silent()
+
+    def test_a_click_on_a_plot_an_event_or_a_key_sets_the_one_time(self):
+        log = self.record("run", "run", REFERENCE)
+        events = self.run_json(UNLATCH, "replay", log)["events"]
+        self.open(log)
+        titles = self.ask("[...document.querySelectorAll('.card h2')].map((node) => node.textContent)")
+        for title in ("Clearances", "Reaction forces", "Reaction moments", "Angular rates", "Position from core",
+                      "Thrusts and forces", "Timing", "Tip-off rates", "Peak reactions"):
+            self.assertIn(title, titles)
+        curves = self.ask("unlatchReport.plots.cards.map((card) => card.plot.series.length - 1)")
+        self.assertGreater(min(curves), 0)
+        self.browser.click(".card .u-over", x=0.25)
+        t = self.ask("unlatchReport.clock.t")
+        # The axis ends where the run does, and a pixel of the plot is less than 1 % of it.
+        self.assertAlmostEqual(t, 0.5, delta=0.02)
+        cursors = self.ask("unlatchReport.plots.cards.filter((card) => card.visible).map((card) => card.plot.cursor.left)")
+        self.assertGreater(len(cursors), 1)
+        self.assertLess(max(cursors) - min(cursors), 1.5, "one cursor in all plots, to a pixel")
+        self.browser.click(".events button:nth-child(3)")
+        self.assertEqual(self.ask("unlatchReport.clock.t"), events[2]["t"])
+        self.browser.press("Home")
+        self.browser.press("ArrowRight")
+        self.assertAlmostEqual(self.ask("unlatchReport.clock.t"), 0.001, delta=1e-12)
+        self.browser.press("ArrowRight", shift=True)
+        self.assertEqual(self.ask("unlatchReport.clock.t"), events[0]["t"])
+        self.browser.press(" ")
+        self.browser.wait_for(f"unlatchReport.clock.t > {events[0]['t']}")
+        self.assertTrue(self.ask("unlatchReport.clock.playing"))
+        self.browser.press(" ")
+        self.assertFalse(self.ask("unlatchReport.clock.playing"))
+        self.assert_silent()
+
+    def test_a_run_in_the_loop_shows_its_timing_and_faults(self):
+        faults = SCENARIOS / "boosters/faults/jammed-nozzle.yaml"
+        log = self.record("loop", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", faults, *PATIENT)
+        replayed = self.run_json(UNLATCH, "replay", log)
+        self.open(log)
+        text = self.ask("document.querySelector('#timing').innerText")
+        for part in ("step", "state out, answer in", "p99.9", "overruns 0"):
+            self.assertIn(part, text)
+        kinds = self.ask("[...document.querySelectorAll('.row')].map((row) => row.className)")
+        self.assertEqual(len(kinds), len(replayed["events"]) + len(replayed["notices"]))
+        self.assertTrue(any("fault" in kind for kind in kinds))
+        self.assertGreater(self.ask("unlatchReport.runs[0].points.length"), 0)
+        self.assertIn("Commands", self.ask("document.querySelector('.plots').innerText"))
+
+    def test_what_does_not_replay_as_recorded_is_said(self):
+        log = self.record("cut", "run", REFERENCE)
+        log.write_bytes(log.read_bytes()[:60_000])
+        page = self.build(log)
+        self.browser.open(page)
+        self.assertIn("not complete", self.ask("document.querySelector('.banner').textContent"))
+        self.assertEqual(self.ask("document.querySelector('.status').textContent"), "… truncated")
+        self.assert_silent()
+
+    # --- Two runs -------------------------------------------------------------------------------------------------
+
+    def test_two_runs_lie_over_each_other_and_their_first_difference_is_named(self):
+        log = self.record("good", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", *PATIENT)
+        faults = SCENARIOS / "boosters/faults/jammed-nozzle.yaml"
+        other = self.record("bad", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", faults, *PATIENT)
+        diff = self.run_json(UNLATCH, "diff", log, other, code=1)
+        self.open(log, other)
+        banner = self.ask("document.querySelector('.banner').textContent")
+        self.assertIn(f"first differ at tick {diff['difference']['tick']},", banner)
+        self.assertEqual(self.ask("unlatchReport.stage.actors.length"), 2)
+        names = self.ask("unlatchReport.plots.cards[0].plot.series.slice(1).map((series) => series.label)")
+        self.assertEqual([name[2:] for name in names if name[0] == "A"], [name[2:] for name in names if name[0] == "B"])
+        ends = self.ask("unlatchReport.runs.map((run, r) => unlatchReport.getPosition('booster1', run.last, r))")
+        self.assertNotEqual(ends[0], ends[1])
+        self.assert_silent()
+
+    def test_runs_of_two_models_are_shown_with_the_reason_why_they_are_not_compared(self):
+        log = self.record("good", "run", REFERENCE)
+        other = self.record("dead", "run", REFERENCE, "--set", "events.contact:booster1.enabled=false")
+        self.open(log, other)
+        text = self.ask("document.querySelector('header').innerText")
+        self.assertIn("different models", text)
+        self.assertIn("B: booster1 stayed on core", text)
+
+    # --- The file -------------------------------------------------------------------------------------------------
+
+    def test_texts_of_a_scenario_stay_texts(self):
+        scenario = self.folder / "hostile <img src=x onerror='window.struck = 3'>.yaml"
+        text = Path(REFERENCE).read_text()
+        title = next(line for line in text.splitlines() if line.startswith("title:"))
+        scenario.write_text(text.replace(title, "title: " + json.dumps(HOSTILE)) + f"\n# {HOSTILE} %UNLATCH_DATA%\n")
+        log = self.record("<b>run", "run", scenario, "--until", "0.1")
+        self.open(log)
+        self.assertIsNone(self.ask("window.struck ?? null"))
+        self.assertEqual(self.ask("document.querySelector('.title').textContent"), HOSTILE)
+        self.assertEqual(self.ask("document.scripts.length"), 2)
+        self.assertEqual(self.ask("document.images.length"), 0)
+        self.assertIn(HOSTILE, self.ask("[...document.querySelectorAll('details.text pre')].map((pre) => pre.textContent).join()"))
+        # Even a script that had got in would not run.
+        self.assertIsNone(self.ask("(() => { const script = document.createElement('script'); script.textContent = 'window.struck = 4';"
+                                   " document.body.append(script); return window.struck ?? null; })()"))
+        self.assertIn("Content Security Policy", " ".join(self.browser.complaints))
+
+    def test_ten_seconds_at_1_khz_stay_below_5_mb_one_run_or_two(self):
+        log = self.record("long", "run", REFERENCE, "--until", "10")
+        for logs in ((log,), (log, log)):
+            page = self.build(*logs)
+            self.assertLess(page.stat().st_size, MOST_BYTES)
+            for run in read_document(page)["runs"]:
+                frames = run["frames"]
+                self.assertEqual(frames["seen"], 10_001)
+                self.assertGreater(frames["count"], 500)
+                # What is kept: every so many, the first, the last, and all near events.
+                ticks = array("d", base64.b64decode(frames["ticks"])).tolist()
+                self.assertEqual(len(ticks), frames["count"])
+                self.assertEqual(ticks, sorted(set(ticks)))
+                self.assertTrue(set(range(0, 10_001, frames["every"])) | {10_000} <= set(ticks))
+                for event in run["events"]:
+                    after = int(event["t"] / run["dt"]) + 1  # the tick at the end of its step
+                    near = set(range(after - frames["around"] + 1, after + frames["around"]))
+                    self.assertTrue(near <= set(ticks), event)
+
+    def test_bodies_without_shapes_and_with_modal_coordinates_are_shown(self):
+        page = self.build(self.record("tree", "run", SCENARIOS / "tree3/reference.yaml", "--until", "0.5"))
+        document = read_document(page)
+        run = document["runs"][0]
+        self.assertTrue(all(body["assumed"] for body in run["structure"]["bodies"]))
+        self.browser.open(page)
+        self.assert_silent()
+        self.assertGreater(self.read_picture()["colours"], 20)
+        # A body with two modal coordinates.
+        width, frames = len(run["frames"]["first"]), run["frames"]
+        body = run["structure"]["bodies"][0]
+        body.update(modal=2, modal_column=width)
+        frames["first"] += [0.25, -0.5]
+        text = page.read_text()
+        begin = text.index('id="data">') + len('id="data">')
+        page.write_text(text[:begin] + json.dumps(document).replace("<", "\\u003c") + text[text.index("</script>", begin):])
+        self.browser.open(page)
+        self.assert_silent()
+        card = "unlatchReport.plots.cards.find((card) => card.group.title === 'Modal coordinates')"
+        self.assertEqual(self.ask(f"{card}.plot.data.slice(1).map((values) => values[0])"), [0.25, -0.5])
+
+    def test_without_webgl_everything_but_the_picture_is_there(self):
+        page = self.build(self.record("run", "run", REFERENCE, "--until", "0.5"))
+        with Browser(flags=["--disable-3d-apis"]) as browser:
+            browser.open(page)
+            self.assertIn("WebGL", browser.evaluate("document.querySelector('.view').textContent"))
+            self.assertGreater(browser.evaluate("document.querySelectorAll('.uplot').length"), 5)
+            browser.press("End")
+            self.assertEqual(browser.evaluate("unlatchReport.clock.t"), 0.5)
+
+    def test_wrong_use_is_refused_and_harms_no_recording(self):
+        log = self.record("run", "run", REFERENCE, "--until", "0.01")
+        before = log.read_bytes()
+        for arguments in (["report", log], ["report", "--out", self.folder / "x.html"], ["report", log, "--out", log],
+                          ["report", self.folder / "missing.log", "--out", self.folder / "x.html"],
+                          ["report", log, log, log, "--out", self.folder / "x.html"]):
+            result = self.run_ok(UNLATCH, *arguments, code=2)
+            self.assertNotEqual(result.stderr.strip(), "")
+        self.run_ok(UNLATCH, "report", log, "--out", self.folder / "no/such/folder.html", code=3)
+        self.assertEqual(log.read_bytes(), before)
+        self.assertFalse((self.folder / "x.html").exists())
+        self.assertIn("Example", self.run_ok(UNLATCH, "report", "--help").stdout)
+
+
+if __name__ == "__main__":
+    if CHROMIUM is None:
+        print("skipped: no chromium; tools/setup test installs it")
+        sys.exit(77)
+    main()

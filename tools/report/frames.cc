@@ -1,0 +1,187 @@
+#include "tools/report/frames.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <span>
+
+#include "kernel/forces.h"
+#include "tools/report/base64.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostFrames = 4000;   // besides those near events
+constexpr std::int64_t kAround = 5;         // ticks before and after an event that are all kept,
+constexpr std::int64_t kMostPinned = 1000;  // until there are so many
+
+void put(const Vec3& v, float*& to) {
+  for (const double value : {v.x, v.y, v.z}) *to++ = static_cast<float>(value);
+}
+
+template <class T>
+std::string encode_base64(const std::vector<T>& values) {
+  static_assert(std::endian::native == std::endian::little, "the page reads little-endian numbers");
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(values.data());
+  return to_base64({bytes, values.size() * sizeof(T)});
+}
+
+}  // namespace
+
+FrameLayout::FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values)
+    : joints(bodies + kBodyColumns * scenario.model.bodies.size()),
+      loads(joints + kJointColumns * scenario.model.joints.size()),
+      pairs(loads + scenario.model.loads.size()),
+      channels(pairs + scenario.clearance.size()),
+      sensors(channels + scenario.model.channels.size()),
+      points(sensors + sensor_values),
+      width(points + kPointColumns * scenario.points.size()) {
+  for (const Body& body : scenario.model.bodies) {
+    modal.push_back(width);
+    if (body.flexible) width += static_cast<std::size_t>(body.flexible->frequencies.size());
+  }
+}
+
+FrameRecorder::FrameRecorder(const hil::Scenario& scenario, const hil::Simulation& simulation,
+                             const hil::RunAnalysis& analysis)
+    : scenario_(scenario),
+      simulation_(simulation),
+      analysis_(analysis),
+      layout_(scenario, simulation.workspace().sensors.size()) {}
+
+void FrameRecorder::look(const StepReport& report) {
+  ++seen_;
+  recent_.push_back(take());
+  if (!report.events.empty() && pinned_ < kMostPinned) {
+    for (Frame& frame : recent_) pinned_ += std::exchange(frame.pinned, true) ? 0 : 1;
+    pin_until_ = recent_.back().tick + kAround;
+  } else if (recent_.back().tick <= pin_until_) {
+    recent_.back().pinned = true;
+    ++pinned_;
+  }
+  if (static_cast<std::int64_t>(recent_.size()) > kAround) settle();
+}
+
+// The oldest of the recent frames is kept or forgotten.
+void FrameRecorder::settle() {
+  Frame& frame = recent_.front();
+  if (kept_.empty()) frame.pinned = true;
+  if (frame.pinned || frame.tick % every_ == 0) kept_.push_back(std::move(frame));
+  recent_.pop_front();
+  if (kept_.size() > kMostFrames + static_cast<std::size_t>(pinned_)) thin();
+}
+
+// Half as many of those that no event holds; once there are none, of all.
+void FrameRecorder::thin() {
+  const std::size_t before = kept_.size();
+  every_ *= 2;
+  std::erase_if(kept_, [this](const Frame& frame) { return !frame.pinned && frame.tick % every_ != 0; });
+  if (kept_.size() < before || every_ <= kept_.back().tick) return;
+  for (std::size_t i = 1; i + 1 < kept_.size(); i += 2) kept_[i].pinned = false;
+}
+
+FrameRecorder::Frame FrameRecorder::take() const {
+  const unlatch::State& state = simulation_.state();
+  Frame frame{state.header->tick, state.bodies[0].p, std::vector<float>(layout_.width), false};
+  float* to = frame.values.data();
+  for (const BodyState& body : state.bodies) {
+    put(body.p - frame.origin, to);
+    for (const double value : {body.q.w, body.q.x, body.q.y, body.q.z}) *to++ = static_cast<float>(value);
+    put(body.v, to);
+    put(body.w, to);
+  }
+  for (std::size_t joint = 0; joint < state.joints.size(); ++joint) {
+    *to++ = static_cast<float>(state.joints[joint].mode);
+    for (std::size_t row = 0; row < kRows; ++row) {
+      *to++ = static_cast<float>(simulation_.workspace().multipliers[joint * kRows + row]);
+    }
+  }
+  take_loads(to);
+  to = frame.values.data() + layout_.pairs;
+  for (const hil::Clearance& clearance : analysis_.clearances()) *to++ = static_cast<float>(clearance.now);
+  for (const double value : simulation_.get_inputs()) *to++ = static_cast<float>(value);
+  for (const double value : simulation_.workspace().sensors) *to++ = static_cast<float>(value);
+  take_points(to);
+  take_modal(frame.values.data());
+  return frame;
+}
+
+// Elements are numbered from the loads on, so a load's element is its number.
+void FrameRecorder::take_loads(float* to) const {
+  const Plan& plan = simulation_.plan();
+  const double t = simulation_.get_time();
+  for (const PlanLoad& load : plan.loads) {
+    const auto number = static_cast<std::size_t>(load.element);
+    const ElementState& element = simulation_.state().elements[number];
+    const double scale = calc_scale(element, t);
+    if (scale == 0) continue;
+    const double command = load.channel < 0 ? 1.0 : simulation_.get_inputs()[static_cast<std::size_t>(load.channel)];
+    const PlanProfile& profile = plan.profiles[static_cast<std::size_t>(load.profile)];
+    to[number] = static_cast<float>(calc_profile(plan, profile, t - element.switched_on) * scale * command);
+  }
+}
+
+void FrameRecorder::take_points(float* to) const {
+  const std::span<const BodyState> bodies = simulation_.state().bodies;
+  for (const hil::TracedPoint& point : scenario_.points) {
+    const BodyState& body = bodies[static_cast<std::size_t>(point.body)];
+    const Vec3 p_BP{point.p_BP.x(), point.p_BP.y(), point.p_BP.z()};
+    Vec3 p = body.p + rotation_matrix(body.q) * p_BP;
+    if (point.seen_from != kGround) {
+      const BodyState& from = bodies[static_cast<std::size_t>(point.seen_from)];
+      p = transpose_times(rotation_matrix(from.q), p - from.p);
+    }
+    put(p, to);
+  }
+}
+
+void FrameRecorder::take_modal(float* frame) const {
+  for (const PlanFlexible& flexible : simulation_.plan().flexible) {
+    const auto from = static_cast<std::size_t>(flexible.extras), count = static_cast<std::size_t>(flexible.modes);
+    float* to = frame + layout_.modal[static_cast<std::size_t>(flexible.body)];
+    for (const double value : simulation_.state().extras.subspan(from, count)) *to++ = static_cast<float>(value);
+  }
+}
+
+// Columns that are not the same in all frames.
+std::vector<std::size_t> FrameRecorder::find_varying() const {
+  std::vector<std::size_t> varying;
+  const auto get_bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
+  for (std::size_t column = 0; column < layout_.width; ++column) {
+    const std::uint32_t first = get_bits(kept_.front().values[column]);
+    if (std::any_of(kept_.begin(), kept_.end(), [&](const Frame& f) { return get_bits(f.values[column]) != first; })) {
+      varying.push_back(column);
+    }
+  }
+  return varying;
+}
+
+nlohmann::ordered_json FrameRecorder::build_json(std::size_t budget) {
+  if (!recent_.empty()) recent_.back().pinned = true;
+  while (!recent_.empty()) settle();
+  std::vector<std::size_t> varying = find_varying();
+  while (kept_.size() > 2 && kept_.size() * (varying.size() * sizeof(float) + 4 * sizeof(double)) > budget) thin();
+
+  std::vector<double> ticks, origins;
+  std::vector<float> values;
+  for (const Frame& frame : kept_) {
+    ticks.push_back(static_cast<double>(frame.tick));
+    for (const double value : {frame.origin.x, frame.origin.y, frame.origin.z}) origins.push_back(value);
+  }
+  for (const std::size_t column : varying) {
+    for (const Frame& frame : kept_) values.push_back(frame.values[column]);
+  }
+  return {{"count", kept_.size()},
+          {"seen", seen_},
+          {"every", every_},
+          {"around", kAround},
+          {"first", kept_.front().values},
+          {"varying", varying},
+          {"ticks", encode_base64(ticks)},
+          {"origins", encode_base64(origins)},
+          {"values", encode_base64(values)}};
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,67 @@
+// What a replay shows, thinned out for a page: every so many ticks, and every tick near an event. Positions are kept
+// relative to the first body's, whose own are kept in full, so that single precision is enough for the rest.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "hil/run_analysis.h"
+
+namespace unlatch::tools {
+
+// Columns of a frame, per item and in this order; `first` of each kind:
+//   body     p_WB − p_W(first body) (3, m, W), q_WB (4: w x y z), v_WB (3, m/s, W), w_WB_B (3, rad/s, body axes)
+//   joint    its mode (index), multipliers of the six rows (N, N m)
+//   load     its size (N or N m)
+//   pair     its clearance (m)
+//   channel  the value that the last step read
+//   sensor   the values of the model's sensors, one after the other
+//   point    its position (3, m) in the axes and from the origin of the body that it is seen from
+//   modal    of flexible bodies, in the model's order: the modal coordinates
+struct FrameLayout {
+  FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values);
+  std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, width;
+  std::vector<std::size_t> modal;  // per body: its first modal column
+};
+inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3;
+
+class FrameRecorder {
+ public:
+  // All three must outlive it; the analysis is updated before each look().
+  FrameRecorder(const hil::Scenario& scenario, const hil::Simulation& simulation, const hil::RunAnalysis& analysis);
+
+  // At every state, with what its step reported.
+  void look(const StepReport& report);
+  // After the last look(): thins out what was kept until it takes at most `budget` bytes, and writes it down.
+  [[nodiscard]] nlohmann::ordered_json build_json(std::size_t budget);
+
+  [[nodiscard]] const FrameLayout& get_layout() const { return layout_; }
+
+ private:
+  struct Frame {
+    std::int64_t tick = 0;
+    Vec3 origin{};
+    std::vector<float> values;
+    bool pinned = false;
+  };
+  [[nodiscard]] Frame take() const;
+  void take_loads(float* to) const;
+  void take_points(float* to) const;
+  void take_modal(float* frame) const;
+  void settle();
+  void thin();
+  [[nodiscard]] std::vector<std::size_t> find_varying() const;
+
+  const hil::Scenario& scenario_;
+  const hil::Simulation& simulation_;
+  const hil::RunAnalysis& analysis_;
+  const FrameLayout layout_;
+  std::vector<Frame> kept_;
+  std::deque<Frame> recent_;  // not yet known whether an event follows them
+  std::int64_t every_ = 1, seen_ = 0, pinned_ = 0, pin_until_ = -1;
+};
+
+}  // namespace unlatch::tools

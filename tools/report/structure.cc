@@ -1,0 +1,194 @@
+#include "tools/report/structure.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numeric>
+
+namespace unlatch::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostPairs = 40;  // the nearest ones; a page with hundreds of curves shows none
+constexpr const char* kShapeNames[] = {"sphere", "capsule", "cylinder", "cone", "box", "hull"};  // as Shape::Kind
+
+Json to_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+template <class Q>
+Json to_json_attitude(const Q& q) {
+  return Json::array({q.w(), q.x(), q.y(), q.z()});
+}
+Json to_json(const Eigen::Matrix3d& m) {
+  return Json::array(
+      {to_json(Eigen::Vector3d(m.col(0))), to_json(Eigen::Vector3d(m.col(1))), to_json(Eigen::Vector3d(m.col(2)))});
+}
+
+Json build_shape(const hil::Shape& shape) {
+  Json json = {{"kind", kShapeNames[static_cast<std::size_t>(shape.kind)]}};
+  switch (shape.kind) {
+    case hil::Shape::Kind::kSphere:
+      json["centre"] = to_json(shape.from);
+      json["radius"] = shape.radius;
+      break;
+    case hil::Shape::Kind::kBox:
+      json["centre"] = to_json(shape.from);
+      json["size"] = to_json(shape.size);
+      json["q"] = to_json_attitude(shape.q_BS);
+      break;
+    case hil::Shape::Kind::kHull:
+      json["points"] = Json::array();
+      for (const Eigen::Vector3d& point : shape.points) json["points"].push_back(to_json(point));
+      break;
+    default:
+      json["from"] = to_json(shape.from);
+      json["to"] = to_json(shape.to);
+      json["radius"] = shape.radius;
+  }
+  return json;
+}
+
+// For a body without a shape: the homogeneous box of its mass and inertia. About an axis its inertia is m (b² + c²)/12,
+// so the edge along x has a² = 6 (Iyy + Izz − Ixx)/m.
+hil::Shape build_equivalent_box(const Body& body) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.inertia);
+  Eigen::Matrix3d axes = solver.eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
+  const Eigen::Vector3d principal = solver.eigenvalues();
+  const Eigen::Vector3d squares = 6 / body.mass * (principal.sum() - 2 * principal.array()).matrix();
+  const double least = 1e-3 * std::sqrt(squares.maxCoeff());  // a thin rod stays visible
+  hil::Shape box{.kind = hil::Shape::Kind::kBox};
+  box.size = squares.cwiseMax(least * least).cwiseSqrt();
+  box.q_BS = Eigen::Quaterniond(axes);
+  return box;
+}
+
+Json build_bodies(const hil::Scenario& scenario, const FrameLayout& layout) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < scenario.model.bodies.size(); ++i) {
+    const Body& body = scenario.model.bodies[i];
+    Json shapes = Json::array();
+    for (const hil::Shape& shape : scenario.shapes[i]) shapes.push_back(build_shape(shape));
+    if (shapes.empty() && body.mass > 0) shapes.push_back(build_shape(build_equivalent_box(body)));
+    list.push_back({{"name", body.name},
+                    {"mass", body.mass},
+                    {"inertia", to_json(body.inertia)},
+                    {"assumed", scenario.shapes[i].empty()},
+                    {"shapes", shapes},
+                    {"modal", body.flexible ? body.flexible->frequencies.size() : 0},
+                    {"modal_column", layout.modal[i]},
+                    {"column", layout.bodies + kBodyColumns * i}});
+  }
+  return list;
+}
+
+Json build_joints(const hil::Scenario& scenario, const hil::RunAnalysis& analysis, const FrameLayout& layout) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < scenario.model.joints.size(); ++i) {
+    const Joint& joint = scenario.model.joints[i];
+    Json modes = Json::array(), peaks = Json::array();
+    for (const JointMode& mode : joint.modes) modes.push_back({{"name", mode.name}, {"rows", mode.rows}});
+    for (const hil::PeakReaction& peak : analysis.peaks[i]) peaks.push_back({{"value", peak.value}, {"t", peak.time}});
+    list.push_back({{"name", joint.name},
+                    {"base", joint.base},
+                    {"follower", joint.follower},
+                    {"point_base", to_json(joint.point_base)},
+                    {"point_follower", to_json(joint.point_follower)},
+                    {"axes", to_json(joint.axes)},
+                    {"modes", modes},
+                    {"peaks", peaks},
+                    {"column", layout.joints + kJointColumns * i}});
+  }
+  return list;
+}
+
+Json build_loads(const Model& model, const FrameLayout& layout) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < model.loads.size(); ++i) {
+    const Load& load = model.loads[i];
+    list.push_back({{"name", load.name},
+                    {"body", load.body},
+                    {"torque", load.kind == Load::Kind::kTorque},
+                    {"world", load.frame == Load::Frame::kWorld},
+                    {"point", to_json(load.point)},
+                    {"direction", to_json(load.direction)},
+                    {"column", layout.loads + i}});
+  }
+  return list;
+}
+
+Json build_springs(const Model& model) {
+  Json list = Json::array();
+  for (const PointSpring& spring : model.point_springs) {
+    list.push_back({{"name", spring.name},
+                    {"base", spring.base},
+                    {"follower", spring.follower},
+                    {"point_base", to_json(spring.point_base)},
+                    {"point_follower", to_json(spring.point_follower)}});
+  }
+  return list;
+}
+
+// Of many pairs those that come nearest.
+Json build_pairs(const hil::RunAnalysis& analysis, const FrameLayout& layout) {
+  const std::vector<hil::Clearance>& clearances = analysis.clearances();
+  std::vector<std::size_t> order(clearances.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return clearances[a].smallest < clearances[b].smallest; });
+  order.resize(std::min(order.size(), kMostPairs));
+  std::sort(order.begin(), order.end());
+  Json list = Json::array();
+  for (const std::size_t i : order) {
+    list.push_back({{"a", clearances[i].a},
+                    {"b", clearances[i].b},
+                    {"min", clearances[i].smallest},
+                    {"t", clearances[i].time},
+                    {"column", layout.pairs + i}});
+  }
+  return list;
+}
+
+Json build_sensors(const Model& model, const FrameLayout& layout) {
+  Json list = Json::array();
+  std::size_t column = layout.sensors;
+  for (const Sensor& sensor : model.sensors) {
+    const auto width = static_cast<std::size_t>(sensor_width(sensor.kind));
+    list.push_back({{"name", sensor.name},
+                    {"kind", static_cast<int>(sensor.kind)},
+                    {"unit", sensor_unit(sensor.kind)},
+                    {"width", width},
+                    {"column", column}});
+    column += width;
+  }
+  return list;
+}
+
+}  // namespace
+
+nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil::RunAnalysis& analysis,
+                                       const FrameLayout& layout) {
+  const Model& model = scenario.model;
+  Json channels = Json::array(), points = Json::array();
+  for (std::size_t i = 0; i < model.channels.size(); ++i) {
+    const Channel& channel = model.channels[i];
+    channels.push_back({{"name", channel.name}, {"unit", channel.unit}, {"column", layout.channels + i}});
+  }
+  for (std::size_t i = 0; i < scenario.points.size(); ++i) {
+    const hil::TracedPoint& point = scenario.points[i];
+    points.push_back({{"name", point.name},
+                      {"body", point.body},
+                      {"seen_from", point.seen_from},
+                      {"column", layout.points + kPointColumns * i}});
+  }
+  return {{"gravity", to_json(model.gravity.uniform)},
+          {"bodies", build_bodies(scenario, layout)},
+          {"joints", build_joints(scenario, analysis, layout)},
+          {"loads", build_loads(model, layout)},
+          {"springs", build_springs(model)},
+          {"pairs", build_pairs(analysis, layout)},
+          {"pairs_in_all", analysis.clearances().size()},
+          {"channels", channels},
+          {"sensors", build_sensors(model, layout)},
+          {"points", points}};
+}
+
+}  // namespace unlatch::tools

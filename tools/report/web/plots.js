@@ -1,0 +1,178 @@
+// Curves over time: one time axis, one cursor, zoomed together. The time shown is a line in every plot; a click sets it.
+import uPlot from 'uplot';
+import { colour, css, dash } from './colours.js';
+import { digits, el, select } from './dom.js';
+import { buildQuantities } from './quantities.js';
+
+const HEIGHT = 210;
+const MOST_SHOWN = 12;  // curves at first; the others are a click on their name away
+const CLICK = 4;        // px that the pointer may move during one
+const GREAT = { N: [[2e6, 1e6, 'MN'], [2e3, 1e3, 'kN']], 'N m': [[2e6, 1e6, 'MN m'], [2e3, 1e3, 'kN m']] };
+
+// Times of all runs' frames, in order.
+function joinTimes(runs) {
+  if (runs.length === 1) return runs[0].time;
+  return Float64Array.from(new Set(runs.flatMap((run) => Array.from(run.time)))).sort();
+}
+
+function describeSampling({ frames, dt }) {
+  if (frames.count === frames.seen) return `every tick (${digits(1 / dt)} Hz)`;
+  return `every ${frames.every} ticks (${digits(1 / dt / frames.every)} Hz), and every tick within ${frames.around} of an event: `
+    + `${frames.count} of ${frames.seen} states`;
+}
+
+// A run's values at those times; nothing outside of the run, and where it has no number.
+function resample(run, values, times) {
+  if (times === run.time && values.every(Number.isFinite)) return values;
+  return Array.from(times, (t) => {
+    if (t < run.first || t > run.last) return null;
+    const { index, fraction } = run.find(t);
+    const value = fraction === 0 ? values[index] : values[index] + fraction * (values[index + 1] - values[index]);
+    return Number.isFinite(value) ? value : null;
+  });
+}
+
+export class Plots {
+  constructor(runs, clock) {
+    this.runs = runs;
+    this.clock = clock;
+    this.times = joinTimes(runs);
+    this.events = [...new Set(runs.flatMap((run) => run.timeline().map((entry) => entry.t)))];
+    this.cards = buildQuantities(runs).map((group) => this.buildCard(group));
+    this.others = [];  // other plots that are painted with these
+    const sampled = runs.map(describeSampling).filter((text, i, all) => all.indexOf(text) === i).join('; run B: ');
+    this.node = el('div', { class: 'plots' },
+      el('p', { class: 'note' }, `Sampled at ${sampled}. Triangles mark extremes, which are of every tick. A click goes to that time, a drag zooms, a double click shows all. Keys: space plays, ← → step, shift ← → go by event.`),
+      this.cards.map((card) => card.node));
+    this.visible = new IntersectionObserver((entries) => {
+      for (const entry of entries) {
+        const card = this.cards.find((candidate) => candidate.node === entry.target);
+        card.visible = entry.isIntersecting;
+        if (card.visible) this.moveTo(card);
+      }
+    });
+    for (const card of this.cards) this.visible.observe(card.node);
+    this.sizes = new ResizeObserver(() => { for (const card of this.cards) card.plot?.setSize(this.size(card)); });
+    this.sizes.observe(this.node);
+    clock.listen(() => { for (const card of this.cards) if (card.visible) this.moveTo(card); });
+  }
+
+  buildCard(group) {
+    const card = { group, choice: group.choices[0], body: el('div', { class: 'plot' }), shown: new Map() };
+    const names = group.choices.map((choice, i) => [i, choice.name]);
+    card.node = el('section', { class: 'card' },
+      el('div', { class: 'cardhead' }, el('h2', {}, group.title), el('small', {}, group.note), el('span', { class: 'grow' }),
+        names.length > 1 ? select('of', names, 0, (value) => { card.choice = group.choices[value]; this.paintCard(card); }) : null),
+      card.body);
+    return card;
+  }
+
+  size(card) { return { width: Math.max(card.body.clientWidth, 200), height: HEIGHT }; }
+
+  paint() {
+    for (const card of this.cards) this.paintCard(card);
+    for (const other of this.others) other();
+  }
+
+  // Curves of both runs, those of B dashed, in the unit that suits their size.
+  buildCurves(card) {
+    const curves = this.runs.flatMap((run, r) => card.choice.build(run).map((curve) => ({ ...curve, run, second: r > 0 })));
+    let largest = 0;
+    for (const curve of curves) for (const value of curve.values) if (Number.isFinite(value)) largest = Math.max(largest, Math.abs(value));
+    const [, scale, unit] = (GREAT[card.choice.unit] ?? []).find(([least]) => largest >= least) ?? [0, 1, card.choice.unit];
+    for (const curve of curves) {
+      if (scale !== 1) curve.values = Float64Array.from(curve.values, (value) => value / scale);
+      curve.marks = curve.marks.filter((mark) => mark.t !== null && Number.isFinite(mark.value)).map((mark) => ({ ...mark, value: mark.value / scale }));
+      curve.values = resample(curve.run, curve.values, this.times);
+    }
+    return { curves, unit };
+  }
+
+  paintCard(card) {
+    const { curves, unit } = this.buildCurves(card);
+    const axis = { stroke: css('--faint'), grid: { stroke: css('--line'), width: 1 }, ticks: { stroke: css('--line'), width: 1, size: 4 },
+      font: '11px system-ui, sans-serif', labelFont: '11px system-ui, sans-serif', labelSize: 16, labelGap: 0 };
+    const zoom = card.plot ? { ...card.plot.scales.x } : null;
+    card.plot?.destroy();
+    card.plot = new uPlot({
+      ...this.size(card),
+      scales: { x: { time: false } },
+      axes: [{ ...axis, label: 'time, s', size: 30 },
+        { ...axis, label: unit === '1' ? '' : unit, size: 54, values: (_, ticks) => ticks.map((tick) => digits(tick, 6)) }],
+      series: [{ label: 't, s', value: (_, value) => (value === null ? '' : digits(value, 7)) }, ...curves.map((curve, i) => ({
+        label: this.runs.length > 1 ? `${curve.run.label} ${curve.name}` : curve.name, stroke: colour(curve.colour), width: curve.second ? 1.6 : 1.5,
+        dash: curve.second ? [4, 4] : dash(curve.colour), spanGaps: true, points: { show: false },
+        show: card.shown.get(i) ?? i % (curves.length / this.runs.length) < MOST_SHOWN, value: (_, value) => digits(value, 5) }))],
+      cursor: { sync: { key: 'time', setSeries: false, scales: ['x', null] }, y: false, drag: { x: true, y: false },
+        points: { size: 6 } },
+      hooks: { drawClear: [(plot) => this.drawEvents(plot)], draw: [(plot) => this.drawMarks(plot, curves), () => this.moveTo(card)],
+        setSeries: [(plot, i) => { if (i) card.shown.set(i - 1, plot.series[i].show); }] },
+    }, [this.times, ...curves.map((curve) => curve.values)], card.body);
+    if (zoom && (zoom.min > this.clock.first || zoom.max < this.clock.last)) card.plot.setScale('x', zoom);
+    this.addPointer(card);
+    this.moveTo(card);
+  }
+
+  drawEvents(plot) {
+    const { ctx, bbox } = plot;
+    ctx.save();
+    ctx.strokeStyle = css('--event');
+    ctx.lineWidth = 1;
+    ctx.beginPath();
+    for (const t of this.events) {
+      if (t < plot.scales.x.min || t > plot.scales.x.max) continue;
+      const x = Math.round(plot.valToPos(t, 'x', true)) + 0.5;
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+    }
+    ctx.stroke();
+    ctx.restore();
+  }
+
+  drawMarks(plot, curves) {
+    const { ctx, bbox } = plot;
+    const size = 4.5 * devicePixelRatio;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top - size, bbox.width, bbox.height + 2 * size);
+    ctx.clip();
+    curves.forEach((curve, i) => {
+      if (!plot.series[i + 1].show) return;
+      ctx.fillStyle = colour(curve.colour);
+      for (const { t, value } of curve.marks) {
+        const x = plot.valToPos(t, 'x', true), y = plot.valToPos(value, 'y', true);
+        ctx.beginPath();
+        ctx.moveTo(x, y);
+        ctx.lineTo(x - size, y - 1.6 * size);
+        ctx.lineTo(x + size, y - 1.6 * size);
+        ctx.fill();
+      }
+    });
+    ctx.restore();
+  }
+
+  addPointer(card) {
+    const { over } = card.plot;
+    card.now = over.appendChild(el('div', { class: 'now' }));
+    let pressed = null;
+    over.addEventListener('mousedown', (event) => { pressed = event.clientX; });
+    over.addEventListener('mouseup', (event) => {
+      if (pressed === null || Math.abs(event.clientX - pressed) > CLICK) return;
+      this.clock.play(false);
+      this.clock.set(card.plot.posToVal(event.clientX - over.getBoundingClientRect().left, 'x'));
+    });
+    over.addEventListener('mouseleave', () => requestAnimationFrame(() => {
+      for (const other of this.cards) if (other.visible) this.moveTo(other);
+    }));
+  }
+
+  // The line of the time shown, and the values there, unless the pointer asks for others.
+  moveTo(card) {
+    if (!card.plot || !card.now) return;
+    const left = card.plot.valToPos(this.clock.t, 'x');
+    const inside = left >= 0 && left <= card.plot.over.clientWidth;
+    card.now.style.display = inside ? '' : 'none';
+    card.now.style.transform = `translateX(${left}px)`;
+    if (!this.cards.some((other) => other.plot?.over.matches(':hover'))) card.plot.setCursor({ left, top: 0 }, false);
+  }
+}

@@ -1,0 +1,123 @@
+// What can be plotted: groups of curves over time, of one unit each. A group has `choices` (components, units, …), and
+// choice.build(run) gives the run's curves: {name, colour (number), values (on the run's frames), marks: [{t, value}]}.
+import { BODY, GROUND, ROWS, relativePosition, rotate } from './run.js';
+
+const DEG = 180 / Math.PI;
+const XYZ = ['x', 'y', 'z'];
+const DUPLICATED = new Set([0, 1, 2, 3, 7]);  // sensors that tell what bodies' and joints' own plots show, see Sensor::Kind
+
+function map(count, calc) { return Float64Array.from({ length: count }, (_, i) => calc(i)); }
+function atFrame(index) { return { index, fraction: 0 }; }
+
+function norm(run, column, count = 3) {
+  const columns = Array.from({ length: count }, (_, k) => run.column(column + k));
+  return map(run.count, (i) => Math.hypot(...columns.map((values) => values[i])));
+}
+
+function isSilent(run, column, width) {
+  return Array.from({ length: width }, (_, k) => column + k).every((k) => run.isConstant(k) && run.frames.first[k] === 0);
+}
+
+const bodyName = (run, index) => (index === GROUND ? 'ground' : run.bodies[index].name);
+
+// A pair is shown in the colour of the body that is not the first.
+const pairColour = (pair) => Math.max(pair.a, pair.b) + (Math.min(pair.a, pair.b) === 0 ? 0 : 8 * (1 + Math.min(pair.a, pair.b)));
+
+function clearances(runs) {
+  const all = runs.some((run) => run.pairs_in_all > run.pairs.length) ? '; of many pairs the 40 nearest' : '';
+  return { title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}`, choices: [{
+    name: 'all', unit: 'm', build: (run) => run.pairs.map((pair) => ({
+      name: `${bodyName(run, pair.a)} – ${bodyName(run, pair.b)}`, colour: pairColour(pair), values: run.column(pair.column),
+      marks: [{ t: pair.t, value: pair.min }] })) }] };
+}
+
+function reactions(first, unit, title) {
+  const held = (run) => run.joints.filter((joint) => !isSilent(run, joint.column + 1 + first, 3));
+  const choices = [{ name: first === 0 ? '|F|' : '|M|', unit, build: (run) => held(run).map((joint) => (
+    { name: joint.name, colour: joint.follower, values: norm(run, joint.column + 1 + first), marks: [] })) }];
+  for (let row = first; row < first + 3; row += 1) {
+    choices.push({ name: ROWS[row], unit, build: (run) => held(run).map((joint) => (
+      { name: joint.name, colour: joint.follower, values: run.column(joint.column + 1 + row),
+        marks: joint.peaks[row].value ? [joint.peaks[row]] : [] })) });
+  }
+  return { title, note: `the base’s on the follower, along the ${first === 0 ? 'joint' : 'rotation'} frame`, choices };
+}
+
+function vectors(title, note, unit, column, scale) {
+  const curve = (run, body, i, values) => ({ name: body.name, colour: i, values, marks: [] });
+  return { title, note, choices: [
+    { name: 'size', unit, build: (run) => run.bodies.map((body, i) => curve(run, body, i, norm(run, body.column + column).map((v) => v * scale))) },
+    ...XYZ.map((axis, k) => ({ name: axis, unit, build: (run) => run.bodies.map((body, i) => (
+      curve(run, body, i, map(run.count, (frame) => run.column(body.column + column + k)[frame] * scale)))) })),
+  ] };
+}
+
+// Where the others are, as seen from the first body.
+function relative(runs) {
+  const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
+    values: map(run.count, (frame) => pick(relativePosition(run, i, 0, atFrame(frame)))) })).slice(1);
+  const name = runs[0].bodies[0].name;
+  return { title: `Position from ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
+    { name: 'distance', unit: 'm', build: curves((p) => Math.hypot(...p)) },
+    ...XYZ.map((axis, k) => ({ name: axis, unit: 'm', build: curves((p) => p[k]) })) ] };
+}
+
+// In the first body's axes too, seen by somebody who does not turn with it.
+function relativeVelocity(runs) {
+  const calc = (run, i, frame) => {
+    const place = atFrame(frame);
+    const v = run.vector(run.bodies[i].column + BODY.v, place), v0 = run.vector(run.bodies[0].column + BODY.v, place);
+    return rotate(run.pose(0, place).q, v.map((value, k) => value - v0[k]), true);
+  };
+  const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
+    values: map(run.count, (frame) => pick(calc(run, i, frame))) })).slice(1);
+  const name = runs[0].bodies[0].name;
+  return { title: `Velocity less that of ${name}`, note: `of the bodies’ origins, components along the axes of ${name}`, choices: [
+    { name: 'size', unit: 'm/s', build: curves((v) => Math.hypot(...v)) },
+    ...XYZ.map((axis, k) => ({ name: axis, unit: 'm/s', build: curves((v) => v[k]) })) ] };
+}
+
+function points() {
+  const curves = (pick) => (run) => run.points.map((point) => ({ name: `${point.name} from ${bodyName(run, point.seen_from)}`, colour: point.body,
+    values: pick(run, point), marks: [] }));
+  return { title: 'Points', note: 'in the axes of what they are seen from', choices: [
+    { name: 'distance', unit: 'm', build: curves((run, point) => norm(run, point.column)) },
+    ...XYZ.map((axis, k) => ({ name: axis, unit: 'm', build: curves((run, point) => run.column(point.column + k)) })) ] };
+}
+
+function loads(torque) {
+  return { title: torque ? 'Torques applied' : 'Thrusts and forces', note: 'sizes, those that act at some time', choices: [{ name: 'all', unit: torque ? 'N m' : 'N',
+    build: (run) => run.loads.filter((load) => load.torque === torque && !isSilent(run, load.column, 1)).map((load) => {
+      const scale = Math.hypot(...load.direction);
+      return { name: load.name, colour: load.body, values: run.column(load.column).map((value) => value * scale), marks: [] };
+    }) }] };
+}
+
+// Generalised coordinates of bodies that bend, if there are any.
+function modal() {
+  return { title: 'Modal coordinates', note: 'of flexible bodies, mass-normalised', choices: [{ name: 'all', unit: 'kg½ m',
+    build: (run) => run.bodies.flatMap((body, i) => Array.from({ length: body.modal ?? 0 }, (_, k) => ({
+      name: `${body.name} ${k + 1}`, colour: i + 8 * k, values: run.column(body.modal_column + k), marks: [] }))) }] };
+}
+
+// One choice per unit, of what is not the same all the time.
+function byUnit(title, note, runs, list) {
+  const units = [...new Set(runs.flatMap((run) => list(run).map((curve) => curve.unit)))];
+  return { title, note, choices: units.map((unit) => ({ name: unit, unit, build: (run) => list(run).filter((curve) => curve.unit === unit)
+    .map((curve, i) => ({ name: curve.name, colour: i + 1, values: run.column(curve.column), marks: [] })) })) };
+}
+
+const changingChannels = (run) => run.channels.filter((channel) => !run.isConstant(channel.column));
+const ownSensors = (run) => run.sensors.filter((sensor) => !DUPLICATED.has(sensor.kind)).flatMap((sensor) => (
+  Array.from({ length: sensor.width }, (_, k) => ({ unit: sensor.unit, column: sensor.column + k,
+    name: sensor.width > 1 ? `${sensor.name}.${XYZ[k] ?? k}` : sensor.name }))));
+
+export function buildQuantities(runs) {
+  const all = [
+    clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
+    vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG), relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true),
+    byUnit('Sensors', 'what flight software hears, but for positions, rates and reactions', runs, ownSensors),
+    byUnit('Commands', 'channels that change, as the steps read them', runs, changingChannels),
+  ];
+  return all.filter((group) => runs.some((run) => group.choices.some((choice) => choice.build(run).length > 0)));
+}

@@ -1,0 +1,29 @@
+// What the comparison of two recordings found, as JSON.
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hil/log_diff.h"
+#include "tools/unlatch/replayed_log.h"
+
+namespace unlatch::tools {
+
+struct DiffReport {
+  const std::array<OpenedLog, 2>& opened;
+  const hil::LogDiff& diff;
+
+  [[nodiscard]] const std::string& get_log(std::size_t k) const { return opened[k].recording.get_name(); }
+  [[nodiscard]] const Model& get_model() const { return opened[0].scenario.model; }
+  [[nodiscard]] double get_time(std::int64_t tick) const {
+    return static_cast<double>(tick) * opened[0].recording.header.dt;
+  }
+};
+
+bool has_same_bits(const hil::Two& values);
+const char* get_cause_name(hil::ChangeCause cause);
+
+nlohmann::ordered_json build_json(const DiffReport& report);
+
+}  // namespace unlatch::tools

@@ -1,0 +1,33 @@
+// A recording that is run again, and what comes of it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "tools/unlatch/report.h"
+
+namespace unlatch::tools {
+
+// A recording, and a simulation at its beginning. Throws as hil/replay.h says.
+struct OpenedLog {
+  explicit OpenedLog(const std::string& path);
+  hil::RecordingReader recording;
+  const hil::Scenario scenario;
+  const std::unique_ptr<hil::Simulation> simulation;
+};
+
+struct ReplayedLog {
+  explicit ReplayedLog(const std::string& path);
+  // Once. `look` is called at every state, after the analysis.
+  void replay(const std::function<void(const StepReport&)>& look = {});
+  // After that; it refers to this.
+  [[nodiscard]] RunReport build_report() const;
+  [[nodiscard]] bool is_sound() const { return result.agrees() && !opened.recording.damaged; }
+
+  OpenedLog opened;
+  hil::RunAnalysis analysis;
+  hil::ReplayResult result;
+};
+
+}  // namespace unlatch::tools
