@@ -67,7 +67,8 @@ std::unique_ptr<Simulation> build_simulation(const Scenario& scenario) {
     std::vector<ScenarioMistake> mistakes;
     for (const ModelError& mistake : error.errors) {
       const auto place = scenario.marks.find(mistake.where);
-      mistakes.push_back({scenario.file, place == scenario.marks.end() ? SourceMark{} : place->second, "",
+      const SourceMark mark = place == scenario.marks.end() ? SourceMark{} : place->second;
+      mistakes.push_back({scenario.files.at(static_cast<std::size_t>(mark.file)), mark, "",
                           mistake.where + ": " + mistake.what, mistake.mend});
     }
     throw ScenarioError(std::move(mistakes));

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "hil/scenario_parts.h"
 #include "hil/scenario_reader.h"
-#include "hil/yaml_override.h"
 
 namespace unlatch::hil {
 namespace {
@@ -14,24 +14,6 @@ namespace {
 constexpr int kLanguageVersion = 1;
 constexpr double kMaxTicks = 1e12;
 constexpr double kMaxDelay = 1000;  // ticks
-
-// The tree of the file with the overrides in it. A file that is not YAML is the only mistake then; bad overrides are
-// all reported.
-YamlNode build_tree(const std::string& text, const std::vector<std::string>& overrides, Mistakes& mistakes) {
-  YamlNode root;
-  try {
-    root = parse_yaml(text);
-  } catch (const YamlError& e) {
-    mistakes.add(e.mark, e.what(), e.mend);
-    mistakes.throw_if_any();
-  }
-  for (std::size_t i = 0; i < overrides.size(); ++i) try {
-      apply_override(overrides[i], static_cast<int>(i), root);
-    } catch (const YamlError& e) {
-      mistakes.add(e.mark, e.what(), e.mend);
-    }
-  return root;
-}
 
 }  // namespace
 
@@ -57,21 +39,32 @@ std::string read_text_file(const std::string& path, const std::string& kind) {
 
 const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "abort", "evict"};
 
+namespace {
+
+Scenario load_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
+  Scenario scenario;
+  scenario.file = file;
+  scenario.overrides = overrides;
+  Mistakes mistakes(file, overrides);
+  const YamlNode root = build_tree(sources, file, overrides, mistakes);
+  ScenarioReader(scenario, mistakes).read(root);
+  mistakes.throw_if_any();
+  scenario.text = sources.join();
+  scenario.files = mistakes.files();
+  return scenario;
+}
+
+}  // namespace
+
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
-  return load_scenario_text(read_text_file(path, "scenario"), path, overrides);
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const std::string text = read_text_file(path, "scenario");
+  return load_sources(ScenarioSources(text, folder.empty() ? "." : folder), path, overrides);
 }
 
 Scenario load_scenario_text(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides) {
-  Scenario scenario;
-  scenario.file = file;
-  scenario.text = text;
-  scenario.overrides = overrides;
-  Mistakes mistakes(file, overrides);
-  const YamlNode root = build_tree(text, overrides, mistakes);
-  ScenarioReader(scenario, mistakes).read(root);
-  mistakes.throw_if_any();
-  return scenario;
+  return load_sources(ScenarioSources(text, ""), file, overrides);
 }
 
 // --- The reader's top level -----------------------------------------------------------------------------------------
@@ -85,6 +78,7 @@ void ScenarioReader::read(const YamlNode& root) {
   if (const YamlNode* name = top.require("name")) scenario_.name = read_name(*name, mistakes_);
   if (const YamlNode* title = top.find("title")) scenario_.title = read_text(*title, mistakes_);
   model_.name = scenario_.name;
+  read_constants(top);
   read_step(top);
   read_gravity(top);
   read_bodies(top);
@@ -98,8 +92,20 @@ void ScenarioReader::read(const YamlNode& root) {
   read_points(top);
   read_flight_software(top);
   read_timing(top);
+  for (const char* worked_out : {"include", "set", "templates", "instances"}) top.find(worked_out);
   top.finish();
   report_physics();
+}
+
+// Each may name those before it.
+void ScenarioReader::read_constants(YamlMap& top) {
+  for_each_named(top, "constants", "constant", [&](const std::string& name, const YamlNode& node) {
+    if (name.find('-') != std::string::npos || is_reserved_name(name))
+      return mistakes_.add(node.mark, "'" + name + "' cannot be the name of a constant",
+                           name.find('-') != std::string::npos ? "in an expression - is minus: use _"
+                                                               : "it is a unit, function or constant of the language");
+    if (const auto value = read_quantity(node, mistakes_)) mistakes_.add_constant(name, *value);
+  });
 }
 
 void ScenarioReader::read_step(YamlMap& top) {

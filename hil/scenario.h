@@ -44,7 +44,8 @@ struct TracedPoint {
 
 struct Scenario {
   std::string file;                    // as given to the loader, for messages
-  std::string text;                    // of the file: with `overrides` it makes this scenario again
+  std::string text;                    // of the file and those that it includes: with `overrides` it makes this again
+  std::vector<std::string> files;      // those, by SourceMark::file
   std::vector<std::string> overrides;  // PATH=VALUE, in the order in which they were applied
   std::string name, title;
   double dt = 0, until = 0;  // s; until is a whole number of steps
@@ -61,8 +62,8 @@ struct Scenario {
 // The text of a regular file; `kind` says what it should be, for messages. Throws ScenarioError.
 std::string read_text_file(const std::string& path, const std::string& kind);
 
-// Both throw ScenarioError with every mistake of the file and of the physics (validate()) at once. An unreadable file
-// is a ScenarioError as well.
+// Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file
+// is a ScenarioError as well. A text that includes others holds them too, as Scenario::text does.
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
 Scenario load_scenario_text(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides = {});

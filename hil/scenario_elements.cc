@@ -1,21 +1,31 @@
 // Elements, the channels that drive them, and the signals.
+#include <algorithm>
+
 #include "hil/scenario_reader.h"
 
 namespace unlatch::hil {
+
+// A channel's unit is text for people; where it is one of SI, numbers of the channel may be given in others of its
+// kind.
+std::string get_si(const Channel& channel) {
+  static const std::vector<std::string> kUnits{"m", "kg", "s", "rad", "m/s", "rad/s", "N", "N m", "N/m", "m/s2"};
+  return std::find(kUnits.begin(), kUnits.end(), channel.unit) == kUnits.end() ? "" : channel.unit;
+}
 
 void ScenarioReader::read_channels(YamlMap& top) {
   for_each_named(top, "channels", "channel", [&](const std::string& name, const YamlNode& node) {
     Channel channel;
     channel.name = name;
     YamlMap map(node, "channel '" + name + "'", mistakes_);
+    if (const YamlNode* unit = map.find("unit")) channel.unit = read_text(*unit, mistakes_);
+    const std::string si = get_si(channel);
     if (const YamlNode* range = map.find("range")) {
-      const std::vector<double> limits = read_numbers(*range, 2, "", mistakes_);
+      const std::vector<double> limits = read_numbers(*range, 2, si, mistakes_);
       channel.minimum = limits[0];
       channel.maximum = limits[1];
     }
-    channel.initial = map.number("initial", "", 0.0);
-    channel.safe = map.number("safe", "", channel.initial);
-    if (const YamlNode* unit = map.find("unit")) channel.unit = read_text(*unit, mistakes_);
+    channel.initial = map.number("initial", si, 0.0);
+    channel.safe = map.number("safe", si, channel.initial);
     if (channel.unit.size() >= 48) mistakes_.add(node.mark, "a unit of more than 47 bytes", "write it shorter");
     map.finish();
     channels_.push_back(name);

@@ -1,6 +1,7 @@
 #include "hil/scenario_error.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 namespace unlatch::hil {
@@ -42,8 +43,23 @@ std::string ScenarioMistake::to_string() const {
 ScenarioError::ScenarioError(std::vector<ScenarioMistake> mistakes_in)
     : std::runtime_error(join_lines(mistakes_in)), mistakes(std::move(mistakes_in)) {}
 
+int Mistakes::add_file(std::string name) {
+  files_.push_back(std::move(name));
+  return static_cast<int>(files_.size()) - 1;
+}
+
+int Mistakes::add_instance(std::string description) {
+  instances_.push_back(std::move(description));
+  return static_cast<int>(instances_.size()) - 1;
+}
+
+std::string Mistakes::describe(const SourceMark& mark, const SourceMark& from) const {
+  const std::string file = mark.file == from.file ? "" : "in " + files_.at(static_cast<std::size_t>(mark.file)) + " ";
+  return file + "on line " + std::to_string(mark.line);
+}
+
 void Mistakes::add(const SourceMark& mark, std::string what, std::string mend) {
-  ScenarioMistake mistake{file_, mark, "", std::move(what), std::move(mend)};
+  ScenarioMistake mistake{files_.at(static_cast<std::size_t>(mark.file)), mark, "", std::move(what), std::move(mend)};
   if (mark.override_index >= 0) mistake.override_text = overrides_.at(static_cast<std::size_t>(mark.override_index));
   list_.push_back(std::move(mistake));
 }
@@ -51,14 +67,40 @@ void Mistakes::add(const SourceMark& mark, std::string what, std::string mend) {
 void Mistakes::throw_if_any() {
   if (list_.empty()) return;
   const auto place = [](const ScenarioMistake& m) {
-    return std::make_tuple(m.mark.override_index, m.mark.line, m.mark.column);
+    return std::make_tuple(m.mark.override_index, m.mark.file, m.mark.line, m.mark.column);
   };
   std::stable_sort(list_.begin(), list_.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  fold_instances();
   throw ScenarioError(list_);
 }
 
+// Of each place in a template the mistakes of the first instance that has some are kept; the others are counted.
+void Mistakes::fold_instances() {
+  std::vector<ScenarioMistake> kept;
+  for (std::size_t i = 0; i < list_.size();) {
+    const SourceMark first = list_[i].mark;
+    std::set<int> others;
+    const std::size_t begin = kept.size();
+    for (; i < list_.size(); ++i) {
+      const SourceMark& mark = list_[i].mark;
+      if (mark.override_index != first.override_index || mark.file != first.file || mark.line != first.line ||
+          mark.column != first.column)
+        break;
+      if (mark.instance == first.instance)
+        kept.push_back(list_[i]);
+      else
+        others.insert(mark.instance);
+    }
+    if (first.instance < 0) continue;
+    std::string where = " (" + instances_.at(static_cast<std::size_t>(first.instance));
+    if (!others.empty()) where += ", and " + std::to_string(others.size()) + " more";
+    for (std::size_t k = begin; k < kept.size(); ++k) kept[k].what += where + ")";
+  }
+  list_ = std::move(kept);
+}
+
 std::string suggest(const std::string& wrong, const std::vector<std::string>& known) {
-  constexpr std::size_t kListed = 16;  // names named; the rest is counted
+  constexpr std::size_t kListed = 24;  // names named; the rest is counted
   if (known.empty()) return "there are none";
   std::string text;
   if (wrong.size() <= 64) {

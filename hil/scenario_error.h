@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/expression.h"
 #include "hil/yaml_document.h"
 
 namespace unlatch::hil {
@@ -25,19 +26,32 @@ class ScenarioError : public std::runtime_error {
   std::vector<ScenarioMistake> mistakes;
 };
 
-// Collects mistakes while a scenario is read.
+// Collects mistakes while a scenario is read; knows what marks refer to, and the constants that numbers may name.
 class Mistakes {
  public:
   Mistakes(std::string file, std::vector<std::string> overrides)
-      : file_(std::move(file)), overrides_(std::move(overrides)) {}
+      : files_{std::move(file)}, overrides_(std::move(overrides)) {}
+  // Numbers for SourceMark::file and SourceMark::instance.
+  int add_file(std::string name);
+  int add_instance(std::string description);
+
   void add(const SourceMark& mark, std::string what, std::string mend);
   std::size_t count() const { return list_.size(); }
-  void throw_if_any();  // sorted by place
+  // Sorted by place. What several instances of a template get wrong at one place is told once.
+  void throw_if_any();
+
+  const std::vector<std::string>& files() const { return files_; }
+  std::string describe(const SourceMark& mark, const SourceMark& from) const;  // "on line 3", "in FILE on line 3"
+  const Constants& constants() const { return constants_; }
+  void add_constant(const std::string& name, const Quantity& value) { constants_[name] = value; }
 
  private:
-  std::string file_;
+  void fold_instances();
+
+  std::vector<std::string> files_, instances_;
   std::vector<std::string> overrides_;
   std::vector<ScenarioMistake> list_;
+  Constants constants_;
 };
 
 // "; did you mean 'mass'? known: …", from the names that would have been right.

@@ -104,7 +104,8 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   } else if (kind == "command") {
     condition.kind = Kind::kCommand;
     condition.subject = read_choice(value, "channel", channels_, mistakes_);
-    read_threshold(map, "", condition);
+    const auto channel = static_cast<std::size_t>(or_first(condition.subject));
+    read_threshold(map, channel < model_.channels.size() ? get_si(model_.channels[channel]) : "", condition);
   } else if (kind == "mode") {
     condition.kind = Kind::kMode;
     YamlMap inner(value, kind, mistakes_);

@@ -21,6 +21,7 @@ class ScenarioReader {
 
  private:
   // Top level.
+  void read_constants(YamlMap& top);
   void read_step(YamlMap& top);
   void read_gravity(YamlMap& top);
   void read_flight_software(YamlMap& top);
@@ -105,6 +106,7 @@ class ScenarioReader {
   std::set<std::string> flawed_;
 };
 
+std::string get_si(const Channel& channel);    // the unit of its numbers, "" if it is none of SI's
 const std::vector<std::string>& axis_names();  // x y z
 const std::vector<std::string>& row_names();   // x … rot_z
 

@@ -33,11 +33,11 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
 }
 
 // What yaml-cpp would let through: bytes that are not text.
-void check_bytes(std::string_view text, int override_index) {
+void check_bytes(std::string_view text, int override_index, int file) {
   if (text.size() > kMaxBytes)
-    throw YamlError({0, 0, override_index}, "it has " + std::to_string(text.size()) + " bytes",
+    throw YamlError({0, 0, override_index, file}, "it has " + std::to_string(text.size()) + " bytes",
                     "a scenario has at most 1 MiB");
-  SourceMark mark{1, 1, override_index};
+  SourceMark mark{1, 1, override_index, file};
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = utf8_length(text, i);
     const auto byte = static_cast<std::uint8_t>(text[i]);
@@ -54,7 +54,7 @@ void check_bytes(std::string_view text, int override_index) {
 // Builds the tree from the parser's events and enforces the bounds on the way.
 class TreeBuilder : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(int override_index) : override_index_(override_index) {}
+  TreeBuilder(int override_index, int file) : override_index_(override_index), file_(file) {}
   YamlNode take_root() { return std::move(root_); }
 
   void OnDocumentStart(const YAML::Mark&) override {}
@@ -81,7 +81,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnMapEnd() override { end(); }
 
  private:
-  SourceMark place(const YAML::Mark& mark) const { return {mark.line + 1, mark.column + 1, override_index_}; }
+  SourceMark place(const YAML::Mark& mark) const { return {mark.line + 1, mark.column + 1, override_index_, file_}; }
   [[noreturn]] void refuse_anchor(const YAML::Mark& mark) const {
     throw YamlError(place(mark), "an anchor or alias (& or *)", "write the value out");
   }
@@ -115,7 +115,7 @@ class TreeBuilder : public YAML::EventHandler {
     }
   }
 
-  int override_index_;
+  int override_index_, file_;
   std::size_t nodes_ = 0;
   std::vector<YamlNode> open_;
   YamlNode root_;
@@ -145,19 +145,19 @@ const char* kind_name(YamlNode::Kind kind) {
   return "";
 }
 
-YamlNode parse_yaml(const std::string& text, int override_index) {
-  check_bytes(text, override_index);
+YamlNode parse_yaml(const std::string& text, int override_index, int file) {
+  check_bytes(text, override_index, file);
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);
-    TreeBuilder builder(override_index);
+    TreeBuilder builder(override_index, file);
     if (!parser.HandleNextDocument(builder)) return {};
-    TreeBuilder second(override_index);
+    TreeBuilder second(override_index, file);
     if (parser.HandleNextDocument(second))
       throw YamlError(second.take_root().mark, "a second document (---)", "one scenario a file");
     return builder.take_root();
   } catch (const YAML::Exception& e) {
-    throw YamlError({e.mark.line + 1, e.mark.column + 1, override_index}, "not YAML: " + e.msg,
+    throw YamlError({e.mark.line + 1, e.mark.column + 1, override_index, file}, "not YAML: " + e.msg,
                     "check indentation, colons and brackets");
   }
 }

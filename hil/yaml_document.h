@@ -11,11 +11,13 @@
 namespace unlatch::hil {
 
 // Where something was written: line and column count from 1; 0 is "the file as a whole". What came from an override has
-// the override's number instead.
+// the override's number instead. Files and instances of templates are counted by Mistakes.
 struct SourceMark {
   int line = 0;
   int column = 0;
   int override_index = -1;
+  int file = 0;
+  int instance = -1;  // of the template that this belongs to
 };
 
 struct YamlNode;
@@ -53,7 +55,7 @@ class YamlError : public std::runtime_error {
   std::string mend;
 };
 
-// Throws YamlError. All marks carry `override_index`.
-YamlNode parse_yaml(const std::string& text, int override_index = -1);
+// Throws YamlError. All marks carry `override_index` and `file`.
+YamlNode parse_yaml(const std::string& text, int override_index = -1, int file = 0);
 
 }  // namespace unlatch::hil

@@ -86,6 +86,17 @@ YamlNode& step_into(YamlNode& node, const std::string& part, const SourceMark& m
 
 }  // namespace
 
+void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root) {
+  const std::vector<std::string> parts = split_path(path, mark);
+  for (const char* gone : {"include", "templates", "instances", "set"})
+    if (parts[0] == gone)
+      throw YamlError(mark, "'" + parts[0] + "' is worked out before values are replaced",
+                      "name what it makes: bodies.booster1.mass");
+  YamlNode* node = &root;
+  for (const std::string& part : parts) node = &step_into(*node, part, mark);
+  *node = std::move(value);
+}
+
 void apply_override(const std::string& text, int override_index, YamlNode& root) {
   const SourceMark mark{0, 0, override_index};
   const std::size_t equals = text.find('=');
@@ -93,9 +104,7 @@ void apply_override(const std::string& text, int override_index, YamlNode& root)
     throw YamlError(mark, "no PATH=VALUE", "write for example bodies.core.mass=98000");
   YamlNode value = parse_yaml(text.substr(equals + 1), override_index);
   if (value.kind == YamlNode::Kind::kNull) throw YamlError(mark, "no value", "write for example step.dt=0.002");
-  YamlNode* node = &root;
-  for (const std::string& part : split_path(text.substr(0, equals), mark)) node = &step_into(*node, part, mark);
-  *node = std::move(value);
+  replace_value(text.substr(0, equals), mark, std::move(value), root);
 }
 
 }  // namespace unlatch::hil

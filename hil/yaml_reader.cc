@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "hil/yaml_units.h"
+#include "hil/expression.h"
 
 namespace unlatch::hil {
 namespace {
@@ -22,39 +22,49 @@ std::string describe_units(const std::string& unit) {
   if (unit.empty()) return "write a plain number, such as 0.35";
   std::string text = "write a number in " + unit;
   const std::vector<std::string> units = list_units(unit);
-  for (std::size_t i = 1; i < units.size(); ++i) text += (i == 1 ? ", or followed by " : ", ") + units[i];
+  for (std::size_t i = 0; i < units.size(); ++i) text += (i == 0 ? ", or followed by " : ", ") + units[i];
   return text;
+}
+
+bool is_special(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c); });
+  if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.erase(0, 1);
+  return text == ".nan" || text == ".inf" || text == "nan" || text == "inf" || text == "infinity";
+}
+
+// `wanted` and `mend` say what would be right where the expression itself does not.
+std::optional<Quantity> read_expression(const YamlNode& node, const std::string& wanted, const std::string& mend,
+                                        Mistakes& mistakes) {
+  if (!node.is_scalar())
+    expect(node, wanted, mistakes);
+  else if (is_special(node.text))
+    mistakes.add(node.mark, quote(node.text) + " is not finite", mend);
+  else
+    try {
+      return evaluate_expression(node.text, mistakes.constants());
+    } catch (const ExpressionError& error) {
+      mistakes.add(node.mark, error.what(), error.mend.empty() ? mend : error.mend);
+    }
+  return std::nullopt;
 }
 
 }  // namespace
 
+std::optional<Quantity> read_quantity(const YamlNode& node, Mistakes& mistakes) {
+  return read_expression(node, "a number, such as 4380 kg", "write a number, such as 4380 kg", mistakes);
+}
+
 double read_number(const YamlNode& node, const std::string& unit, double fallback, Mistakes& mistakes) {
-  if (!node.is_scalar()) {
-    expect(node, "a number" + (unit.empty() ? "" : ", in " + unit), mistakes);
-    return fallback;
-  }
-  const auto reject = [&](const std::string& what) {
-    mistakes.add(node.mark, what, describe_units(unit));
-    return fallback;
-  };
-  const std::string& text = node.text;
-  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
-  const char* const all = text.data() + text.size();
-  double value = 0;
-  const auto [end, error] = std::from_chars(begin, all, value);
-  if (error == std::errc::result_out_of_range) return reject(quote(text) + " is beyond the range of a double");
-  const bool yaml_special = text == ".nan" || text == ".inf" || text == "-.inf" || text == ".NaN" || text == ".Inf";
-  if (yaml_special || (error == std::errc() && !std::isfinite(value))) return reject(quote(text) + " is not finite");
-  if (error != std::errc()) return reject(quote(text) + " is not a number");
-  std::string_view suffix(end, static_cast<std::size_t>(all - end));
-  if (suffix.empty()) return value;
-  if (suffix[0] != ' ') return reject(quote(text) + " is not a number");
-  suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
-  if (suffix == unit) return value;
-  const Unit* known = find_unit(suffix, unit);
-  if (!known) return reject(quote(std::string(suffix)) + " is not a unit of this quantity");
-  const double si = value / known->divisor * known->factor;
-  return std::isfinite(si) ? si : reject(quote(text) + " is beyond the range of a double");
+  const std::string mend = describe_units(unit);
+  const auto quantity = read_expression(node, "a number" + (unit.empty() ? "" : ", in " + unit), mend, mistakes);
+  if (!quantity) return fallback;
+  const Dimension& given = quantity->dimension;
+  if (given.is_plain() || dimension_of(unit).takes(given)) return quantity->value;
+  mistakes.add(
+      node.mark,
+      quote(node.text) + " is " + describe_dimension(given) + ", not " + describe_dimension(dimension_of(unit)), mend);
+  return fallback;
 }
 
 bool read_bool(const YamlNode& node, bool fallback, Mistakes& mistakes) {
@@ -200,7 +210,7 @@ void YamlMap::finish() {
     const auto first = std::find_if(node_.keys.begin(), node_.keys.end(), same);
     if (first < node_.keys.begin() + static_cast<std::ptrdiff_t>(i))
       mistakes_.add(key.mark, "duplicate key " + quote(key.text),
-                    "it was first given on line " + std::to_string(first->mark.line) + ": keep one");
+                    "it was first given " + mistakes_.describe(first->mark, key.mark) + ": keep one");
     else if (std::find(known_.begin(), known_.end(), key.text) == known_.end())
       mistakes_.add(key.mark, "unknown key " + quote(key.text) + " in " + what_, suggest(key.text, known_));
   }

@@ -12,8 +12,10 @@
 
 namespace unlatch::hil {
 
-// A finite number. `unit` is the SI unit of what is read, "" for a plain number: `4.38 t` reads as 4380 where "kg" is
-// expected. A number alone is in that unit.
+// A finite number, or an expression (hil/expression.h) that may name the scenario's constants. `unit` is the SI unit of
+// what is read, "" for a plain number: `4.38 t` reads as 4380 where "kg" is expected. A number alone is in that unit.
+// The same of any dimension; nothing, and a mistake, if it is none.
+std::optional<Quantity> read_quantity(const YamlNode& node, Mistakes& mistakes);
 double read_number(const YamlNode& node, const std::string& unit, double fallback, Mistakes& mistakes);
 bool read_bool(const YamlNode& node, bool fallback, Mistakes& mistakes);  // true, false, on, off
 std::string read_text(const YamlNode& node, Mistakes& mistakes);

@@ -5,6 +5,7 @@
 #include "kernel/stiffness.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/graph.h"
 #include "tools/unlatch/terminal.h"
 
 namespace unlatch::tools {
@@ -88,10 +89,12 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
   }
 }
 
-int run(const ScenarioOptions& options) {
+int run(const ScenarioOptions& options, const std::string& graph) {
   const hil::Scenario scenario = load(options);
   const auto simulation = hil::build_simulation(scenario);
   const Plan& plan = simulation->plan();
+  if (!graph.empty())
+    draw_graph(describe_graph(scenario.model, plan, scenario.title.empty() ? scenario.name : scenario.title), graph);
   std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
   std::printf("  step %g s, %lld ticks to %g s; %zu channels, %d sensor values, %zu signals, %zu events\n", scenario.dt,
               static_cast<long long>(calc_last_tick(scenario)), scenario.until, scenario.model.channels.size(),
@@ -110,12 +113,15 @@ int run(const ScenarioOptions& options) {
 
 void add_check(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
+  auto graph = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("check",
                          "Validates a scenario and prints its plan; every mistake with file, line and column.\n"
                          "Example: unlatch check hil/scenarios/boosters/scenario.yaml");
   add_scenario_options(*command, *options);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->add_option("--graph", *graph,
+                      "file (.svg) for a picture of bodies, joints, modes and events; needs graphviz");
+  command->callback([options, graph, &exit_code] { exit_code = run(*options, *graph); });
 }
 
 }  // namespace unlatch::tools

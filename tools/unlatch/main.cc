@@ -7,6 +7,7 @@
 #include "hil/simulation.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/graph.h"
 #include "tools/unlatch/report.h"
 
 int main(int argc, char** argv) {
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "unlatch " UNLATCH_VERSION);
   app.require_subcommand(1);
   int exit_code = tools::kExitDone;
+  tools::add_init(app, exit_code);
   tools::add_check(app, exit_code);
   tools::add_run(app, exit_code);
   tools::add_hil(app, exit_code);
@@ -45,6 +47,8 @@ int main(int argc, char** argv) {
   } catch (const hil::LogError& error) {
     return fail(error.what(), tools::kExitUsage);
   } catch (const bridge::PortError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const tools::GraphError& error) {
     return fail(error.what(), tools::kExitEnvironment);
   } catch (const tools::OutputError& error) {
     return fail(error.what(), tools::kExitEnvironment);

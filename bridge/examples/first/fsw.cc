@@ -1,0 +1,63 @@
+// Flight software in fifty lines: stops the rotation of satellite.yaml. ../../TUTORIAL.md explains it.
+#include <cstdio>
+#include <cstring>
+#include <lcm/lcm-cpp.hpp>
+
+#include "unlatch/Catalog.hpp"
+#include "unlatch/Command.hpp"
+#include "unlatch/Hello.hpp"
+#include "unlatch/HelloAck.hpp"
+#include "unlatch/State.hpp"
+#include "unlatch/StepAck.hpp"
+using namespace unlatch;
+using Buffer = lcm::ReceiveBuffer;
+
+struct FlightSoftware {
+  lcm::LCM lcm{"udpm://239.255.76.67:7667?ttl=0"};
+  HelloAck me{};              // who we are, and what we agree to
+  Command command{};          // the latest
+  int gyro = -1, wheel = -1;  // their numbers in the catalog
+  bool ended = false;
+
+  double control(double rate) { return -40 * rate; }  // N m for rad/s. Your algorithm goes here.
+
+  void on_hello(const Buffer*, const std::string&, const Hello* hello) {
+    if (hello->session != me.session) command = Command{};
+    me = {hello->session,
+          me.sequence,
+          HelloAck::kSchemaHash,
+          hello->model_hash,
+          hello->dt_ns,
+          HelloAck::kProtocolVersion,
+          7,
+          HelloAck::AckStatus_kReady,
+          0,
+          {},
+          {}};
+    std::strcpy(reinterpret_cast<char*>(me.name), "fsw");  // as the scenario requires it
+    if (gyro >= 0 && wheel >= 0) lcm.publish("UNLATCH_HELLO_ACK", &me), ++me.sequence;
+  }
+  void on_catalog(const Buffer*, const std::string&, const Catalog* item) {
+    const char* const name = reinterpret_cast<const char*>(item->name);
+    if (item->kind == Catalog::CatalogKind_kSensor && !std::strcmp(name, "gyro.z")) gyro = item->index;
+    if (item->kind == Catalog::CatalogKind_kChannel && !std::strcmp(name, "wheel")) wheel = item->index;
+  }
+  void on_state(const Buffer*, const std::string&, const State* state) {
+    ended = state->status >= State::RunStatus_kDone && state->session == me.session;
+    if (ended || state->session != me.session) return;
+    if (state->tick >= command.sequence)  // new; a State that is said again gets the same answer again
+      command = {me.session, state->tick + 1, state->tick, -1, control(state->sensors[gyro]), me.participant, wheel};
+    const StepAck done{me.session, state->sequence, state->tick, command.sequence, me.participant, 1};
+    lcm.publish("UNLATCH_COMMAND", &command);
+    lcm.publish("UNLATCH_STEP_ACK", &done);
+  }
+};
+
+int main() {
+  FlightSoftware software;
+  software.lcm.subscribe("UNLATCH_HELLO", &FlightSoftware::on_hello, &software);
+  software.lcm.subscribe("UNLATCH_CATALOG", &FlightSoftware::on_catalog, &software);
+  software.lcm.subscribe("UNLATCH_STATE", &FlightSoftware::on_state, &software);
+  while (!software.ended)
+    if (software.lcm.handleTimeout(30'000) <= 0) return std::fputs("fsw: no simulator\n", stderr), 1;
+}

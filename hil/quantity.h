@@ -1,0 +1,47 @@
+// Numbers with a physical dimension, and the units by which a scenario may name them.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace unlatch::hil {
+
+// Exponents of m, kg, s and rad. Radians are kept apart so that 5 deg is not taken for a plain number, but SI leaves
+// them out where it likes: v/r is a rate and N m turns a torsion spring. So they must agree only where both have them.
+struct Dimension {
+  enum Base { kLength, kMass, kTime, kAngle };
+  std::array<int, 4> exponents{};
+
+  bool operator==(const Dimension&) const = default;
+  bool is_plain() const { return *this == Dimension{}; }
+  // True if a quantity of dimension `other` may be given where this one belongs.
+  bool takes(const Dimension& other) const;
+};
+
+struct Quantity {
+  double value = 0;  // SI
+  Dimension dimension;
+};
+
+// A value in a unit is value / divisor · factor in SI. Divisors and factors are exact, so that `12 ms` is the double
+// nearest to 0.012.
+struct Unit {
+  std::string_view name;
+  double factor, divisor;
+  Dimension dimension;
+};
+
+const Unit* find_unit(std::string_view name);  // m, kN, deg …; null if there is none
+
+// "a mass (kg)", "a plain number", "a quantity in kg m"
+std::string describe_dimension(const Dimension& dimension);
+
+// The dimension of an SI unit such as "N m s/rad"; "" is plain. Throws std::logic_error: units are the program's own.
+Dimension dimension_of(std::string_view si);
+
+// What else may be written for an SI unit: kN m and so on for N m.
+std::vector<std::string> list_units(std::string_view si);
+
+}  // namespace unlatch::hil

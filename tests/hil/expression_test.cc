@@ -1,0 +1,131 @@
+// Quantities with units: what is right has the nearest bits, what is wrong says why.
+#include "hil/expression.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kernel/elementary.h"
+#include "tests/hil/scenario_support.h"
+
+namespace unlatch::test {
+namespace {
+
+using hil::evaluate_expression;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const hil::Constants kConstants{{"radius", {1.32, hil::dimension_of("m")}}, {"half", {0.5, {}}}};
+
+double value(const std::string& text) { return evaluate_expression(text, kConstants).value; }
+
+std::string unit(const std::string& text) {
+  return hil::describe_dimension(evaluate_expression(text, kConstants).dimension);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    evaluate_expression(text, kConstants);
+    return "";
+  } catch (const hil::ExpressionError& e) {
+    return std::string(e.what()) + "; " + e.mend;
+  }
+}
+
+TEST(Expression, NumbersWithUnitsAreTheNearestDoubles) {
+  EXPECT_EQ(value("12 ms"), 0.012);
+  EXPECT_EQ(value("4.38 t"), 4380);
+  EXPECT_EQ(value("87 mrad"), 0.087);
+  EXPECT_EQ(value("-5 mm"), -0.005);
+  EXPECT_EQ(value("3 N/mm"), 3000);
+  EXPECT_EQ(value("9 kN m"), 9000);
+  EXPECT_EQ(value("7 km3/s2"), 7e9);
+  EXPECT_EQ(value("+1e3"), 1000);
+  EXPECT_EQ(value(".5"), 0.5);
+  EXPECT_EQ(value("2 min"), 120);
+}
+
+TEST(Expression, ArithmeticGoesFromLeftToRight) {
+  EXPECT_EQ(value("2*pi/3 rad"), 2 * M_PI / 3);
+  EXPECT_EQ(unit("2*pi/3 rad"), "an angle (rad)");
+  EXPECT_EQ(value("1/12*20 kg*(2 m)^2"), 1.0 / 12 * 20 * 4);
+  EXPECT_EQ(unit("1/12*20 kg*(2 m)^2"), "a moment of inertia (kg m2)");
+  EXPECT_EQ(value("-2^2"), -4);
+  EXPECT_EQ(value("2*-3 - -1"), -5);
+  EXPECT_EQ(value("2^-1"), 0.5);
+  EXPECT_EQ(value("-radius*half"), -0.66);
+  EXPECT_EQ(unit("10 m / (2 s)"), "a speed (m/s)");
+  EXPECT_EQ(unit("9.81 m/s^2"), "an acceleration (m/s2)");
+  EXPECT_EQ(unit("sqrt(4 m2)"), "a length (m)");
+  EXPECT_EQ(value("300 kN / 0.84"), 300e3 / 0.84);
+}
+
+TEST(Expression, FunctionsAreTheKernels) {
+  EXPECT_EQ(value("sin(60 mrad)"), elementary::sin(0.06));
+  EXPECT_EQ(value("cos(90 deg)"), elementary::cos(90.0 / 180 * M_PI));
+  EXPECT_EQ(value("atan2(1, -1)"), elementary::atan2(1, -1));
+  EXPECT_EQ(unit("atan2(1 mm, 1 m)"), "an angle (rad)");
+  constexpr double kRounding = 1e-15;
+  EXPECT_NEAR(value("asin(0.5)"), M_PI / 6, kRounding);
+  EXPECT_NEAR(value("acos(-1)"), M_PI, kRounding);
+  EXPECT_NEAR(value("tan(45 deg)"), 1, kRounding);
+}
+
+// SI leaves radians out where it likes.
+TEST(Expression, RadiansMayBeLeftOutButNotPutWhereNoneBelong) {
+  EXPECT_TRUE(hil::dimension_of("rad/s").takes(evaluate_expression("3 m/s / (2 m)", {}).dimension));
+  EXPECT_TRUE(hil::dimension_of("N m/rad").takes(hil::dimension_of("N m")));
+  EXPECT_FALSE(hil::dimension_of("").takes(hil::dimension_of("rad")));
+  EXPECT_FALSE(hil::dimension_of("N m").takes(hil::dimension_of("N m/rad")));
+}
+
+TEST(Expression, MistakesSayWhatIsWrong) {
+  EXPECT_THAT(error_of("2 m + 3 kg"), HasSubstr("a sum of a length (m) and a mass (kg)"));
+  EXPECT_THAT(error_of("2 m + 3"), HasSubstr("a sum of a length (m) and a plain number"));
+  EXPECT_THAT(error_of("sin(2 m)"), HasSubstr("sin takes an angle"));
+  EXPECT_THAT(error_of("2 radus"),
+              AllOf(HasSubstr("neither a unit nor a constant"), HasSubstr("did you mean 'radius'")));
+  EXPECT_THAT(error_of("2 radius"), HasSubstr("write the product with *"));
+  EXPECT_THAT(error_of("sqr(2)"), HasSubstr("did you mean 'sqrt'"));
+  EXPECT_THAT(error_of("1/0"), HasSubstr("division by zero"));
+  EXPECT_THAT(error_of("sqrt(-1)"), HasSubstr("not defined"));
+  EXPECT_THAT(error_of("1e300*1e300"), HasSubstr("range of a double"));
+  EXPECT_THAT(error_of("2^0.5"), HasSubstr("whole number"));
+  EXPECT_THAT(error_of("sqrt(2 m)"), HasSubstr("sqrt of a length"));
+  EXPECT_THAT(error_of(std::string(300, '1')), HasSubstr("256 bytes"));
+  EXPECT_THAT(error_of(std::string(100, '(') + "1"), HasSubstr("parentheses"));
+  for (const char* text : {"", " ", "(", ")", "1)", "(1", "2,3", "1..2", "1.2.3", "0x10", "1e", "--", "m(", "sin()",
+                           "sin(1,2)", "a b", "5 %", "2**3"})
+    EXPECT_NE(error_of(text), "") << text;
+}
+
+TEST(Expression, AQuantityWhereAnotherBelongsIsRefusedByName) {
+  EXPECT_THAT(errors_with("mass: 100", "mass: 2 m * 3"),
+              AllOf(HasSubstr("s.yaml:6:11: "), HasSubstr("is a length (m), not a mass (kg)"),
+                    HasSubstr("write a number in kg")));
+  EXPECT_THAT(errors_with("profile: 5 kN", "profile: 5 kN m"), HasSubstr("a torque (N m), not a force (N)"));
+  EXPECT_THAT(errors_with("until: 1}", "until: 30 deg}"), HasSubstr("an angle (rad), not a time (s)"));
+}
+
+TEST(Constants, AreNamedInExpressionsAndReplaced) {
+  const std::string text = replaced(replaced(kGoodScenario, "mass: 100", "mass: 2 * half_mass"),
+                                    "step:", "constants: {quarter: 25 kg, half_mass: 2*quarter}\nstep:");
+  EXPECT_EQ(hil::load_scenario_text(text, "s.yaml").model.bodies[0].mass, 100);
+  EXPECT_EQ(hil::load_scenario_text(text, "s.yaml", {"constants.quarter=30 kg"}).model.bodies[0].mass, 120);
+  EXPECT_THAT(load_errors(replaced(text, "25 kg", "25 m")), HasSubstr("a length (m), not a mass (kg)"));
+  EXPECT_THAT(load_errors(replaced(text, "2*quarter", "2*later")),
+              HasSubstr("'later' is neither a unit nor a constant"));
+  EXPECT_THAT(load_errors(replaced(text, "{quarter", "{kN: 3, quarter")),
+              HasSubstr("'kN' cannot be the name of a constant"));
+  EXPECT_THAT(load_errors(replaced(text, "{quarter", "{a-b: 3, quarter")), HasSubstr("- is minus"));
+}
+
+TEST(Constants, ChannelsHaveTheirUnit) {
+  const std::string text = replaced(kGoodScenario, "{initial: 1, range: [0, 1], safe: 0}",
+                                    "{initial: 5 deg, range: [-20 deg, 20 deg], unit: rad}");
+  EXPECT_EQ(hil::load_scenario_text(text, "s.yaml").model.channels[0].maximum, 20.0 / 180 * M_PI);
+  EXPECT_THAT(load_errors(replaced(text, "initial: 5 deg", "initial: 5 m")),
+              HasSubstr("a length (m), not an angle (rad)"));
+}
+
+}  // namespace
+}  // namespace unlatch::test

@@ -1,0 +1,282 @@
+#!/usr/bin/env python3
+"""The table of the scenario language (hil/language/language.yaml), what is made of it, and the loader agree.
+
+language_test.py PROBE SOURCE_DIR [TEST...]"""
+
+import copy
+import json
+import random
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+from jsonschema import Draft202012Validator
+
+PROBE, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+sys.path.insert(0, str(SOURCE / "hil/language"))
+sys.dont_write_bytecode = True
+from language import load_sections, load_yaml, parse_type  # noqa: E402
+
+SECTIONS = load_sections()
+SCHEMA = json.loads((SOURCE / "hil/scenarios/unlatch.schema.json").read_text())
+EVERYTHING = load_yaml((SOURCE / "hil/language/everything.yaml").read_text())
+PART = "\n--- # included: everything-part.yaml\n" + (SOURCE / "hil/language/everything-part.yaml").read_text()
+
+# Keys that are worked out before the loader's reader asks for any, so it does not list them.
+NOT_OF_SCENARIOS = {"unlatch_part"}
+
+
+def is_scenario(path):
+    return "faults" not in path.parts and path.name != "language.yaml"
+
+
+def list_files():
+    folders = ["hil/scenarios", "hil/language", "tools/unlatch/starters", "bridge/examples"]
+    return sorted(p for folder in folders for p in (SOURCE / folder).rglob("*.yaml") if is_scenario(p))
+
+
+class Probe:
+    """The loader, asked many times."""
+
+    def __init__(self):
+        self.process = subprocess.Popen([PROBE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def ask(self, document):
+        text = document if isinstance(document, str) else json.dumps(document, ensure_ascii=False) + PART
+        self.process.stdin.write(json.dumps({"text": text}) + "\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.stdout.close()
+        self.process.wait()
+
+
+def pick(value, kind):
+    """Of alternatives the one that a value is written in."""
+    if kind.kind != "or":
+        return kind
+    for t in kind.inner:
+        if t.kind == "section" and isinstance(value, dict):
+            section = SECTIONS[t.of]
+            words = [(k, parse_type(section["keys"][k]["is"], SECTIONS).words) for k in ("type", "kind") if k in section["keys"]]
+            if set(value) <= set(section["keys"]) and all(value.get(k) in w for k, w in words):
+                return t
+        elif t.kind in ("list", "numbers", "vector") and isinstance(value, list):
+            nested = bool(value) and isinstance(value[0], list)
+            if nested == (t.kind == "list") or t.inner is None:
+                return t
+        elif t.kind not in ("section", "list", "numbers", "vector", "map") and not isinstance(value, (list, dict)):
+            if t.kind != "one of" or value in t.words:
+                return t
+    raise AssertionError(f"{value} is none of its alternatives")
+
+
+def walk(value, kind, path=()):
+    """Every mapping of a section: (path, section's name)."""
+    kind = pick(value, kind)
+    if kind.kind == "section":
+        yield path, kind.of
+        for key, inner in value.items():
+            if key in SECTIONS[kind.of]["keys"]:
+                yield from walk(inner, parse_type(SECTIONS[kind.of]["keys"][key]["is"], SECTIONS), path + (key,))
+    elif kind.kind == "list":
+        for i, inner in enumerate(value):
+            yield from walk(inner, kind.inner[0], path + (i,))
+    elif kind.kind == "map":
+        for key, inner in value.items():
+            yield from walk(inner, kind.inner[0], path + (key,))
+
+
+def get(document, path):
+    for part in path:
+        document = document[part]
+    return document
+
+
+def changed(path, change):
+    document = copy.deepcopy(EVERYTHING)
+    change(get(document, path))
+    return document
+
+
+WRONG = "1 kg2 m3 s5 rad7"  # of no quantity
+FREE = {"for", "parameters", "set"}  # whose values may have any shape
+PLACES = list(walk(EVERYTHING, parse_type("scenario", SECTIONS)))
+
+
+def alternatives():
+    """Sections that stand for one another somewhere: the loader asks for the keys of all before it knows which it is."""
+    groups = []
+    for section in SECTIONS.values():
+        for key in section["keys"].values():
+            kind = parse_type(key["is"], SECTIONS)
+            while kind.kind in ("list", "map"):
+                kind = kind.inner[0]
+            if kind.kind == "or":
+                groups.append({t.of for t in kind.inner if t.kind == "section"})
+    return groups
+
+
+class LanguageTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.probe = Probe()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.probe.close()
+
+    def find_schema_errors(self, document):
+        # What goes through JSON is what an editor sees.
+        return [e.message for e in Draft202012Validator(SCHEMA).iter_errors(document)]
+
+    def test_schema_and_reference_are_made_of_the_table(self):
+        done = subprocess.run([sys.executable, "-B", SOURCE / "hil/language/generate.py", "--check"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        Draft202012Validator.check_schema(SCHEMA)
+
+    def test_shipped_scenarios_satisfy_the_schema_and_name_it(self):
+        files = list_files()
+        self.assertGreaterEqual(len(files), 10)
+        for path in files:
+            text = path.read_text()
+            self.assertEqual(self.find_schema_errors(load_yaml(text)), [], path)
+            named = re.match(r"# yaml-language-server: \$schema=(\S+)\n", text)
+            self.assertTrue(named, f"{path} names no schema in its first line")
+            if "starters" not in path.parts:  # those get a schema beside them
+                self.assertEqual((path.parent / named[1]).resolve(), SOURCE / "hil/scenarios/unlatch.schema.json")
+
+    def test_everything_loads_and_has_every_key(self):
+        self.assertNotIn("mistakes", self.probe.ask(EVERYTHING))
+        seen = {name: set() for name in SECTIONS}
+        for path, name in PLACES:
+            seen[name] |= set(get(EVERYTHING, path))
+        for name, section in SECTIONS.items():
+            missing = set(section["keys"]) - seen[name] - NOT_OF_SCENARIOS
+            if name == "rate":  # as in group
+                missing -= {"period"}
+            self.assertEqual(missing, set(), f"everything.yaml has none of these keys of {name}")
+
+    # An unknown key at every place: the loader names all that it would have known there.
+    def test_the_loader_knows_exactly_the_keys_of_the_table(self):
+        known = {}
+        for path, name in PLACES:
+            mistakes = self.probe.ask(changed(path, lambda node: node.update({"zzz": 1}))).get("mistakes", [])
+            told = [m for m in mistakes if m["what"].startswith("unknown key 'zzz' in ")]
+            self.assertEqual(len(told), 1, f"{name} at {path}: {mistakes}")
+            known.setdefault(name, set()).update(re.search(r"known: (.*)$", told[0]["mend"])[1].split(", "))
+        groups = alternatives()
+        for name, found in known.items():
+            keys = set(SECTIONS[name]["keys"]) - NOT_OF_SCENARIOS
+            together = [g for g in groups if name in g] or [{name}]
+            allowed = set().union(*(SECTIONS[n]["keys"] for g in together for n in g))
+            self.assertLessEqual(keys, found, f"{name}: the loader does not ask for these")
+            self.assertLessEqual(found, allowed, f"{name}: the table lacks these")
+        self.assertEqual(set(known), set(SECTIONS))
+
+    def test_the_loader_expects_the_units_of_the_table(self):
+        asked = 0
+        for path, name in PLACES:
+            for key in get(EVERYTHING, path):
+                entry = SECTIONS[name]["keys"][key]
+                kind = pick(get(EVERYTHING, path)[key], parse_type(entry["is"], SECTIONS))
+                if kind.kind not in ("number", "whole", "vector", "numbers") or str(get(EVERYTHING, path)[key]).startswith("<"):
+                    continue
+                wrong = WRONG if kind.kind in ("number", "whole") else [WRONG] + get(EVERYTHING, path)[key][1:]
+                mends = [m["mend"] for m in self.probe.ask(changed(path, lambda node: node.update({key: wrong}))).get("mistakes", [])]
+                units = [re.match(r"write a (?:plain number|number in ([^,]+))", m) for m in mends]
+                units = {m[1] or "" for m in units if m}
+                expected = entry.get("unit", "")
+                if name == "channel" or expected.startswith("that of"):
+                    expected = " or ".join(units)  # said by another key
+                self.assertLessEqual(units, set(expected.split(" or ")), f"{name}.{key}")
+                self.assertTrue(units, f"{name}.{key}: {mends}")
+                asked += 1
+        self.assertGreater(asked, 80)
+
+    def test_loader_and_schema_keep_the_bounds_of_the_table(self):
+        tried = 0
+        for path, name in PLACES:
+            for key in get(EVERYTHING, path):
+                entry = SECTIONS[name]["keys"][key]
+                if pick(get(EVERYTHING, path)[key], parse_type(entry["is"], SECTIONS)).kind not in ("number", "whole"):
+                    continue
+                beyond = [entry["above"]] if "above" in entry else []
+                beyond += [entry["least"] - max(1e-3, abs(entry["least"]))] if "least" in entry else []
+                beyond += [entry["most"] * 1.5] if "most" in entry else []
+                for value in beyond:
+                    document = changed(path, lambda node: node.update({key: value}))
+                    self.assertIn("mistakes", self.probe.ask(document), f"{name}.{key} = {value}")
+                    self.assertTrue(self.find_schema_errors(document), f"{name}.{key} = {value}")
+                    tried += 1
+        self.assertGreater(tried, 25)
+
+    def test_defaults_are_those_of_the_table(self):
+        compared = 0
+        for path, name in PLACES:
+            for key in list(get(EVERYTHING, path)):
+                entry = SECTIONS[name]["keys"][key]
+                default = entry.get("default")
+                if isinstance(default, str):
+                    kind = parse_type(entry["is"], SECTIONS)
+                    words = kind.words if kind.kind == "one of" else []
+                    default = load_yaml(default) if default[0] in "[{" else default if default in words else None
+                if default is None:
+                    continue
+                without = self.probe.ask(changed(path, lambda node: node.pop(key)))
+                given = self.probe.ask(changed(path, lambda node: node.update({key: default})))
+                self.assertEqual(without, given, f"{name}.{key}: {default}")
+                compared += "scenario" in given
+        self.assertGreater(compared, 50)
+
+    # Random damage: what the schema refuses the loader refuses, and what the loader refuses for its shape the schema does.
+    def test_schema_and_loader_refuse_the_same_shapes(self):
+        seed = 20261
+        rng = random.Random(seed)
+        shapes = re.compile(
+            r"unknown key|has no (?!value|shape|mode( |$))|of the wrong type|has both| needs |is not a list|is not a name|is not a mapping|not a pair|"
+            r"an? list of \d|not a list of|is not a truth value|cannot be the name|two axes|names no file|"
+            r"unknown (policy|row|axis|joint kind|element type|sensor type|frame|action|condition) '")
+        refused = 0
+        mapping = [p for p in self.list_paths(EVERYTHING) if p and not FREE & set(p) and p[0] != "include"]
+        for i in range(600):
+            path = rng.choice(mapping)
+            document = copy.deepcopy(EVERYTHING)
+            for key in ("set", "include"):  # with them a key that is missing may come from elsewhere
+                document.pop(key)
+            parent, key, what = get(document, path[:-1]), path[-1], rng.randrange(6)
+            if what == 0:
+                parent.pop(key)
+            elif what == 1 and isinstance(parent, dict):
+                parent[key + "x"] = parent.pop(key)
+            elif what == 2:
+                parent[key] = [parent[key]]
+            elif what == 3:
+                parent[key] = {"a": parent[key]}
+            elif what == 4:
+                parent[key] = "no such thing!"
+            else:
+                parent[key] = 7.5
+            mistakes = [m["what"] for m in self.probe.ask(document).get("mistakes", [])]
+            errors = self.find_schema_errors(document)
+            note = f"seed {seed}, {i}: {what} at {path}: {mistakes} against {errors}"
+            if any(shapes.search(m) for m in mistakes):
+                self.assertTrue(errors, note)
+            if errors:
+                self.assertTrue(mistakes, note)
+                refused += 1
+        self.assertGreater(refused, 200)
+
+    def list_paths(self, value, path=()):
+        yield path
+        inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+        for key, item in inner:
+            yield from self.list_paths(item, path + (key,))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0]] + sys.argv[3:])

@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""The pages for people: their commands run, the files that they show are those files, what they link to is there.
+
+A fenced block ```sh run is run, all of a page in its order in one scratch folder that sees the repository; ```yaml check is
+a scenario and is checked; after ```LANGUAGE file=PATH stands that file. Run by ctest in a network namespace of its own:
+
+    docs_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import os
+import re
+import subprocess
+import urllib.parse
+
+from processes import BIN, SOURCE, ProcessTest, main
+
+SOURCES = (".cc", ".h", ".c", ".py", ".md", ".yaml", ".sh", ".json", ".idl", ".cmake", ".svg", ".txt")
+BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SLOWEST = 240  # s for all commands of a page; a hang, not a measure
+
+
+def list_pages():
+    listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "-z", "--cached", "--others", "--exclude-standard", "*.md"],
+                            capture_output=True, check=True).stdout.decode()
+    return [SOURCE / name for name in listed.split("\0") if name and (SOURCE / name).exists()]
+
+
+class DocsTest(ProcessTest):
+    def run_page(self, page):
+        """Runs the page's commands; their output."""
+        blocks = []
+        for info, body in BLOCK.findall((SOURCE / page).read_text()):
+            if info.split() == ["sh", "run"]:
+                blocks.append(body)
+            elif info.split() == ["yaml", "check"]:
+                blocks.append(f"cat > shown.yaml <<'END'\n{body}END\nunlatch check shown.yaml\n")
+        self.assertTrue(blocks, f"{page} has no commands to run")
+        for entry in SOURCE.iterdir():
+            if entry.name not in ("build", ".git"):
+                (self.folder / entry.name).symlink_to(entry)
+        # Where the page's reader has built.
+        (self.folder / "build/release").mkdir(parents=True)
+        (self.folder / "build/release/bin").symlink_to(BIN)
+        done = subprocess.run(["bash", "-euxo", "pipefail", "-c", "\n".join(blocks)], cwd=self.folder, text=True, timeout=SLOWEST,
+                              env={**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"},
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(done.returncode, 0, f"{page}:\n{done.stdout[-4000:]}")
+        return done.stdout
+
+    def test_the_readme_commands_work(self):
+        said = self.run_page("README.md")
+        self.assertIn("is valid", said)
+
+    def test_the_tutorial_commands_work(self):
+        said = self.run_page("bridge/TUTORIAL.md")
+        rate = float(re.search(r"^rate \[.*, (\S+)\]$", said, re.MULTILINE)[1])
+        self.assertLess(abs(rate), 1e-3)  # rad/s; of 0.2 exp(-40/90 * 20) = 3e-5 is left
+        self.assertIn("every bit agrees", said.replace("\n", " "))
+
+    def test_the_scenario_pages_commands_work(self):
+        self.run_page("hil/scenarios/README.md")
+
+    def test_files_shown_in_pages_are_those_files(self):
+        shown = 0
+        for page in list_pages():
+            for info, body in BLOCK.findall(page.read_text()):
+                named = re.search(r"\bfile=(\S+)", info)
+                if named:
+                    self.assertEqual(body, (SOURCE / named[1]).read_text(), f"{page.name} shows another {named[1]}")
+                    shown += 1
+        self.assertGreater(shown, 0)
+
+    def test_links_lead_somewhere(self):
+        links = 0
+        for page in list_pages():
+            text = BLOCK.sub("", page.read_text())
+            for target in re.findall(r"\]\(([^)\s]+)\)", text):
+                if re.match(r"[a-z]+:", target):
+                    continue
+                path, _, anchor = urllib.parse.unquote(target).partition("#")
+                there = (page.parent / path).resolve() if path else page
+                self.assertTrue(there.exists(), f"{page.relative_to(SOURCE)} links to {target}")
+                if anchor and there.suffix == ".md":
+                    self.assertIn(anchor, self.list_anchors(there), f"{page.relative_to(SOURCE)} links to {target}")
+                links += 1
+        self.assertGreater(links, 30)
+
+    def test_files_named_in_pages_exist(self):
+        names = 0
+        for page in list_pages():
+            if page.name == "CHANGELOG.md":  # history: names what was
+                continue
+            text = BLOCK.sub("", page.read_text())
+            for name in re.findall(r"`([\w./-]+)`", text):
+                if not name.endswith(SOURCES) or name.startswith((".", "/")) or "/build/" in f"/{name}":
+                    continue
+                names += 1
+                beside = [page.parent / name, SOURCE / name, *page.parent.glob(f"*/{name}"), *page.parent.parent.glob(f"*/{name}")]
+                self.assertTrue(any(path.exists() for path in beside) or self.is_made(name), f"{page.relative_to(SOURCE)} names {name}")
+        self.assertGreater(names, 100)
+
+    @staticmethod
+    def is_made(name):
+        """Files that a reader or a program makes."""
+        made = ("first.yaml", "first.svg", "run.json", "result.json", "unlatch.schema.json", "plot.svg")
+        return name in made or name.startswith(("NAME", "FILE"))
+
+    @staticmethod
+    def list_anchors(page):
+        titles = re.findall(r"^#+ (.+)$", BLOCK.sub("", page.read_text()), re.MULTILINE)
+        plain = [re.sub(r"[^\w\- ]", "", re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", title).lower()) for title in titles]
+        return {title.replace(" ", "-") for title in plain}
+
+
+if __name__ == "__main__":
+    main()

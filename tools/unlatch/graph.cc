@@ -1,0 +1,323 @@
+#include "tools/unlatch/graph.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <set>
+
+namespace unlatch::tools {
+namespace {
+
+constexpr std::size_t kShownElements = 6;
+const char* const kGrey = "#5f6b7a";
+
+std::string escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else if (static_cast<unsigned char>(c) >= 0x20)
+      out += c;
+  }
+  return out;
+}
+
+std::string to_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::string get_name(const std::vector<Body>& bodies, int body) {
+  return body == kGround ? "ground" : bodies[static_cast<std::size_t>(body)].name;
+}
+
+std::string small(const std::string& text) {
+  return "<font point-size=\"9\" color=\"" + std::string(kGrey) + "\">" + text + "</font>";
+}
+
+std::string row(const std::string& text) { return "<tr><td align=\"left\">" + text + "</td></tr>"; }
+
+std::string list_rows(RowSet rows) {
+  std::string text;
+  for (int r = 0; r < kRows; ++r)
+    if (has_row(rows, r)) text += (text.empty() ? "" : " ") + std::string(kRowNames[r]);
+  return text.empty() ? "no rows" : text;
+}
+
+// booster1 and booster2 are alike but for their numbers.
+std::string without_numbers(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit)
+      out += c;
+    else if (out.empty() || out.back() != '#')
+      out += '#';
+  }
+  return out;
+}
+
+// --- Structure ------------------------------------------------------------------------------------------------------
+
+// A few names in a box, and how many more there are.
+std::string list_elements(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kShownElements); ++i) text += row(small(names[i]));
+  if (names.size() > kShownElements)
+    text += row(small("and " + std::to_string(names.size() - kShownElements) + " more"));
+  return text;
+}
+
+std::string describe_bodies(const Model& model, const Plan& plan) {
+  std::map<int, std::vector<std::string>> loads;
+  for (const Load& load : model.loads) {
+    std::string text = load.name + (load.on ? "" : " (off)");
+    if (load.channel != kNone) text += " · " + model.channels[static_cast<std::size_t>(load.channel)].name;
+    loads[load.body].push_back((load.kind == Load::Kind::kForce ? "→ " : "↻ ") + text);
+  }
+  std::set<int> roots;
+  for (const auto& node : plan.nodes)
+    if (node.parent == kNone) roots.insert(node.body);
+  std::string dot;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const Body& body = model.bodies[i];
+    const bool root = roots.count(static_cast<int>(i)) > 0;
+    dot += "  b" + std::to_string(i) + " [shape=box style=\"rounded,filled\" fillcolor=\"" +
+           (root ? "#cfe0f5" : "#eef3f9") + "\" label=<<table border=\"0\" cellspacing=\"1\">" +
+           row("<b>" + body.name + "</b>") + row(small(to_text(body.mass) + " kg" + (root ? ", root" : ""))) +
+           list_elements(loads[static_cast<int>(i)]) + "</table>>]\n";
+  }
+  return dot;
+}
+
+std::string describe_joints(const Model& model, const Plan& plan) {
+  std::map<int, std::vector<std::string>> springs;
+  for (const JointSpring& spring : model.joint_springs)
+    springs[spring.joint].push_back("~ " + spring.name + (spring.axis < kRotX ? " along " : " about ") +
+                                    "xyz"[spring.axis % 3] + (spring.on ? "" : " (off)"));
+  const std::set<std::int32_t> loops(plan.loops.begin(), plan.loops.end());
+  std::string dot;
+  bool grounded = false;
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    const bool loop = loops.count(static_cast<std::int32_t>(i)) > 0;
+    std::string modes;
+    for (std::size_t m = 0; m < joint.modes.size(); ++m) {
+      const std::string name =
+          static_cast<int>(m) == joint.mode ? "<b>" + joint.modes[m].name + "</b>" : joint.modes[m].name;
+      modes += row(name + " " + small(list_rows(joint.modes[m].rows)));
+    }
+    const std::string id = "j" + std::to_string(i);
+    dot += "  " + id +
+           " [shape=plain label=<<table border=\"1\" color=\"#c58f2a\" bgcolor=\"#fdf6e7\" cellborder=\"0\" "
+           "cellspacing=\"1\" style=\"rounded\">" +
+           row("<b>" + joint.name + "</b>" + (loop ? small(" closes a loop") : "")) + modes +
+           list_elements(springs[static_cast<int>(i)]) + "</table>>]\n";
+    grounded = grounded || joint.base == kGround;
+    const std::string base = joint.base == kGround ? "ground" : "b" + std::to_string(joint.base);
+    const std::string style = loop ? " [style=dashed constraint=false]" : "";
+    dot += "  " + base + " -> " + id + style + "\n  " + id + " -> b" + std::to_string(joint.follower) + style + "\n";
+  }
+  if (grounded) dot += "  ground [shape=box style=filled fillcolor=\"#d8d8d8\" label=\"ground\"]\n";
+  return dot;
+}
+
+// Springs between bodies, those of one pair on one line.
+std::string describe_springs(const Model& model) {
+  std::map<std::pair<int, int>, std::vector<std::string>> pairs;
+  for (const PointSpring& s : model.point_springs)
+    pairs[{s.base, s.follower}].push_back(s.name + (s.push_only ? " (pushes)" : ""));
+  for (const PlaneTorsion& s : model.plane_torsions) pairs[{s.base, s.follower}].push_back(s.name + " (torsion)");
+  std::string dot;
+  for (const auto& [pair, names] : pairs) {
+    const std::string base = pair.first == kGround ? "ground" : "b" + std::to_string(pair.first);
+    dot += "  " + base + " -> b" + std::to_string(pair.second) +
+           " [color=\"#4a8f5c\" style=dotted label=<<table border=\"0\" cellspacing=\"0\">" + list_elements(names) +
+           "</table>> constraint=false]\n";
+  }
+  return dot;
+}
+
+// --- Phases ---------------------------------------------------------------------------------------------------------
+
+// Joints whose numbers alone differ share a picture: names in it have # for the number.
+class Phases {
+ public:
+  explicit Phases(const Model& model) : model_(model) {}
+
+  std::string describe() {
+    std::map<std::string, std::vector<std::size_t>> alike;  // joints by their picture
+    std::vector<std::string> order;
+    for (std::size_t i = 0; i < model_.joints.size(); ++i) {
+      if (model_.joints[i].modes.size() < 2) continue;
+      const std::string picture = describe_machine(i);
+      if (alike[picture].empty()) order.push_back(picture);
+      alike[picture].push_back(i);
+    }
+    std::string dot;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const std::vector<std::size_t>& joints = alike[order[k]];
+      full_names_ = joints.size() == 1;
+      dot += describe_cluster(k, joints, describe_machine(joints[0]));
+    }
+    return dot + describe_other_events();
+  }
+
+ private:
+  std::string name(const std::string& text) const { return full_names_ ? text : without_numbers(text); }
+
+  std::string describe_cluster(std::size_t k, const std::vector<std::size_t>& joints, std::string picture) const {
+    std::string title;
+    for (std::size_t i = 0; i < std::min<std::size_t>(joints.size(), 6); ++i)
+      title += (i > 0 ? ", " : "") + model_.joints[joints[i]].name;
+    if (joints.size() > 1) title += joints.size() > 6 ? "" : " (#: its number)";
+    if (joints.size() > 6) title += " and " + std::to_string(joints.size() - 6) + " more";
+    const std::string prefix = "m" + std::to_string(k) + "_";
+    for (std::size_t at = 0; (at = picture.find('@', at)) != std::string::npos;) picture.replace(at, 1, prefix);
+    return "  subgraph cluster_" + prefix + " { style=rounded color=\"#c58f2a\" labeljust=l label=<<b>modes of " +
+           title + "</b>>\n" + picture + "  }\n";
+  }
+
+  // Nodes are @0 …: '@' becomes the cluster's prefix.
+  std::string describe_machine(std::size_t index) const {
+    const Joint& joint = model_.joints[index];
+    std::string dot = "    @start [shape=point width=0.12]\n    @start -> @" + std::to_string(joint.mode) + "\n";
+    for (std::size_t m = 0; m < joint.modes.size(); ++m)
+      dot += "    @" + std::to_string(m) + " [shape=ellipse style=filled fillcolor=\"#fdf6e7\" label=<" +
+             joint.modes[m].name + "<br/>" + small(list_rows(joint.modes[m].rows)) + ">]\n";
+    for (const Event& event : model_.events)
+      for (const Action& action : event.then) {
+        if (action.kind != Action::Kind::kSetMode || action.subject != static_cast<int>(index)) continue;
+        std::set<int> from;
+        for (int m = 0; m < static_cast<int>(joint.modes.size()); ++m)
+          if (m != action.mode && may_hold(event.when, action.subject, m)) from.insert(m);
+        const std::string label =
+            " [label=<<b>" + name(event.name) + "</b><br/>" + small(describe(event.when, action.subject)) +
+            (event.delay > 0 ? "<br/>" + small("after " + to_text(event.delay) + " s") : "") + ">]\n";
+        for (const int m : from) dot += "    @" + std::to_string(m) + " -> @" + std::to_string(action.mode) + label;
+      }
+    return dot;
+  }
+
+  // False if the condition says that the joint is in another mode.
+  static bool may_hold(const Condition& c, int joint, int mode) {
+    using Kind = Condition::Kind;
+    const auto part_may = [&](const Condition& part) { return may_hold(part, joint, mode); };
+    if (c.kind == Kind::kMode) return c.subject != joint || c.axis == mode;
+    if (c.kind == Kind::kAll) return std::all_of(c.parts.begin(), c.parts.end(), part_may);
+    if (c.kind == Kind::kAny) return std::any_of(c.parts.begin(), c.parts.end(), part_may);
+    if (c.kind == Kind::kNot) {
+      const Condition& part = c.parts.at(0);
+      return !(part.kind == Kind::kMode && part.subject == joint && part.axis == mode);
+    }
+    return true;
+  }
+
+  // In words; what it says of the modes of `joint` the picture shows by itself.
+  std::string describe(const Condition& c, int joint) const {
+    using Kind = Condition::Kind;
+    const auto index = static_cast<std::size_t>(std::max(c.subject, 0));
+    const std::string than = std::string(c.below ? " &lt; " : " &gt; ") + to_text(c.threshold);
+    const auto of_joint = [&](const char* what) {
+      return std::string(what) + " " + kRowNames[c.axis] +
+             (c.subject == joint ? "" : " of " + name(model_.joints[index].name)) + than;
+    };
+    switch (c.kind) {
+      case Kind::kTime:
+        return "t = " + to_text(c.threshold) + " s";
+      case Kind::kReaction:
+        return of_joint("reaction");
+      case Kind::kDisplacement:
+        return of_joint("displacement");
+      case Kind::kAngle:
+        return of_joint("angle");
+      case Kind::kSpeed:
+        return of_joint("speed");
+      case Kind::kBodyRate:
+        return "rate of " + name(get_name(model_.bodies, c.subject)) + than;
+      case Kind::kBurnt:
+        return "burnt of " + name(get_name(model_.bodies, c.subject)) + than;
+      case Kind::kSignal:
+        return "signal " + name(model_.signals[index]);
+      case Kind::kCommand:
+        return "command " + name(model_.channels[index].name) + than;
+      case Kind::kMode:
+        return c.subject == joint ? ""
+                                  : name(model_.joints[index].name) + " is " +
+                                        model_.joints[index].modes[static_cast<std::size_t>(c.axis)].name;
+      case Kind::kNot:
+        return "not (" + describe(c.parts.at(0), joint) + ")";
+      default:
+        break;
+    }
+    std::string text;
+    for (const Condition& part : c.parts) {
+      const std::string words = describe(part, joint);
+      if (!words.empty()) text += (text.empty() ? "" : c.kind == Kind::kAll ? " and " : " or ") + words;
+    }
+    return text;
+  }
+
+  std::string describe(const Action& a) const {
+    const auto index = static_cast<std::size_t>(a.subject);
+    if (a.kind == Action::Kind::kRaise) return "raise " + name(model_.signals[index]);
+    if (a.kind == Action::Kind::kSetMode)
+      return name(model_.joints[index].name) + " " + model_.joints[index].modes[static_cast<std::size_t>(a.mode)].name;
+    return name(model_.element_name(a.subject)) +
+           (a.value == 0   ? " off"
+            : a.value == 1 ? " on"
+                           : " to " + to_text(a.value)) +
+           (a.kind == Action::Kind::kRamp ? " over " + to_text(a.duration) + " s" : "");
+  }
+
+  std::string describe_event(const Event& event, bool full_names) {
+    full_names_ = full_names;
+    std::string actions;
+    for (const Action& action : event.then) actions += (actions.empty() ? "" : ", ") + describe(action);
+    const std::string delay = event.delay > 0 ? ", " + to_text(event.delay) + " s later" : "";
+    return row("<b>" + name(event.name) + "</b> " + small(describe(event.when, kNone) + delay)) +
+           row("&#160;&#160;" + actions);
+  }
+
+  // What else happens, and when; events whose numbers alone differ once.
+  std::string describe_other_events() {
+    std::vector<std::string> order;
+    std::map<std::string, std::vector<const Event*>> alike;
+    for (const Event& event : model_.events) {
+      const bool only_modes = std::all_of(event.then.begin(), event.then.end(),
+                                          [](const Action& a) { return a.kind == Action::Kind::kSetMode; });
+      if (only_modes) continue;
+      const std::string line = describe_event(event, false);
+      if (alike[line].empty()) order.push_back(line);
+      alike[line].push_back(&event);
+    }
+    if (order.empty()) return "";
+    std::string dot =
+        std::string("  events [shape=plain label=<<table border=\"1\" color=\"#8a94a6\" cellborder=\"0\" ") +
+        "cellspacing=\"1\" style=\"rounded\">" + row("<b>events that do more than change a mode</b>");
+    for (const std::string& line : order) dot += alike[line].size() > 1 ? line : describe_event(*alike[line][0], true);
+    return dot + "</table>>]\n";
+  }
+
+  bool full_names_ = false;
+  const Model& model_;
+};
+
+}  // namespace
+
+std::string describe_graph(const Model& model, const Plan& plan, const std::string& title) {
+  const std::string font = " fontname=\"Helvetica,Arial,sans-serif\" fontsize=11";
+  return "digraph unlatch {\n  graph [rankdir=LR nodesep=0.25 ranksep=0.45 labelloc=t label=<<b>" + escape(title) +
+         "</b>>" + font + "]\n  node [" + font + "]\n  edge [" + font + " arrowsize=0.7 color=\"#5f6b7a\"]\n" +
+         describe_bodies(model, plan) + describe_joints(model, plan) + describe_springs(model) +
+         Phases(model).describe() + "}\n";
+}
+
+}  // namespace unlatch::tools
