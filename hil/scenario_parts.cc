@@ -142,8 +142,8 @@ class Includer {
 }  // namespace
 
 const std::vector<std::string>& shared_sections() {
-  static const std::vector<std::string> names{"constants", "bodies", "joints",    "elements",  "channels", "sensors",
-                                              "signals",   "events", "clearance", "templates", "instances"};
+  static const std::vector<std::string> names{"constants", "bodies", "joints",    "elements", "channels",  "sensors",
+                                              "signals",   "events", "clearance", "points",   "templates", "instances"};
   return names;
 }
 
