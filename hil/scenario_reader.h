@@ -1,5 +1,6 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
-// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc and scenario_shapes.cc.
+// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc, scenario_flexible.cc and
+// scenario_shapes.cc.
 #pragma once
 
 #include <functional>
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/flexible_body.h"
 #include "hil/scenario.h"
 #include "hil/yaml_reader.h"
 
@@ -44,7 +46,10 @@ class ScenarioReader {
     bool placed = false;
   };
   void read_body(const std::string& name, const YamlNode& node);
+  void read_mass(YamlMap& map, Body& body);
   MassLaw read_law(const YamlNode& node);
+  void read_flexible(const YamlNode& node, Body& body);
+  void read_marker(const YamlNode& node, Body& body);
   void place_bodies();
   void report_circles();
   Eigen::Quaterniond read_attitude(const YamlNode& node);
@@ -100,7 +105,8 @@ class ScenarioReader {
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
   std::vector<Placement> placements_;
-  std::map<std::string, const YamlNode*> nodes_;  // by ModelError::where
+  std::map<std::string, std::vector<FlexibleStructure::NamedMarker>> structure_markers_;  // by flexible body
+  std::map<std::string, const YamlNode*> nodes_;                                          // by ModelError::where
   std::set<std::string> flawed_;
 };
 

@@ -20,6 +20,7 @@ void add_replay(CLI::App& app, int& exit_code);
 void add_preflight(CLI::App& app, int& exit_code);
 void add_diff(CLI::App& app, int& exit_code);
 void add_log(CLI::App& app, int& exit_code);
+void add_modes(CLI::App& app, int& exit_code);
 
 // What check, run and hil say about their scenario.
 struct ScenarioOptions {
