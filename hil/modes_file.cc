@@ -37,6 +37,7 @@ class Lines {
       if (!words_.empty()) return true;
     }
     words_.clear();
+    line_ = {};
     ++number_;
     return false;
   }

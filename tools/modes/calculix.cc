@@ -113,7 +113,7 @@ class FrdReader {
     return std::string(text.substr(begin, text.find_last_not_of(" \r") + 1 - begin));
   }
   void check_format() {
-    if (in_.line().size() < 75 || in_.line()[74] != '1') in_.fail("not the ASCII format 1 of .frd files");
+    if (in_.line().size() < 74 || in_.line()[73] != '1') in_.fail("not the ASCII format 1 of .frd files");
   }
   void read_nodes() {
     check_format();

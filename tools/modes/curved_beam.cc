@@ -130,7 +130,7 @@ void add_inextensional_shape(double alpha, int points, ArcMode& mode) {
       *std::max_element(w.begin(), w.end(), [](Complex x, Complex y) { return std::abs(x) < std::abs(y); });
   for (int i = 0; i < points; ++i) {
     mode.radial.push_back((w[static_cast<std::size_t>(i)] / largest).real());
-    mode.tangential.push_back((u[static_cast<std::size_t>(i)] / largest).real());
+    mode.tangential.push_back((-u[static_cast<std::size_t>(i)] / largest).real());
   }
 }
 

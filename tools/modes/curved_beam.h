@@ -20,8 +20,8 @@ struct ArcMode {
   double omega = 0;   // Ω, dimensionless
   bool even = false;  // the radial displacement is even about the middle
   // Shape over equidistant points from end to end, the largest |w| being 1.
-  std::vector<double> radial;      // w
-  std::vector<double> tangential;  // u; empty for kShallow, which has none
+  std::vector<double> radial;      // outwards
+  std::vector<double> tangential;  // with the angle: its slope is −radial; empty for kShallow, which has none
 };
 
 // The frequency function of λ = Ω², without the zeros that are no frequencies, over a positive factor that keeps it

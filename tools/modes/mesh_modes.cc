@@ -139,6 +139,7 @@ hil::ModalMarker build_marker(const Mesh& mesh, const Shapes& shapes, const Mark
 // To `digits` behind the first of the largest. Divided, not multiplied, by a power of ten the result prints short.
 template <typename Values>
 void round_to(int digits, double largest, Values&& values) {
+  if (!(largest > 0)) return;
   const double scale = std::pow(10, std::max(0.0, digits - std::floor(std::log10(largest))));
   values = values.unaryExpr([scale](double x) { return std::round(x * scale) / scale; }).eval();
 }
