@@ -8,7 +8,7 @@ import json
 import shutil
 import unittest
 
-from processes import SOURCE, UNLATCH, ProcessTest, main
+from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
 TABLE = json.loads((SOURCE / "tests/data/fairing_shell.json").read_text())
 FAIRING = SOURCE / "hil/scenarios/fairing/fairing.modes"
@@ -71,6 +71,21 @@ class ModesTest(ProcessTest):
         for mode, hz in zip(report["modes"], TABLE["apex"]["hz"]):
             self.assertAlmostEqual(mode["hz"] / hz, 1, delta=AGREES)
         self.assertLess(report["made"]["gram"], 1e-12)
+
+    def test_elastic_halves_part_and_stay_clear_of_the_payload(self):
+        scenario = SCENARIOS / "fairing/scenario.yaml"
+        self.assertIn("half1_hinge", self.run_ok(UNLATCH, "check", scenario).stdout)
+        report = self.run_json(UNLATCH, "run", scenario)
+        self.assertEqual(report["status"], "ok")
+        times = {event["subject"]: event["t"] for event in report["events"] if event["name"] == "release"}
+        self.assertAlmostEqual(times["half1"], times["half2"], delta=1e-9)  # mirror images
+        rigid = self.run_json(UNLATCH, "run", scenario, "--set", "bodies.half1.flexible.select=[8]", "--set",
+                              "bodies.half2.flexible.select=[8]")
+        closest = [min(pair["min"] for pair in run["clearance"]) for run in (report, rigid)]
+        self.assertGreater(closest[0], 0.2)
+        self.assertLess(closest[0], closest[1] - 0.03)  # breathing brings the edges nearer
+        p, q = report["samples"][-1]["bodies"]["half1"]["p"], report["samples"][-1]["bodies"]["half2"]["p"]
+        self.assertAlmostEqual(p[1], -q[1], delta=1e-9)
 
     def test_damaged_files_are_refused_with_their_place(self):
         text = FAIRING.read_text()

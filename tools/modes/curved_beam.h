@@ -3,7 +3,7 @@
 // kShallow: Anshakov et al. (3.1), EJ (w'''' + w''/R²) + m ẅ = 0, with (3.2) w'' + w/R² = 0 and w''' + w'/R² = 0 at the
 //   ends. Its frequency equation is (3.4), exactly. With v = w'' + w/R² it is a column clamped at both ends under the
 //   load EJ/R²: so all roots are real and, up to a full circle, positive.
-// kInextensional: the exact thin arc (Love), tangential displacement u, radial w = u':
+// kInextensional: the exact thin arc (Love), tangential displacement u, w = u' inwards:
 //   u⁗″ + 2 u⁗ + u″ + Ω² (u − u″) = 0;  κ = u‴ + u′: κ = κ′ = κ″ − Ω² u′ = 0 at the ends.
 //   The closed ring of it is Ω² = n² (n² − 1)²/(n² + 1).
 // Ω = ω R² √(m/EJ); derivatives by the angle θ, from −α to α.
