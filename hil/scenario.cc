@@ -47,7 +47,7 @@ Scenario load_sources(ScenarioSources sources, const std::string& file, const st
   scenario.overrides = overrides;
   Mistakes mistakes(file, overrides);
   const YamlNode root = build_tree(sources, file, overrides, mistakes);
-  ScenarioReader(scenario, mistakes).read(root);
+  ScenarioReader(scenario, sources, mistakes).read(root);
   mistakes.throw_if_any();
   scenario.text = sources.join();
   scenario.files = mistakes.files();

@@ -77,24 +77,41 @@ void ScenarioReader::read_bodies(YamlMap& top) {
   place_bodies();
 }
 
-void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
-  Body body;
-  body.name = name;
-  YamlMap map(node, "body '" + name + "'", mistakes_);
-  if (const YamlNode* law = map.find("law")) {
+// Constant, by a law, or of a flexible body's file.
+void ScenarioReader::read_mass(YamlMap& map, Body& body) {
+  if (const YamlNode* flexible = map.find("flexible")) {
+    read_flexible(*flexible, body);
+  } else if (const YamlNode* law = map.find("law")) {
     body.law = read_law(*law);
-    if (!body.law->knots.empty()) {
-      body.mass = body.law->knots.front().mass;
-      body.inertia = body.law->knots.front().inertia;
-    }
+    if (body.law->knots.empty()) return;
+    body.mass = body.law->knots.front().mass;
+    body.inertia = body.law->knots.front().inertia;
   } else {
     body.mass = map.number("mass", "kg");
     if (const YamlNode* inertia = map.require("inertia")) body.inertia = read_inertia(*inertia, mistakes_);
   }
-  body.p_WB = map.vector("position", "m", Eigen::Vector3d::Zero());
-  if (const YamlNode* attitude = map.find("attitude")) body.q_WB = read_attitude(*attitude);
-  body.v_WB = map.vector("velocity", "m/s", Eigen::Vector3d::Zero());
-  body.w_WB_B = map.vector("rate", "rad/s", Eigen::Vector3d::Zero());
+}
+
+// Of the centre of mass; of a flexible body it may be given by the origin of its modes file.
+Eigen::Vector3d ScenarioReader::read_position(YamlMap& map, const Body& body) {
+  if (!body.flexible || map.node().find("origin") == nullptr)
+    return map.vector("position", "m", Eigen::Vector3d::Zero());
+  return map.vector("origin", "m") + body.q_WB * structures_[body.name].centre;
+}
+
+void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
+  Body body;
+  body.name = name;
+  YamlMap map(node, "body '" + name + "'", mistakes_);
+  if (const YamlNode* marker = map.find("marker")) {
+    read_marker(*marker, body);
+  } else {
+    read_mass(map, body);
+    if (const YamlNode* attitude = map.find("attitude")) body.q_WB = read_attitude(*attitude);
+    body.p_WB = read_position(map, body);
+    body.v_WB = map.vector("velocity", "m/s", Eigen::Vector3d::Zero());
+    body.w_WB_B = map.vector("rate", "rad/s", Eigen::Vector3d::Zero());
+  }
   Placement placement;
   placement.relative_to = map.find("relative_to");
   const YamlNode* shape = map.find("shape");

@@ -1,5 +1,6 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
-// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc and scenario_shapes.cc.
+// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc, scenario_flexible.cc and
+// scenario_shapes.cc.
 #pragma once
 
 #include <functional>
@@ -8,15 +9,18 @@
 #include <string>
 #include <vector>
 
+#include "hil/flexible_body.h"
 #include "hil/scenario.h"
+#include "hil/scenario_sources.h"
 #include "hil/yaml_reader.h"
 
 namespace unlatch::hil {
 
 class ScenarioReader {
  public:
-  ScenarioReader(Scenario& scenario, Mistakes& mistakes)
-      : scenario_(scenario), model_(scenario.model), mistakes_(mistakes) {}
+  // `sources`: of files that the scenario names.
+  ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes)
+      : scenario_(scenario), model_(scenario.model), sources_(sources), mistakes_(mistakes) {}
   void read(const YamlNode& root);
 
  private:
@@ -46,7 +50,11 @@ class ScenarioReader {
     bool placed = false;
   };
   void read_body(const std::string& name, const YamlNode& node);
+  void read_mass(YamlMap& map, Body& body);
+  Eigen::Vector3d read_position(YamlMap& map, const Body& body);
   MassLaw read_law(const YamlNode& node);
+  void read_flexible(const YamlNode& node, Body& body);
+  void read_marker(const YamlNode& node, Body& body);
   void place_bodies();
   void report_circles();
   Eigen::Quaterniond read_attitude(const YamlNode& node);
@@ -99,10 +107,12 @@ class ScenarioReader {
 
   Scenario& scenario_;
   Model& model_;
+  ScenarioSources& sources_;
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
   std::vector<Placement> placements_;
-  std::map<std::string, const YamlNode*> nodes_;  // by ModelError::where
+  std::map<std::string, FlexibleStructure> structures_;  // by flexible body
+  std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where
   std::set<std::string> flawed_;
 };
 

@@ -51,6 +51,7 @@ const std::string& ScenarioSources::read(const std::string& name) {
       throw std::runtime_error(failure.mistakes.at(0).what);
     }
   }
+  if (std::find(order_.begin(), order_.end(), name) != order_.end()) return found->second;
   order_.push_back(name);
   bytes_ += found->second.size();
   if (bytes_ > kMaxBytes) throw std::runtime_error("scenario and included files have more than 1 MiB");

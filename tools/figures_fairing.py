@@ -1,4 +1,5 @@
-"""Figures of the elastic fairing half: its modes (the paper's figure 10) beside the curved beam's."""
+"""Figures of the elastic fairing halves: modes (the paper's figure 10) beside the curved beam's, the way of the halves, the
+elastic displacement of the dangerous points (figure 11)."""
 import math
 
 MODES = "fairing/fairing.modes"
@@ -62,4 +63,43 @@ def add(figure, tools):
             axes.set_aspect("equal")
             axes.legend(fontsize=7, loc="lower center")
             axes.set_title(f"R{k + 1}", loc="left")
+        return drawn
+
+    points = (("base", "#c1121f"), ("middle", "#e09f3e"), ("top", "#457b9d"))
+
+    @figure("fairing-displacement")
+    def displacement(bench):
+        import matplotlib.pyplot as plt
+        run = bench.run("fairing/scenario.yaml", 3, 0.002)
+        times = tools.get_times(run)
+        drawn, rows = plt.subplots(2, 1, figsize=(7.5, 4.6), sharex=True, constrained_layout=True)
+        for name, colour in points:
+            places = [tools.seen_from(sample["bodies"]["half1"], sample["bodies"][f"half1_{name}_left"], (0, 0, 0))
+                      for sample in run["samples"]]
+            for axes, axis in zip(rows, (0, 1)):  # the run begins undeformed
+                axes.plot(times, [1000 * (place[axis] - places[0][axis]) for place in places], color=colour, label=name)
+        for axes, text in zip(rows, ("outwards (x), mm", "with the pushers (y), mm")):
+            axes.set_ylabel(text)
+            tools.mark_events(axes, run, ("pushed", "release"))
+        rows[0].legend(fontsize=7, ncols=3)
+        rows[0].set_title("Elastic displacement of the free edge of half 1 at its base, middle and top (figure 11)", loc="left")
+        rows[1].set_xlabel("t, s")
+        return drawn
+
+    @figure("fairing-separation")
+    def separation(bench):
+        import matplotlib.pyplot as plt
+        run = bench.run("fairing/scenario.yaml", 3, 0.002)
+        drawn, axes = plt.subplots(figsize=(7.5, 4), constrained_layout=True)
+        axes.fill([-1.6, 1.6, 1.6, -1.6], [0.3, 0.3, 8, 8], color="0.85", zorder=0)
+        for half, colour in ((1, "#c1121f"), (2, "#457b9d")):
+            for i, time in enumerate((0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)):
+                sample = min(run["samples"], key=lambda s: abs(s["t"] - time))
+                outline = [sample["bodies"][f"half{half}_{name}"]["p"]
+                           for name in ("hinge", "base_left", "middle_left", "top_left", "nose")]
+                axes.plot([p[1] for p in outline], [p[2] for p in outline], color=colour, alpha=0.3 + 0.1 * i)
+        axes.set_aspect("equal")
+        axes.set_xlabel("y, m")
+        axes.set_ylabel("z, m")
+        axes.set_title("Hinges, free edges and noses of the halves every 0.5 s; the payload", loc="left")
         return drawn

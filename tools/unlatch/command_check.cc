@@ -54,8 +54,9 @@ void print_elimination(const Model& model, const Plan& plan) {
     const std::string body = model.bodies[static_cast<std::size_t>(node->body)].name;
     if (node->parent != kNone) {
       const auto& parent = plan.nodes[static_cast<std::size_t>(node->parent)];
-      std::printf("  %-16s through %s into %s\n", body.c_str(),
-                  model.joints[static_cast<std::size_t>(node->joint)].name.c_str(),
+      const std::string through =  // a flexible body and its markers have no joint between them
+          node->joint == kNone ? "" : "through " + model.joints[static_cast<std::size_t>(node->joint)].name + " ";
+      std::printf("  %-16s %sinto %s\n", body.c_str(), through.c_str(),
                   model.bodies[static_cast<std::size_t>(parent.body)].name.c_str());
     } else if (node->joint != kNone) {
       std::printf("  %-16s root, held to the ground by %s\n", body.c_str(),

@@ -22,6 +22,7 @@ void add_diff(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
 void add_log(CLI::App& app, int& exit_code);
 void add_init(CLI::App& app, int& exit_code);
+void add_modes(CLI::App& app, int& exit_code);
 
 // What check, run and hil say about their scenario.
 struct ScenarioOptions {

@@ -6,6 +6,7 @@
 #include "hil/log_file.h"
 #include "hil/simulation.h"
 #include "tools/exit_codes.h"
+#include "tools/modes/calculix.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
 #include "tools/unlatch/report.h"
@@ -28,6 +29,7 @@ int main(int argc, char** argv) {
   tools::add_report(app, exit_code);
   tools::add_log(app, exit_code);
   tools::add_preflight(app, exit_code);
+  tools::add_modes(app, exit_code);
 
   const auto fail = [](const char* what, int code) {
     std::fprintf(stderr, "%s\n", what);
@@ -49,6 +51,10 @@ int main(int argc, char** argv) {
   } catch (const bridge::PortError& error) {
     return fail(error.what(), tools::kExitEnvironment);
   } catch (const tools::GraphError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const tools::CalculixError& error) {
+    return fail(error.what(), tools::kExitUsage);
+  } catch (const tools::CalculixMissing& error) {
     return fail(error.what(), tools::kExitEnvironment);
   } catch (const tools::OutputError& error) {
     return fail(error.what(), tools::kExitEnvironment);
