@@ -34,8 +34,13 @@ std::vector<const YamlNode*> read_knots(YamlMap& map, const std::string& key, st
   std::vector<const YamlNode*> out;
   const YamlNode* node = required ? map.require(key) : map.find(key);
   if (node == nullptr) return out;
-  if (!node->is_sequence() || node->items.size() != count)
-    mistakes.add(node->mark, key + " is not a list of " + std::to_string(count), "one for each of `at`");
+  if (!node->is_sequence())
+    mistakes.add(node->mark, key + " is not a list", "one for each of `at`");
+  else if (node->items.size() != count)
+    mistakes.add(
+        node->mark,
+        key + " has " + std::to_string(node->items.size()) + " entries for " + std::to_string(count) + " of `at`",
+        "one for each");
   else
     for (const YamlNode& item : node->items) out.push_back(&item);
   return out;
@@ -94,7 +99,7 @@ void ScenarioReader::read_mass(YamlMap& map, Body& body) {
 
 // Of the centre of mass; of a flexible body it may be given by the origin of its modes file.
 Eigen::Vector3d ScenarioReader::read_position(YamlMap& map, const Body& body) {
-  if (!body.flexible || map.node().find("origin") == nullptr)
+  if (map.node().find("flexible") == nullptr || map.node().find("origin") == nullptr)
     return map.vector("position", "m", Eigen::Vector3d::Zero());
   return map.vector("origin", "m") + body.q_WB * structures_[body.name].centre;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "hil/flexible_body.h"
 #include "tests/hil/modes_support.h"
 #include "tests/hil/scenario_support.h"
 
@@ -78,7 +79,7 @@ TEST_F(ScenarioFlexible, ItsTextHoldsTheModesToo) {
 }
 
 TEST_F(ScenarioFlexible, MistakesAreNamed) {
-  EXPECT_THAT(get_errors("mast.modes", "nothing.modes"), HasSubstr("s.yaml:7:22: its modes cannot be read"));
+  EXPECT_THAT(get_errors("mast.modes", "nothing.modes"), HasSubstr("s.yaml:7:23: its modes cannot be read"));
   EXPECT_THAT(get_errors("[1, 3]", "[1, 9]"), HasSubstr("the file has no elastic mode 9"));
   EXPECT_THAT(get_errors("[0.01, 0.02]", "[0.01]"), ::testing::Not(HasSubstr("damping ratios")));
   EXPECT_THAT(get_errors("[0.01, 0.02]", "[0.1, 0.1, 0.1]"), HasSubstr("3 damping ratios for 2 modes"));
