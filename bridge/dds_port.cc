@@ -44,6 +44,8 @@ constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
     {MessageKind::kStepAck, &unlatch_StepAck_desc, 1024, 4096, 0, kForever},
     {MessageKind::kHealth, &unlatch_Health_desc, 64, 256, 0, kForever},
     {MessageKind::kVerdict, &unlatch_Verdict_desc, 256, 4096, 0, kForever},
+    {MessageKind::kReactions, &unlatch_Reactions_desc, 64, 256, 0, kForever},
+    {MessageKind::kSource, &unlatch_Source_desc, 1, 1, 1, kForever},
 }};
 
 constexpr std::int64_t kMaxBlocking = DDS_MSECS(10);

@@ -9,7 +9,10 @@ bool publishes(Role role, MessageKind kind) noexcept {
   return hil::is_from_simulator(kind) == (role == Role::kSimulator);
 }
 
-bool receives(Role role, MessageKind kind) noexcept { return hil::get_size(kind) > 0 && !publishes(role, kind); }
+bool receives(Role role, MessageKind kind) noexcept {
+  if (role == Role::kParticipant && (kind == MessageKind::kReactions || kind == MessageKind::kSource)) return false;
+  return hil::get_size(kind) > 0 && !publishes(role, kind);
+}
 
 bool Port::publish(const Message& message) {
   const bool sent = publishes(role_, message.kind) && send(message);

@@ -21,8 +21,9 @@ namespace unlatch::bridge {
 using hil::Message;
 using hil::MessageKind;
 
-// The simulator publishes Hello, Catalog, State, Event, Health and receives the rest; a participant (flight software)
-// the reverse; an observer (logger, watch) receives everything and publishes nothing.
+// The simulator publishes Hello, Catalog, State, Event, Health and so on and receives the rest; a participant (flight
+// software) the reverse, without Reactions and Source, which are for displays; an observer (logger, watch) receives
+// everything and publishes nothing.
 enum class Role { kSimulator, kParticipant, kObserver };
 
 [[nodiscard]] bool publishes(Role role, MessageKind kind) noexcept;

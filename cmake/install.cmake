@@ -16,5 +16,10 @@ install(FILES cmake/unlatch-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/unlatch-con
 
 if(NOT UNLATCH_KERNEL_ONLY)
   install(TARGETS unlatch unlatch-fsw COMPONENT tools RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  set(share ${CMAKE_BINARY_DIR}/tools/share)
+  install(DIRECTORY ${share}/man/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT tools)
+  install(FILES ${share}/completion/unlatch DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT tools)
+  install(FILES ${share}/completion/_unlatch DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT tools)
+  install(FILES ${share}/completion/unlatch.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT tools)
   install(DIRECTORY hil/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/unlatch COMPONENT tools)
 endif()

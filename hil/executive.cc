@@ -9,6 +9,7 @@ namespace unlatch::hil {
 namespace {
 
 constexpr int kVerdictsPerTick = 16;
+constexpr std::int64_t kReactionsInterval_ns = 100'000'000;
 
 std::int64_t calc_cutoff_ns(const FlightSoftware& flight_software, std::int64_t dt_ns) {
   return std::llround(flight_software.cutoff * static_cast<double>(dt_ns));
@@ -25,6 +26,7 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
       dt_ns_(std::llround(simulation.plan().options.dt * 1e9)),
       timeout_ns_(std::llround(options.flight_software.timeout * 1e9)),
       catalog_(build_catalog(simulation.model())),
+      source_(options.source),
       model_events_(build_event_messages(simulation.model())),
       roster_(options.pace == Pace::kFast ? std::vector<std::string>{} : options.flight_software.required),
       desk_(simulation.model().channels, {.session = options.session,
@@ -162,6 +164,7 @@ Executive::Go Executive::account(std::int64_t step_end_ns) noexcept {
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
   if (now_ns - health_ns_ >= 1'000'000'000) publish_health(now_ns);
+  if (now_ns - reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
   announce(now_ns);
   verdicts_left_ = kVerdictsPerTick;
   if (options_.pace != Pace::kRealtime || now_ns <= ticks_->get_next_due_ns()) return Go::kStep;

@@ -40,10 +40,12 @@ struct ExecutiveOptions {
   FlightSoftware flight_software;
   TimingOptions timing;
   FaultInjector* faults = nullptr;                 // what goes wrong on purpose; null for nothing
+  std::vector<Source> source = {};                 // the scenario, for observers; empty: not told
   TickSource* ticks = nullptr;                     // real time: what paces it; null for the monotonic clock
   std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
   std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
-  std::int64_t announce_ns = 10'000'000;           // one message of Hello and the catalog in turn, while it runs
+  std::int64_t announce_ns =
+      10'000'000;  // one message of Hello and the catalog in turn, one of the source, while it runs
 };
 
 class Executive {
@@ -87,6 +89,7 @@ class Executive {
   bool configure(std::string& failure);
   void say_hello();
   void announce(std::int64_t now_ns) noexcept;
+  void announce_source() noexcept;
   void send_until_taken(const Message& message);
   void say(const Message& message) noexcept;
   void publish_state(RunStatus status) noexcept;
@@ -95,6 +98,7 @@ class Executive {
   void publish_notice(std::string_view name, std::string_view subject) noexcept;
   void publish_overrun(const Overrun& overrun) noexcept;
   void publish_health(std::int64_t now_ns) noexcept;
+  void publish_reactions(std::int64_t now_ns) noexcept;
   void publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
                        std::int64_t applied_tick) noexcept;
   [[nodiscard]] std::int64_t calc_dropped() const noexcept;
@@ -135,6 +139,7 @@ class Executive {
   const std::int64_t timeout_ns_;
   Hello hello_;
   std::vector<Catalog> catalog_;
+  std::vector<Source> source_;
   std::vector<Event> model_events_;  // name and subject of each
 
   Roster roster_;
@@ -151,21 +156,23 @@ class Executive {
   StepReport last_report_;     // why the run stops, if it was the step
   bool overrun_ends_ = false;  // why the run stops, if it was an overrun
   std::int64_t slipped_ns_ = 0, skipped_outputs_ = 0;
-  Message message_;  // scratch
-  Message spoken_;   // scratch
-  State state_;      // scratch
+  Message message_;      // scratch
+  Message spoken_;       // scratch
+  State state_;          // scratch
+  Reactions reactions_;  // scratch
   std::int64_t hash_ = 0;
   std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0,
-               verdict_sequence_ = 0;
+               verdict_sequence_ = 0, reactions_sequence_ = 0, source_sequence_ = 0;
   std::int64_t sent_ns_ = 0;           // when the latest State went out
   std::int64_t sent_tick_ = 0;         // and its tick
   bool round_trip_open_ = false;       // it has not been answered by all yet
   std::int64_t heard_ns_ = 0;          // when the latest command arrived
   std::int64_t applied_since_ns_ = 0;  // arrival of the latest command that no State has followed yet; 0: none
-  std::int64_t started_ns_ = 0, health_ns_ = 0;
+  std::int64_t started_ns_ = 0, health_ns_ = 0, reactions_ns_ = 0;
   std::int64_t cutoff_ns_ = 0;     // real time: commands that arrive later are for the next tick
   std::int64_t announced_ns_ = 0;  // when announce() last spoke
   std::size_t announce_next_ = 0;  // 0: Hello, then the catalog
+  std::size_t source_next_ = 0;    // part of the source whose turn it is
   std::int32_t refused_id_ = 0;    // of the latest HelloAck that was refused, so that each is told once
   int verdicts_left_ = 0;          // that may still be told at this tick
   std::int64_t malformed_ = 0;     // of the line, already counted

@@ -108,6 +108,15 @@ void Executive::announce(std::int64_t now_ns) noexcept {
     say(item);
   }
   announce_next_ = (announce_next_ + 1) % (catalog_.size() + 1);
+  announce_source();
+}
+
+void Executive::announce_source() noexcept {
+  if (source_.empty()) return;
+  Source& part = source_[source_next_];
+  part.sequence = source_sequence_++;
+  say(part);
+  source_next_ = (source_next_ + 1) % source_.size();
 }
 
 // --- What is said while it runs -------------------------------------------------------------------------------------
@@ -223,6 +232,26 @@ void Executive::publish_health(std::int64_t now_ns) noexcept {
   health_ns_ = now_ns;
 }
 
+// Of the last step that was made; all parts of a tick at once.
+void Executive::publish_reactions(std::int64_t now_ns) noexcept {
+  const auto& all = simulation_.workspace().multipliers;
+  reactions_.session = options_.session;
+  reactions_.sequence = reactions_sequence_++;
+  reactions_.tick = simulation_.get_tick();
+  reactions_.time_ns = reactions_.tick * dt_ns_;
+  reactions_.parts =
+      static_cast<std::int32_t>(std::max<std::size_t>(1, (all.size() + kReactionsPerPart - 1) / kReactionsPerPart));
+  for (reactions_.part = 0; reactions_.part < reactions_.parts; ++reactions_.part) {
+    const std::size_t begin = static_cast<std::size_t>(reactions_.part) * kReactionsPerPart;
+    const std::size_t count = std::min(kReactionsPerPart, all.size() - begin);
+    reactions_.count = static_cast<std::int32_t>(count);
+    reactions_.multipliers.fill(0);
+    for (std::size_t i = 0; i < count; ++i) reactions_.multipliers[i] = all[begin + i];
+    say(reactions_);
+  }
+  reactions_ns_ = now_ns;
+}
+
 std::int64_t Executive::calc_dropped() const noexcept {
   const std::int64_t by_faults = options_.faults != nullptr ? options_.faults->get_dropped() : 0;
   return link_.get_dropped_out() + link_.get_dropped_in() + desk_.get_dropped() + by_faults;
@@ -239,6 +268,7 @@ LogEnd Executive::conclude(RunStatus status, std::string message) {
   }
   resent_ -= kFarewells;
   publish_health(get_monotonic_ns());
+  if (status != RunStatus::kFaulted) publish_reactions(get_monotonic_ns());
 
   LogEnd end;
   end.tick = simulation_.get_tick();

@@ -132,7 +132,8 @@ StateDifference build_difference(std::array<Side, 2>& sides, const Model& model)
 
 }  // namespace
 
-LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*, 2> simulations) {
+LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*, 2> simulations,
+             const std::function<void(std::int64_t)>& look) {
   refuse_other_model(recordings);
   std::array<Side, 2> sides{Side(*recordings[0], *simulations[0]), Side(*recordings[1], *simulations[1])};
   LogDiff result;
@@ -147,6 +148,7 @@ LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*,
   result.first_tick = sides[0].get_tick();
   while (more[0] && more[1]) {
     ++result.compared;
+    if (look) look(sides[0].get_tick());
     if (sides[0].get_hash() != sides[1].get_hash()) {
       result.state = build_difference(sides, simulations[0]->model());
       break;

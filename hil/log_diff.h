@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,7 +56,8 @@ struct LogDiff {
 };
 
 // Both simulations must be at the states where their recordings begin. Throws LogError: recordings of different models,
-// with no tick in common, or with losses.
-LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*, 2> simulations);
+// with no tick in common, or with losses. `look`, if given, is called with each tick that is compared.
+LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*, 2> simulations,
+             const std::function<void(std::int64_t)>& look = {});
 
 }  // namespace unlatch::hil

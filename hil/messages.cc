@@ -214,6 +214,30 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.reserved);
 }
 
+template <class Wire, MaybeConst<Reactions> T>
+void pass_fields(Wire& wire, T& message) noexcept {
+  wire.pass(message.session);
+  wire.pass(message.sequence);
+  wire.pass(message.tick);
+  wire.pass(message.time_ns);
+  for (auto& item : message.multipliers) wire.pass(item);
+  wire.pass(message.part);
+  wire.pass(message.parts);
+  wire.pass(message.count);
+  wire.pass(message.reserved);
+}
+
+template <class Wire, MaybeConst<Source> T>
+void pass_fields(Wire& wire, T& message) noexcept {
+  wire.pass(message.session);
+  wire.pass(message.sequence);
+  wire.pass(message.part);
+  wire.pass(message.parts);
+  wire.pass(message.count);
+  wire.pass(message.reserved);
+  wire.pass(message.bytes);
+}
+
 template <class T>
 std::size_t encode_as(std::int64_t fingerprint, const T& message, std::span<std::uint8_t> to) noexcept {
   if (to.size() < 8 + sizeof(T)) return 0;
@@ -254,6 +278,8 @@ constexpr auto kStepAckFingerprint = static_cast<std::int64_t>(0xb2e66e417c19c06
 constexpr auto kEventFingerprint = static_cast<std::int64_t>(0xffb09129c2532d80U);
 constexpr auto kHealthFingerprint = static_cast<std::int64_t>(0x1ec68fbabf00c628U);
 constexpr auto kVerdictFingerprint = static_cast<std::int64_t>(0xa152f06e690e09edU);
+constexpr auto kReactionsFingerprint = static_cast<std::int64_t>(0xe9f6cdbc48b331a0U);
+constexpr auto kSourceFingerprint = static_cast<std::int64_t>(0xc8985185d1d4dd4dU);
 
 constexpr std::array<KindInfo, kMessageKinds> kKinds{{
     {"Hello", "UNLATCH_HELLO", sizeof(Hello), true},
@@ -265,6 +291,8 @@ constexpr std::array<KindInfo, kMessageKinds> kKinds{{
     {"Event", "UNLATCH_EVENT", sizeof(Event), true},
     {"Health", "UNLATCH_HEALTH", sizeof(Health), true},
     {"Verdict", "UNLATCH_VERDICT", sizeof(Verdict), true},
+    {"Reactions", "UNLATCH_REACTIONS", sizeof(Reactions), true},
+    {"Source", "UNLATCH_SOURCE", sizeof(Source), true},
 }};
 
 // A number that is no kind at all names the empty entry behind the table.
@@ -433,6 +461,30 @@ bool is_well_formed(const Verdict& message) noexcept {
   return in_range(message.reason, 0, 11);
 }
 
+std::size_t encode(const Reactions& message, std::span<std::uint8_t> to) noexcept {
+  return encode_as(kReactionsFingerprint, message, to);
+}
+bool decode(std::span<const std::uint8_t> from, Reactions& message) noexcept {
+  return decode_as(kReactionsFingerprint, from, message);
+}
+bool is_well_formed(const Reactions& message) noexcept {
+  return in_range(message.part, 0, 65536) &&
+         in_range(message.parts, 1, 65536) &&
+         in_range(message.count, 0, 192);
+}
+
+std::size_t encode(const Source& message, std::span<std::uint8_t> to) noexcept {
+  return encode_as(kSourceFingerprint, message, to);
+}
+bool decode(std::span<const std::uint8_t> from, Source& message) noexcept {
+  return decode_as(kSourceFingerprint, from, message);
+}
+bool is_well_formed(const Source& message) noexcept {
+  return in_range(message.part, 0, 65536) &&
+         in_range(message.parts, 1, 65536) &&
+         in_range(message.count, 0, 2048);
+}
+
 std::size_t encode(const Message& message, std::span<std::uint8_t> to) noexcept {
   const MessageKind kind = message.kind;
   switch (kind) {
@@ -445,6 +497,8 @@ std::size_t encode(const Message& message, std::span<std::uint8_t> to) noexcept 
     case MessageKind::kEvent: return encode(message.event, to);
     case MessageKind::kHealth: return encode(message.health, to);
     case MessageKind::kVerdict: return encode(message.verdict, to);
+    case MessageKind::kReactions: return encode(message.reactions, to);
+    case MessageKind::kSource: return encode(message.source, to);
   }
   return 0;
 }
@@ -464,6 +518,8 @@ bool decode(MessageKind kind, std::span<const std::uint8_t> from, Message& messa
     case MessageKind::kEvent: return done(decode(from, message.event));
     case MessageKind::kHealth: return done(decode(from, message.health));
     case MessageKind::kVerdict: return done(decode(from, message.verdict));
+    case MessageKind::kReactions: return done(decode(from, message.reactions));
+    case MessageKind::kSource: return done(decode(from, message.source));
   }
   return false;
 }
@@ -480,6 +536,8 @@ bool is_well_formed(const Message& message) noexcept {
     case MessageKind::kEvent: return is_well_formed(message.event);
     case MessageKind::kHealth: return is_well_formed(message.health);
     case MessageKind::kVerdict: return is_well_formed(message.verdict);
+    case MessageKind::kReactions: return is_well_formed(message.reactions);
+    case MessageKind::kSource: return is_well_formed(message.source);
   }
   return false;
 }

@@ -17,8 +17,8 @@
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kProtocolVersion = 2;
-inline constexpr std::int64_t kSchemaHash = static_cast<std::int64_t>(0xf3e5e4f7fdd2b57dU);
+inline constexpr std::int32_t kProtocolVersion = 3;
+inline constexpr std::int64_t kSchemaHash = static_cast<std::int64_t>(0x91eab7d3aef0a89fU);
 
 inline constexpr std::size_t kNameLength = 48;  // bytes of a name, terminating NUL included
 inline constexpr std::size_t kTextLength = 96;  // bytes of a sentence for people
@@ -26,6 +26,8 @@ inline constexpr std::size_t kBodiesPerPart = 16;  // bodies in one State messag
 inline constexpr std::size_t kSensorsPerPart = 64;  // sensor values in one State message
 inline constexpr std::size_t kJointsPerPart = 64;  // joint modes in one State message
 inline constexpr std::size_t kMaxItems = 65536;  // bodies, joints, channels, sensor values or signals of one system, at most
+inline constexpr std::size_t kReactionsPerPart = 192;  // numbers in one Reactions message: six each of 32 joints
+inline constexpr std::size_t kSourcePerPart = 2048;  // bytes of the scenario in one Source message
 inline constexpr std::size_t kRejectReasons = 11;  // reasons for refusing, those of Reject before kLate
 
 enum class Pace : std::int32_t { kRealtime, kLockstep, kFast };
@@ -267,9 +269,48 @@ std::size_t encode(const Verdict& message, std::span<std::uint8_t> to) noexcept;
 bool decode(std::span<const std::uint8_t> from, Verdict& message) noexcept;
 [[nodiscard]] bool is_well_formed(const Verdict& message) noexcept;
 
+// For observers, ten times a second of wall time and at the end: what every joint holds at a tick. Flight software does
+// not get it: it has sensors. Sent by the simulator.
+struct Reactions {
+  std::int64_t session = 0;
+  std::int64_t sequence = 0;  // counts Reactions messages of the session from 0
+  std::int64_t tick = 0;
+  std::int64_t time_ns = 0;  // [ns] simulated time, tick * dt_ns
+  // [N, N m] six of each joint: rows x, y, z, rot_x, rot_y, rot_z, on the follower; 0 for rows that do not hold
+  std::array<double, kReactionsPerPart> multipliers{};
+  std::int32_t part = 0;  // this part, from 0
+  std::int32_t parts = 0;  // parts per tick
+  std::int32_t count = 0;  // numbers valid in this part, the first being number part * kReactionsPerPart
+  std::int32_t reserved = 0;  // 0
+};
+static_assert(sizeof(Reactions) == 1584);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<Reactions>);
+inline constexpr std::size_t kReactionsWireBytes = 8 + sizeof(Reactions);
+std::size_t encode(const Reactions& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, Reactions& message) noexcept;
+[[nodiscard]] bool is_well_formed(const Reactions& message) noexcept;
+
+// For observers, one part now and then: the scenario itself, so that a display knows modes, shapes and pairs without a
+// file. Its text, then each --set, a NUL behind each. Sent by the simulator.
+struct Source {
+  std::int64_t session = 0;
+  std::int64_t sequence = 0;  // counts Source messages of the session from 0
+  std::int32_t part = 0;  // this part, from 0
+  std::int32_t parts = 0;
+  std::int32_t count = 0;  // bytes valid in this part; every part but the last is full
+  std::int32_t reserved = 0;  // 0
+  std::array<std::uint8_t, kSourcePerPart> bytes{};
+};
+static_assert(sizeof(Source) == 2080);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<Source>);
+inline constexpr std::size_t kSourceWireBytes = 8 + sizeof(Source);
+std::size_t encode(const Source& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, Source& message) noexcept;
+[[nodiscard]] bool is_well_formed(const Source& message) noexcept;
+
 // Any message. `kind` says which member of the union is alive.
-enum class MessageKind : std::int32_t { kHello, kCatalog, kHelloAck, kState, kCommand, kStepAck, kEvent, kHealth, kVerdict };
-inline constexpr std::size_t kMessageKinds = 9;
+enum class MessageKind : std::int32_t { kHello, kCatalog, kHelloAck, kState, kCommand, kStepAck, kEvent, kHealth, kVerdict, kReactions, kSource };
+inline constexpr std::size_t kMessageKinds = 11;
 
 struct Message {
   MessageKind kind;
@@ -283,6 +324,8 @@ struct Message {
     Event event;
     Health health;
     Verdict verdict;
+    Reactions reactions;
+    Source source;
   };
 
   Message() noexcept : kind(MessageKind::kHello), hello{} {}
@@ -295,6 +338,8 @@ struct Message {
   Message(const Event& value) noexcept : kind(MessageKind::kEvent), event(value) {}
   Message(const Health& value) noexcept : kind(MessageKind::kHealth), health(value) {}
   Message(const Verdict& value) noexcept : kind(MessageKind::kVerdict), verdict(value) {}
+  Message(const Reactions& value) noexcept : kind(MessageKind::kReactions), reactions(value) {}
+  Message(const Source& value) noexcept : kind(MessageKind::kSource), source(value) {}
 };
 static_assert(std::is_trivially_copyable_v<Message>);
 

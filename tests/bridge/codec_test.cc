@@ -9,6 +9,8 @@
 #include <unlatch/Health.hpp>
 #include <unlatch/Hello.hpp>
 #include <unlatch/HelloAck.hpp>
+#include <unlatch/Reactions.hpp>
+#include <unlatch/Source.hpp>
 #include <unlatch/State.hpp>
 #include <unlatch/StepAck.hpp>
 #include <unlatch/Verdict.hpp>
@@ -36,12 +38,13 @@ class Codec : public testing::Test {
   Random random_{kSeed};
 };
 
-using Pairs =
-    testing::Types<Pair<hil::Hello, Hello, hil::kHelloWireBytes>, Pair<hil::Catalog, Catalog, hil::kCatalogWireBytes>,
-                   Pair<hil::HelloAck, HelloAck, hil::kHelloAckWireBytes>,
-                   Pair<hil::State, State, hil::kStateWireBytes>, Pair<hil::Command, Command, hil::kCommandWireBytes>,
-                   Pair<hil::StepAck, StepAck, hil::kStepAckWireBytes>, Pair<hil::Event, Event, hil::kEventWireBytes>,
-                   Pair<hil::Health, Health, hil::kHealthWireBytes>, Pair<hil::Verdict, Verdict, hil::kVerdictWireBytes>>;
+using Pairs = testing::Types<
+    Pair<hil::Hello, Hello, hil::kHelloWireBytes>, Pair<hil::Catalog, Catalog, hil::kCatalogWireBytes>,
+    Pair<hil::HelloAck, HelloAck, hil::kHelloAckWireBytes>, Pair<hil::State, State, hil::kStateWireBytes>,
+    Pair<hil::Command, Command, hil::kCommandWireBytes>, Pair<hil::StepAck, StepAck, hil::kStepAckWireBytes>,
+    Pair<hil::Event, Event, hil::kEventWireBytes>, Pair<hil::Health, Health, hil::kHealthWireBytes>,
+    Pair<hil::Verdict, Verdict, hil::kVerdictWireBytes>, Pair<hil::Reactions, Reactions, hil::kReactionsWireBytes>,
+    Pair<hil::Source, Source, hil::kSourceWireBytes>>;
 
 struct PairName {
   template <class P>

@@ -65,6 +65,16 @@ inline hil::Message make_random_message(hil::MessageKind kind, Random& random) {
       message.state.sensor_count = pick(random, hil::kSensorsPerPart);
       message.state.joint_count = pick(random, hil::kJointsPerPart);
       break;
+    case hil::MessageKind::kReactions:
+      message.reactions.part = pick(random, 3);
+      message.reactions.parts = 4;
+      message.reactions.count = pick(random, hil::kReactionsPerPart);
+      break;
+    case hil::MessageKind::kSource:
+      message.source.part = pick(random, 3);
+      message.source.parts = 4;
+      message.source.count = pick(random, hil::kSourcePerPart);
+      break;
     case hil::MessageKind::kVerdict:
       message.verdict.reason = pick(random, 11);
       break;

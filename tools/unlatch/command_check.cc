@@ -4,8 +4,10 @@
 #include "hil/run.h"
 #include "kernel/stiffness.h"
 #include "tools/exit_codes.h"
+#include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
+#include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
 namespace unlatch::tools {
@@ -90,12 +92,8 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
   }
 }
 
-int run(const ScenarioOptions& options, const std::string& graph) {
-  const hil::Scenario scenario = load(options);
-  const auto simulation = hil::build_simulation(scenario);
-  const Plan& plan = simulation->plan();
-  if (!graph.empty())
-    draw_graph(describe_graph(scenario.model, plan, scenario.title.empty() ? scenario.name : scenario.title), graph);
+void print_plan(const ScenarioOptions& options, const hil::Scenario& scenario, hil::Simulation& simulation) {
+  const Plan& plan = simulation.plan();
   std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
   std::printf("  step %g s, %lld ticks to %g s; %zu channels, %d sensor values, %zu signals, %zu events\n", scenario.dt,
               static_cast<long long>(calc_last_tick(scenario)), scenario.until, scenario.model.channels.size(),
@@ -103,10 +101,27 @@ int run(const ScenarioOptions& options, const std::string& graph) {
   print_bodies(scenario.model);
   print_joints(scenario.model);
   print_elimination(scenario.model, plan);
-  print_elements(scenario.model, *simulation);
+  print_elements(scenario.model, simulation);
   print_heading("Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, options.path + " is valid").c_str());
+}
+
+// With JSON on standard output the text is left out.
+int run(const ScenarioOptions& options, const std::string& graph, const std::string& json) {
+  try {
+    const hil::Scenario scenario = load(options);
+    const auto simulation = hil::build_simulation(scenario);
+    if (!graph.empty()) {
+      const std::string& title = scenario.title.empty() ? scenario.name : scenario.title;
+      draw_graph(describe_graph(scenario.model, simulation->plan(), title), graph);
+    }
+    if (json != "-") print_plan(options, scenario, *simulation);
+    if (!json.empty()) write_json(build_plan_json(scenario, *simulation), json);
+  } catch (const hil::ScenarioError& error) {
+    if (!json.empty()) write_json(build_mistakes_json(error), json);
+    throw;
+  }
   return kExitDone;
 }
 
@@ -115,14 +130,15 @@ int run(const ScenarioOptions& options, const std::string& graph) {
 void add_check(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
   auto graph = std::make_shared<std::string>();
+  auto json = std::make_shared<std::string>();
   CLI::App* command =
-      app.add_subcommand("check",
-                         "Validates a scenario and prints its plan; every mistake with file, line and column.\n"
-                         "Example: unlatch check hil/scenarios/boosters/scenario.yaml");
+      add_verb(app, "check", "Validates a scenario and prints its plan; every mistake with file, line and column.",
+               "unlatch check hil/scenarios/boosters/scenario.yaml --graph boosters.svg");
   add_scenario_options(*command, *options);
-  command->add_option("--graph", *graph,
-                      "file (.svg) for a picture of bodies, joints, modes and events; needs graphviz");
-  command->callback([options, graph, &exit_code] { exit_code = run(*options, *graph); });
+  command->add_option("--graph", *graph, "a picture of bodies, joints, modes and events (.svg); needs graphviz")
+      ->type_name("FILE");
+  add_json_option(*command, *json, "of a scenario that is not valid, its mistakes");
+  command->callback([options, graph, json, &exit_code] { exit_code = run(*options, *graph, *json); });
 }
 
 }  // namespace unlatch::tools

@@ -110,8 +110,12 @@ void print_diff(std::FILE* to, const DiffReport& report) {
 
 int run(const DiffOptions& options) {
   std::array<OpenedLog, 2> opened{OpenedLog(options.logs[0]), OpenedLog(options.logs[1])};
+  const hil::LogHeader& header = opened[0].recording.header;
+  Progress progress(header.dt, header.last_tick);
   const hil::LogDiff diff =
-      hil::diff({&opened[0].recording, &opened[1].recording}, {opened[0].simulation.get(), opened[1].simulation.get()});
+      hil::diff({&opened[0].recording, &opened[1].recording}, {opened[0].simulation.get(), opened[1].simulation.get()},
+                [&progress](std::int64_t tick) { progress.show(tick); });
+  progress.clear();
   const DiffReport report{opened, diff};
   print_diff(get_people_stream(options.json), report);
   write_json(build_json(report), options.json);
@@ -123,15 +127,15 @@ int run(const DiffOptions& options) {
 
 void add_diff(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<DiffOptions>();
-  CLI::App* command = app.add_subcommand(
-      "diff",
+  CLI::App* command = add_verb(
+      app, "diff",
       "Compares two recordings of one model: the first tick, body and field that differ, by how much, and what the "
-      "step "
-      "that led there was told. Exit code 0: the same bits and inputs to the same end; 1: not; 2: they cannot be "
-      "compared.\nExample: unlatch diff yesterday.log today.log");
+      "step that led there was told. Exit code 0: the same bits and inputs to the same end; 1: not; 2: they cannot be "
+      "compared.",
+      "unlatch diff yesterday.log today.log");
   command->add_option("A", options->logs[0], "recording made by --log")->required();
   command->add_option("B", options->logs[1], "another")->required();
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

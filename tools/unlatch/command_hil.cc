@@ -16,6 +16,7 @@
 #include "hil/executive_notices.h"
 #include "hil/real_time.h"
 #include "hil/run.h"
+#include "hil/source_text.h"
 #include "hil/watchdog.h"
 #include "tools/exit_codes.h"
 #include "tools/fsw/participant.h"
@@ -33,6 +34,7 @@ namespace {
 struct HilOptions {
   ScenarioOptions scenario;
   TransportOptions transport;
+  std::string pace_name;
   hil::Pace pace = hil::Pace::kRealtime;
   double start_timeout_s = 20;
   PacingOptions pacing;
@@ -151,6 +153,7 @@ class Session {
     options.flight_software = scenario_.flight_software;
     options.timing = scenario_.timing;
     options.ticks = tick_source_.get();
+    options.source = hil::build_source(scenario_.text, scenario_.overrides, session_);
     options.start_timeout_ns = static_cast<std::int64_t>(options_.start_timeout_s * 1e9);
     hil::Executive executive(*simulation_, *line_, *recorder_, scenario_.name, options);
 
@@ -262,29 +265,34 @@ class Session {
 
 void add_hil(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<HilOptions>();
-  CLI::App* command = app.add_subcommand(
-      "hil",
-      "Runs a scenario with flight software in the loop.\n"
-      "Example, in two terminals:\n"
-      "  unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log\n"
-      "  unlatch-fsw --transport dds");
+  CLI::App* command =
+      add_verb(app, "hil",
+               "Runs a scenario with flight software in the loop: a process of its own, which begins before or after "
+               "this one. With "
+               "--transport inproc the reference flight software runs in this process.",
+               "unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log &\n"
+               "unlatch-fsw --transport dds");
   add_scenario_options(*command, options->scenario);
   add_transport_options(*command, options->transport, true);
-  const std::map<std::string, hil::Pace> paces{
-      {"realtime", hil::Pace::kRealtime}, {"lockstep", hil::Pace::kLockstep}, {"fast", hil::Pace::kFast}};
   command
-      ->add_option("--pace", options->pace,
+      ->add_option("--pace", options->pace_name,
                    "realtime: by the clock; lockstep: by the answers; fast: without flight software")
       ->required()
-      ->transform(CLI::CheckedTransformer(paces));
+      ->check(CLI::IsMember(std::vector<std::string>{"realtime", "lockstep", "fast"}));
   command->add_option("--start-timeout", options->start_timeout_s, "how long to wait for the flight software, s")
-      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS")
+      ->check(check_seconds)
       ->capture_default_str();
   add_pacing_options(*command, options->pacing);
-  command->add_option("--faults", options->faults,
-                      "fault script (.yaml): what goes wrong on purpose, see hil/scenarios/FAULTS.md");
+  command
+      ->add_option("--faults", options->faults,
+                   "fault script (.yaml): what goes wrong on purpose, see hil/scenarios/FAULTS.md")
+      ->type_name("FILE");
   add_output_options(*command, options->output);
   command->callback([options, &exit_code] {
+    options->pace = options->pace_name == "realtime"   ? hil::Pace::kRealtime
+                    : options->pace_name == "lockstep" ? hil::Pace::kLockstep
+                                                       : hil::Pace::kFast;
     options->pacing.add_overrides(options->scenario.overrides);
     exit_code = Session(*options).run();
   });

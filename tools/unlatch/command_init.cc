@@ -70,9 +70,8 @@ void add_init(CLI::App& app, int& exit_code) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("init",
-                         "Writes a scenario to begin with, with comments, and the schema by which editors check it.\n"
-                         "Example: unlatch init first --like array");
+      add_verb(app, "init", "Writes a scenario to begin with, with comments, and the schema by which editors check it.",
+               "unlatch init first --like array");
   std::vector<std::string> kinds;
   for (const Starter& starter : get_starters()) kinds.push_back(starter.name);
   command

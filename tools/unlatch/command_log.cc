@@ -21,7 +21,7 @@ constexpr auto kFlush = 100ms;
 
 struct LogOptions {
   TransportOptions transport;
-  std::string out;
+  std::string out, json;
 };
 
 // What was heard of the first session that spoke.
@@ -35,6 +35,24 @@ class Listener {
     const std::size_t length = encode(message, bytes);
     writer_.append(time_us_, hil::get_channel(message.kind), {bytes.data(), length});
     ++counts_[static_cast<std::size_t>(message.kind)];
+  }
+
+  [[nodiscard]] nlohmann::ordered_json build_json(const LogOptions& options, const bridge::PortCounts& port) const {
+    nlohmann::ordered_json messages = nlohmann::ordered_json::object();
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+      messages[std::string(hil::get_kind_name(static_cast<hil::MessageKind>(i)))] = counts_[i];
+    }
+    return {{"schema", 1},
+            {"file", options.out},
+            {"session", session_},
+            {"ended", ended_},
+            {"messages", messages},
+            {"last_tick", tick_},
+            {"t", static_cast<double>(time_us_) * 1e-6},
+            {"states_missing", missing_},
+            {"gaps", gaps_},
+            {"repeated", repeated_},
+            {"malformed", port.malformed}};
   }
 
   void flush() { writer_.flush(); }
@@ -97,8 +115,11 @@ int run(const LogOptions& options) {
     }
   }
   listener.flush();
-  std::printf("%s: %s\n", options.out.c_str(), listener.was_started() ? "messages heard" : "no session was heard");
-  listener.print(stdout, port->get_counts());
+  std::FILE* const people = get_people_stream(options.json);
+  std::fprintf(people, "%s: %s\n", options.out.c_str(),
+               listener.was_started() ? "messages heard" : "no session was heard");
+  listener.print(people, port->get_counts());
+  write_json(listener.build_json(options, port->get_counts()), options.json);
   if (!listener.get_error().empty()) throw OutputError(listener.get_error());
   return listener.was_started() ? kExitDone : kExitFailed;
 }
@@ -108,11 +129,11 @@ int run(const LogOptions& options) {
 void add_log(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<LogOptions>();
   CLI::App* command =
-      app.add_subcommand("log",
-                         "Writes what an ordinary subscriber hears into an LCM event log, until the session ends.\n"
-                         "Example: unlatch log --transport dds --out heard.log");
+      add_verb(app, "log", "Writes what an ordinary subscriber hears into an LCM event log, until the session ends.",
+               "unlatch log --transport dds --out heard.log");
   add_transport_options(*command, options->transport, false);
-  command->add_option("--out", options->out, "file to write")->required();
+  command->add_option("--out", options->out, "file to write")->required()->type_name("FILE");
+  add_json_option(*command, options->json, "what was heard, counted");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -328,26 +328,26 @@ int run_shell(const ShellOptions& options) {
 
 void add_arc(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ArcOptions>();
-  CLI::App* command = app.add_subcommand(
-      "arc",
-      "Frequencies of a curved beam, free at both ends: Anshakov et al. (3.4), and the exact inextensional arc.\n"
-      "Example: unlatch modes arc --radius 2 --thickness 0.01");
+  CLI::App* command = add_verb(
+      app, "arc",
+      "Frequencies of a curved beam, free at both ends: Anshakov et al. (3.4), and the exact inextensional arc.",
+      "unlatch modes arc --radius 2 --thickness 0.01");
   add_shell_options(*command, options->shell);
   command->add_option("--angle", options->angle_deg, "of the arc, degrees")->check(CLI::Range(1.0, 359.0));
   command->add_option("--modes", options->count, "how many")->check(CLI::Range(1, 50));
   command->add_option("--points", options->points, "of each shape in the JSON")->check(CLI::Range(3, 10001));
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run_arc(*options); });
 }
 
 void add_shell(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ShellOptions>();
   HalfShell& shell = options->shell;
-  CLI::App* command = app.add_subcommand(
-      "shell",
-      "A half shell, free, by finite elements (CalculiX) beside both beam models; --out writes a modes file.\n"
-      "Example: unlatch modes shell --cone 0\n"
-      "         unlatch modes shell --out fairing.modes --marker hinge=0,2,0");
+  CLI::App* command =
+      add_verb(app, "shell",
+               "A half shell, free, by finite elements (CalculiX) beside both beam models; --out writes a modes file.",
+               "unlatch modes shell --cone 0\n"
+               "unlatch modes shell --out fairing.modes --marker hinge=0,2,0");
   add_shell_options(*command, shell);
   command->add_option("--cylinder", shell.cylinder, "its height, m")->check(CLI::PositiveNumber);
   command->add_option("--cone", shell.cone, "height of the cone to its apex, m; 0: none")
@@ -360,49 +360,46 @@ void add_shell(CLI::App& app, int& exit_code) {
   command->add_option("--keep", options->keep, "folder in which CalculiX's files stay");
   command->add_option("--out", options->file.out, "modes file");
   add_export_options(*command, options->file);
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run_shell(*options); });
 }
 
-void add_import(CLI::App& app, int& exit_code) {
+void add_modes_import(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = app.add_subcommand(
-      "import",
-      "CalculiX's modes of a shell (.frd, and .dat for more digits) into a modes file.\n"
-      "Example: unlatch modes import job.frd --dat job.dat --thickness 0.01 --density 4000 --out job.modes");
+  CLI::App* command =
+      add_verb(app, "import", "CalculiX's modes of a shell (.frd, and .dat for more digits) into a modes file.",
+               "unlatch modes import job.frd --dat job.dat --thickness 0.01 --density 4000 --out job.modes");
   command->add_option("frd", options->frd, "written with *NODE FILE, OUTPUT=2D")->required();
   command->add_option("--dat", options->dat, "of the same run");
   command->add_option("--thickness", options->thickness, "of the wall, m")->required()->check(CLI::PositiveNumber);
   command->add_option("--density", options->density, "kg/m3")->required()->check(CLI::PositiveNumber);
   command->add_option("--out", options->file.out, "modes file")->required();
   add_export_options(*command, options->file);
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run_import(*options); });
 }
 
 void add_show(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ShowOptions>();
-  CLI::App* command =
-      app.add_subcommand("show",
-                         "What a modes file holds, how well it is conditioned, what a selection of modes leaves out.\n"
-                         "Example: unlatch modes show fairing.modes --select 1,4,5");
+  CLI::App* command = add_verb(
+      app, "show", "What a modes file holds, how well it is conditioned, what a selection of modes leaves out.",
+      "unlatch modes show fairing.modes --select 1,4,5");
   command->add_option("file", options->path, "a modes file (hil/MODES.md)")->required();
   command->add_option("--select", options->select, "numbers of modes (default: all)")->delimiter(',');
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run_show(*options); });
 }
 
 }  // namespace
 
 void add_modes(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
-      "modes",
-      "Natural frequencies and shapes for flexible bodies: beam theory, finite elements, modes files.\n"
-      "Example: unlatch modes arc --radius 2 --thickness 0.01");
+  CLI::App* command = add_verb(
+      app, "modes", "Natural frequencies and shapes for flexible bodies: beam theory, finite elements, modes files.",
+      "unlatch modes arc --radius 2 --thickness 0.01");
   command->require_subcommand(1);
   add_arc(*command, exit_code);
   add_shell(*command, exit_code);
-  add_import(*command, exit_code);
+  add_modes_import(*command, exit_code);
   add_show(*command, exit_code);
 }
 

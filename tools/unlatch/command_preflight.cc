@@ -61,11 +61,10 @@ int run(const PreflightOptions& options) {
 
 void add_preflight(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<PreflightOptions>();
-  CLI::App* command =
-      app.add_subcommand("preflight",
-                         "Says what this machine costs a hard-real-time run, and how to mend it; changes "
-                         "nothing.\nExample: unlatch preflight --json -");
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  CLI::App* command = add_verb(
+      app, "preflight", "Says what this machine costs a hard-real-time run, and how to mend it; changes nothing.",
+      "unlatch preflight --strict && unlatch preflight --json machine.json");
+  add_json_option(*command, options->json);
   command->add_flag("--strict", options->strict, "exit code 3 unless everything is good");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -2,6 +2,7 @@
 #include "tools/exit_codes.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/replayed_log.h"
+#include "tools/unlatch/terminal.h"
 
 namespace unlatch::tools {
 namespace {
@@ -12,7 +13,9 @@ struct ReplayOptions {
 
 int run(const ReplayOptions& options) {
   ReplayedLog log(options.log);
-  log.replay();
+  Progress progress(log.opened.recording.header.dt, log.opened.recording.header.last_tick);
+  log.replay([&](const StepReport&) { progress.show(log.opened.simulation->get_tick()); });
+  progress.clear();
   const RunReport report = log.build_report();
   print_report(get_people_stream(options.json), report);
   write_json(build_json(report), options.json);
@@ -23,13 +26,13 @@ int run(const ReplayOptions& options) {
 
 void add_replay(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command =
-      app.add_subcommand("replay",
-                         "Runs a recording again, compares the state's hash at every tick, and names the first "
-                         "difference (exit code 1). A recording that was cut short replays up to its end, with status "
-                         "'truncated' and exit code 0.\nExample: unlatch replay run.log --json -");
+  CLI::App* command = add_verb(
+      app, "replay",
+      "Runs a recording again, compares the state's hash at every tick, and names the first difference (exit "
+      "code 1). A recording that was cut short replays up to its end, with status 'truncated' and exit code 0.",
+      "unlatch replay run.log --json replay.json");
   command->add_option("LOG", options->log, "recording made by --log")->required();
-  command->add_option("--json", options->json, "file for the result as JSON, or - for standard output");
+  add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -123,16 +123,16 @@ int run(const ReportOptions& options) {
 
 void add_report(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = app.add_subcommand(
-      "report",
+  CLI::App* command = add_verb(
+      app, "report",
       "Replays a recording, or two, and writes one HTML file that needs no network: the bodies in motion, plots, the "
-      "event timeline, timing, the scenario. Exit code 1: it was written, but a recording does not replay as recorded."
-      "\nExample: unlatch report run.log --out run.html\n"
-      "         unlatch report yesterday.log today.log --out both.html");
+      "event timeline, timing, the scenario. Exit code 1: it was written, but a recording does not replay as recorded.",
+      "unlatch report run.log --out run.html\n"
+      "unlatch report yesterday.log today.log --out both.html");
   command->add_option("LOG", options->logs, "recording made by --log; a second one is laid over the first")
       ->required()
       ->expected(1, 2);
-  command->add_option("--out", options->out, "file to write (.html)")->required();
+  command->add_option("--out", options->out, "file to write (.html)")->required()->type_name("FILE");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

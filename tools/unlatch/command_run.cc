@@ -133,21 +133,22 @@ int run(const RunOptions& options) {
 void add_run(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command =
-      app.add_subcommand("run",
-                         "Runs a scenario without flight software, as fast as it goes.\n"
-                         "Example: unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json");
+      add_verb(app, "run", "Runs a scenario without flight software, as fast as it goes.",
+               "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
+               "unlatch run hil/scenarios/boosters/reference.yaml --set bodies.core.mass=99000 --log run.log");
   add_scenario_options(*command, options->scenario);
   command
       ->add_option("--sample", options->samples,
                    "times at which the JSON has all bodies and reactions, s (default: the end)")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->type_name("SECONDS,...");
   command
-      ->add_option("--checkpoint", options->checkpoints,
-                   "T FILE: writes down the state at T s, for --resume; repeatable")
-      ->type_name("");
-  command->add_option(
-      "--resume", options->resume,
-      "goes on from a checkpoint of the same scenario, to the same bits; what is reported begins there");
+      ->add_option("--checkpoint", options->checkpoints, "writes down the state at a time, s, for --resume; repeatable")
+      ->type_name("SECONDS FILE");
+  command
+      ->add_option("--resume", options->resume,
+                   "goes on from a checkpoint of the same scenario, to the same bits; what is reported begins there")
+      ->type_name("FILE");
   add_output_options(*command, options->output);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -8,6 +8,7 @@
 
 #include "hil/scenario.h"
 #include "hil/simulation.h"
+#include "tools/unlatch/verb.h"
 
 namespace unlatch::tools {
 
@@ -23,6 +24,11 @@ void add_report(CLI::App& app, int& exit_code);
 void add_log(CLI::App& app, int& exit_code);
 void add_init(CLI::App& app, int& exit_code);
 void add_modes(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
+void add_import(CLI::App& app, int& exit_code);
+void add_watch(CLI::App& app, int& exit_code);
+void add_completion(CLI::App& app, int& exit_code);
+void add_man(CLI::App& app, int& exit_code);
 
 // What check, run and hil say about their scenario.
 struct ScenarioOptions {

@@ -14,8 +14,10 @@
 int main(int argc, char** argv) {
   using namespace unlatch;
   CLI::App app{
-      "unlatch: separation and deployment dynamics in hard real time, with flight software in the loop.\n"
-      "Exit codes: 0 done, 1 the run or comparison failed, 2 usage or input wrong, 3 environment."};
+      "Separation and deployment dynamics in hard real time, with flight software in the loop. Each verb has --help.",
+      "unlatch"};
+  app.footer("Exit codes: " + std::string(tools::kExitCodesText) +
+             ".\nExample:\n  unlatch check hil/scenarios/boosters/scenario.yaml");
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), to be told like a full disk
   app.set_version_flag("--version", "unlatch " UNLATCH_VERSION);
   app.require_subcommand(1);
@@ -27,9 +29,14 @@ int main(int argc, char** argv) {
   tools::add_replay(app, exit_code);
   tools::add_diff(app, exit_code);
   tools::add_report(app, exit_code);
+  tools::add_export(app, exit_code);
+  tools::add_import(app, exit_code);
   tools::add_log(app, exit_code);
+  tools::add_watch(app, exit_code);
   tools::add_preflight(app, exit_code);
   tools::add_modes(app, exit_code);
+  tools::add_completion(app, exit_code);
+  tools::add_man(app, exit_code);
 
   const auto fail = [](const char* what, int code) {
     std::fprintf(stderr, "%s\n", what);

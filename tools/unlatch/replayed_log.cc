@@ -3,19 +3,19 @@
 namespace unlatch::tools {
 namespace {
 
-std::string describe_status(const hil::RecordingReader& recording, const hil::ReplayResult& result) {
-  if (!result.agrees()) return "different";
-  if (recording.damaged) return "damaged";
-  if (!recording.end) return "truncated";
-  return get_status_name(recording.end->status);
-}
-
 std::string describe_end(const hil::RecordingReader& recording, std::int64_t tick) {
   if (recording.end) return recording.end->message;
   return "the recording is not complete: " + recording.shortfall + "; replayed up to tick " + std::to_string(tick);
 }
 
 }  // namespace
+
+std::string describe_status(const hil::RecordingReader& recording, const hil::ReplayResult& result) {
+  if (!result.agrees()) return "different";
+  if (recording.damaged) return "damaged";
+  if (!recording.end) return "truncated";
+  return get_status_name(recording.end->status);
+}
 
 OpenedLog::OpenedLog(const std::string& path)
     : recording(hil::LogFileReader(path)),

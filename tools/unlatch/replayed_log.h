@@ -17,6 +17,9 @@ struct OpenedLog {
   const std::unique_ptr<hil::Simulation> simulation;
 };
 
+// "ok", "fault", "aborted"; "different", "damaged", "truncated".
+std::string describe_status(const hil::RecordingReader& recording, const hil::ReplayResult& result);
+
 struct ReplayedLog {
   explicit ReplayedLog(const std::string& path);
   // Once. `look` is called at every state, after the analysis.

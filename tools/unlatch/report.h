@@ -40,6 +40,22 @@ class OutputError : public std::runtime_error {
 };
 void write_json(const nlohmann::ordered_json& json, const std::string& target);
 void write_text(const std::string& text, const std::string& target);
+
+// The same for results that come one after another, one object a line, each out at once. Nowhere: nothing is written.
+class JsonLines {
+ public:
+  explicit JsonLines(const std::string& target);
+  void write(const nlohmann::ordered_json& json);
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const {
+      if (file != stdout) std::fclose(file);
+    }
+  };
+  const std::string target_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
 // People's text goes to standard error when standard output is JSON's.
 inline std::FILE* get_people_stream(const std::string& json_target) { return json_target == "-" ? stderr : stdout; }
 

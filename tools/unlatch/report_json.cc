@@ -192,4 +192,17 @@ void write_text(const std::string& text, const std::string& target) {
   if (!written) throw OutputError(target + ": cannot be written: " + std::strerror(error));
 }
 
+JsonLines::JsonLines(const std::string& target) : target_(target) {
+  if (target.empty()) return;
+  file_.reset(target == "-" ? stdout : std::fopen(target.c_str(), "wb"));
+  if (!file_) throw OutputError(target + ": cannot be created: " + std::strerror(errno));
+}
+
+void JsonLines::write(const nlohmann::ordered_json& json) {
+  if (!file_) return;
+  const std::string text = json.dump() + "\n";
+  if (std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size() && std::fflush(file_.get()) == 0) return;
+  throw OutputError(target_ + ": cannot be written: " + std::strerror(errno));
+}
+
 }  // namespace unlatch::tools

@@ -17,23 +17,20 @@ std::string to_text(double value) {
   return text;
 }
 
-// CLI::PositiveNumber says so in four hundred digits.
-std::string check_seconds(const std::string& text) {
-  double value = 0;
-  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)
-             ? std::string{}
-             : "'" + text + "' is not a positive number of seconds";
-}
-
 }  // namespace
 
 void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
   command.add_option("SCENARIO", options.path, "scenario file (.yaml)")->required();
-  command.add_option("--until", options.until, "end of the run, s")->check(check_seconds);
-  command.add_option("--dt", options.dt, "step, s")->check(check_seconds);
+  command.add_option("--until", options.until, "end of the run, s (default: the scenario's)")
+      ->type_name("SECONDS")
+      ->check(check_seconds);
+  command.add_option("--dt", options.dt, "step, s (default: the scenario's)")
+      ->type_name("SECONDS")
+      ->check(check_seconds);
   command
       .add_option("--set", options.overrides,
-                  "PATH=VALUE: replaces one value of the scenario, e.g. bodies.core.mass=98000; repeatable")
+                  "replaces one value of the scenario, e.g. bodies.core.mass=98000; repeatable")
+      ->type_name("PATH=VALUE")
       ->take_all()
       ->allow_extra_args(false);
 }
@@ -62,8 +59,9 @@ void warn_of_unstable_elements(const hil::Scenario& scenario) {
 }
 
 void add_output_options(CLI::App& command, OutputOptions& options) {
-  command.add_option("--json", options.json, "file for the result as JSON, or - for standard output");
-  command.add_option("--log", options.log, "file for a recording, an LCM event log that `unlatch replay` reads");
+  add_json_option(command, options.json);
+  command.add_option("--log", options.log, "a recording, an LCM event log that `unlatch replay` reads")
+      ->type_name("FILE");
   command.parse_complete_callback([&options] {
     if (options.log == "-") throw CLI::ValidationError("--log", "a recording goes to a file, not to standard output");
     if (!options.log.empty() && options.log == options.json)

@@ -10,11 +10,15 @@ namespace unlatch::tools {
 
 enum class Colour { kBold, kGreen, kYellow, kRed, kDim };
 
-// `text` in a colour if `stream` is a terminal and NO_COLOR is not set; else as it is.
+bool is_terminal(std::FILE* stream);
+// `stream` is a terminal and NO_COLOR is not set.
+bool has_colours(std::FILE* stream);
+// `text` in a colour, if there are any; else as it is.
+std::string paint(bool colours, Colour colour, const std::string& text);
 std::string paint(std::FILE* stream, Colour colour, const std::string& text);
 
-// How far a run is, on standard error: a line that is written over on a terminal; elsewhere a line each quarter. Silent
-// for runs that take less than a second.
+// How far a run is, and how long it will still take, on standard error: a line that is written over on a terminal;
+// elsewhere a line each quarter. Silent for runs that take less than a second.
 class Progress {
  public:
   Progress(double dt, std::int64_t last_tick);
@@ -22,8 +26,11 @@ class Progress {
   void clear();  // before anything else is printed
 
  private:
+  [[nodiscard]] std::string describe_rest(std::int64_t tick, std::chrono::steady_clock::time_point now) const;
+
   const double dt_;  // s
   const std::int64_t last_tick_;
+  std::int64_t first_tick_ = -1;  // of the first look
   const bool terminal_;
   const std::chrono::steady_clock::time_point started_;
   std::chrono::steady_clock::time_point shown_;

@@ -1,0 +1,35 @@
+# Packages from npm, for parts that are written in JavaScript. Without Node.js, npm or a registry everything else builds,
+# and the program says what it lacks.
+find_program(UNLATCH_NODE NAMES node nodejs DOC "Node.js")
+find_program(UNLATCH_NPM NAMES npm DOC "npm")
+mark_as_advanced(UNLATCH_NODE UNLATCH_NPM)
+
+# Installs what package.json and package-lock.json of the current folder name into the build folder, again when the lock
+# file changes, and sets RESULT to the folder node_modules; to "" if it cannot, with a message about WHAT that leaves out.
+function(unlatch_npm_packages WHAT RESULT)
+  set(${RESULT} "" PARENT_SCOPE)
+  if(NOT UNLATCH_NODE OR NOT UNLATCH_NPM)
+    message(STATUS "${WHAT}: left out, because Node.js or npm is missing")
+    return()
+  endif()
+  set(lock ${CMAKE_CURRENT_SOURCE_DIR}/package-lock.json)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${lock})
+  file(SHA256 ${lock} wanted)
+  set(installed_file ${CMAKE_CURRENT_BINARY_DIR}/installed.txt)
+  set(installed "")
+  if(EXISTS ${installed_file})
+    file(READ ${installed_file} installed)
+  endif()
+  if(NOT installed STREQUAL wanted)
+    configure_file(package.json package.json COPYONLY)
+    configure_file(package-lock.json package-lock.json COPYONLY)
+    execute_process(COMMAND ${UNLATCH_NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline
+      WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said TIMEOUT 300)
+    if(failed)
+      message(WARNING "${WHAT}: left out, because npm could not install its packages; configure again to retry\n${said}")
+      return()
+    endif()
+    file(WRITE ${installed_file} ${wanted})
+  endif()
+  set(${RESULT} ${CMAKE_CURRENT_BINARY_DIR}/node_modules PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+"""Facts about the command line itself: help, completion, manual pages, colours, progress. Run by ctest like tools_test.py."""
+
+import json
+import os
+import pty
+import re
+import select
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+from processes import BIN, BOOSTERS, FSW, HANG, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
+
+BUSY = ["run", REFERENCE, "--until", "900"]  # long enough for a progress bar on any machine
+
+
+def read_terminal(command, environment=None, until=None, keys=b""):
+    """What a program writes to a terminal of 80 x 24, until it ends or `until` is seen."""
+    child, terminal = pty.fork()
+    if child == 0:
+        os.environ.update(environment or {})
+        os.execv(command[0], list(map(str, command)))
+    text, end = b"", time.monotonic() + HANG
+    if keys:
+        os.write(terminal, keys)
+    try:
+        while time.monotonic() < end and not (until and re.search(until, text)):
+            if select.select([terminal], [], [], 0.2)[0]:
+                text += os.read(terminal, 65536)
+    except OSError:  # the program has ended
+        pass
+    finally:
+        os.kill(child, 9)
+        os.waitpid(child, 0)
+        os.close(terminal)
+    return text.decode(errors="replace")
+
+
+def list_verbs():
+    text = call(UNLATCH, "--help").stdout
+    return re.findall(r"^  ([a-z]+) ", text[text.index("Subcommands:"):], re.M)
+
+
+class CliTest(ProcessTest):
+    def complete(self, line, *shell):
+        """What the bash script offers for a line that ends at the cursor."""
+        script = (f"source <({UNLATCH} completion bash); COMP_LINE=$1; COMP_POINT=${{#1}}; shift; COMP_WORDS=(\"$@\"); "
+                  "COMP_CWORD=$(($# - 1)); _unlatch; printf '%s\\n' \"${COMPREPLY[@]}\"")
+        words = line.split(" ")
+        words[0] = UNLATCH
+        done = subprocess.run(["bash", "-c", script, "bash", line, *words], capture_output=True, text=True, timeout=HANG,
+                              cwd=SCENARIOS / "boosters")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.split()
+
+    def test_every_verb_has_help_with_an_example_of_options_that_exist(self):
+        verbs = list_verbs()
+        self.assertGreater(len(verbs), 10)
+        for verb in verbs:
+            text = self.run_ok(UNLATCH, verb, "--help").stdout
+            self.assertIn("Example", text, verb)
+            example = text[text.index("Example"):]
+            self.assertIn(f"unlatch {verb}", example)
+            for option in re.findall(rf"unlatch {verb} .*", example):
+                for name in re.findall(r"--[a-z-]+", option.split("&&")[0]):
+                    self.assertIn(name, text[:text.index("Example")], verb)
+        self.assertIn("Example", self.run_ok(FSW, "--help").stdout)
+        self.assertIn("Exit codes", self.run_ok(UNLATCH, "--help").stdout)
+
+    def test_bash_completes_verbs_options_values_files_and_paths(self):
+        self.assertEqual(self.complete("unlatch pre"), ["preflight"])
+        self.assertIn("--until", self.complete("unlatch run --un"))
+        self.assertEqual(self.complete("unlatch hil --pace l"), ["lockstep"])
+        self.assertEqual(self.complete("unlatch hil --transport "), ["dds", "lcm", "inproc"])
+        self.assertIn("reference.yaml", self.complete("unlatch check ref"))
+        self.assertEqual(self.complete("unlatch run reference.yaml --set bodies.core.ma"), ["bodies.core.mass="])
+
+    def test_bash_completes_at_a_real_prompt(self):
+        child, terminal = pty.fork()
+        if child == 0:
+            os.environ.update(PATH=f"{BIN}:{os.environ['PATH']}", PS1="> ", TERM="dumb")
+            os.chdir(SCENARIOS / "boosters")
+            os.execvp("bash", ["bash", "--norc", "--noprofile", "-i"])
+        heard = b""
+        try:
+            for keys, wanted in ((b"source <(unlatch completion bash); echo rea''dy\n", rb"ready"),
+                                 (b"unlatch hil dead\t --pace re\t --transport in\t",
+                                  rb"unlatch hil dead-nozzle.yaml\s+--pace realtime\s+--transport inproc")):
+                os.write(terminal, keys)
+                end = time.monotonic() + HANG
+                while time.monotonic() < end and not re.search(wanted, heard):
+                    if select.select([terminal], [], [], 0.2)[0]:
+                        heard += os.read(terminal, 65536)
+                self.assertRegex(heard, wanted)
+        finally:
+            os.kill(child, 9)
+            os.waitpid(child, 0)
+            os.close(terminal)
+
+    def test_other_shells_take_their_scripts(self):
+        tried = 0
+        for shell, check in (("zsh", ["zsh", "-n"]), ("fish", ["fish", "-n"])):
+            script = self.folder / shell
+            self.run_ok(UNLATCH, "completion", shell, "--out", script)
+            if shutil.which(shell):
+                self.run_ok(*check, script)
+                tried += 1
+        if shutil.which("fish"):
+            offered = self.run_ok("fish", "-c", f"source {self.folder}/fish; complete -C 'unlatch hil --pace '").stdout
+            self.assertEqual([line.split("\t")[0] for line in offered.splitlines()], ["fast", "lockstep", "realtime"])
+        if shutil.which("zsh"):
+            loaded = self.run_ok("zsh", "-fc", f"autoload -U compinit; compinit -D -u; source {self.folder}/zsh; echo $_comps[unlatch]")
+            self.assertEqual(loaded.stdout.strip(), "_unlatch")
+        if tried == 0:
+            self.skipTest("neither zsh nor fish is installed")
+
+    def test_paths_of_a_scenario_can_all_be_set(self):
+        paths = self.run_ok(UNLATCH, "completion", "paths", REFERENCE).stdout.split()
+        self.assertIn("bodies.core.mass", paths)
+        self.assertTrue(any(path.startswith("events.contact:booster1.") for path in paths))
+        for path in ("bodies.core.mass=1000", "bodies.core.inertia[1]=1e7"):
+            self.assertIn(path.split("=")[0], paths)
+            self.run_ok(UNLATCH, "check", REFERENCE, "--set", path)
+
+    def test_manual_pages_are_clean_and_tell_what_help_tells(self):
+        self.run_ok(UNLATCH, "man", "--out", self.folder)
+        pages = sorted(path.name for path in self.folder.iterdir())
+        self.assertEqual(pages, sorted(["unlatch.1"] + [f"unlatch-{verb}.1" for verb in list_verbs()]))
+        for page in self.folder.iterdir():
+            text = page.read_text()
+            for section in ("NAME", "SYNOPSIS", "DESCRIPTION", "EXIT STATUS", "EXAMPLES"):
+                self.assertIn(f".SH {section}", text, page.name)
+            if shutil.which("mandoc"):
+                lint = call("mandoc", "-T", "lint", "-W", "warning", page)
+                # Without a date the page is the same from every build.
+                found = [line for line in (lint.stdout + lint.stderr).splitlines() if "missing date" not in line]
+                self.assertEqual(found, [], page.name)
+        built = BIN.parent / "tools/share/man/man1"
+        if built.exists():
+            self.assertIn("unlatch-fsw.1", [path.name for path in built.iterdir()])
+        if shutil.which("mandoc"):
+            shown = self.run_ok("mandoc", "-T", "utf8", self.folder / "unlatch-run.1").stdout
+            self.assertIn("--until", re.sub(".\b", "", shown))
+
+    def test_colours_are_for_terminals_alone(self):
+        self.assertIn("\033[", read_terminal([UNLATCH, "check", REFERENCE]))
+        self.assertNotIn("\033[", read_terminal([UNLATCH, "check", REFERENCE], {"NO_COLOR": "1"}))
+        self.assertNotIn("\033[", self.run_ok(UNLATCH, "check", REFERENCE).stdout)
+
+    def test_a_long_run_shows_how_far_it_is_and_how_long_it_takes(self):
+        self.assertRegex(read_terminal([UNLATCH, *BUSY], until=rb"left"), r"\[#*\.+\] t = \d+\.\d+ s of 900 s, .*s left")
+
+    def test_check_tells_programs_the_plan_or_every_mistake(self):
+        plan = self.run_json(UNLATCH, "check", BOOSTERS)
+        self.assertTrue(plan["valid"])
+        self.assertEqual(plan["joints"][0]["modes"]["slider"], ["y", "z", "rot_x", "rot_z"])
+        self.assertEqual(len(plan["elimination"]), 5)
+        bad = self.folder / "bad.yaml"
+        bad.write_text(Path(REFERENCE).read_text().replace("mass: 98500", "mass: -1"))
+        wrong = self.run_json(UNLATCH, "check", bad, code=2)
+        self.assertFalse(wrong["valid"])
+        self.assertGreater(wrong["mistakes"][0]["line"], 1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Facts about `unlatch export`: what other tools read is what the replay computes. Run by ctest like tools_test.py."""
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+from processes import BIN, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
+
+READER = Path(__file__).resolve().parent / "read_export.mjs"
+MODULES = BIN.parent / "tools/export/node_modules"
+NODE = shutil.which("node") or shutil.which("nodejs")
+UNTIL, TICKS = "0.8", 800  # s: past the first release
+
+
+class ExportTest(ProcessTest):
+    def setUp(self):
+        super().setUp()
+        self.log = self.folder / "run.log"
+        self.report = self.run_json(UNLATCH, "run", REFERENCE, "--until", UNTIL, "--log", self.log)
+        self.last = self.report["samples"][-1]
+
+    def export(self, form, *options, code=0):
+        out = self.folder / f"out.{form}"
+        self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", out, *options, code=code)
+        return out
+
+    def read_with_node(self, path):
+        if NODE is None or not MODULES.exists():
+            self.skipTest("Node.js, or what the build installs with it, is missing")
+        return json.loads(self.run_ok(NODE, READER, MODULES, path).stdout)
+
+    def test_csv_is_a_table_with_units(self):
+        text = self.export("csv").read_bytes()
+        self.assertEqual(text.count(b"\r\n"), text.count(b"\n"))
+        rows = list(csv.DictReader(text.decode().splitlines()))
+        self.assertEqual(len(rows), TICKS + 1)
+        self.assertEqual([int(row["tick"]) for row in rows], list(range(TICKS + 1)))
+        end = rows[-1]
+        core = self.last["bodies"]["core"]
+        self.assertEqual([float(end[f"core.{axis} [m]"]) for axis in "xyz"], core["p"])
+        self.assertEqual([float(end[f"core.q{axis}"]) for axis in "wxyz"], core["q"])
+        self.assertEqual([float(end[f"core.w{axis} [rad/s]"]) for axis in "xyz"], core["w"])
+        nose = self.last["reactions"]["nose1"]
+        self.assertEqual(end["nose1.mode"], nose["mode"])
+        self.assertEqual([float(end[f"nose1.{row} [{'N m' if 'rot' in row else 'N'}]"]) for row in nose["rows"]], nose["lambda"])
+        told = [event for row in rows for event in row["events"].split("; ") if event]
+        self.assertEqual(told, [f"{e['name']} {e['subject']}" for e in self.report["events"]])
+
+    def test_every_nth_tick_of_some_bodies_and_no_event_is_lost(self):
+        rows = list(csv.DictReader(self.export("csv", "--every", "300", "--bodies", "booster2").read_text().splitlines()))
+        self.assertEqual([int(row["tick"]) for row in rows], [0, 300, 600, 800])
+        self.assertIn("booster2.x [m]", rows[0])
+        self.assertNotIn("core.x [m]", rows[0])
+        told = [event for row in rows for event in row["events"].split("; ") if event]
+        self.assertEqual(len(told), len(self.report["events"]))
+
+    def test_json_lines_are_the_run(self):
+        lines = [json.loads(line) for line in self.export("json").read_text().splitlines()]
+        self.assertEqual((lines[0]["kind"], lines[-1]["kind"]), ("run", "end"))
+        self.assertEqual((lines[-1]["status"], lines[-1]["hash"]), ("ok", self.report["hash"]))
+        ticks = [line for line in lines if line["kind"] == "tick"]
+        self.assertEqual(len(ticks), TICKS + 1)
+        for name, body in self.last["bodies"].items():
+            self.assertEqual({key: body[key] for key in "pqvw"}, ticks[-1]["bodies"][name])
+        self.assertEqual(ticks[-1]["reactions"], self.last["reactions"])
+        events = [(line["t"], line["name"], line["subject"]) for line in lines if line["kind"] == "event"]
+        self.assertEqual(events, [(e["t"], e["name"], e["subject"]) for e in self.report["events"]])
+        self.assertTrue(all(body["shapes"] for body in lines[0]["bodies"]))
+
+    def test_mcap_shows_foxglove_the_scene(self):
+        if NODE is None or not MODULES.exists():
+            self.skipTest("Node.js, or what the build installs with it, is missing")
+        read = self.read_with_node(self.export("mcap"))
+        self.assertEqual(read["channels"]["/tf"], "foxglove.FrameTransforms")
+        self.assertEqual(read["channels"]["/scene"], "foxglove.SceneUpdate")
+        self.assertEqual(read["channels"]["/events"], "foxglove.Log")
+        self.assertEqual(read["counts"]["/tf"], TICKS + 1)
+        self.assertEqual(read["counts"]["/events"], len(self.report["events"]))
+        self.assertGreater(read["chunks"], 0)
+        self.assertTrue(read["indexed"])
+        last = {transform["child_frame_id"]: transform for transform in read["last"]["/tf"]["transforms"]}
+        for name, body in self.last["bodies"].items():
+            self.assertEqual([last[name]["translation"][axis] for axis in "xyz"], body["p"])
+            self.assertEqual([last[name]["rotation"][axis] for axis in "wxyz"], body["q"])
+        entities = {entity["frame_id"]: entity for entity in read["last"]["/scene"]["entities"]}
+        self.assertEqual(sorted(entities), sorted(self.last["bodies"]))
+        self.assertTrue(all(entity["cylinders"] for entity in entities.values()))
+        self.assertEqual(read["metadata"]["hash"], self.report["hash"])
+
+    def test_damage_to_an_mcap_is_found_by_its_reader(self):
+        path = self.folder / "out.mcap"
+        if NODE is None or not MODULES.exists():
+            self.skipTest("Node.js, or what the build installs with it, is missing")
+        self.export("mcap")
+        bytes_ = bytearray(path.read_bytes())
+        bytes_[len(bytes_) // 3] ^= 1
+        path.write_bytes(bytes_)
+        self.assertNotEqual(call(NODE, READER, MODULES, path).returncode, 0)
+
+    def test_parquet_is_the_table(self):
+        if NODE is None or not MODULES.exists():
+            self.skipTest("Node.js, or what the build installs with it, is missing")
+        read = self.read_with_node(self.export("parquet"))
+        self.assertEqual(read["rows"], TICKS + 1)
+        self.assertEqual(read["units"]["core.x"], "m")
+        self.assertEqual([read["last"][f"core.{axis}"] for axis in "xyz"], self.last["bodies"]["core"]["p"])
+        self.assertEqual(read["last"]["nose1.mode"], self.last["reactions"]["nose1"]["mode"])
+
+    def test_what_cannot_be_written_is_told(self):
+        nowhere = self.folder / "no/such/folder/file"
+        for form in ("csv", "json") + (("mcap", "parquet") if NODE and MODULES.exists() else ()):
+            result = self.run_ok(UNLATCH, "export", self.log, "--format", form, "--out", nowhere, code=3)
+            self.assertIn("no/such/folder", result.stderr)
+        if Path("/dev/full").exists():
+            self.run_ok(UNLATCH, "export", self.log, "--format", "csv", "--out", "/dev/full", code=3)
+        self.run_ok(UNLATCH, "export", self.log, "--format", "csv", "--out", self.log, code=2)
+        self.run_ok(UNLATCH, "export", self.log, "--format", "csv", "--out", "-", "--bodies", "nobody", code=2)
+        self.run_ok(UNLATCH, "export", self.log, "--format", "xlsx", "--out", "-", code=2)
+
+    def test_without_node_the_way_out_is_named(self):
+        done = subprocess.run([UNLATCH, "export", self.log, "--format", "mcap", "--out", self.folder / "x.mcap"],
+                              capture_output=True, text=True, env={**os.environ, "PATH": str(self.folder)})
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("nodejs", done.stderr)
+
+    def test_a_recording_cut_short_goes_out_as_far_as_it_is(self):
+        self.log.write_bytes(self.log.read_bytes()[:-20000])
+        lines = [json.loads(line) for line in self.export("json").read_text().splitlines()]
+        self.assertEqual(lines[-1]["status"], "truncated")
+        self.assertGreater(len(lines), 100)
+
+    def test_capsules_boxes_and_hulls_are_shown(self):
+        text = (SCENARIOS / "tree3/reference.yaml").read_text()
+        shapes = ["{capsule: {from: [0, 0, 0], to: [1, 0, 0], radius: 0.1}}",
+                  "{box: {centre: [0, 0, 0], size: [1, 2, 3], attitude: [1, 0, 0, 0]}}",
+                  "{hull: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}}, {sphere: {centre: [0, 0, 0], radius: 1}}"]
+        for i, shape in enumerate(shapes):
+            self.assertIn(f"  body{i}:\n", text)
+            text = text.replace(f"  body{i}:\n", f"  body{i}:\n    shape: [{shape}]\n", 1)
+        scenario = self.folder / "shapes.yaml"
+        scenario.write_text(text)
+        self.run_ok(UNLATCH, "run", scenario, "--until", "0.01", "--log", self.log)
+        read = self.read_with_node(self.export("mcap"))
+        zero, one, two = read["last"]["/scene"]["entities"]
+        self.assertEqual((len(zero["cylinders"]), len(zero["spheres"])), (1, 2))
+        self.assertEqual(one["cubes"][0]["size"], {"x": 1, "y": 2, "z": 3})
+        self.assertEqual(len(two["triangles"][0]["points"]), 4 * 3)
+        self.assertEqual(len(two["spheres"]), 1)
+
+
+if __name__ == "__main__":
+    main()

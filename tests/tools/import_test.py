@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Facts about `unlatch import`: what it makes moves as it should, and what is hostile is refused. Run by ctest like tools_test.py."""
+
+import json
+import math
+
+from processes import UNLATCH, ProcessTest, call, main
+
+MASS, LENGTH, ROUND = 2.0, 0.7, 0.05  # kg; m from the pivot to the centre of mass; kg m2 about the swinging axis
+PIVOT = ROUND + MASS * LENGTH**2  # kg m2
+# A quarter of a swing from the horizontal: K(sin 45 deg) sqrt(I / (m g l)), s.
+QUARTER = 1.8540746773013719 * math.sqrt(PIVOT / (MASS * 9.81 * LENGTH))
+DT = round(QUARTER / 2000 * 1e9) * 1e-9  # s, a whole number of ns
+# The quarter is on a tick to half a nanosecond of each of 2000 steps, at the lowest point's speed and more.
+NEAR = 2000 * 0.5e-9 * 10
+
+INERTIA = f'<inertia ixx="0.03" iyy="{ROUND}" izz="0.06" ixy="0" ixz="0" iyz="0"/>'
+# Hangs out along x at zero; the hinge's axis is y. Inertia in a frame that is turned by 0.3 about y, which changes iyy not.
+PENDULUM = f"""<?xml version="1.0"?>
+<robot name="pendulum">
+  <link name="world"/>
+  <link name="rod 1">
+    <inertial><origin xyz="{LENGTH} 0 0" rpy="0 0.3 0"/><mass value="{MASS}"/>{INERTIA}</inertial>
+    <collision><origin xyz="{LENGTH} 0 0" rpy="0 1.5707963267948966 0"/><geometry><cylinder radius="0.02" length="0.4"/></geometry></collision>
+  </link>
+  <joint name="hinge" type="continuous">
+    <parent link="world"/><child link="rod 1"/><origin xyz="1 2 3" rpy="0 0 0"/><axis xyz="0 1 0"/>
+  </joint>
+</robot>"""
+
+
+def link(name, mass=1.0, inertia='<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>', more=""):
+    return f'<link name="{name}"><inertial><mass value="{mass}"/>{inertia}</inertial>{more}</link>'
+
+
+def joint(parent, child, kind="fixed", more=""):
+    return (f'<joint name="{parent}-{child}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+            f'<origin xyz="0 0 1" rpy="0 0 0"/>{more}</joint>')
+
+
+def robot(*parts):
+    return '<robot name="r">' + "".join(parts) + "</robot>"
+
+
+class ImportTest(ProcessTest):
+    def bring_in(self, text, name="in.urdf", *options, code=0):
+        source, out = self.folder / name, self.folder / "out.yaml"
+        source.write_text(text)
+        result = self.run_ok(UNLATCH, "import", source, "--out", out, "--force", *options, code=code)
+        if code == 0:
+            self.run_ok(UNLATCH, "check", out)
+        else:
+            self.assertTrue(result.stderr.strip())
+            self.assertLess(len(result.stderr), 2000)
+        return out if code == 0 else result.stderr
+
+    def swing(self, scenario):
+        report = self.run_json(UNLATCH, "run", scenario, "--dt", repr(DT), "--until", repr(2000 * DT))
+        return next(iter(report["samples"][0]["bodies"].values()))
+
+    def check_quarter(self, body):
+        speed = math.sqrt(2 * MASS * 9.81 * LENGTH / PIVOT)
+        self.assertAlmostEqual(body["p"][0], 1, delta=NEAR)
+        self.assertAlmostEqual(body["p"][1], 2, delta=1e-12)
+        self.assertAlmostEqual(body["p"][2], 3 - LENGTH, delta=NEAR)
+        self.assertAlmostEqual(math.hypot(*body["w"]), speed, delta=NEAR)
+
+    def test_a_pendulum_swings_as_the_elliptic_integral_says(self):
+        self.check_quarter(self.swing(self.bring_in(PENDULUM)))
+
+    def test_it_is_the_pendulum_that_a_hand_would_write(self):
+        imported = self.swing(self.bring_in(PENDULUM))
+        by_hand = self.folder / "hand.yaml"
+        by_hand.write_text(f"""unlatch: 1
+name: pendulum
+step: {{dt: 0.001, until: 1}}
+gravity: {{uniform: [0, 0, -9.81]}}
+bodies:
+  rod: {{mass: {MASS}, inertia: [0.04, {ROUND}, 0.05], position: [{1 + LENGTH}, 2, 3]}}
+joints:
+  hinge:
+    between: [ground, rod]
+    point: [1, 2, 3]
+    follower_point: [{-LENGTH}, 0, 0]
+    axes: {{z: [0, 1, 0], x: [1, 0, 0]}}
+    modes: {{hinge: {{kind: revolute, axis: z}}}}
+""")
+        mine = self.swing(by_hand)
+        for key in ("p", "q", "v"):  # the rounding of two ways to write the same hinge
+            for a, b in zip(imported[key], mine[key]):
+                self.assertAlmostEqual(a, b, delta=1e-11)
+
+    def test_the_same_pendulum_as_mjcf(self):
+        text = f"""<mujoco model="pendulum"><option gravity="0 0 -9.81" timestep="0.002"/><worldbody>
+<geom type="plane" size="1 1 1"/>
+<body name="rod" pos="1 2 3"><joint name="hinge" type="hinge" axis="0 1 0"/>
+<inertial pos="{LENGTH} 0 0" mass="{MASS}" diaginertia="0.03 {ROUND} 0.06"/>
+<geom type="capsule" fromto="0 0 0 {LENGTH} 0 0" size="0.02"/></body></worldbody></mujoco>"""
+        source, out = self.folder / "in.xml", self.folder / "out.yaml"
+        source.write_text(text)
+        result = call(UNLATCH, "import", source, "--out", out)
+        if result.returncode == 3:
+            self.skipTest("this program was built without MuJoCo")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.run_ok(UNLATCH, "check", out)
+        self.assertIn("dt: 0.002", out.read_text())
+        self.check_quarter(self.swing(out))
+
+    def test_springs_dampers_universal_joints_and_loops_of_mjcf(self):
+        text = """<mujoco model="loop"><worldbody>
+<body name="a" pos="0 0 1"><joint name="ja" type="hinge" axis="0 1 0" stiffness="5" damping="0.25" springref="30"/>
+<inertial pos="0.5 0 0" mass="1" diaginertia="0.1 0.1 0.1"/>
+ <body name="b" pos="1 0 0"><joint name="b1" axis="1 0 0"/><joint name="b2" axis="0 1 0"/>
+ <inertial pos="0.5 0 0" mass="1" diaginertia="0.1 0.1 0.1"/></body></body>
+<body name="c" pos="0 3 0"><freejoint/><inertial pos="0 0 0" mass="2" diaginertia="1 1 1"/></body>
+</worldbody><equality><connect name="eye" body1="b" body2="c" anchor="1 0 0"/></equality>
+<actuator><motor joint="ja"/></actuator></mujoco>"""
+        source, out = self.folder / "in.xml", self.folder / "out.yaml"
+        source.write_text(text)
+        result = call(UNLATCH, "import", source, "--out", out)
+        if result.returncode == 3:
+            self.skipTest("this program was built without MuJoCo")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        plan = self.run_json(UNLATCH, "check", out)
+        self.assertEqual([joint["name"] for joint in plan["joints"]], ["ja", "b1", "eye"])
+        self.assertEqual([joint["mode"] for joint in plan["joints"]], ["hinge", "universal", "ball"])
+        written = out.read_text()
+        self.assertIn("stiffness: 5, damping: 0.25, rest: 0.52359877", written)
+        self.assertIn("left out: 1 actuators", written)
+
+    def test_frames_without_mass_belong_to_who_carries_them(self):
+        tool = '<link name="tool"><visual><geometry><box size="1 2 3"/></geometry></visual></link>'
+        out = self.bring_in(robot(link("base"), tool, link("arm"), joint("base", "tool"), joint("tool", "arm", "revolute", '<axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/><dynamics damping="0.5"/>')))
+        plan = self.run_json(UNLATCH, "check", out)
+        self.assertEqual([body["name"] for body in plan["bodies"]], ["base", "arm"])
+        self.assertEqual(plan["joints"][0]["between"], ["base", "arm"])
+        text = out.read_text()
+        self.assertIn("centre: [0, 0, 1]", text)  # the tool's box, in the base's axes
+        self.assertIn("point: [0, 0, 2]", text)
+        self.assertIn("damping: 0.5", text)
+        self.assertIn("range is left out", text)
+        self.assertIn("flies free", text)
+        self.assertIn("weld", self.bring_in((self.folder / "in.urdf").read_text(), "in.urdf", "--fixed-base").read_text())
+
+    def test_what_is_hostile_or_impossible_is_refused_in_a_sentence(self):
+        deep = "<a>" * 100000
+        cases = {
+            "rubbish": "rubbish",
+            "empty": "",
+            "deep": "<robot name='r'>" + deep,
+            "entities": "<!DOCTYPE r [<!ENTITY a 'aaaa'>]><robot name='r'><link name='&a;'/></robot>",
+            "nan mass": robot(link("a"), link("b", "nan"), joint("a", "b")),
+            "infinite mass": robot(link("a"), link("b", "1e999"), joint("a", "b")),
+            "nan inertia": robot(link("a", 1, '<inertia ixx="nan" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>')),
+            "negative inertia": robot(link("a", 1, '<inertia ixx="-1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>')),
+            "cycle": robot(link("root"), link("a"), link("b"), joint("a", "b"), joint("b", "a")),
+            "own parent": robot(link("a"), joint("a", "a")),
+            "two roots": robot(link("a"), link("b")),
+            "nowhere": robot(link("a"), joint("a", "missing")),
+            "massless": robot(link("a"), '<link name="b"/>', joint("a", "b", "continuous", '<axis xyz="0 0 1"/>')),
+            "no axis": robot(link("a"), link("b"), joint("a", "b", "continuous", '<axis xyz="0 0 0"/>')),
+            "no body": robot('<link name="a"/>'),
+        }
+        for name, text in cases.items():
+            with self.subTest(name):
+                self.bring_in(text, code=2)
+        for name, text in {"bad": "<mujoco><worldbody><body><joint/></body></worldbody></mujoco>",
+                           "nan": "<mujoco><worldbody><body><joint/><inertial pos='0 0 0' mass='nan' diaginertia='1 1 1'/></body></worldbody></mujoco>",
+                           "three hinges": "<mujoco><worldbody><body><joint axis='1 0 0'/><joint axis='0 1 0'/><joint axis='0 0 1'/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/></body></worldbody></mujoco>",
+                           "greedy": "<mujoco><size njmax='2000000000' nconmax='2000000000' nstack='2000000000'/><worldbody><body><joint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/></body></worldbody></mujoco>",
+                           "no file": "<mujoco><include file='/etc/passwd'/></mujoco>"}.items():
+            with self.subTest(name):
+                (self.folder / "in.xml").write_text(text)
+                result = call(UNLATCH, "import", self.folder / "in.xml", "--out", self.folder / "x.yaml", "--force")
+                if result.returncode == 3:
+                    continue
+                self.assertEqual(result.returncode, 0 if name == "greedy" and not result.returncode else 2, result.stderr)
+        (self.folder / "huge.urdf").write_bytes(b" " * (17 << 20))
+        self.assertIn("16 MiB", self.run_ok(UNLATCH, "import", self.folder / "huge.urdf", "--out", "-", code=2).stderr)
+        self.run_ok(UNLATCH, "import", self.folder, "--out", "-", code=2)
+        self.run_ok(UNLATCH, "import", self.folder / "none.urdf", "--out", "-", code=2)
+
+    def test_names_become_names_of_scenarios_and_nothing_is_overwritten(self):
+        out = self.bring_in(robot(link("1 arm: {"), link("1_arm__ "), joint("1 arm: {", "1_arm__ ", "floating")))
+        names = [body["name"] for body in self.run_json(UNLATCH, "check", out)["bodies"]]
+        self.assertEqual(len(set(names)), 2)
+        result = self.run_ok(UNLATCH, "import", self.folder / "in.urdf", "--out", out, code=2)
+        self.assertIn("--force", result.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,178 @@
+// What `unlatch watch` makes of messages, without a transport: losses, sessions, hostile names, screens of any size.
+#include "tools/watch/observation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "hil/source_text.h"
+#include "tools/watch/screen.h"
+
+namespace unlatch::test {
+namespace {
+
+using namespace std::chrono_literals;
+using tools::Observation;
+
+class Watching : public testing::Test {
+ protected:
+  void hear(const hil::Message& message) { observation_.hear(message, now_); }
+  void pass(std::chrono::milliseconds time) { now_ += time; }
+  const tools::View& look() { return observation_.look(now_, {}); }
+
+  void hear_hello(std::int64_t session, int joints = 1) {
+    hil::Hello hello;
+    hello.session = session;
+    hello.schema_hash = hil::kSchemaHash;
+    hello.dt_ns = 1'000'000;
+    hello.last_tick = 1000;
+    hello.joint_count = joints;
+    hear(hello);
+  }
+  void hear_state(std::int64_t session, std::int64_t sequence, hil::RunStatus status = hil::RunStatus::kRunning) {
+    hil::State state;
+    state.session = session;
+    state.sequence = state.tick = sequence;
+    state.parts = 1;
+    state.status = static_cast<std::int32_t>(status);
+    hear(state);
+  }
+  bool has_notice(const std::string& part) {
+    const auto& notices = look().notices;
+    return std::any_of(notices.begin(), notices.end(),
+                       [&part](const auto& notice) { return notice.text.find(part) != std::string::npos; });
+  }
+
+  Observation observation_;
+  Observation::Time now_{1h};
+};
+
+TEST_F(Watching, CountsWhatIsMissingBetweenTheFirstAndTheLast) {
+  for (const std::int64_t sequence : {100, 101, 104, 105, 110}) hear_state(7, sequence);
+  EXPECT_EQ(look().lost, 2 + 4);
+  EXPECT_EQ(look().repeated, 0);
+}
+
+TEST_F(Watching, AStateSaidAgainIsNoLoss) {
+  for (const std::int64_t sequence : {5, 5, 5, 6}) hear_state(7, sequence);
+  EXPECT_EQ(look().lost, 0);
+  EXPECT_EQ(look().repeated, 2);
+}
+
+TEST_F(Watching, FollowsOneSessionUntilItIsSilent) {
+  hear_hello(7);
+  hear_state(7, 1);
+  hear_hello(8);
+  hear_state(8, 50);
+  EXPECT_EQ(look().session, 7);
+  EXPECT_TRUE(has_notice("another simulator"));
+  pass(2000ms);
+  EXPECT_TRUE(has_notice("fallen silent"));
+  hear_state(8, 51);
+  EXPECT_EQ(look().session, 8);
+  EXPECT_EQ(look().lost, 0);
+  EXPECT_TRUE(has_notice("now follows"));
+}
+
+TEST_F(Watching, ASessionThatHasEndedMakesWayAtOnce) {
+  hear_state(7, 1, hil::RunStatus::kDone);
+  hear_hello(8);
+  EXPECT_EQ(look().session, 8);
+}
+
+TEST_F(Watching, ParticipantsMakeNoSession) {
+  hil::Command command;
+  command.session = 9;
+  hear(command);
+  EXPECT_EQ(look().session, 0);
+}
+
+TEST_F(Watching, NamesFromOutsideCannotDrawOnTheScreen) {
+  EXPECT_EQ(tools::clean_text("\033[2Jnose\x7f"), "?[2Jnose?");
+  EXPECT_EQ(tools::clean_text("\xc2\x9b"
+                              "31m"),
+            "?31m");  // CSI in one character
+  EXPECT_EQ(tools::clean_text("a\xff\xe2\x82"), "a???");
+  EXPECT_EQ(tools::clean_text("Düse –"), "Düse –");
+}
+
+TEST_F(Watching, IndicesOutOfRangeChangeNothing) {
+  hear_hello(7, 2);
+  hil::Catalog item;
+  item.session = 7;
+  item.kind = static_cast<std::int32_t>(hil::CatalogKind::kJoint);
+  item.index = 65536;
+  hear(item);
+  hil::Reactions reactions;
+  reactions.session = 7;
+  reactions.parts = 65536;
+  reactions.part = 65535;
+  reactions.count = hil::kReactionsPerPart;
+  hear(reactions);
+  hil::State state;
+  state.session = 7;
+  state.part = 65535;
+  state.parts = 65536;
+  state.body_count = hil::kBodiesPerPart;
+  state.joint_count = hil::kJointsPerPart;
+  hear(state);
+  EXPECT_EQ(look().joints.size(), 2U);
+}
+
+TEST_F(Watching, ScreensAreNeverLargerThanTheTerminal) {
+  hear_hello(7, 100);
+  hear_state(7, 1);
+  hear(hil::Health{.session = 7, .step_p50_ns = 5'000, .step_max_ns = 90'000'000});
+  for (int i = 0; i < 300; ++i) {
+    hil::Event event;
+    event.session = 7;
+    event.sequence = i;
+    hil::set_name(event.name, "Übergang der Düse, ein langer Name");
+    hear(event);
+  }
+  for (const std::size_t columns : {1U, 7U, 40U, 80U, 300U}) {
+    for (const std::size_t rows : {1U, 2U, 5U, 24U, 100U}) {
+      const auto lines = tools::draw(look(), {columns, rows, false, "dds"});
+      EXPECT_LE(lines.size(), rows);
+      for (const std::string& line : lines) {
+        const auto characters = std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xc0) != 0x80; });
+        EXPECT_LE(static_cast<std::size_t>(characters), columns) << line;
+      }
+    }
+  }
+}
+
+TEST(SourceText, IsPutTogetherFromPartsInAnyOrderWithRepetitions) {
+  std::mt19937_64 random(20261121);
+  std::string text(3 * hil::kSourcePerPart + 17, 'x');
+  for (char& c : text) c = static_cast<char>('a' + random() % 26);
+  const std::vector<std::string> overrides{"a.b=1", "", "c=2"};
+  std::vector<hil::Source> parts = hil::build_source(text, overrides, 7);
+  ASSERT_EQ(parts.size(), 4U);
+  parts.insert(parts.end(), parts.begin(), parts.begin() + 2);
+  std::shuffle(parts.begin(), parts.end(), random);
+  hil::SourceText source;
+  for (const hil::Source& part : parts) source.hear(part);
+  ASSERT_TRUE(source.is_complete());
+  EXPECT_EQ(source.split(), (std::vector<std::string>{text, "a.b=1", "", "c=2"}));
+}
+
+TEST(SourceText, TakesNothingFromOtherSessionsOrSizes) {
+  const std::vector<hil::Source> parts = hil::build_source(std::string(5000, 'x'), {}, 7);
+  hil::SourceText source;
+  source.hear(parts[0]);
+  hil::Source other = parts[1];
+  other.session = 8;
+  source.hear(other);
+  other = parts[1];
+  other.parts = 9;
+  source.hear(other);
+  other = parts[1];
+  other.count = 3;
+  source.hear(other);
+  EXPECT_EQ(source.get_missing(), parts.size() - 1);
+}
+
+}  // namespace
+}  // namespace unlatch::test

@@ -1,0 +1,42 @@
+// What a reader of others finds in an exported file, as JSON: node read_export.mjs NODE_MODULES FILE.mcap|FILE.parquet
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+const [modules, file] = process.argv.slice(2);
+const load = (name) => import(pathToFileURL(createRequire(path.join(modules, 'x.js')).resolve(name)).href);
+
+async function readMcap(bytes) {
+  const { McapIndexedReader, McapStreamReader } = await load('@mcap/core');
+  const readable = { size: async () => BigInt(bytes.length), read: async (offset, size) => bytes.subarray(Number(offset), Number(offset + size)) };
+  // From the beginning, every checksum compared; then by the index.
+  const stream = new McapStreamReader({ validateCrcs: true });
+  stream.append(bytes);
+  for (let record; (record = stream.nextRecord()) !== undefined;);
+  if (!stream.done()) throw new Error('the file ends early');
+  const reader = await McapIndexedReader.Initialize({ readable });
+  const channels = {}, counts = {}, last = {};
+  for (const channel of reader.channelsById.values()) channels[channel.topic] = reader.schemasById.get(channel.schemaId).name;
+  for await (const message of reader.readMessages()) {
+    const { topic } = reader.channelsById.get(message.channelId);
+    counts[topic] = (counts[topic] ?? 0) + 1;
+    last[topic] = JSON.parse(new TextDecoder().decode(message.data));
+  }
+  let metadata = {};
+  for await (const record of reader.readMetadata({ name: 'unlatch' })) metadata = Object.fromEntries(record.metadata);
+  return { channels, counts, last, metadata, chunks: reader.chunkIndexes.length, indexed: reader.chunkIndexes.every((index) => index.messageIndexOffsets.size > 0) };
+}
+
+async function readParquet(bytes) {
+  const { parquetMetadata, parquetReadObjects } = await load('hyparquet');
+  const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
+  const metadata = parquetMetadata(buffer);
+  const rows = await parquetReadObjects({ file: buffer });
+  const units = JSON.parse(metadata.key_value_metadata.find((pair) => pair.key === 'units').value);
+  return { rows: rows.length, last: rows.at(-1), units };
+}
+
+const bytes = new Uint8Array(readFileSync(file));
+const result = await (file.endsWith('.mcap') ? readMcap(bytes) : readParquet(bytes));
+process.stdout.write(JSON.stringify(result, (_, value) => (typeof value === 'bigint' ? Number(value) : value)));

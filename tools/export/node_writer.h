@@ -1,0 +1,40 @@
+// MCAP and Parquet are written by a program for Node.js that is part of this one: it gets lines through a pipe.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace unlatch::tools {
+
+// Node.js is not installed, or this program was built without the writer; what() says what to do.
+class NodeMissing : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class NodeWriter {
+ public:
+  // Starts it; `format`: mcap or parquet. Throws NodeMissing.
+  NodeWriter(const std::string& format, const std::string& path);
+  // What has not been finished is ended by force.
+  ~NodeWriter();
+  NodeWriter(const NodeWriter&) = delete;
+  NodeWriter& operator=(const NodeWriter&) = delete;
+
+  [[nodiscard]] std::FILE* get_stream() const { return stream_.get(); }
+  // Closes the stream and waits; false if the file is not whole: it has said why on standard error.
+  [[nodiscard]] bool finish();
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  pid_t process_ = -1;
+  std::unique_ptr<std::FILE, Close> stream_;
+};
+
+}  // namespace unlatch::tools

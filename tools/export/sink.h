@@ -1,0 +1,39 @@
+// Where a run goes out to: one format each. Everything is written as it comes; nothing grows with the run.
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "hil/log_format.h"
+#include "tools/export/selection.h"
+
+namespace unlatch::tools {
+
+// How the run ended, for formats that tell.
+struct ExportEnd {
+  std::string status, message;
+  std::string hash;  // of the last state
+};
+
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  Sink(const Sink&) = delete;
+  Sink& operator=(const Sink&) = delete;
+  virtual void begin(const Selection& selection, const hil::LogHeader& header) = 0;
+  virtual void add_tick(const Selection& selection) = 0;
+  virtual void end(const ExportEnd& end) = 0;
+
+ protected:
+  Sink() = default;
+};
+
+// RFC 4180: a header with units, a line a tick.
+std::unique_ptr<Sink> build_csv_sink(std::FILE* file);
+// The same table as JSON: an object with the columns, then an array a tick. For the Parquet writer.
+std::unique_ptr<Sink> build_table_sink(std::FILE* file);
+// An object a line: the run, ticks and events, its end. For programs, and for the MCAP writer.
+std::unique_ptr<Sink> build_json_sink(std::FILE* file);
+
+}  // namespace unlatch::tools

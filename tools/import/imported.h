@@ -1,0 +1,66 @@
+// What is read from another tool's file, in unlatch's terms: bodies in W at the file's zero configuration, body axes
+// those of the link, origins at the centres of mass. SI.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "hil/shapes.h"
+
+namespace unlatch::tools {
+
+// The file is not what it should be, or has what cannot be said in a scenario; what() says what, where, how to mend it.
+class ImportError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct ImportedBody {
+  std::string name;
+  double mass = 0;
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, body axes
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();     // of the centre of mass
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
+  std::vector<hil::Shape> shapes;  // body axes, from the centre of mass
+};
+
+struct ImportedJoint {
+  enum class Kind { kWeld, kRevolute, kPrismatic, kPlanar, kBall, kUniversal };
+  std::string name;
+  Kind kind = Kind::kWeld;
+  int base = -1, follower = 0;  // bodies; -1: the ground
+  Eigen::Vector3d p_WJ = Eigen::Vector3d::Zero();
+  // z: the axis of a revolute or prismatic joint, the normal of a planar one; x and y: the axes of a universal one.
+  Eigen::Matrix3d R_WJ = Eigen::Matrix3d::Identity();
+  double stiffness = 0, damping = 0, rest = 0;  // along or about z
+};
+
+struct ImportedModel {
+  std::string name;
+  std::string source;  // "URDF, file arm.urdf"
+  double dt = 1e-3;    // s
+  Eigen::Vector3d gravity{0, 0, -9.81};
+  std::vector<ImportedBody> bodies;
+  std::vector<ImportedJoint> joints;
+  std::vector<std::string> remarks;  // what was left out or decided
+};
+
+inline constexpr std::size_t kMostImported = 4096;  // bodies, joints, shapes
+
+// `text` is the file's; both throw ImportError.
+ImportedModel read_urdf(const std::string& text, const std::string& path, bool fixed_base);
+bool has_mjcf();  // this program was built with MuJoCo
+ImportedModel read_mjcf(const std::string& path);
+
+// The axis as z of a right-handed frame.
+Eigen::Matrix3d build_frame(const Eigen::Vector3d& z);
+
+// A scenario with the remarks as comments at its head. Names are made such as scenarios allow. Throws ImportError for
+// numbers that are not finite.
+std::string write_scenario(const ImportedModel& model);
+
+}  // namespace unlatch::tools

@@ -1,0 +1,252 @@
+// URDF, read by urdfdom. A link without mass is a frame of the body that carries it; a root without mass is the ground.
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cmath>
+#include <set>
+
+#include "tools/import/imported.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Eigen::Isometry3d;
+using Kind = ImportedJoint::Kind;
+
+// What urdfdom says of its failures.
+class Listener final : public console_bridge::OutputHandler {
+ public:
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN && said.size() < 400)
+      said += (said.empty() ? "" : "; ") + text;
+  }
+  std::string said;
+};
+
+Eigen::Vector3d to_vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+Isometry3d to_isometry(const urdf::Pose& pose) {
+  Isometry3d X = Isometry3d::Identity();
+  X.translate(to_vector(pose.position));
+  X.rotate(Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z).normalized());
+  return X;
+}
+
+// Where a link is, and which body it belongs to.
+struct Placed {
+  int body = -1;  // the ground
+  Isometry3d X_WL = Isometry3d::Identity();
+};
+
+class Reader {
+ public:
+  Reader(ImportedModel& model, bool fixed_base) : model_(model), fixed_base_(fixed_base) {}
+
+  void read(const urdf::ModelInterface& robot) {
+    std::vector<std::pair<urdf::LinkConstSharedPtr, Placed>> waiting{{robot.getRoot(), place_root(*robot.getRoot())}};
+    std::set<std::string> reached;
+    while (!waiting.empty()) {
+      const auto [link, placed] = waiting.back();
+      waiting.pop_back();
+      if (!reached.insert(link->name).second)
+        throw ImportError("link '" + link->name + "' is its own ancestor: a URDF is a tree");
+      for (const urdf::JointSharedPtr& joint : link->child_joints) {
+        const auto child = robot.getLink(joint->child_link_name);
+        if (!child)
+          throw ImportError("joint '" + joint->name + "' leads to link '" + joint->child_link_name +
+                            "', which is not there");
+        waiting.emplace_back(child, place_child(*joint, *child, placed));
+      }
+    }
+    for (const auto& [name, link] : robot.links_) {
+      if (!reached.contains(name))
+        throw ImportError("link '" + name + "' is not connected to the root '" + robot.getRoot()->name +
+                          "': a cycle, or a second tree");
+    }
+  }
+
+ private:
+  static bool has_mass(const urdf::Link& link) { return link.inertial && link.inertial->mass != 0; }
+
+  Placed place_root(const urdf::Link& link) {
+    Placed placed;
+    if (!has_mass(link)) {
+      model_.remarks.push_back("root link '" + link.name + "' has no mass: it is the ground");
+      add_shapes(link, placed, Isometry3d::Identity());
+      return placed;
+    }
+    placed.body = add_body(link, placed.X_WL);
+    if (fixed_base_) {
+      add_joint("root", Kind::kWeld, -1, placed.body, placed.X_WL);
+    } else {
+      model_.remarks.push_back("root link '" + link.name +
+                               "' has mass: it flies free; --fixed-base welds it to the ground");
+    }
+    return placed;
+  }
+
+  Placed place_child(const urdf::Joint& joint, const urdf::Link& child, const Placed& parent) {
+    Placed placed{parent.body, parent.X_WL * to_isometry(joint.parent_to_joint_origin_transform)};
+    const bool is_fixed = joint.type == urdf::Joint::FIXED;
+    if (!has_mass(child)) {
+      if (!is_fixed) {
+        throw ImportError("link '" + child.name + "' has no mass, but joint '" + joint.name +
+                          "' lets it move: give it an <inertial>, or make the joint fixed");
+      }
+      if (placed.body >= 0) add_shapes(child, placed, get_frame(placed.body));
+      return placed;
+    }
+    const int base = placed.body;
+    placed.body = add_body(child, placed.X_WL);
+    Isometry3d X_WJ = placed.X_WL;
+    switch (joint.type) {
+      case urdf::Joint::FIXED:
+        add_joint(joint.name, Kind::kWeld, base, placed.body, X_WJ);
+        break;
+      case urdf::Joint::REVOLUTE:
+      case urdf::Joint::CONTINUOUS:
+      case urdf::Joint::PRISMATIC:
+      case urdf::Joint::PLANAR:
+        X_WJ.linear() = build_frame(placed.X_WL.linear() * get_axis(joint));
+        add_joint(joint.name,
+                  joint.type == urdf::Joint::PRISMATIC ? Kind::kPrismatic
+                  : joint.type == urdf::Joint::PLANAR  ? Kind::kPlanar
+                                                       : Kind::kRevolute,
+                  base, placed.body, X_WJ);
+        break;
+      case urdf::Joint::FLOATING:
+        break;  // no joint at all
+      default:
+        throw ImportError("joint '" + joint.name + "' has no type that is known");
+    }
+    add_remarks(joint);
+    return placed;
+  }
+
+  static Eigen::Vector3d get_axis(const urdf::Joint& joint) {
+    const Eigen::Vector3d axis = to_vector(joint.axis);
+    if (!(axis.norm() > 1e-9) || !axis.allFinite())
+      throw ImportError("joint '" + joint.name + "' has an axis without a direction");
+    return axis;
+  }
+
+  void add_remarks(const urdf::Joint& joint) {
+    ImportedJoint* const added = model_.joints.empty() ? nullptr : &model_.joints.back();
+    if (joint.dynamics && added != nullptr && joint.type != urdf::Joint::FLOATING && joint.type != urdf::Joint::FIXED) {
+      if (joint.type != urdf::Joint::PLANAR) added->damping = joint.dynamics->damping;
+      if (joint.dynamics->friction != 0)
+        model_.remarks.push_back("joint '" + joint.name + "': dry friction is left out");
+    }
+    const bool has_range =
+        joint.limits && joint.type != urdf::Joint::CONTINUOUS && (joint.limits->lower != 0 || joint.limits->upper != 0);
+    if (has_range) model_.remarks.push_back("joint '" + joint.name + "': its range is left out: nothing stops it");
+    if (joint.mimic) model_.remarks.push_back("joint '" + joint.name + "': mimic is left out: it moves by itself");
+  }
+
+  // The body's axes and centre of mass in W.
+  [[nodiscard]] Isometry3d get_frame(int body) const {
+    const ImportedBody& at = model_.bodies[static_cast<std::size_t>(body)];
+    Isometry3d X = Isometry3d::Identity();
+    X.translate(at.p_WB);
+    X.rotate(at.q_WB);
+    return X;
+  }
+
+  int add_body(const urdf::Link& link, const Isometry3d& X_WL) {
+    if (model_.bodies.size() == kMostImported)
+      throw ImportError("it has more than " + std::to_string(kMostImported) + " bodies");
+    const Isometry3d X_LI = to_isometry(link.inertial->origin);
+    const urdf::Inertial& inertial = *link.inertial;
+    Eigen::Matrix3d I;
+    I << inertial.ixx, inertial.ixy, inertial.ixz, inertial.ixy, inertial.iyy, inertial.iyz, inertial.ixz, inertial.iyz,
+        inertial.izz;
+    ImportedBody body;
+    body.name = link.name;
+    body.mass = inertial.mass;
+    body.inertia = X_LI.linear() * I * X_LI.linear().transpose();
+    body.p_WB = X_WL * X_LI.translation();
+    body.q_WB = Eigen::Quaterniond(X_WL.linear()).normalized();
+    model_.bodies.push_back(std::move(body));
+    const int index = static_cast<int>(model_.bodies.size()) - 1;
+    add_shapes(link, {index, X_WL}, get_frame(index));
+    return index;
+  }
+
+  void add_joint(const std::string& name, Kind kind, int base, int follower, const Isometry3d& X_WJ) {
+    ImportedJoint joint;
+    joint.name = name;
+    joint.kind = kind;
+    joint.base = base;
+    joint.follower = follower;
+    joint.p_WJ = X_WJ.translation();
+    joint.R_WJ = X_WJ.linear();
+    model_.joints.push_back(joint);
+  }
+
+  // What a link collides as, or, without that, what it looks like.
+  void add_shapes(const urdf::Link& link, const Placed& placed, const Isometry3d& X_WB) {
+    std::vector<std::pair<urdf::GeometryConstSharedPtr, urdf::Pose>> list;
+    for (const auto& part : link.collision_array) list.emplace_back(part->geometry, part->origin);
+    if (list.empty()) {
+      for (const auto& part : link.visual_array) list.emplace_back(part->geometry, part->origin);
+    }
+    if (placed.body < 0) {
+      if (!list.empty()) model_.remarks.push_back("link '" + link.name + "': shapes of the ground are left out");
+      return;
+    }
+    for (const auto& [geometry, origin] : list) {
+      if (geometry)
+        add_shape(link.name, *geometry, X_WB.inverse() * placed.X_WL * to_isometry(origin),
+                  model_.bodies[static_cast<std::size_t>(placed.body)]);
+    }
+  }
+
+  void add_shape(const std::string& link, const urdf::Geometry& geometry, const Isometry3d& X_BS, ImportedBody& body) {
+    if (++shapes_ > kMostImported) throw ImportError("it has more than " + std::to_string(kMostImported) + " shapes");
+    hil::Shape shape;
+    shape.from = X_BS.translation();
+    if (geometry.type == urdf::Geometry::SPHERE) {
+      shape.kind = hil::Shape::Kind::kSphere;
+      shape.radius = static_cast<const urdf::Sphere&>(geometry).radius;
+    } else if (geometry.type == urdf::Geometry::BOX) {
+      shape.kind = hil::Shape::Kind::kBox;
+      shape.size = to_vector(static_cast<const urdf::Box&>(geometry).dim);
+      shape.q_BS = Eigen::Quaterniond(X_BS.linear()).normalized();
+    } else if (geometry.type == urdf::Geometry::CYLINDER) {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
+      shape.kind = hil::Shape::Kind::kCylinder;
+      shape.radius = cylinder.radius;
+      shape.from = X_BS * Eigen::Vector3d(0, 0, -0.5 * cylinder.length);
+      shape.to = X_BS * Eigen::Vector3d(0, 0, 0.5 * cylinder.length);
+    } else {
+      model_.remarks.push_back("link '" + link + "': a mesh is left out; write a hull, or simple shapes");
+      return;
+    }
+    body.shapes.push_back(std::move(shape));
+  }
+
+  ImportedModel& model_;
+  const bool fixed_base_;
+  std::size_t shapes_ = 0;
+};
+
+}  // namespace
+
+ImportedModel read_urdf(const std::string& text, const std::string& path, bool fixed_base) {
+  Listener listener;
+  console_bridge::useOutputHandler(&listener);
+  const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(text);
+  console_bridge::restorePreviousOutputHandler();
+  if (!robot || !robot->getRoot()) {
+    throw ImportError("it is no URDF: " + (listener.said.empty() ? "urdfdom cannot read it" : listener.said));
+  }
+  ImportedModel model;
+  model.name = robot->getName();
+  model.source = "URDF, " + path;
+  model.remarks.push_back("a URDF has no gravity: 9.81 m/s2 along -z is assumed");
+  model.remarks.push_back("every joint is at its zero, and nothing moves");
+  Reader(model, fixed_base).read(*robot);
+  return model;
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,96 @@
+#include "tools/unlatch/check_json.h"
+
+#include "kernel/stiffness.h"
+#include "tools/unlatch/commands.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string get_name(const Model& model, int body) {
+  return body == kGround ? "ground" : model.bodies[static_cast<std::size_t>(body)].name;
+}
+
+Json build_body(const Body& body) {
+  Json inertia = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    inertia.push_back({body.inertia(row, 0), body.inertia(row, 1), body.inertia(row, 2)});
+  }
+  return {{"name", body.name}, {"mass", body.mass}, {"inertia", inertia}};
+}
+
+Json build_joint(const Model& model, const Joint& joint) {
+  Json modes = Json::object();
+  for (const JointMode& mode : joint.modes) {
+    Json rows = Json::array();
+    for (int row = 0; row < kRows; ++row) {
+      if (has_row(mode.rows, row)) rows.push_back(kRowNames[row]);
+    }
+    modes[mode.name] = rows;
+  }
+  return {{"name", joint.name},
+          {"between", {get_name(model, joint.base), get_name(model, joint.follower)}},
+          {"mode", joint.modes[static_cast<std::size_t>(joint.mode)].name},
+          {"modes", modes}};
+}
+
+// Leaves to root, as the factorisation goes.
+Json build_elimination(const Model& model, const Plan& plan) {
+  Json order = Json::array();
+  for (auto node = plan.nodes.rbegin(); node != plan.nodes.rend(); ++node) {
+    Json entry = {{"body", get_name(model, node->body)}};
+    if (node->joint != kNone) entry["joint"] = model.joints[static_cast<std::size_t>(node->joint)].name;
+    if (node->parent != kNone) {
+      entry["into"] = get_name(model, plan.nodes[static_cast<std::size_t>(node->parent)].body);
+    }
+    order.push_back(entry);
+  }
+  return order;
+}
+
+}  // namespace
+
+Json build_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation) {
+  const Model& model = scenario.model;
+  const Plan& plan = simulation.plan();
+  Json json = {{"schema", 1},       {"valid", true},          {"scenario", scenario.name}, {"title", scenario.title},
+               {"dt", scenario.dt}, {"until", scenario.until}};
+  json["bodies"] = Json::array();
+  for (const Body& body : model.bodies) json["bodies"].push_back(build_body(body));
+  json["joints"] = Json::array();
+  for (const Joint& joint : model.joints) json["joints"].push_back(build_joint(model, joint));
+  json["elimination"] = build_elimination(model, plan);
+  json["loops"] = Json::array();
+  for (const std::int32_t loop : plan.loops) json["loops"].push_back(model.joints[static_cast<std::size_t>(loop)].name);
+  json["elements"] = Json::array();
+  for (const ElementFrequency& element : simulation.calc_frequencies()) {
+    const double h_omega = plan.options.dt * element.omega, h_decay = plan.options.dt * element.decay;
+    json["elements"].push_back({{"name", model.element_name(element.element)},
+                                {"h_omega", h_omega},
+                                {"h_decay", h_decay},
+                                {"implicit", element.implicit},
+                                {"stable", element.implicit || std::max(h_omega, h_decay) <= kStable}});
+  }
+  json["counts"] = {{"channels", model.channels.size()},
+                    {"sensor_values", plan.sensor_count},
+                    {"signals", model.signals.size()},
+                    {"events", model.events.size()}};
+  json["bytes"] = {{"state", plan.get_state_bytes()}, {"workspace", plan.get_workspace_bytes()}};
+  return json;
+}
+
+Json build_mistakes_json(const hil::ScenarioError& error) {
+  Json json = {{"schema", 1}, {"valid", false}, {"mistakes", Json::array()}};
+  for (const hil::ScenarioMistake& mistake : error.mistakes) {
+    json["mistakes"].push_back({{"file", mistake.file},
+                                {"line", mistake.mark.line},
+                                {"column", mistake.mark.column},
+                                {"override", mistake.override_text},
+                                {"what", mistake.what},
+                                {"mend", mistake.mend}});
+  }
+  return json;
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,150 @@
+// unlatch export: a recording, run again, in the formats of other tools.
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "tools/exit_codes.h"
+#include "tools/export/node_writer.h"
+#include "tools/export/sink.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/replayed_log.h"
+#include "tools/unlatch/report.h"
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+struct ExportOptions {
+  std::string log, format, out;
+  std::vector<std::string> bodies;
+  std::int64_t every = 1;
+};
+
+bool needs_node(const std::string& format) { return format == "mcap" || format == "parquet"; }
+
+void check_output(const ExportOptions& options) {
+  std::error_code error;
+  if (std::filesystem::equivalent(options.log, options.out, error)) {
+    throw CLI::ValidationError("--out", options.out + " is the recording; what is exported needs a file of its own");
+  }
+  if (options.out == "-" && needs_node(options.format)) {
+    throw CLI::ValidationError("--out", options.format + " goes to a file, not to standard output");
+  }
+}
+
+// The file, or the pipe to its writer.
+class Destination {
+ public:
+  explicit Destination(const ExportOptions& options) : path_(options.out) {
+    if (needs_node(options.format)) {
+      node_.emplace(options.format, std::filesystem::absolute(options.out).string());
+    } else {
+      file_.reset(options.out == "-" ? stdout : std::fopen(options.out.c_str(), "wb"));
+      if (!file_) throw OutputError(path_ + ": cannot be created: " + std::strerror(errno));
+    }
+  }
+
+  [[nodiscard]] std::FILE* get_stream() const { return node_ ? node_->get_stream() : file_.get(); }
+
+  // Early, so that nobody replays an hour onto a full disk.
+  void check() const {
+    if (std::ferror(get_stream()) != 0) throw OutputError(path_ + ": cannot be written: " + std::strerror(errno));
+  }
+
+  void finish() {
+    if (node_ ? !node_->finish() : std::fflush(file_.get()) != 0) {
+      throw OutputError(path_ + ": is not whole: " + (node_ ? "its writer has failed" : std::strerror(errno)));
+    }
+    if (!node_) check();
+  }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const {
+      if (file != stdout) std::fclose(file);
+    }
+  };
+  const std::string path_;
+  std::optional<NodeWriter> node_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+std::unique_ptr<Sink> build_sink(const std::string& format, std::FILE* stream) {
+  if (format == "csv") return build_csv_sink(stream);
+  return format == "parquet" ? build_table_sink(stream) : build_json_sink(stream);
+}
+
+int run(const ExportOptions& options) {
+  check_output(options);
+  OpenedLog opened(options.log);
+  hil::RecordingReader& recording = opened.recording;
+  hil::Simulation& simulation = *opened.simulation;
+  std::optional<Selection> selection;
+  try {
+    selection.emplace(opened.scenario, simulation, options.bodies, options.every);
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--bodies", error.what());
+  }
+  Destination destination(options);
+  const auto sink = build_sink(options.format, destination.get_stream());
+  sink->begin(*selection, recording.header);
+
+  Progress progress(recording.header.dt, recording.header.last_tick);
+  const hil::ReplayResult result = hil::replay(recording, simulation, nullptr, [&](const StepReport& report) {
+    progress.show(simulation.get_tick());
+    if (!selection->look(report)) return;
+    sink->add_tick(*selection);
+    destination.check();
+  });
+  progress.clear();
+  if (selection->look_at_end()) sink->add_tick(*selection);
+  const std::string status = describe_status(recording, result);
+  const std::string why = recording.end ? recording.end->message : recording.shortfall;
+  sink->end({status, why, to_hex(simulation.calc_hash())});
+  destination.finish();
+
+  std::fprintf(stderr, "%s: %s, up to tick %lld (t = %g s), %s\n", options.out.c_str(), options.format.c_str(),
+               static_cast<long long>(simulation.get_tick()), simulation.get_time(), status.c_str());
+  if (!recording.shortfall.empty()) std::fprintf(stderr, "  %s\n", recording.shortfall.c_str());
+  if (!result.agrees()) std::fprintf(stderr, "  it does not replay as it was recorded: see unlatch replay\n");
+  return result.agrees() && !recording.damaged ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = add_verb(
+      app, "export",
+      "Replays a recording and writes it in a format of other tools. csv: a line a tick, units in the header. json: an "
+      "object a line: the run, its ticks and events. mcap: for Foxglove, with the 3D scene, transforms, reactions, "
+      "events. parquet: the table of csv. mcap and parquet need Node.js. Lengths in m, angles in rad, SI throughout; "
+      "reactions are those on the follower. Exit code 1: it was written, but the recording does not replay as "
+      "recorded.",
+      "unlatch export run.log --format csv --every 10 --out run.csv\n"
+      "unlatch export run.log --format mcap --bodies core,booster1 --out run.mcap");
+  command->add_option("LOG", options->log, "recording made by --log")->required();
+  command->add_option("--format", options->format, "what to write")
+      ->required()
+      ->check(CLI::IsMember(std::vector<std::string>{"csv", "json", "mcap", "parquet"}));
+  command->add_option("--out", options->out, "file to write; - for standard output (csv, json)")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--every", options->every, "only ticks that are a multiple of it, the first and the last")
+      ->type_name("TICKS")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
+      ->capture_default_str();
+  command->add_option("--bodies", options->bodies, "only these bodies (default: all)")
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  command->callback([options, &exit_code] {
+    try {
+      exit_code = run(*options);
+    } catch (const NodeMissing& missing) {
+      std::fprintf(stderr, "unlatch export: %s\n", missing.what());
+      exit_code = kExitEnvironment;
+    }
+  });
+}
+
+}  // namespace unlatch::tools

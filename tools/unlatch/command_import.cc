@@ -1,0 +1,78 @@
+// unlatch import: another tool's description as a starting point for a scenario.
+#include <filesystem>
+
+#include "hil/run.h"
+#include "tools/exit_codes.h"
+#include "tools/import/guard.h"
+#include "tools/import/imported.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/report.h"
+
+namespace unlatch::tools {
+namespace {
+
+struct ImportOptions {
+  std::string file, out;
+  bool fixed_base = false, force = false;
+};
+
+int run(const ImportOptions& options) {
+  const std::filesystem::path path(options.file);
+  const std::string text = read_xml(options.file);
+  const bool is_urdf = path.extension() == ".urdf" || text.find("<robot") != std::string::npos;
+  if (!is_urdf && text.find("<mujoco") == std::string::npos) {
+    throw ImportError("is neither a URDF (<robot>) nor an MJCF (<mujoco>)");
+  }
+  if (!is_urdf && !has_mjcf()) {
+    std::fprintf(stderr,
+                 "unlatch import: this program was built without MuJoCo; install libmujoco-dev and build again from "
+                 "the beginning: cmake --fresh --preset release\n");
+    return kExitEnvironment;
+  }
+  if (!options.force && options.out != "-" && std::filesystem::exists(options.out)) {
+    throw CLI::ValidationError("--out", options.out + " exists; --force replaces it");
+  }
+  const std::string scenario = compute_apart([&] {
+    return write_scenario(is_urdf ? read_urdf(text, path.filename().string(), options.fixed_base)
+                                  : read_mjcf(options.file));
+  });
+  // What is not physical is told as of any scenario, and not written.
+  const hil::Scenario checked = hil::load_scenario_text(scenario, "the scenario that it makes");
+  hil::build_simulation(checked);
+  write_text(scenario, options.out);
+  std::fprintf(stderr, "%s: %zu bodies, %zu joints; its first lines say what was left out\n", options.out.c_str(),
+               checked.model.bodies.size(), checked.model.joints.size());
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* command = add_verb(
+      app, "import",
+      "Makes a scenario from a URDF or an MJCF file, as a starting point. Taken over: bodies with mass and inertia, "
+      "joints (fixed, revolute, continuous, prismatic, planar, floating; MJCF: hinge, slide, ball, free, two crossed "
+      "hinges, connect and weld), springs and dampers of joints, shapes (box, cylinder, sphere, capsule; meshes of "
+      "MJCF "
+      "as convex hulls), gravity. Left out, each named at the head of the file: ranges, dry friction, actuators, "
+      "tendons, sensors, contacts, meshes of a URDF. The bodies are at the file's zero configuration, at rest.",
+      "unlatch import arm.urdf --fixed-base --out arm.yaml\n"
+      "unlatch import pendulum.xml --out pendulum.yaml && unlatch run pendulum.yaml");
+  command->add_option("FILE", options->file, "URDF (.urdf) or MJCF (.xml)")->required();
+  command->add_option("--out", options->out, "scenario to write (.yaml); - for standard output")
+      ->required()
+      ->type_name("FILE");
+  command->add_flag("--fixed-base", options->fixed_base, "URDF: a root link with mass is welded to the ground");
+  command->add_flag("--force", options->force, "replaces a file that exists");
+  command->callback([options, &exit_code] {
+    try {
+      exit_code = run(*options);
+    } catch (const ImportError& error) {
+      std::fprintf(stderr, "%s: %s\n", options->file.c_str(), error.what());
+      exit_code = kExitUsage;
+    }
+  });
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,12 @@
+// Manual pages, in man(7)'s language, from the CLI11 description.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace unlatch::tools {
+
+// Of the program itself, or, with `verb`, of one of its verbs: "unlatch-run(1)".
+std::string build_manual(const CLI::App& app, const CLI::App* verb);
+
+}  // namespace unlatch::tools

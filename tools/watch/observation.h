@@ -1,0 +1,64 @@
+// Hears messages and makes of them what people look at. It follows one session at a time: the first that speaks, and
+// another once that one has ended or fallen silent.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string_view>
+
+#include "hil/messages.h"
+#include "hil/scenario.h"
+#include "hil/source_text.h"
+#include "tools/watch/view.h"
+
+namespace unlatch::tools {
+
+// What may be shown of a text from outside: control characters and bytes that are no UTF-8 become '?'.
+std::string clean_text(std::string_view text);
+
+class Observation {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  // Silence of the simulator, s of wall time, after which people are told and another session may take its place.
+  static constexpr double kSilent_s = 1.5;
+
+  void hear(const hil::Message& message, Time now);
+  // What depends on time, clearances included; some ten times a second.
+  const View& look(Time now, const bridge::PortCounts& port);
+
+ private:
+  bool follow(const hil::Message& message, Time now);
+  void begin(std::int64_t session);
+  void hear_hello(const hil::Hello& hello);
+  void hear_catalog(const hil::Catalog& item);
+  void hear_state(const hil::State& state);
+  void hear_reactions(const hil::Reactions& reactions);
+  void hear_source(const hil::Source& part);
+  void hear_event(const hil::Event& event);
+  void hear_verdict(const hil::Verdict& verdict);
+  void hear_participant(const hil::Message& message);
+  void count_losses(hil::MessageKind kind, std::int64_t sequence);
+  void load_source();
+  void name_modes();
+  void update_clearances();
+  void update_rates(Time now);
+  void tell(std::string text, bool is_bad);
+  WatchedParticipant& find_participant(std::int32_t id);
+
+  View view_;
+  hil::SourceText source_;
+  std::unique_ptr<hil::Scenario> scenario_;
+  std::optional<hil::ClearanceMonitor> clearances_;
+  std::vector<hil::Pose> poses_;
+  std::vector<std::uint8_t> modes_;
+  std::vector<std::string> channels_;
+  std::array<std::int64_t, hil::kMessageKinds> next_{};  // sequence number expected; -1: none was heard
+  std::int64_t looked_tick_ = -1;
+  std::int64_t stranger_ = 0;  // another session that speaks meanwhile, told once
+  Time heard_{}, rated_{};
+  std::array<std::int64_t, hil::kMessageKinds> rated_counts_{};
+  bool told_silence_ = false;
+};
+
+}  // namespace unlatch::tools

@@ -1,0 +1,294 @@
+#include "tools/watch/screen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+using hil::MessageKind;
+using hil::RunStatus;
+
+constexpr std::size_t kBar = 24;  // characters
+constexpr double kNsPerUs = 1000;
+
+// Formats as printf does.
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+std::size_t count_characters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+// The first `columns` characters.
+std::string cut(const std::string& text, std::size_t columns) {
+  std::size_t end = 0, left = columns;
+  while (end < text.size()) {
+    if ((text[end] & 0xc0) != 0x80 && left-- == 0) break;
+    ++end;
+  }
+  return text.substr(0, end);
+}
+
+std::string pad(const std::string& text, std::size_t columns) {
+  const std::string fit = cut(text, columns);
+  return fit + std::string(columns - count_characters(fit), ' ');
+}
+
+// A line of pieces, each in a colour of its own, never wider than the screen.
+class Line {
+ public:
+  Line(const ScreenOptions& options) : options_(options), left_(options.columns) {}
+  Line& add(const std::string& text) {
+    const std::string fit = cut(text, left_);
+    left_ -= count_characters(fit);
+    text_ += fit;
+    return *this;
+  }
+  Line& add(Colour colour, const std::string& text) {
+    const std::string fit = cut(text, left_);
+    left_ -= count_characters(fit);
+    text_ += fit.empty() ? "" : paint(options_.colours, colour, fit);
+    return *this;
+  }
+  [[nodiscard]] const std::string& get() const { return text_; }
+
+ private:
+  const ScreenOptions& options_;
+  std::size_t left_;
+  std::string text_;
+};
+
+const char* get_status_text(RunStatus status) {
+  static constexpr std::array<const char*, 8> kTexts{
+      "waits for flight software", "configured", "armed", "running", "paused", "done", "aborted", "faulted"};
+  return kTexts[static_cast<std::size_t>(status)];
+}
+
+Colour get_status_colour(const View& view) {
+  if (view.silent_s > 1 && view.status < RunStatus::kDone) return Colour::kRed;
+  if (view.status == RunStatus::kAborted || view.status == RunStatus::kFaulted) return Colour::kRed;
+  return view.status == RunStatus::kPaused ? Colour::kYellow : Colour::kGreen;
+}
+
+std::string build_bar(double share) {
+  const double bounded = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0;
+  const auto filled = static_cast<std::size_t>(std::lround(bounded * static_cast<double>(kBar)));
+  return "[" + std::string(filled, '#') + std::string(kBar - filled, '.') + "]";
+}
+
+// The typical value as #, up to the worst as -, of a limit.
+std::string build_time_bar(double typical, double worst, double limit) {
+  std::string bar = build_bar(limit > 0 ? worst / limit : 0);
+  std::replace(bar.begin(), bar.end(), '#', '-');
+  const auto filled =
+      static_cast<std::size_t>(std::lround(std::clamp(typical / limit, 0.0, 1.0) * static_cast<double>(kBar)));
+  for (std::size_t i = 0; i < std::max<std::size_t>(filled, typical > 0 ? 1 : 0); ++i) bar[1 + i] = '#';
+  return bar;
+}
+
+class Screen {
+ public:
+  Screen(const View& view, const ScreenOptions& options) : view_(view), options_(options) {}
+
+  std::vector<std::string> draw() {
+    draw_head();
+    if (view_.session != 0) {
+      // Lists share what the fixed lines leave: joints first, then clearances, and the notices get the rest.
+      const std::size_t fixed = lines_.size() + 7 + std::min<std::size_t>(view_.participants.size(), kMostParticipants);
+      const std::size_t room = options_.rows > fixed + kFewNotices ? options_.rows - fixed - kFewNotices : 2;
+      const std::size_t joints =
+          std::min(view_.joints.size(),
+                   std::max<std::size_t>(
+                       1, room - std::min(room - 1, std::min<std::size_t>(view_.clearances.size(), room / 3))));
+      draw_joints(joints);
+      draw_clearances(room > joints ? room - joints : 1);
+      draw_timing();
+      draw_messages();
+      draw_participants();
+      draw_notices();
+    }
+    if (lines_.size() > options_.rows) lines_.resize(options_.rows);
+    return std::move(lines_);
+  }
+
+ private:
+  static constexpr std::size_t kFewNotices = 4, kMostParticipants = 4;
+
+  Line begin() const { return Line(options_); }
+  void add(const Line& line) { lines_.push_back(line.get()); }
+
+  void draw_head() {
+    Line line = begin();
+    line.add(Colour::kBold, "unlatch watch").add("  " + options_.transport + "  ");
+    if (view_.session == 0) {
+      add(line.add(Colour::kYellow, "waits for a simulator"));
+      return;
+    }
+    line.add(Colour::kBold, view_.scenario.empty() ? "(no Hello heard yet)" : view_.scenario);
+    line.add(format("  session %llx  ", static_cast<unsigned long long>(view_.session)));
+    const bool is_silent = view_.silent_s > 1 && view_.status < RunStatus::kDone;
+    const std::string status = is_silent ? format("silent for %.0f s", view_.silent_s) : get_status_text(view_.status);
+    line.add(get_status_colour(view_), status);
+    if (view_.has_hello) line.add(", " + std::string(get_text(static_cast<hil::Pace>(view_.hello.pace))));
+    add(line);
+
+    Line time = begin();
+    time.add(format("t %.3f s", view_.time));
+    if (view_.has_hello && view_.hello.last_tick > 0) {
+      const double end = static_cast<double>(view_.hello.last_tick) * static_cast<double>(view_.hello.dt_ns) * 1e-9;
+      time.add(format(" of %g s ", end) + build_bar(view_.time / end));
+    }
+    time.add(format("  tick %lld", static_cast<long long>(view_.tick)));
+    if (view_.has_hello) time.add(format("  step %g ms", static_cast<double>(view_.hello.dt_ns) * 1e-6));
+    add(time);
+    if (!view_.scenario_note.empty()) add(begin().add(Colour::kYellow, view_.scenario_note));
+  }
+
+  void draw_joints(std::size_t shown) {
+    if (view_.joints.empty()) return;
+    const bool known = view_.reactions_tick >= 0;
+    add(begin().add(Colour::kBold, pad("Joint", 14) + pad("mode", 12) +
+                                       (known ? "         x         y         z     rot_x     rot_y     rot_z  N, N m"
+                                              : "reactions: none heard yet")));
+    for (std::size_t i = 0; i < std::min(shown, view_.joints.size()); ++i) {
+      const WatchedJoint& joint = view_.joints[i];
+      Line line = begin();
+      line.add(pad(joint.name, 13) + " ").add(Colour::kGreen, pad(joint.mode, 11)).add(" ");
+      for (const double value : joint.reaction) {
+        if (known) line.add(format("%10.4g", value));
+      }
+      add(line);
+    }
+    add_rest(view_.joints.size(), shown, "joints");
+  }
+
+  void draw_clearances(std::size_t shown) {
+    if (view_.clearances.empty()) return;
+    add(begin().add(Colour::kBold, pad("Clearance", 30) + "     now    least seen"));
+    for (std::size_t i = 0; i < std::min(shown, view_.clearances.size()); ++i) {
+      const hil::Clearance& clearance = view_.clearances[i];
+      const std::string pair = view_.bodies[static_cast<std::size_t>(clearance.a)] + " – " +
+                               view_.bodies[static_cast<std::size_t>(clearance.b)];
+      Line line = begin();
+      line.add(pad(pair, 29) + " ");
+      line.add(clearance.now > 0 ? Colour::kGreen : Colour::kRed, format("%8.3f m", clearance.now));
+      add(line.add(format("%8.3f m at %.3f s", clearance.smallest, clearance.time)));
+    }
+    add_rest(view_.clearances.size(), shown, "pairs");
+  }
+
+  void add_rest(std::size_t all, std::size_t shown, const char* what) {
+    if (all > shown) add(begin().add(Colour::kDim, format("  … and %zu %s more", all - shown, what)));
+  }
+
+  void draw_timing() {
+    if (!view_.health) {
+      add(begin().add(Colour::kBold, "Time  ").add("no Health heard yet"));
+      return;
+    }
+    const hil::Health& health = *view_.health;
+    const auto us = [](std::int64_t ns) { return static_cast<double>(ns) / kNsPerUs; };
+    const double tick_us = us(view_.hello.dt_ns);
+    add(begin()
+            .add(Colour::kBold, "Step      ")
+            .add(build_time_bar(us(health.step_p50_ns), us(health.step_max_ns), tick_us))
+            .add(format(" median %.1f, worst %.1f of %g us", us(health.step_p50_ns), us(health.step_max_ns), tick_us)));
+    add(begin()
+            .add(Colour::kBold, "Wake-up   ")
+            .add(build_time_bar(us(health.wakeup_p50_ns), us(health.wakeup_max_ns), tick_us))
+            .add(format(" median %.1f, worst %.1f us; ", us(health.wakeup_p50_ns), us(health.wakeup_max_ns)))
+            .add(health.overruns > 0 ? Colour::kRed : Colour::kGreen,
+                 format("overruns %lld", static_cast<long long>(health.overruns))));
+  }
+
+  void draw_messages() {
+    Line line = begin();
+    line.add(Colour::kBold, "Messages  ");
+    for (const MessageKind kind :
+         {MessageKind::kState, MessageKind::kCommand, MessageKind::kStepAck, MessageKind::kEvent}) {
+      line.add(
+          format("%s %.0f/s  ", std::string(get_kind_name(kind)).c_str(), view_.rates[static_cast<std::size_t>(kind)]));
+    }
+    const std::int64_t lost = std::max(view_.lost, view_.port.lost);
+    line.add(lost > 0 ? Colour::kRed : Colour::kGreen, format("lost %lld", static_cast<long long>(lost)));
+    add(line.add(format("  repeated %lld  malformed %lld", static_cast<long long>(view_.repeated),
+                        static_cast<long long>(view_.port.malformed))));
+    if (!view_.health) return;
+    std::int64_t refused = 0;
+    for (const std::int64_t count : view_.health->rejected) refused += count;
+    add(begin()
+            .add(Colour::kBold, "Simulator ")
+            .add(format("commands late %lld, refused %lld; dropped %lld, said again %lld; missing participants %lld",
+                        static_cast<long long>(view_.health->late), static_cast<long long>(refused),
+                        static_cast<long long>(view_.health->dropped), static_cast<long long>(view_.health->resent),
+                        static_cast<long long>(view_.health->missing))));
+  }
+
+  void draw_participants() {
+    for (std::size_t i = 0; i < std::min(view_.participants.size(), kMostParticipants); ++i) {
+      const WatchedParticipant& one = view_.participants[i];
+      const bool is_ready = one.status == hil::AckStatus::kReady;
+      Line line = begin();
+      line.add(Colour::kBold, "Takes part ").add(pad(one.name, 14) + " ");
+      line.add(is_ready ? Colour::kGreen : Colour::kYellow, is_ready                                 ? "ready"
+                                                            : one.status == hil::AckStatus::kRefused ? "refuses"
+                                                                                                     : "is missing");
+      if (one.tick >= 0) {
+        line.add(format(", answered tick %lld, %lld behind; %lld commands", static_cast<long long>(one.tick),
+                        static_cast<long long>(std::max<std::int64_t>(0, view_.tick - one.tick)),
+                        static_cast<long long>(one.commands)));
+      }
+      add(line);
+    }
+  }
+
+  void draw_notices() {
+    if (view_.notices.empty() || lines_.size() + 2 > options_.rows) return;
+    add(begin().add(Colour::kBold, "Notices"));
+    const std::size_t shown = std::min(view_.notices.size(), options_.rows - lines_.size());
+    for (auto notice = view_.notices.end() - static_cast<std::ptrdiff_t>(shown); notice != view_.notices.end();
+         ++notice) {
+      Line line = begin();
+      line.add(format("  %10.4f s  ", notice->time));
+      notice->is_bad ? line.add(Colour::kYellow, notice->text) : line.add(notice->text);
+      add(line);
+    }
+  }
+
+  const View& view_;
+  const ScreenOptions& options_;
+  std::vector<std::string> lines_;
+};
+
+}  // namespace
+
+std::vector<std::string> draw(const View& view, const ScreenOptions& options) { return Screen(view, options).draw(); }
+
+std::string describe(const View& view) {
+  if (view.session == 0) return "waits for a simulator";
+  std::string text = format("t %.3f s, tick %lld, ", view.time, static_cast<long long>(view.tick));
+  const bool is_silent = view.silent_s > 1 && view.status < RunStatus::kDone;
+  text += is_silent ? format("silent for %.0f s", view.silent_s) : get_status_text(view.status);
+  text += format("; %.0f states/s, lost %lld", view.rates[static_cast<std::size_t>(MessageKind::kState)],
+                 static_cast<long long>(std::max(view.lost, view.port.lost)));
+  if (view.health) {
+    text +=
+        format("; step %.1f us, worst %.1f us, overruns %lld", static_cast<double>(view.health->step_p50_ns) / kNsPerUs,
+               static_cast<double>(view.health->step_max_ns) / kNsPerUs, static_cast<long long>(view.health->overruns));
+  }
+  for (const WatchedJoint& joint : view.joints) text += "; " + joint.name + " " + joint.mode;
+  return text;
+}
+
+}  // namespace unlatch::tools
