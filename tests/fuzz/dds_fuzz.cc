@@ -14,8 +14,9 @@ using namespace unlatch;
 namespace {
 
 constexpr std::array<const dds_topic_descriptor_t*, hil::kMessageKinds> kTypes{
-    &unlatch_Hello_desc,   &unlatch_Catalog_desc, &unlatch_HelloAck_desc, &unlatch_State_desc,  &unlatch_Command_desc,
-    &unlatch_StepAck_desc, &unlatch_Event_desc,   &unlatch_Health_desc,   &unlatch_Verdict_desc};
+    &unlatch_Hello_desc,   &unlatch_Catalog_desc,   &unlatch_HelloAck_desc, &unlatch_State_desc,
+    &unlatch_Command_desc, &unlatch_StepAck_desc,   &unlatch_Event_desc,    &unlatch_Health_desc,
+    &unlatch_Verdict_desc, &unlatch_Reactions_desc, &unlatch_Source_desc};
 
 dds_entity_t check(dds_entity_t result) {
   fuzz::require(result >= 0, dds_strretcode(result));
