@@ -2,7 +2,8 @@
 """Wake-up latency and step time of the cyclic executive beside cyclictest, on one CPU at the same time, with and without
 load on the others: bench/jitter.py BIN_FOLDER [SECONDS]. Writes bench/results/jitter.csv and jitter.md.
 
-Both threads are SCHED_FIFO 80, pinned to the last CPU, with absolute deadlines a period apart and phases of their own. The load is stress-ng on all other CPUs.
+Both threads are SCHED_FIFO 80, pinned to the last CPU, with absolute deadlines a period apart and phases of their own.
+A third one, the yardstick, times some 5 us of arithmetic in registers each period: what it stretches to is the machine's doing, not the step's. The load is stress-ng on all other CPUs.
 Needs rt-tests and stress-ng (tools/setup bench), and the right to SCHED_FIFO."""
 
 import csv
@@ -79,7 +80,8 @@ def run_case(scenario, period_us, spin_us, load):
     common = {"scenario": scenario, "period_us": period_us, "spin_us": spin_us, "load": "stress-ng" if load else "none"}
     return [dict(common, what="unlatch wake-up", overruns=report["overruns"], **report["wakeup_ns"]),
             dict(common, what="cyclictest wake-up", **theirs),
-            dict(common, what="unlatch step", overruns=report["overruns"], **report["step_ns"])], report["causes"]
+            dict(common, what="unlatch step", overruns=report["overruns"], **report["step_ns"]),
+            dict(common, what="yardstick", overruns=0, **report["yardstick_ns"])], report["causes"]
 
 
 def describe_machine():
@@ -110,10 +112,11 @@ def main():
         for scenario, period_us, spin_us in CASES:
             found, causes = run_case(scenario, period_us, spin_us, load)
             rows += found
-            ours, theirs, step = found
+            ours, theirs, step, yardstick = found
             causes = ", ".join(f"{name} {count}" for name, count in causes.items() if count)
             notes.append(f"- {scenario}, {period_us} us, spin {spin_us}, {found[0]['load']}: median wake-up {ours['p50'] / max(theirs['p50'], 1):.2f} × "
-                         f"cyclictest's; step p99.9 / median {step['p999'] / step['p50']:.2f}; median step {step['p50'] / period_us / 10:.1f} % "
+                         f"cyclictest's; step p99.9 / median {step['p999'] / step['p50']:.2f}, "
+                         f"yardstick's {yardstick['p999'] / yardstick['p50']:.2f}; median step {step['p50'] / period_us / 10:.1f} % "
                          f"of the period; overruns: {causes or 'none'}")
             print(notes[-1], flush=True)
     write(rows, notes, machine)

@@ -1,5 +1,8 @@
-// The cyclic executive in real time, without flight software: how late it is woken, how long its steps take. Prints one
+// The cyclic executive in real time, without flight software: how late it is woken, how long its steps take, and beside
+// it a yardstick: fixed arithmetic in registers, as often and on the same CPU, whose tail is the machine's. Prints one
 // JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
+#include <time.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +11,7 @@
 
 #include "bench/panel_array.h"
 #include "hil/executive.h"
+#include "hil/histogram.h"
 #include "hil/link.h"
 #include "hil/real_time.h"
 #include "hil/run.h"
@@ -46,6 +50,35 @@ void print(const char* name, const hil::DurationSummary& s) {
       static_cast<long long>(s.max));
 }
 
+std::int64_t read_clock() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
+}
+
+// Some 5 us on a processor of 2.5 GHz: no memory, no branch but the loop's.
+void compute() {
+  std::uint64_t x = 1;
+  for (int i = 0; i < 3000; ++i) {
+    x = x * 6364136223846793005u + 1442695040888963407u;
+    asm volatile("" : "+r"(x));  // as long a chain as it looks
+  }
+}
+
+hil::DurationSummary run_yardstick(const Options& options, const std::stop_token& stopping) {
+  (void)hil::request_real_time({.priority = 80, .cpu = options.cpu});
+  hil::Histogram durations;
+  const auto period = static_cast<std::int64_t>(options.period_us * 1e3);
+  for (std::int64_t next = read_clock(); !stopping.stop_requested(); next += period) {
+    const timespec deadline{next / 1'000'000'000, next % 1'000'000'000};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr);
+    const std::int64_t start = read_clock();
+    compute();
+    durations.record(read_clock() - start);
+  }
+  return durations.summarize();
+}
+
 int run(const Options& options) {
   const hil::Scenario scenario = load(options);
   const auto simulation = hil::build_simulation(scenario);
@@ -66,6 +99,8 @@ int run(const Options& options) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   });
+  hil::DurationSummary yardstick;
+  std::jthread measure([&](const std::stop_token& stopping) { yardstick = run_yardstick(options, stopping); });
   hil::LogEnd end;
   std::jthread([&] {
     for (const std::string& refused : hil::request_real_time({.priority = 80, .cpu = options.cpu})) {
@@ -73,10 +108,13 @@ int run(const Options& options) {
     }
     end = executive.run();
   }).join();
+  measure.request_stop();
+  measure.join();
   recorder.close(end);
   std::printf("{\"status\": %d, ", static_cast<int>(end.status));
   print("step_ns", end.timing.step);
   print("wakeup_ns", end.timing.wakeup);
+  print("yardstick_ns", yardstick);
   std::printf("\"overruns\": %lld, \"causes\": {", static_cast<long long>(end.timing.overruns));
   for (std::size_t i = 0; i < hil::kOverrunCauses; ++i) {
     std::printf("%s\"%s\": %lld", i == 0 ? "" : ", ", hil::kOverrunCauseNames[i].data(),
