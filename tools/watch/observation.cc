@@ -28,12 +28,6 @@ std::string to_hex(std::int64_t number) {
 
 bool has_ended(RunStatus status) { return status >= RunStatus::kDone; }
 
-// Of Hello, Catalog and Source the latest of each is kept for late joiners: their numbers may come in any order.
-bool is_counted(MessageKind kind) {
-  return kind == MessageKind::kState || kind == MessageKind::kEvent || kind == MessageKind::kHealth ||
-         kind == MessageKind::kVerdict || kind == MessageKind::kReactions;
-}
-
 // How many bytes of `text` are one character of UTF-8; 0 for what is none.
 std::size_t calc_character_length(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
