@@ -64,9 +64,10 @@ void add_man(CLI::App& app, int& exit_code) {
   command->callback([&app, options, &exit_code] {
     const CLI::App* verb = nullptr;
     if (!options->verb.empty()) {
-      verb = app.get_subcommand_no_throw(options->verb);
-      if (verb == nullptr)
+      const auto found = app.get_subcommands([&](const CLI::App* one) { return one->get_name() == options->verb; });
+      if (found.empty())
         throw CLI::ValidationError("VERB", "there is no verb '" + options->verb + "'; see unlatch --help");
+      verb = found.front();
     }
     if (options->folder.empty())
       write_text(build_manual(app, verb), "-");
