@@ -106,6 +106,7 @@ class DdsPort final : public Port {
 
   void open_topic(Role role, std::size_t index) {
     const TopicTraits& traits = kTopics[index];
+    if (!publishes(role, traits.kind) && !receives(role, traits.kind)) return;
     const std::string name = "unlatch_" + std::string(hil::get_kind_name(traits.kind));
     const dds_entity_t topic =
         check("creating a topic", dds_create_topic(participant_.get(), traits.type, name.c_str(), nullptr, nullptr));

@@ -41,6 +41,10 @@ struct LaneKernels {
   void (*reduce)(const Plan&, Workspace&, const Sweep&);
   // Root to leaves: accelerations, and multipliers if asked for.
   void (*substitute)(const Plan&, Workspace&, const Sweep&);
+  // Λ of the joints that close loops, for ws.loop_rows, with the latest factor; what row `pivot` explains, taken out of
+  // the rows after it.
+  void (*reduce_loops)(const Plan&, Workspace&);
+  void (*downdate_loops)(const Plan&, Workspace&, int pivot);
   // Runge–Kutta: keeps pose, velocity and their rates as the beginning of a sub-step.
   void (*keep_start)(const Plan&, Workspace&);
   // From the beginning: the sum starts with `weight` of its rates, the pose goes `h` seconds along them.

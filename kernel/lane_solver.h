@@ -11,6 +11,7 @@
 #pragma once
 
 #include "kernel/flexible.h"
+#include "kernel/lane_loops.h"
 #include "kernel/lane_node.h"
 #include "kernel/varying.h"
 
@@ -366,6 +367,8 @@ constexpr LaneKernels build_kernels(Lanes lanes) {
           factor_and_reduce<kWidest>,
           reduce<kWidest>,
           substitute<kWidest>,
+          reduce_loops<kWidest>,
+          downdate_loops<kWidest>,
           keep_start<kWidest>,
           begin_stages<kWidest>,
           advance_stage<kWidest>,

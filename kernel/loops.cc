@@ -17,7 +17,10 @@ constexpr double kRedundant = 1e-10;
 // An entry this small beside what it would be if the bodies were free is rounding: the tree alone holds the row.
 constexpr double kHeld = 1e-13;
 
-double& entry(Workspace& ws, int row, int column) { return ws.loop_matrix[at(row) * ws.loop_rows.size() + at(column)]; }
+// Of Λ or its factor; column ≤ row.
+double& entry(const Plan& plan, Workspace& ws, int row, int column) {
+  return ws.loop_matrix[at(row) * at(plan.loop_columns) + at(column)];
+}
 
 // The row that is eliminated as number r.
 const LoopRow& get_pivot_row(const Workspace& ws, int r) { return ws.loop_rows[at(ws.loop_rows[at(r)].pivot)]; }
@@ -25,7 +28,7 @@ const LoopRow& get_pivot_row(const Workspace& ws, int r) { return ws.loop_rows[a
 // What row `row` of a joint does with unit multiplier: a wrench at each body's origin.
 LoopRow build_row(const Plan& plan, const JointFrame& f, int joint, int row) {
   const PlanJoint& j = plan.joints[at(joint)];
-  LoopRow out{joint, j.loose, row, j.base, j.follower, kNone, {}, {}, 0};
+  LoopRow out{joint, j.loose, row, j.base, j.follower, kNone, {}, {}, 0, 0};
   if (row < kRotX) {
     const Vec3& n = column(f.n, row);
     out.on_follower = {n, cross(f.r_follower, n)};
@@ -67,19 +70,6 @@ void add_wrench(const LoopRow& row, double size, Workspace& ws) {
   add(row.base, row.on_base);
 }
 
-void sweep_tree(const Plan& plan, Workspace& ws, const Sweep& sweep) {
-  plan.kernels->reduce(plan, ws, sweep);
-  plan.kernels->substitute(plan, ws, sweep);
-}
-
-// Column k of Λ: what its row's unit wrench does along all rows.
-void update_column(const Plan& plan, Workspace& ws, int k) {
-  init_loads(plan, ws, Source::kNothing);
-  add_wrench(ws.loop_rows[at(k)], 1, ws);
-  sweep_tree(plan, ws, {Source::kGiven, false, false});
-  for (int r = k; r < ws.loop_count; ++r) entry(ws, r, k) = apply_row(ws.loop_rows[at(r)], ws);
-}
-
 // τᵀ J⁻¹ τ
 double calc_turning_mobility(const Sym3& J, const Vec3& torque) {
   const Vec3 x{J.xx, J.xy, J.xz}, y{J.xy, J.yy, J.yz}, z{J.xz, J.yz, J.zz};
@@ -114,8 +104,8 @@ int find_pivot(const Plan& plan, Workspace& ws, int first) {
   double largest = kRedundant;
   for (int r = first; r < ws.loop_count; ++r) {
     const LoopRow& row = get_pivot_row(ws, r);
-    const double pivot = entry(ws, r, r);
-    if (pivot > largest * row.own && pivot > kHeld * calc_free_mobility(plan, ws, row)) {
+    const double pivot = entry(plan, ws, r, r);
+    if (pivot > largest * row.own && pivot > kHeld * row.free) {
       largest = pivot / row.own;
       best = r;
     }
@@ -124,46 +114,46 @@ int find_pivot(const Plan& plan, Workspace& ws, int first) {
 }
 
 // Symmetric interchange of what is left at r with what is left at s < r, in the lower triangle.
-void interchange(Workspace& ws, int s, int r) {
+void interchange(const Plan& plan, Workspace& ws, int s, int r) {
   if (r == s) return;
+  const auto swap_entries = [&](int row, int column, int other_row, int other_column) {
+    std::swap(entry(plan, ws, row, column), entry(plan, ws, other_row, other_column));
+  };
   std::swap(ws.loop_rows[at(s)].pivot, ws.loop_rows[at(r)].pivot);
-  std::swap(entry(ws, s, s), entry(ws, r, r));
-  for (int k = 0; k < s; ++k) std::swap(entry(ws, s, k), entry(ws, r, k));
-  for (int k = s + 1; k < r; ++k) std::swap(entry(ws, k, s), entry(ws, r, k));
-  for (int k = r + 1; k < ws.loop_count; ++k) std::swap(entry(ws, k, s), entry(ws, k, r));
+  swap_entries(s, s, r, r);
+  for (int k = 0; k < s; ++k) swap_entries(s, k, r, k);
+  for (int k = s + 1; k < r; ++k) swap_entries(k, s, r, k);
+  for (int k = r + 1; k < ws.loop_count; ++k) swap_entries(k, s, k, r);
 }
 
 // LDLᵀ of Λ in place, the most independent rows first: pivots on the diagonal, the unit lower triangle below it. Rows
 // that follow from the others come last and get no pivot.
 void factor_matrix(const Plan& plan, Workspace& ws) {
   for (int r = 0; r < ws.loop_count; ++r) {
-    ws.loop_rows[at(r)].pivot = r;
-    ws.loop_rows[at(r)].own = entry(ws, r, r);
+    LoopRow& row = ws.loop_rows[at(r)];
+    row.pivot = r;
+    row.own = entry(plan, ws, r, r);
+    row.free = calc_free_mobility(plan, ws, row);
   }
   int rank = 0;
   for (; rank < std::min(ws.loop_count, ws.loop_most); ++rank) {
     const int best = find_pivot(plan, ws, rank);
     if (best == kNone) break;
-    interchange(ws, rank, best);
-    for (int r = rank + 1; r < ws.loop_count; ++r) {
-      const double factor = entry(ws, r, rank) / entry(ws, rank, rank);
-      for (int c = rank + 1; c <= r; ++c)
-        entry(ws, r, c) -= (c == r ? factor : entry(ws, c, rank)) * entry(ws, r, rank);
-      entry(ws, r, rank) = factor;
-    }
+    interchange(plan, ws, rank, best);
+    plan.kernels->downdate_loops(plan, ws, rank);
   }
   ws.loop_redundant = ws.loop_count - rank;
 }
 
 // Of the right-hand side in ws.loop_solution, in the order of the pivots; 0 for redundant rows.
-void solve_matrix(Workspace& ws) {
+void solve_matrix(const Plan& plan, Workspace& ws) {
   const int rank = ws.loop_count - ws.loop_redundant;
   for (int r = 0; r < rank; ++r)
-    for (int c = 0; c < r; ++c) ws.loop_solution[at(r)] -= entry(ws, r, c) * ws.loop_solution[at(c)];
+    for (int c = 0; c < r; ++c) ws.loop_solution[at(r)] -= entry(plan, ws, r, c) * ws.loop_solution[at(c)];
   for (int r = rank - 1; r >= 0; --r) {
-    ws.loop_solution[at(r)] /= entry(ws, r, r);
+    ws.loop_solution[at(r)] /= entry(plan, ws, r, r);
     for (int below = r + 1; below < rank; ++below)
-      ws.loop_solution[at(r)] -= entry(ws, below, r) * ws.loop_solution[at(below)];
+      ws.loop_solution[at(r)] -= entry(plan, ws, below, r) * ws.loop_solution[at(below)];
   }
   for (int r = rank; r < ws.loop_count; ++r) ws.loop_solution[at(r)] = 0;
 }
@@ -172,16 +162,20 @@ void solve_matrix(Workspace& ws) {
 
 void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept {
   ws.loop_count = ws.loop_redundant = 0;
-  for (const std::int32_t joint : plan.loops)
+  for (std::size_t l = 0; l < plan.loops.size(); ++l) {
+    const std::int32_t joint = plan.loops[l];
+    ws.loop_ranges[l] = ws.loop_count;
     for (int r = 0; r < kRows; ++r)
       if (has_row(get_active_rows(plan, state, joint), r))
         ws.loop_rows[at(ws.loop_count++)] = build_row(plan, get_joint_frame(plan, state, ws, joint), joint, r);
-  for (int k = 0; k < ws.loop_count; ++k) update_column(plan, ws, k);
+  }
+  ws.loop_ranges[plan.loops.size()] = ws.loop_count;
+  if (ws.loop_count > 0) plan.kernels->reduce_loops(plan, ws);
   factor_matrix(plan, ws);
 }
 
-void solve_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept {
-  sweep_tree(plan, ws, {sweep.source, sweep.biased, sweep.multipliers && ws.loop_count == 0});
+void substitute_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept {
+  plan.kernels->substitute(plan, ws, {sweep.source, sweep.biased, sweep.multipliers && ws.loop_count == 0});
   for (const std::int32_t joint : plan.loose_joints)
     for (std::size_t r = 0; r < kRows; ++r) ws.multipliers.get(at(joint), r) = 0;
   if (ws.loop_count == 0) return;
@@ -193,14 +187,16 @@ void solve_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexc
         row.row < kRotX ? dot(column(f.n, row.row), bias.lin) : dot(column(f.m, row.row - kRotX), bias.ang);
     ws.loop_solution[at(r)] = (sweep.biased ? target : 0) - apply_row(row, ws);
   }
-  solve_matrix(ws);
+  solve_matrix(plan, ws);
   init_loads(plan, ws, sweep.source);
   for (int r = 0; r < ws.loop_count; ++r) {
     const LoopRow& row = get_pivot_row(ws, r);
     add_wrench(row, ws.loop_solution[at(r)], ws);
     ws.multipliers.get(at(row.joint), at(row.row)) = ws.loop_solution[at(r)];
   }
-  sweep_tree(plan, ws, {Source::kGiven, sweep.biased, sweep.multipliers});
+  const Sweep whole{Source::kGiven, sweep.biased, sweep.multipliers};
+  plan.kernels->reduce(plan, ws, whole);
+  plan.kernels->substitute(plan, ws, whole);
 }
 
 }  // namespace unlatch

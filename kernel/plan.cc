@@ -5,6 +5,7 @@
 #include "kernel/flexible.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_kernels.h"
+#include "kernel/loop_nodes.h"
 #include "kernel/model_hash.h"
 #include "kernel/stiffness.h"
 #include "kernel/topology.h"
@@ -340,6 +341,7 @@ PlanResult compile_plan(const Model& unplaced, const PlanOptions& options) {
     for (const JointMode& mode : model.joints[j].modes) plan.modes.push_back(mode.rows);
   }
   compile_lanes(model, plan);
+  compile_loops(model, plan);
   plan.kernels = &get_kernels(options.lanes);
   plan.gravity = to_vec(model.gravity.uniform);
   plan.mu = model.gravity.mu;

@@ -67,6 +67,23 @@ struct PlanMarker {
   bool bare;             // no joint hangs on it
 };
 
+// A node that the wrenches of loops pass on their way to the root, see loop_nodes.h and lane_loops.h.
+struct LoopNode {
+  std::int32_t node, group;
+  LaneSlot slot;                 // of its body
+  std::int32_t loads;            // row of Workspace::loop_loads where those at its body begin
+  std::int32_t parent_loads;     // and those at its parent's; the same if it is the first to come there; kNone: a root
+  std::int32_t first_end, ends;  // of loops at its body: into Plan::loop_ends
+  std::int32_t modal;            // row where the modal loads of its flexible body begin
+  std::int32_t marker;           // into Plan::markers, of a marker
+  bool opens;                    // nothing comes to it from beyond
+};
+// One side of a joint that closes a loop.
+struct LoopEnd {
+  std::int32_t loop;  // into Plan::loops
+  bool follower;
+};
+
 // A spring that is integrated implicitly, see compliance.h.
 struct PlanCompliant {
   std::int32_t spring;               // into Plan::joint_springs
@@ -170,9 +187,14 @@ class Plan {
   std::vector<PlanBody> bodies;
   std::vector<PlanJoint> joints;
   std::vector<RowSet> modes;
-  std::vector<std::int32_t> loops;            // joints that close a loop over the tree
-  std::vector<std::int32_t> measured_joints;  // whose coordinates somebody reads
-  std::vector<std::int32_t> loose_joints;     // joints that are no edge of the tree: those, and ones that never hold
+  std::vector<std::int32_t> loops;   // joints that close a loop over the tree
+  std::vector<LoopNode> loop_nodes;  // children before parents
+  std::vector<LoopEnd> loop_ends;
+  std::int32_t loop_rows = 0, loop_columns = 0;  // that the loops' joints hold at most; the same, padded for packs
+  std::int32_t loop_load_rows = 0;               // of Workspace::loop_loads, before its scratch
+  std::int32_t loop_modal_rows = 0;              // of these, the first, of modal coordinates
+  std::vector<std::int32_t> measured_joints;     // whose coordinates somebody reads
+  std::vector<std::int32_t> loose_joints;        // joints that are no edge of the tree: those, and ones that never hold
 
   // lanes, see lanes.h
   std::vector<LaneGroup> groups;           // parents before children

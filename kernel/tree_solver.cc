@@ -13,15 +13,17 @@ int factor_and_solve(const Plan& plan, const State& state, Workspace& ws, const 
     kernels.substitute(plan, ws, sweep);
   } else {
     factor_loops(plan, state, ws);
-    solve(plan, ws, sweep);
+    substitute_with_loops(plan, ws, sweep);
   }
   return kNone;
 }
 
 void solve(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept {
-  if (!plan.loops.empty()) return solve_with_loops(plan, ws, sweep);
   plan.kernels->reduce(plan, ws, sweep);
-  plan.kernels->substitute(plan, ws, sweep);
+  if (plan.loops.empty())
+    plan.kernels->substitute(plan, ws, sweep);
+  else
+    substitute_with_loops(plan, ws, sweep);
 }
 
 bool has_finite_block(const Plan& plan, const Workspace& ws, int node) noexcept {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernel/lane_access.h"
+#include "kernel/loop_nodes.h"
 #include "kernel/plan.h"
 #include "kernel/step.h"
 
@@ -44,9 +45,12 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   arena.take(ws.speeds, joints * kRows);
   arena.take(ws.loose_frames, plan.loose_joints.size());
   arena.take(ws.loose_bias, plan.loose_joints.size());
-  const std::size_t loop_rows = plan.loops.size() * kRows;
+  const auto loop_rows = static_cast<std::size_t>(plan.loop_rows),
+             columns = static_cast<std::size_t>(plan.loop_columns);
   arena.take(ws.loop_rows, loop_rows);
-  arena.take(ws.loop_matrix, loop_rows * loop_rows);
+  arena.take(ws.loop_ranges, plan.loops.empty() ? 0 : plan.loops.size() + 1);
+  arena.take(ws.loop_matrix, loop_rows * columns);
+  arena.take(ws.loop_loads, (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns);
   arena.take(ws.loop_solution, loop_rows);
   for (State* state : {&ws.trial, &ws.accepted}) {
     std::span<std::byte> block;

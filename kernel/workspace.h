@@ -73,6 +73,7 @@ struct LoopRow {
   std::int32_t pivot;                              // index of the row that is eliminated in this one's place
   Spatial on_base, on_follower;                    // unit wrenches at the bodies' origins
   double own;                                      // its diagonal entry of Λ
+  double free;                                     // what that would be if nothing held its bodies
 };
 
 // Coordinates beyond the bodies as the stages of a step take them, see extras.h.
@@ -131,11 +132,13 @@ struct Workspace {
 
   // per row of the joints that close loops, k in all
   std::span<LoopRow> loop_rows;
-  std::span<double> loop_matrix;    // Λ, then its factor, k × k
-  std::span<double> loop_solution;  // k
-  std::int32_t loop_count = 0;      // rows that are active
-  std::int32_t loop_redundant = 0;  // of these, rows that follow from the others
-  std::int32_t loop_most = 0;       // as many of them as factor_loops() may take for independent
+  std::span<std::int32_t> loop_ranges;  // per loop: its first row; and the end
+  std::span<double> loop_matrix;        // Λ, then its factor: lower triangle, Plan::loop_columns a row
+  std::span<double> loop_loads;         // wrenches on their way to the root, see lane_loops.h, and its scratch
+  std::span<double> loop_solution;      // k
+  std::int32_t loop_count = 0;          // rows that are active
+  std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
+  std::int32_t loop_most = 0;           // as many of them as factor_loops() may take for independent
 
   // states: the end of a trial sub-step, and how far the step has got
   State trial, accepted;

@@ -94,7 +94,9 @@ TEST_P(Transports, EveryMessageArrivesBitForBit) {
       const bool down = hil::is_from_simulator(kind);
       const Message message = make_random_message(kind, random_);
       ASSERT_TRUE((down ? simulator_ : participant_)->publish(message));
-      for (Port* port : {down ? participant_.get() : simulator_.get(), observer_.get()}) {
+      std::vector<Port*> listeners{observer_.get()};
+      if (!down || receives(Role::kParticipant, kind)) listeners.push_back(down ? participant_.get() : simulator_.get());
+      for (Port* port : listeners) {
         ASSERT_TRUE(port->poll(heard, kPatience)) << hil::get_kind_name(kind);
         ASSERT_TRUE(is_same(heard, message)) << hil::get_kind_name(kind) << " in round " << round;
       }

@@ -65,7 +65,7 @@ class ExportTest(ProcessTest):
         ticks = [line for line in lines if line["kind"] == "tick"]
         self.assertEqual(len(ticks), TICKS + 1)
         for name, body in self.last["bodies"].items():
-            self.assertEqual({key: body[key] for key in "pqvw"}, ticks[-1]["bodies"][name])
+            self.assertEqual({key: body[key] for key in (*"pqvw", "modal")}, ticks[-1]["bodies"][name])
         self.assertEqual(ticks[-1]["reactions"], self.last["reactions"])
         events = [(line["t"], line["name"], line["subject"]) for line in lines if line["kind"] == "event"]
         self.assertEqual(events, [(e["t"], e["name"], e["subject"]) for e in self.report["events"]])

@@ -19,8 +19,10 @@ class Listener final : public console_bridge::OutputHandler {
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
     if (level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN && said.size() < 400)
       said += (said.empty() ? "" : "; ") + text;
+    failed = failed || level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR;
   }
   std::string said;
+  bool failed = false;  // it reads on after a mistake, as if the element were not there
 };
 
 Eigen::Vector3d to_vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
@@ -237,7 +239,7 @@ ImportedModel read_urdf(const std::string& text, const std::string& path, bool f
   console_bridge::useOutputHandler(&listener);
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(text);
   console_bridge::restorePreviousOutputHandler();
-  if (!robot || !robot->getRoot()) {
+  if (!robot || !robot->getRoot() || listener.failed) {
     throw ImportError("it is no URDF: " + (listener.said.empty() ? "urdfdom cannot read it" : listener.said));
   }
   ImportedModel model;

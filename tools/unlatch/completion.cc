@@ -112,7 +112,7 @@ _unlatch_paths() {  # of the scenario on this line; bash completes only what is 
   mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" completion paths "$scenario" 2>/dev/null)" -S = -- "$whole")
   COMPREPLY=("${COMPREPLY[@]#"$before"}")
   compopt -o nospace 2>/dev/null
-}  // namespace
+}
 _unlatch() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]}
   COMPREPLY=()
