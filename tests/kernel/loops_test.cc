@@ -121,6 +121,31 @@ TEST(Loops, AgreeWithADenseSolveOnRandomSystems) {
   }
 }
 
+// Up to eighteen rows, so that columns fill packs of every width and leave some over.
+TEST(Loops, EveryWidthOfLanesGivesTheSameBits) {
+  constexpr std::uint64_t kFirstSeed = 900;
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 200; ++seed) {
+    Random random(seed);
+    const Model model = build_random_loops(seed, random);
+    const auto run = [&](Lanes lanes) {
+      PlanOptions options;
+      options.lanes = lanes;
+      Simulation s(model, options);
+      for (std::size_t j = 0; j < model.joints.size(); ++j)
+        if (model.joints[j].modes.back().name == "closed") s.state.joints[j].mode = 1;
+      update_motion(s);
+      EXPECT_EQ(apply_impulse(s.plan, s.state, s.workspace), kNone) << "seed " << seed;
+      for (int tick = 0; tick < 3; ++tick) s.advance();
+      return calc_hash(s.state);
+    };
+    const std::uint64_t scalar = run(Lanes::kScalar);
+    for (const Lanes lanes : {Lanes::kTwo, Lanes::kFour, Lanes::kEight}) {
+      if (!is_supported(lanes)) continue;
+      ASSERT_EQ(run(lanes), scalar) << get_name(lanes) << " seed " << seed;
+    }
+  }
+}
+
 // The loop closes what the tree holds already: nothing of its rows is left but rounding, which must not pass for a
 // row.
 TEST(Loops, ThatCloseNothingAreRedundantAndChangeNothing) {
