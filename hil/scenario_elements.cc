@@ -97,7 +97,12 @@ void ScenarioReader::read_load(YamlMap& map, Load load) {
   load.body = map.choice("body", "body", bodies_);
   const bool force = load.kind == Load::Kind::kForce;
   if (force) load.point = map.vector("point", "m", Eigen::Vector3d::Zero());
-  load.direction = map.vector("direction", "") * map.number("scale", "", 1.0);
+  const std::size_t before = mistakes_.count();
+  const Eigen::Vector3d direction = map.vector("direction", "");
+  if (direction.isZero(0) && mistakes_.count() == before)
+    mistakes_.add(map.find("direction")->mark, "its direction is zero",
+                  "a vector along which it acts; `scale: 0` makes it dead");
+  load.direction = direction * map.number("scale", "", 1.0);
   if (const YamlNode* profile = map.require("profile")) load.profile = read_profile(*profile, force ? "N" : "N m");
   load.channel = map.choice("channel", "channel", channels_, kNone);
   if (force) {

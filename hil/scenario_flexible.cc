@@ -1,4 +1,5 @@
 // Flexible bodies, whose modes come from a file beside the scenario (MODES.md), and the markers that they carry.
+#include <cmath>
 #include <stdexcept>
 
 #include "hil/flexible_body.h"
@@ -12,8 +13,12 @@ void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
   const YamlNode* file = map.require("modes");
   ModeSelection selection;
   if (const YamlNode* select = map.find("select"))
-    for (const YamlNode& number : select->items)
-      selection.numbers.push_back(static_cast<int>(read_number(number, "", 0.0, mistakes_)));
+    for (const double number : read_numbers(*select, 0, "", mistakes_)) {
+      constexpr double kMost = 1e6;
+      const bool counts = number == std::floor(number) && std::abs(number) < kMost;
+      if (!counts) mistakes_.add(select->mark, "the number of a mode is a whole one", "1 is the first in the file");
+      selection.numbers.push_back(counts ? static_cast<int>(number) : 1);
+    }
   if (const YamlNode* damping = map.find("damping"))
     selection.damping = damping->is_sequence() ? read_numbers(*damping, 0, "", mistakes_)
                                                : std::vector<double>{read_number(*damping, "", 0.0, mistakes_)};

@@ -264,8 +264,6 @@ void validate_loads(const Model& model, ModelErrors& errors) {
       errors.push_back({where, "a torque consumes nothing", "only a force does", "consumption"});
     check_finite(where, "point", load.point.allFinite(), errors);
     check_finite(where, "direction", load.direction.allFinite(), errors);
-    if (load.direction.isZero(0))
-      errors.push_back({where, "its direction is zero", "a vector along which it acts", "direction"});
     check_profile(where, load.profile, errors);
   }
 }

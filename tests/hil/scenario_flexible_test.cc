@@ -83,6 +83,9 @@ TEST_F(ScenarioFlexible, MistakesAreNamed) {
   EXPECT_THAT(get_errors("[1, 3]", "[1, 9]"), HasSubstr("the file has no elastic mode 9"));
   EXPECT_THAT(get_errors("[0.01, 0.02]", "[0.01]"), ::testing::Not(HasSubstr("damping ratios")));
   EXPECT_THAT(get_errors("[0.01, 0.02]", "[0.1, 0.1, 0.1]"), HasSubstr("3 damping ratios for 2 modes"));
+  EXPECT_THAT(get_errors("[1, 3]", "first"), HasSubstr("s.yaml:7:43: "));
+  EXPECT_THAT(get_errors("[1, 3]", "[1, 2.5]"), HasSubstr("s.yaml:7:43: the number of a mode is a whole one"));
+  EXPECT_THAT(get_errors("[1, 3]", "[1, 1e300]"), HasSubstr("the number of a mode is a whole one"));
   EXPECT_THAT(get_errors("at: root", "at: rooot"), HasSubstr("root"));
   EXPECT_THAT(get_errors("of: mast", "of: bus"), HasSubstr("s.yaml"));
   std::ofstream(folder_ / "mast.modes") << "unlatch modes 1\n";

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "kernel/plan.h"
 #include "tests/hil/scenario_support.h"
 
 namespace unlatch::test {
@@ -99,6 +100,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"UnknownConditionKey", "axis: x}, below", "axis: x}, below: 1, abov",
               "s.yaml:35:60: ", "unknown key 'abov"},
         Wrong{"UnknownChannel", "channel: throttle", "channel: trottle", "s.yaml:27:84: ", "known: throttle"},
+        Wrong{"NoDirection", "direction: [1, 0, 0]", "direction: [0, 0, 0]", "s.yaml:27:", "its direction is zero"},
         Wrong{"UnknownSignal", "signal: kr", "signal: kx", "s.yaml:31:31: ", "did you mean 'kr'?"},
         Wrong{"UnknownMode", "mode: free}}", "mode: fre}}", "s.yaml:37:56: ", "mode of joint 'nose' 'fre'"},
         Wrong{"UnknownType", "type: rate", "type: rte", "s.yaml:30:16: ", "did you mean 'rate'?"},
@@ -182,6 +184,12 @@ TEST(ScenarioOverrides, ReachScalarsThatTheFileLeavesOut) {
   EXPECT_EQ(s.model.gravity.uniform, Eigen::Vector3d(0, 0, -9.81));
   EXPECT_EQ(s.model.loads[0].point, Eigen::Vector3d(0, 2, 0));
   EXPECT_EQ(s.model.loads[0].direction, Eigen::Vector3d(0.5, 0, 0));
+}
+
+TEST(ScenarioOverrides, AScaleOfZeroMakesALoadDead) {
+  const hil::Scenario s = load_with({"elements.engine.scale=0"});
+  EXPECT_EQ(s.model.loads[0].direction, Eigen::Vector3d(0, 0, 0));
+  EXPECT_TRUE(compile_plan(s.model, {}).errors.empty());
 }
 
 TEST(ScenarioOverrides, ReachEventsByNameAndSubject) {
