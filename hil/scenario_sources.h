@@ -14,8 +14,9 @@ class ScenarioSources {
   ScenarioSources(const std::string& text, std::string folder);
 
   const std::string& main() const { return main_; }
-  // The text of an included file, or of a file of modes, by its path from the scenario's folder. Throws std::runtime_error if there is none, if
-  // it lies outside that folder (symbolic links followed), or if the texts together have more than 1 MiB.
+  // The text of an included file, or of a file of modes, by its path from the scenario's folder. Throws
+  // std::runtime_error if there is none, if it lies outside that folder (symbolic links followed), or if the texts
+  // together have more than 1 MiB.
   const std::string& read(const std::string& name);
   // Main text and everything that was read.
   std::string join() const;

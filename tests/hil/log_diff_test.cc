@@ -86,7 +86,8 @@ TEST_F(LogDiff, TwoRecordingsOfTheSameRunAgree) {
   EXPECT_EQ(diff.endings[0].unreproduced, -1);
 }
 
-// One command differs by a hair, and not by so little that rounding swallows it: what that does is computed here by hand.
+// One command differs by a hair, and not by so little that rounding swallows it: what that does is computed here by
+// hand.
 TEST_F(LogDiff, NamesTheTickTheFieldAndTheDistance) {
   const double nudged = 0.7 + 1e-9;
   record(a_, [](std::int64_t tick) { return tick < 20 ? 0.5 : 0.7; });
