@@ -5,6 +5,8 @@
 #include <fstream>
 
 #include "hil/checkpoint.h"
+#include "hil/flexible_body.h"
+#include "hil/modes_file.h"
 #include "tests/bridge/random_messages.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -71,17 +73,36 @@ void write_sessions(const fs::path& folder) {
     write(folder / "session" / std::to_string(choice), static_cast<char>(choice) + said);
 }
 
+// Six masses on three crossed bars; one mode, in which the first bar stretches.
+void write_modes(const fs::path& folder) {
+  hil::Modes modes;
+  modes.title = "Crossed bars";
+  modes.frequencies_hz = Eigen::VectorXd::Constant(1, 3.5);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      const Eigen::Vector3d place = side * Eigen::Vector3d::Unit(axis);
+      modes.points.push_back(
+          {1, place, axis == 0 ? Eigen::Matrix3Xd(std::sqrt(0.5) * place) : Eigen::Matrix3Xd::Zero(3, 1)});
+    }
+  modes.markers.push_back({"end", Eigen::Vector3d::UnitX(), modes.points[1].shape, Eigen::Matrix3Xd::Zero(3, 1)});
+  hil::FlexibleReport report;
+  (void)hil::build_flexible_body(modes, {}, report);  // it is one
+  write(folder / "modes" / "bars", hil::write_modes_text(modes));
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   if (count != 2) return std::fprintf(stderr, "make_seeds FOLDER\n"), 2;
   const fs::path folder(arguments[1]);
-  for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults"}) {
+  for (const char* target :
+       {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults", "modes", "calculix"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }
   write_messages(folder);
   write_logs(folder);
   write_sessions(folder);
+  write_modes(folder);
   return 0;
 }

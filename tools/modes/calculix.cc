@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string_view>
 
 namespace unlatch::tools {
@@ -117,6 +118,7 @@ class FrdReader {
   }
   void read_nodes() {
     check_format();
+    if (!modes_.displacements.empty()) in_.fail("nodes behind a mode shape");
     for (in_.next_or_fail("its nodes"); in_.starts_with(" -1"); in_.next_or_fail("the end of its nodes")) {
       const int id = in_.integer(4, 10);
       if (!index_.emplace(id, static_cast<int>(modes_.mesh.nodes.size())).second)
@@ -151,12 +153,14 @@ class FrdReader {
     if (!in_.starts_with(" -4  DISP")) return;
     while (in_.starts_with(" -4") || in_.starts_with(" -5")) in_.next_or_fail("a mode shape");
     std::vector<Eigen::Vector3d> shape(modes_.mesh.nodes.size(), Eigen::Vector3d::Zero());
-    std::size_t found = 0;
-    for (; in_.starts_with(" -1"); in_.next_or_fail("the end of a mode shape"), ++found)
-      shape[static_cast<std::size_t>(get_index(in_.integer(4, 10)))] = {in_.number(14, 12), in_.number(26, 12),
-                                                                        in_.number(38, 12)};
-    if (found != shape.size())
-      in_.fail("a mode shape at " + std::to_string(found) + " of " + std::to_string(shape.size()) + " nodes");
+    std::set<int> found;
+    for (; in_.starts_with(" -1"); in_.next_or_fail("the end of a mode shape")) {
+      const int node = get_index(in_.integer(4, 10));
+      if (!found.insert(node).second) in_.fail("a node for a second time");
+      shape[static_cast<std::size_t>(node)] = {in_.number(14, 12), in_.number(26, 12), in_.number(38, 12)};
+    }
+    if (found.empty() || found.size() != shape.size())
+      in_.fail("a mode shape at " + std::to_string(found.size()) + " of " + std::to_string(shape.size()) + " nodes");
     modes_.frequencies_hz.push_back(frequency_hz);
     modes_.displacements.push_back(std::move(shape));
   }
