@@ -3,6 +3,7 @@ elastic displacement of the dangerous points (figure 11)."""
 import math
 
 MODES = "fairing/fairing.modes"
+CENTRE = (0, 1.153, 5.700)  # of mass of a half, in the file's axes, m
 
 
 def read_modes(path):
@@ -28,25 +29,42 @@ def add(figure, tools):
     @figure("fairing-modes")
     def modes(bench):
         import matplotlib.pyplot as plt
+        from matplotlib.tri import Triangulation
         hz, points = read_modes(tools.SCENARIOS / MODES)
-        drawn = plt.figure(figsize=(10, 4.2), constrained_layout=True)
-        for k in range(4):
-            axes = drawn.add_subplot(1, 4, k + 1, projection="3d")
-            scale = 1.2 / max(math.hypot(*shape[k]) for _, _, shape in points)
+        beams = {1: "R1", 4: "R2", 5: "R3"}  # as `unlatch modes shell` matches them
+        places = [place for _, place, _ in points]
+        # The shell is rolled out, so that neighbours are those along it.
+        net = Triangulation([2 * math.atan2(place[1], place[0]) for place in places], [place[2] for place in places]).triangles
+        net = [three for three in net if max(math.dist(places[a], places[b]) for a, b in zip(three, three[[1, 2, 0]])) < 1]
+        drawn = plt.figure(figsize=(10, 4))
+        for k in range(5):
+            axes = drawn.add_axes((0.2 * k - 0.05, 0.0, 0.3, 1.0), projection="3d")
+            scale = 1.0 / max(math.hypot(*shape[k]) for _, _, shape in points)
             moved = [[a + scale * b for a, b in zip(place, shape[k])] for _, place, shape in points]
-            size = [math.hypot(*shape[k]) * scale for _, _, shape in points]
-            axes.scatter(*zip(*moved), c=size, s=1.5, cmap="viridis")
-            axes.set_box_aspect((4, 4, 14))
-            axes.view_init(12, -60)
+            size = [scale * math.hypot(*shape[k]) for _, _, shape in points]
+            shell = axes.plot_trisurf(*zip(*moved), triangles=net, cmap="viridis", shade=False, linewidth=0.1)
+            shell.set_array([sum(size[i] for i in corners) / 3 for corners in net])
+            shell.set(clim=(0, 1), edgecolor="face", rasterized=True, clip_on=False)
+            for side in (2, -2):
+                axes.plot([side, side, 0], [0, 0, 0], [0, 8, 14], color="0.6", linewidth=0.7, linestyle=":", clip_on=False)
+            axes.set(xlim=(-3, 3), ylim=(-1, 3), zlim=(0, 14))
+            axes.set_box_aspect((6, 4, 14), zoom=1.12)
+            axes.view_init(16, -62)
             axes.set_axis_off()
-            axes.set_title(f"{k + 1}: {hz[k]:.2f} Hz")
+            axes.patch.set_visible(False)  # it would cover the neighbour
+            drawn.text(0.2 * k + 0.1, 0.95, f"{k + 1}: {hz[k]:.2f} Hz{', ' + beams[k + 1] if k + 1 in beams else ''}",
+                       ha="center", fontsize=9)
+        scale = drawn.add_axes((0.4, 0.1, 0.2, 0.02))
+        bar = drawn.colorbar(shell, cax=scale, orientation="horizontal", ticks=(0, 0.5, 1))
+        bar.set_label("displacement, of the largest", fontsize=7)
+        bar.ax.tick_params(labelsize=6)
         return drawn
 
     @figure("fairing-arc")
     def arc(bench):
         import matplotlib.pyplot as plt
         models = bench.call("modes", "arc", "--radius", 2, "--thickness", 0.01, "--json", "-")["models"]
-        drawn, columns = plt.subplots(1, 3, figsize=(10, 3), constrained_layout=True)
+        drawn, columns = plt.subplots(1, 3, figsize=(10, 2.3), sharey=True, constrained_layout=True)
         for k, axes in enumerate(columns):
             for model, style, name in zip(models, ("--", "-"), ("(3.4)", "exact arc")):
                 mode = model["modes"][k]
@@ -60,9 +78,10 @@ def add(figure, tools):
                      for t, w, u in zip(turns, mode["radial"], tangential)]
                 axes.plot(x, y, style, color="#c1121f" if style == "-" else "#457b9d", label=f"{name}: {mode['hz']:.2f} Hz")
             axes.plot([2 * math.cos(t) for t in turns], [2 * math.sin(t) for t in turns], color="0.7", linewidth=0.8)
-            axes.set_aspect("equal")
-            axes.legend(fontsize=7, loc="lower center")
+            axes.set(xlim=(-2.75, 2.75), ylim=(-0.2, 2.5), xlabel="x, m", aspect="equal")
+            axes.legend(fontsize=7, loc="center", bbox_to_anchor=(0.5, 0.25))
             axes.set_title(f"R{k + 1}", loc="left")
+        columns[0].set_ylabel("y, m")
         return drawn
 
     points = (("base", "#c1121f"), ("middle", "#e09f3e"), ("top", "#457b9d"))
@@ -81,25 +100,49 @@ def add(figure, tools):
         for axes, text in zip(rows, ("outwards (x), mm", "with the pushers (y), mm")):
             axes.set_ylabel(text)
             tools.mark_events(axes, run, ("pushed", "release"))
-        rows[0].legend(fontsize=7, ncols=3)
+            axes.set_xlim(0, 3)
+        rows[0].legend(fontsize=7, ncols=3, loc="upper right")
         rows[0].set_title("Elastic displacement of the free edge of half 1 at its base, middle and top (figure 11)", loc="left")
         rows[1].set_xlabel("t, s")
         return drawn
 
+    def calc_gap(sample, name):
+        """From the payload, a cylinder in the core's axes, to the skin at a marker of half 1."""
+        x, y, z = tools.seen_from(sample["bodies"]["core"], sample["bodies"][name], (0, 0, 0))
+        return math.hypot(max(0, math.hypot(x, y) - 1.6), max(0, 3.3 - z, z - 11))
+
     @figure("fairing-separation")
     def separation(bench):
         import matplotlib.pyplot as plt
-        run = bench.run("fairing/scenario.yaml", 3, 0.002)
-        drawn, axes = plt.subplots(figsize=(7.5, 4), constrained_layout=True)
-        axes.fill([-1.6, 1.6, 1.6, -1.6], [0.3, 0.3, 8, 8], color="0.85", zorder=0)
-        for half, colour in ((1, "#c1121f"), (2, "#457b9d")):
-            for i, time in enumerate((0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0)):
-                sample = min(run["samples"], key=lambda s: abs(s["t"] - time))
-                outline = [sample["bodies"][f"half{half}_{name}"]["p"]
-                           for name in ("hinge", "base_left", "middle_left", "top_left", "nose")]
-                axes.plot([p[1] for p in outline], [p[2] for p in outline], color=colour, alpha=0.3 + 0.1 * i)
-        axes.set_aspect("equal")
-        axes.set_xlabel("y, m")
-        axes.set_ylabel("z, m")
-        axes.set_title("Hinges, free edges and noses of the halves every 0.5 s; the payload", loc="left")
+        scenario = "fairing/scenario.yaml"
+        run = bench.run(scenario, 3, 0.002)
+        release = next(event["t"] for event in run["events"] if event["name"] == "release")
+        drawn, (way, gap) = plt.subplots(2, 1, figsize=(7.5, 6.6), height_ratios=(1, 0.85), constrained_layout=True)
+        way.fill([-1.6, 1.6, 1.6, -1.6], [3.3, 3.3, 11, 11], color="0.8", zorder=0)
+        way.annotate("payload", (0, 10.6), ha="center", va="top", fontsize=7, color="0.3")
+        for time in (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0):
+            sample = min(run["samples"], key=lambda s: abs(s["t"] - time))
+            for half in (1, 2):
+                outline = [tools.seen_from(sample["bodies"]["core"], sample["bodies"][f"half{half}_{name}"], (0, 0, 0))
+                           for name in ("nose", "top_left", "middle_left", "base_left", "hinge")]
+                # Where the cone begins opposite to the free edges: no marker there, so as if it were rigid.
+                back = [b - a for a, b in zip(CENTRE, (0, 2, 8))]
+                outline.append(tools.seen_from(sample["bodies"]["core"], sample["bodies"][f"half{half}"], back))
+                colour = "#457b9d" if time < release else "#e09f3e"
+                way.fill([p[1] for p in outline], [p[2] for p in outline], facecolor=colour, edgecolor=colour, alpha=0.35)
+                way.plot([p[1] for p in outline + outline[:1]], [p[2] for p in outline + outline[:1]], color=colour, linewidth=0.8)
+            if time > 0:
+                place = tools.seen_from(sample["bodies"]["core"], sample["bodies"]["half1_nose"], (0, 0, 0))
+                way.annotate(f"{time:g} s", place[1:], xytext=(3, 3), textcoords="offset points", fontsize=7)
+        way.set(aspect="equal", xlabel="y, m", ylabel="z, m")
+        way.set_title("From the side, in the core's axes: the halves every 0.5 s, on their hinges (blue) and free (ochre)", loc="left")
+        rigid = bench.run(scenario, 3, 0.002, *(word for half in (1, 2) for word in
+                                                ("--set", f"bodies.half{half}.flexible.select=[8]")))
+        for each, style in ((run, "-"), (rigid, "--")):
+            for name, colour in points:
+                gap.plot(tools.get_times(each), [calc_gap(sample, f"half1_{name}_left") for sample in each["samples"]], style,
+                         color=colour, label=name if style == "-" else f"{name}, stiff")
+        gap.set(xlim=(0, 1.2), ylim=(0.2, 1.2), xlabel="t, s", ylabel="distance, m")
+        gap.legend(fontsize=7, ncols=2, loc="upper left")
+        gap.set_title("Distance of half 1's free edge from the payload, elastic and stiff (its eighth mode alone)", loc="left")
         return drawn
