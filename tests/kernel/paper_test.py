@@ -44,6 +44,12 @@ def transposed(m):
     return [list(row) for row in zip(*m)]
 
 
+def product(a, b):
+    if len(a[0]) != len(b):
+        raise ValueError(f"{len(a)} x {len(a[0])} by {len(b)} x {len(b[0])}")
+    return [[dot(row, column) for column in transposed(b)] for row in a]
+
+
 def norm(a):
     return math.sqrt(dot(a, a))
 
@@ -151,6 +157,23 @@ class PaperTest(unittest.TestCase):
         gap = lambda t: dot(n, sub(self.relative(t), i.w(t)))
         self.assertAlmostEqual(-value, (gap(STEP) - gap(-STEP)) / (2 * STEP), delta=DIFFERENCES)
 
+    def test_1_4_has_the_right_signs_and_lacks_a_transpose(self):
+        i, j, n = self.i, self.j, self.n  # the core, a booster
+        arm = self.arm(0)
+        seen = lambda v: apply(i.A(0), apply(j.C(0), v))  # A_0 A_i^-1
+        speed = add(seen(cross(j.w(0), self.r)), apply(i.A(0), sub(j.V(0), i.V(0))))
+        arm_rate = sub(speed, cross(i.w(0), arm))
+        left = add(seen(cross(j.e(0), self.r)), scale(-1, cross(i.e(0), arm)), apply(i.A(0), sub(j.acceleration(), i.acceleration())))
+        right = add(cross(i.w(0), arm_rate), cross(i.w(0), speed), scale(-1, seen(cross(j.w(0), cross(j.w(0), self.r)))))
+        second = (dot(self.arm(STEP), n) - 2 * dot(arm, n) + dot(self.arm(-STEP), n)) / STEP**2
+        self.assertAlmostEqual(dot(left, n) - dot(right, n), second, delta=DIFFERENCES)
+        turning = dot(sub(seen(j.e(0)), i.e(0)), n) - dot(cross(i.w(0), seen(j.w(0))), n)
+        gap = lambda t: dot(n, sub(self.relative(t), i.w(t)))
+        self.assertAlmostEqual(turning, (gap(STEP) - gap(-STEP)) / (2 * STEP), delta=DIFFERENCES)
+        column, normal = [[x] for x in right], [[x] for x in n]
+        self.assertAlmostEqual(product([right], normal)[0][0], dot(right, n), delta=ROUND_OFF)
+        self.assertRaises(ValueError, product, column, normal)  # as printed: [3 x 1] [3 x 1]
+
     # A mass on a rod of length l, planar: position x, g = x.x - l^2 = 0, H = 2 x, second derivative H a + 2 v.v.
     PENDULUM = dict(mass=2.0, x=[0.6, -0.8], v=[0.8, 0.6], force=[0.0, -2 * 9.81])
 
@@ -232,6 +255,25 @@ class PaperTest(unittest.TestCase):
             self.assertEqual(rises(printed) * dot(n_i, n_j) < 0, angle > 0)
 
     # --- Section 2 --------------------------------------------------------------------------------------------------
+
+    def test_2_1_needs_m_rho_squared_beside_A_in_both_places(self):
+        """Eight particles round the axis z, none lost, no relative spin; A and C about a pole on the axis at rho from the centre
+        of mass. Euler's equation about the centre of mass is the judge. The text drops "t rho^2", which is no moment of inertia;
+        (2.1) subtracts m rho^2 from A beside the derivative, but B = C - A is left without it."""
+        points = [[0.7 * math.cos(k * math.pi / 2), 0.7 * math.sin(k * math.pi / 2), 0.9 * (k // 4)] for k in range(8)]
+        mass, rho, t = 2.0, 0.6, 1.5
+        total = mass * len(points)
+        centre = scale(1 / len(points), add(*points))
+        moment = lambda about: sum(mass * ((p[1] - about[1]) ** 2 + (p[2] - about[2]) ** 2) for p in points)
+        about_centre, A = moment(centre), moment(sub(centre, [0, 0, rho]))
+        C = sum(mass * (p[0] ** 2 + p[1] ** 2) for p in points)
+        q, r = 0.4, 3.0
+        by_euler = -(C - about_centre) * q * r / about_centre
+        by_2_1 = lambda beside, in_b: -(C - A + in_b) * q * r / (A - beside)
+        square = total * rho**2
+        self.assertAlmostEqual(by_2_1(square, square), by_euler, delta=ROUND_OFF)
+        self.assertGreater(abs(by_2_1(square, 0) - by_euler), WRONG)  # as printed in (2.1)
+        self.assertGreater(abs(by_2_1(t * rho**2, t * rho**2) - by_euler), WRONG)  # the text's
 
     @staticmethod
     def calc_fresnel(x):

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Tight-tolerance references of the shipped solar arrays, independent of unlatch's code and of make-array: the motion is
 planar, so bodies have x, y and a turn; a dense KKT matrix by least squares (cables of latched hinges are redundant), SciPy's
-DOP853 at rtol 1e-12, events by root-finding, rigid latches by the same matrix as a plastic impulse.
+DOP853 at rtol 1e-12, events by root-finding, rigid latches by the same matrix as a plastic impulse. Many panels tied by cables have
+five freedoms however many they are, and are integrated in those.
 
     array_reference.py    writes tests/data/array_panels.json; needs python3-scipy
 """
@@ -18,6 +19,7 @@ LATCH, LATCH_DAMPING, CABLE, CABLE_DAMPING = 900.0, 6.0, 150.0, 3.0
 CASES = {"scenario": (4, "rigid", "rows", 10.0), "elastic": (4, "elastic", "none", 20.0),
          "elastic-cables": (4, "elastic", "elastic", 20.0), "two": (2, "rigid", "rows", 20.0),
          "eight": (8, "rigid", "rows", 20.0)}
+MANY = {"sixteen": (16, [5.0, 18.5]), "thirty-two": (32, [2.0, 34.0]), "sixty-four": (64, [2.0, 62.5])}
 TOUCH = 1e-9  # rad; hinges that a cable ties together come to zero together
 
 
@@ -122,11 +124,93 @@ class Array:
                     y = np.concatenate([q, self.solve(g, self.mass * v, np.zeros(len(g)))])
 
 
+class Accordion:
+    """With cables every other panel is parallel: x, y and turn of the bus, the turn of odd panels, that of even ones."""
+
+    def __init__(self, n):
+        self.n, self.first, self.others = n, False, False  # what has latched: hinge 1; all others
+        self.turns = [2] + [3 + k % 2 for k in range(n)]    # of bus and panels, as indices of coordinates
+        self.start = np.concatenate([[0, 0, 0, FOLD, -FOLD], np.zeros(5)])
+
+    def bodies(self, q, u):
+        """Of bus and panels: place and turn; Jacobian, 3 x 5; what their accelerations have beyond it."""
+        along = [np.array([np.cos(q[i]), np.sin(q[i])]) for i in self.turns]
+        J, bias = np.zeros((2, 5)), np.zeros(2)
+        J[0, 0] = J[1, 1] = 1
+        place, out = q[:2].copy(), []
+        for k, i in enumerate(self.turns):
+            for half in (0, 1):
+                if half or k:  # from an edge to the centre, from there to the next edge: 0.5 m, the bus 1 m
+                    reach = 0.5 if k else 1.0
+                    place = place + reach * along[k]
+                    J, bias = J.copy(), bias - reach * u[i] ** 2 * along[k]
+                    J[:, i] += reach * np.array([-along[k][1], along[k][0]])
+                if not half:
+                    out.append((np.array([*place, q[i]]), np.vstack([J, np.eye(5)[i]]), np.array([*bias, 0])))
+        return out
+
+    def rows(self):
+        return np.array([row for row, holds in (([0, 0, 1, -1, 0], self.first), ([0, 0, 0, 1, -1], self.others)) if holds])
+
+    def solve(self, M, f):
+        g = self.rows().reshape(-1, 5)
+        kkt = np.block([[M, -g.T], [g, np.zeros((len(g), len(g)))]])
+        return np.linalg.solve(kkt, np.concatenate([f, np.zeros(len(g))]))[:5]
+
+    def masses(self):
+        return [np.array([BUS_MASS, BUS_MASS, BUS_INERTIA])] + [np.array([MASS, MASS, INERTIA])] * self.n
+
+    def rate(self, _, y):
+        q, u = np.split(y, 2)
+        M, f = np.zeros((5, 5)), np.zeros(5)
+        for m, (_, J, bias) in zip(self.masses(), self.bodies(q, u)):
+            M += J.T @ (m[:, None] * J)
+            f -= J.T @ (m * bias)
+        for k in range(self.n):
+            if self.first if k == 0 else self.others:
+                continue
+            a, b = self.turns[k], self.turns[k + 1]
+            torque = (-EFFORT if k % 2 == 0 else EFFORT) - STIFFNESS * (q[b] - q[a]) - DAMPING * (u[b] - u[a])
+            f[a] -= torque
+            f[b] += torque
+        return np.concatenate([u, self.solve(M, f)])
+
+    def run(self, samples):
+        t, y, events, states = 0.0, self.start, [], {}
+        while t < samples[-1]:
+            guards = []
+            for name, gap in (("first", lambda z: z[2] - z[3]), ("others", lambda z: z[4] - z[3])):
+                if not getattr(self, name):
+                    def guard(_, z, gap=gap):
+                        return gap(z)
+                    guard.terminal, guard.direction, guard.name = True, 1, name
+                    guards.append(guard)
+            stop = min(s for s in samples if s > t)
+            out = solve_ivp(self.rate, (t, stop), y, method="DOP853", rtol=1e-12, atol=1e-13, events=guards or None)
+            t, y = (out.t[-1], out.y[:, -1]) if out.status == 1 else (stop, out.y[:, -1])
+            if out.status == 0:
+                q, u = np.split(y, 2)
+                bodies = self.bodies(q, u)
+                states[str(t)] = [float(x) for place, _, _ in bodies for x in place] + [float(x) for _, J, _ in bodies for x in J @ u]
+                continue
+            for guard, found in zip(guards, out.t_events):
+                if len(found):
+                    setattr(self, guard.name, True)
+                    events += [[t, k] for k in ([1] if guard.name == "first" else range(2, self.n + 1))]
+            q, u = np.split(y, 2)
+            M = sum(J.T @ (m[:, None] * J) for m, (_, J, _) in zip(self.masses(), self.bodies(q, u)))
+            y = np.concatenate([q, self.solve(M, M @ u)])
+        return {"events": events, "samples": states}
+
+
 if __name__ == "__main__":
     result = {"about": "tests/support/array_reference.py: planar, DOP853 at rtol 1e-12. Events: t, panel. Samples: x, y, turn of "
                        "bus and panels, then their rates"}
     for name, (n, latches, cables, until) in CASES.items():
         result[name] = Array(n, latches, cables).run(until)
+        print(name, result[name]["events"], flush=True)
+    for name, (n, samples) in MANY.items():
+        result[name] = Accordion(n).run(samples)
         print(name, result[name]["events"], flush=True)
     lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in result.items()]
     (pathlib.Path(__file__).parent.parent / "data/array_panels.json").write_text("{" + ",\n".join(lines) + "}\n")

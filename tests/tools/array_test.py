@@ -17,16 +17,16 @@ RATE = 1e-6        # m/s, rad/s
 
 
 class ArrayTest(ProcessTest):
-    def compare(self, name, scenario):
+    def compare(self, name, scenario, until=math.inf):
         reference = REFERENCE[name]
-        states = {float(t): state for t, state in reference["samples"].items()}
+        states = {float(t): state for t, state in reference["samples"].items() if float(t) <= until}
         report = self.run_json(UNLATCH, "run", scenario, "--until", max(states), "--sample",
                                ",".join(map(str, sorted(states))))
         self.assertEqual(report["status"], "ok")
         latches = sorted((event["subject"], event["t"]) for event in report["events"] if event["name"] == "latch")
-        expected = sorted((f"panel{k}", t) for t, k in reference["events"])
+        expected = sorted((f"panel{k}", t) for t, k in reference["events"] if t <= until)
         self.assertEqual([subject for subject, _ in latches], [subject for subject, _ in expected])
-        worst_time = max(abs(a[1] - b[1]) for a, b in zip(latches, expected))
+        worst_time = max((abs(a[1] - b[1]) for a, b in zip(latches, expected)), default=0)
         self.assertLess(worst_time, EVENT_TIME)
         worst = worst_rate = 0
         for sample in report["samples"]:
@@ -57,9 +57,15 @@ class ArrayTest(ProcessTest):
     def test_elastic_cables_swing_as_the_reference_does(self):
         self.compare("elastic-cables", ARRAY / "elastic-cables.yaml")
 
-    def test_two_and_eight_panels_unfold_as_the_reference_does(self):
+    def test_two_eight_and_sixteen_panels_unfold_as_the_reference_does(self):
         self.compare("two", self.generate(2))
         self.compare("eight", self.generate(8))
+        self.compare("sixteen", self.generate(16))
+
+    def test_thirty_two_and_sixty_four_panels_begin_as_the_reference_does(self):
+        """Until they have latched takes minutes; hil/scenarios/array/README.md has those figures."""
+        self.compare("thirty-two", self.generate(32), until=2)
+        self.compare("sixty-four", self.generate(64), until=2)
 
     def test_panels_tied_by_cables_latch_together(self):
         report = self.run_json(UNLATCH, "run", self.generate(8), "--until", "13")
