@@ -129,8 +129,9 @@ def add(figure, tools):
                 back = [b - a for a, b in zip(CENTRE, (0, 2, 8))]
                 outline.append(tools.seen_from(sample["bodies"]["core"], sample["bodies"][f"half{half}"], back))
                 colour = "#457b9d" if time < release else "#e09f3e"
-                way.fill([p[1] for p in outline], [p[2] for p in outline], facecolor=colour, edgecolor=colour, alpha=0.35)
-                way.plot([p[1] for p in outline + outline[:1]], [p[2] for p in outline + outline[:1]], color=colour, linewidth=0.8)
+                y, z = ([p[axis] for p in outline + outline[:1]] for axis in (1, 2))
+                way.fill(y, z, color=colour, linewidth=0, alpha=0.35)
+                way.plot(y, z, color=colour, linewidth=0.8)
             if time > 0:
                 place = tools.seen_from(sample["bodies"]["core"], sample["bodies"]["half1_nose"], (0, 0, 0))
                 way.annotate(f"{time:g} s", place[1:], xytext=(3, 3), textcoords="offset points", fontsize=7)

@@ -191,7 +191,7 @@ class Accordion:
             if out.status == 0:
                 q, u = np.split(y, 2)
                 bodies = self.bodies(q, u)
-                states[str(t)] = [float(x) for place, _, _ in bodies for x in place] + [float(x) for _, J, _ in bodies for x in J @ u]
+                states[str(t)] = [*(float(x) for place, _, _ in bodies for x in place), *(float(x) for _, J, _ in bodies for x in J @ u)]
                 continue
             for guard, found in zip(guards, out.t_events):
                 if len(found):

@@ -84,6 +84,13 @@ class DocsTest(ProcessTest):
                 links += 1
         self.assertGreater(links, 30)
 
+    def test_every_figure_of_a_scenario_is_drawn_by_tools_figures_and_shown(self):
+        drawn = self.run_ok(SOURCE / "tools/figures", "--list").stdout.split()
+        kept = {path.stem: path for path in (SOURCE / "hil/scenarios").glob("*/figures/*.svg")}
+        self.assertEqual(sorted(drawn), sorted(kept))
+        for name, path in kept.items():
+            self.assertIn(f"figures/{name}.svg", (path.parent.parent / "README.md").read_text())
+
     def test_files_named_in_pages_exist(self):
         names = 0
         for page in list_pages():

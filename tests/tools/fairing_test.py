@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""The elastic fairing halves as users run them, against tests/support/fairing_reference.py (mass points summed without
+invariants, hinges as coordinates, DOP853 at 1e-11). Run by ctest:
+
+    fairing_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import json
+import math
+import sys
+
+from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
+
+FAIRING = SCENARIOS / "fairing/scenario.yaml"
+REFERENCE = json.loads((SOURCE / "tests/data/fairing_jettison.json").read_text())
+EVENT_TIME = 1e-6  # s, asked for at the scenario's step
+STATE = 1e-6       # of the largest of its kind in the run: places, attitudes, velocities, rates
+
+
+def into(q, v):
+    """The inertial vector v in the axes of a body with attitude q."""
+    w, x, y, z = q[0], -q[1], -q[2], -q[3]
+    t = [2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])]
+    return [v[0] + w * t[0] + y * t[2] - z * t[1], v[1] + w * t[1] + z * t[0] - x * t[2],
+            v[2] + w * t[2] + x * t[1] - y * t[0]]
+
+
+def place_in(half, marker):
+    return into(half["q"], [a - b for a, b in zip(marker["p"], half["p"])])
+
+
+def align(q, to):
+    return q if sum(a * b for a, b in zip(q, to)) > 0 else [-x for x in q]
+
+
+class FairingTest(ProcessTest):
+    def measure(self, name, *options):
+        """The largest error of each kind, of the largest value of that kind; and of the event times, s."""
+        reference = REFERENCE[name]
+        times = [0.0, *sorted(map(float, reference["samples"]))]
+        report = self.run_json(UNLATCH, "run", FAIRING, "--until", max(times), "--sample", ",".join(map(str, times)), *options)
+        self.assertEqual(report["status"], "ok")
+        found = sorted((event["t"], event["subject"]) for event in report["events"] if event["name"] == "release")
+        wanted = sorted((t, f"half{k}") for t, k in reference["events"])
+        self.assertEqual(sorted(subject for _, subject in found), sorted(subject for _, subject in wanted))
+        late = max(abs(dict((s, t) for t, s in found)[subject] - t) for t, subject in wanted)
+        start, *samples = report["samples"]
+        errors, sizes = {}, {}
+
+        def compare(kind, a, b):
+            errors[kind] = max(errors.get(kind, 0), math.dist(a, b))
+            sizes[kind] = max(sizes.get(kind, 0), math.hypot(*b))
+
+        for sample in samples:
+            expected = reference["samples"][str(round(sample["t"], 9))]
+            bodies = sample["bodies"]
+            for body, numbers in zip(("core", "half1", "half2"), expected["bodies"], strict=True):
+                compare("place", bodies[body]["p"], numbers[:3])
+                compare("attitude", align(bodies[body]["q"], numbers[3:7]), numbers[3:7])
+                compare("velocity", bodies[body]["v"], numbers[7:10])
+                compare("rate", bodies[body]["w"], numbers[10:13])
+            for k, half in enumerate(("half1", "half2")):
+                compare("modal", bodies[half]["modal"], expected["modal"][k])
+                for i, point in enumerate(REFERENCE["looked_at"]):
+                    marker = f"{half}_{point}"
+                    before = place_in(start["bodies"][half], start["bodies"][marker])
+                    now = place_in(bodies[half], bodies[marker])
+                    compare("elastic", [a - b for a, b in zip(now, before)], expected["elastic"][k][3 * i:3 * i + 3])
+        return late, {kind: errors[kind] / sizes[kind] for kind in errors}
+
+    def check(self, name, *options):
+        late, errors = self.measure(name, *options)
+        print(f"{name}: releases {late:.1e} s; " + ", ".join(f"{k} {v:.1e}" for k, v in errors.items()), file=sys.stderr)
+        self.assertLess(late, EVENT_TIME)
+        for kind, error in errors.items():
+            self.assertLess(error, STATE, kind)
+
+    def test_halves_part_as_their_mass_points_do(self):
+        self.check("scenario")
+
+    def test_a_dead_pusher_twists_and_tumbles_as_the_mass_points_do(self):
+        self.check("dead-pusher", "--set", "elements.push1_left.on=false")
+
+    def test_errors_fall_with_the_fourth_power_of_the_step(self):
+        coarse, fine = (self.measure("scenario", "--set", f"step.dt={dt}")[1] for dt in (0.002, 0.001))
+        for kind in coarse:
+            self.assertGreater(coarse[kind], 12 * fine[kind], kind)
+
+
+if __name__ == "__main__":
+    main()
