@@ -174,6 +174,16 @@ class PaperTest(unittest.TestCase):
         self.assertAlmostEqual(product([right], normal)[0][0], dot(right, n), delta=ROUND_OFF)
         self.assertRaises(ValueError, product, column, normal)  # as printed: [3 x 1] [3 x 1]
 
+    def test_4_7_needs_second_derivatives_in_its_c(self):
+        """With one coordinate for each body, where the printed products of first derivatives are at least numbers."""
+        a, b = lambda t: 0.7 + 1.1 * t, lambda t: -0.4 + 0.9 * t  # without accelerations only c is left
+        link = lambda t: a(t) ** 2 * b(t) + b(t) ** 2
+        second = (link(STEP) - 2 * link(0) + link(-STEP)) / STEP**2
+        x, y, u, v = a(0), b(0), 1.1, 0.9
+        self.assertAlmostEqual(2 * y * u**2 + 2 * v**2 + 2 * (2 * x) * u * v, second, delta=DIFFERENCES)
+        by_a, by_b = 2 * x * y, x**2 + 2 * y
+        self.assertGreater(abs(by_a * u**2 + by_b * v**2 + 2 * by_a * u * v - second), WRONG)  # as printed
+
     # A mass on a rod of length l, planar: position x, g = x.x - l^2 = 0, H = 2 x, second derivative H a + 2 v.v.
     PENDULUM = dict(mass=2.0, x=[0.6, -0.8], v=[0.8, 0.6], force=[0.0, -2 * 9.81])
 
