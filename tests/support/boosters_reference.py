@@ -5,7 +5,7 @@ Five bodies in Cartesian coordinates, angular velocities in inertial axes, a den
 DOP853 at rtol 1e-12, events by root-finding on its dense output. Physical constants from tests/data/soyuz_nominal.json; the
 preparatory stage as hil/scenarios/boosters/README.md describes it.
 
-    boosters_reference.py    writes tests/data/boosters_cyclogram.json (five runs); needs python3-scipy; some minutes
+    boosters_reference.py    writes tests/data/boosters_cyclogram.json (six runs); needs python3-scipy; some minutes
 """
 import json
 import pathlib
@@ -28,6 +28,8 @@ CASES = {
     "uncut-tie": {"uncut": {1}},
     "imbalance": {"thrust": {0: 1.05, 2: 0.95}},
     "dead-nozzle": {"dead": {0}},
+    # dispersed.yaml: no preparatory stage, tail-offs of their own (N, s).
+    "dispersed": {"tails": [(300000, 0.35), (306000, 0.33), (294000, 0.37), (303000, 0.39)], "until": 2.0},
 }
 
 
@@ -54,7 +56,8 @@ class Boosters:
     def __init__(self, case):
         self.mass = [P["core"]["m"]] + [b["m"] for b in P["boosters"]]
         self.inertia = [np.array(P["core"]["J"])] + [np.array(b["J"]) for b in P["boosters"]]
-        self.mode, self.t_contact, self.t_open = [TIED] * 4, [None] * 4, [np.inf] * 4
+        self.tails, self.until = case.get("tails"), case.get("until", END)
+        self.mode, self.t_contact, self.t_open = [HINGE if self.tails else TIED] * 4, [None] * 4, [np.inf] * 4
         self.thrust = [case.get("thrust", {}).get(k, 1) for k in range(4)]
         self.delay = [case.get("delay", {}).get(k, P["nozzle_delay"]) for k in range(4)]
         self.uncut, self.dead = case.get("uncut", set()), case.get("dead", set())
@@ -80,6 +83,8 @@ class Boosters:
             main = b["thrust0"] * self.thrust[k] * np.exp(-(t - CUTOFF) / b["thrust_tau"])
         trim = (TRIM if k % 2 == 0 else -TRIM) * ramp(t, RUDDERS, NEUTRAL, 0)
         tail = main * np.array(b["thrust_dir"]) + [VERNIER * ramp(t, VERNIERS, VERNIERS_OFF, 0), 0, trim]
+        if self.tails:
+            tail = self.tails[k][0] * np.exp(-t / self.tails[k][1]) * np.array(b["thrust_dir"])
         force, moment = tail.copy(), np.cross(b["thrust_point"], tail)
         if self.t_open[k] <= self.now_open:
             jet = b["nozzle_force"] * (1 - np.exp(-(t - self.t_open[k]) / b["nozzle_tau"])) * np.array(b["nozzle_dir"])
@@ -175,9 +180,9 @@ class Boosters:
         while True:
             if any(abs(t - s) < 1e-15 for s in SAMPLES):
                 samples[str(t)] = self.describe(y)
-            if t >= END:
+            if t >= self.until:
                 return events, samples
-            if t == TIES:
+            if t == TIES and not self.tails:
                 self.mode = [TIED if k in self.uncut else HINGE for k in range(4)]
             if t == CUTOFF:
                 self.phase_cutoff = CUTOFF

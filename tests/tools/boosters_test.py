@@ -65,6 +65,11 @@ class BoostersTest(ProcessTest):
     def test_a_dead_nozzle_keeps_its_nose_as_long_as_the_reference_says(self):
         self.compare("dead-nozzle", "cyclogram.yaml", "--set", "events.nozzle:booster1.enabled=false")
 
+    def test_dispersed_tail_offs_let_each_go_at_its_own_time(self):
+        report = self.compare("dispersed", "dispersed.yaml")
+        times = sorted(e["t"] for e in report["events"] if e["name"] == "liftoff")
+        self.assertGreater(min(b - a for a, b in zip(times, times[1:])), 0.001)
+
     def test_before_the_ties_are_cut_the_rocket_is_one_body(self):
         report = self.run_at("cyclogram.yaml", (0.09, 0.449))
         early, late = (sample["bodies"]["core"]["v"][0] for sample in report["samples"])
