@@ -2,7 +2,8 @@
 """Tight-tolerance references of the shipped solar arrays, independent of unlatch's code and of make-array: the motion is
 planar, so bodies have x, y and a turn; a dense KKT matrix by least squares (cables of latched hinges are redundant), SciPy's
 DOP853 at rtol 1e-12, events by root-finding, rigid latches by the same matrix as a plastic impulse. Many panels tied by cables have
-five freedoms however many they are, and are integrated in those.
+five freedoms however many they are, and are integrated in those. What a latch shock rings in comes from a linear model of the
+unfolded array.
 
     array_reference.py    writes tests/data/array_panels.json; needs python3-scipy
 """
@@ -203,9 +204,25 @@ class Accordion:
         return {"events": events, "samples": states}
 
 
+def unfolded_modes(n):
+    """Eigenvalues (real, imaginary; 1/s) of small vibrations of the unfolded array on its elastic latches, momenta zero: linear
+    in y of the bus, its turn and the hinge angles."""
+    y, turn = np.zeros((n + 1, n + 2)), np.zeros((n + 1, n + 2))  # of bodies, by coordinate
+    y[:, 0] = turn[:, 1] = 1
+    for body in range(1, n + 1):
+        y[body, 1] = 0.5 + body
+        y[body, 2:2 + body] = 0.5 + body - 1.0 - np.arange(body)  # from each hinge to the body's centre
+        turn[body, 2:2 + body] = 1
+    M = y.T @ np.diag([BUS_MASS] + [MASS] * n) @ y + turn.T @ np.diag([BUS_INERTIA] + [INERTIA] * n) @ turn
+    flexibility = np.linalg.inv(M)[2:, 2:]
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-LATCH * flexibility, -LATCH_DAMPING * flexibility]])
+    return sorted([float(x.real), float(x.imag)] for x in np.linalg.eigvals(A) if x.imag > 0)[::-1]
+
+
 if __name__ == "__main__":
     result = {"about": "tests/support/array_reference.py: planar, DOP853 at rtol 1e-12. Events: t, panel. Samples: x, y, turn of "
-                       "bus and panels, then their rates"}
+                       "bus and panels, then their rates. Modes: eigenvalues of the elastic array, unfolded, 1/s",
+              "modes": unfolded_modes(4)}
     for name, (n, latches, cables, until) in CASES.items():
         result[name] = Array(n, latches, cables).run(until)
         print(name, result[name]["events"], flush=True)

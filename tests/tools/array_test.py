@@ -14,6 +14,30 @@ REFERENCE = json.loads((SOURCE / "tests/data/array_panels.json").read_text())
 EVENT_TIME = 1e-6  # s, asked for at 1 ms
 STATE = 1e-6       # m, rad: of motions of some metres and radians
 RATE = 1e-6        # m/s, rad/s
+MODES = [complex(*mode) for mode in REFERENCE["modes"]]  # 1/s: damping and frequency
+
+
+def left_by_modes(signal, times, modes):
+    """The part of a signal, by its norm, that damped modes (complex eigenvalues) do not explain: Gram and Schmidt, twice over."""
+    def dot(a, b):
+        return sum(x * y for x, y in zip(a, b))
+
+    def without(a, unit):
+        along = dot(a, unit)
+        return [x - along * y for x, y in zip(a, unit)]
+
+    basis = []
+    for mode in modes:
+        for wave in (math.cos, math.sin):
+            column = [math.exp(mode.real * (t - times[0])) * wave(mode.imag * (t - times[0])) for t in times]
+            for unit in basis + basis:
+                column = without(column, unit)
+            norm = math.sqrt(dot(column, column))
+            basis.append([x / norm for x in column])
+    rest = signal
+    for unit in basis:
+        rest = without(rest, unit)
+    return math.sqrt(dot(rest, rest) / dot(signal, signal))
 
 
 class ArrayTest(ProcessTest):
@@ -42,6 +66,27 @@ class ArrayTest(ProcessTest):
         self.assertLess(worst, STATE)
         self.assertLess(worst_rate, RATE)
         print(f"{name}: latches {worst_time:.1e} s, places {worst:.1e}, rates {worst_rate:.1e}", file=sys.stderr)
+
+    def hinge_angles(self, times):
+        """Of elastic.yaml, rad, a list for each hinge."""
+        report = self.run_json(UNLATCH, "run", ARRAY / "elastic.yaml", "--sample", ",".join(map(str, times)))
+        self.assertLess(max(event["t"] for event in report["events"]), times[0])
+        turns = [[2 * math.atan2(body["q"][3], body["q"][0]) for body in sample["bodies"].values()] for sample in report["samples"]]
+        return [[math.remainder(turn[k + 1] - turn[k], 2 * math.pi) for turn in turns] for k in range(4)]
+
+    def test_the_shock_of_the_last_latch_rings_in_every_mode_of_a_linear_array(self):
+        times = [round(6.59 + i / 1000, 3) for i in range(1001)]
+        angles = self.hinge_angles(times)
+        for angle in angles:
+            self.assertLess(left_by_modes(angle, times, MODES), 3e-3)  # angles reach 0.08 rad: what is left is not linear
+        for mode in MODES:
+            self.assertGreater(left_by_modes(angles[1], times, [other for other in MODES if other != mode]), 5e-2)
+
+    def test_ten_seconds_of_ringing_tell_a_hundredth_of_a_frequency(self):
+        times = [10 + i / 100 for i in range(1001)]
+        for angle in self.hinge_angles(times):
+            self.assertLess(left_by_modes(angle, times, MODES), 3e-3)
+            self.assertGreater(left_by_modes(angle, times, [complex(mode.real, 1.01 * mode.imag) for mode in MODES]), 5e-2)
 
     def generate(self, panels):
         path = self.folder / "array.yaml"
