@@ -28,7 +28,7 @@ STYLES = {
     "simbody_solve": ("Simbody, solve alone", "#2a9d5c", "--", "D"),
     "mujoco": ("MuJoCo 2.2", "#e09f3e", "-", "P"),
 }
-# Issue 3: slower, faster, shape, n, at least. Against solvers that start from given blocks it is factor + solve that counts.
+# Targets: slower, faster, shape, n, at least. Against solvers that start from given blocks it is factor + solve that counts.
 TARGETS = [
     ("mujoco", "unlatch", "star", 5, 11),
     ("textbook", "unlatch_factor_solve", "star", 5, 18),

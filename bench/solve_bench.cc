@@ -52,6 +52,9 @@ const Peer kPeers[] = {
 constexpr int kFitted[] = {8, 16, 32, 64, 128, 256, 512, 1024, 2048};
 constexpr int kOthers[] = {5, 1000, 4096, 16384, 100000};
 
+// Five hinges between two welds carry what no equation decides: every solver has another answer.
+bool is_determined(Shape shape, int n) { return shape != Shape::kWeldedChain || n >= 8; }
+
 double calc_difference(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0, difference = a.size() == b.size() ? 0 : HUGE_VAL;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
@@ -107,7 +110,7 @@ void register_solves() {
       if (peer.linear) fitted->Complexity(benchmark::oN);
       auto* others = benchmark::RegisterBenchmark(name.c_str(), run);
       for (const int n : kOthers)
-        if (n <= largest) others->Arg(n);
+        if (n <= largest && is_determined(shape, n)) others->Arg(n);
     }
 }
 
