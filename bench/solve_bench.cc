@@ -108,9 +108,8 @@ void register_solves() {
       for (const int n : kFitted)
         if (n <= largest) fitted->Arg(n);
       if (peer.linear) fitted->Complexity(benchmark::oN);
-      auto* others = benchmark::RegisterBenchmark(name.c_str(), run);
       for (const int n : kOthers)
-        if (n <= largest && is_determined(shape, n)) others->Arg(n);
+        if (n <= largest && is_determined(shape, n)) benchmark::RegisterBenchmark(name.c_str(), run)->Arg(n);
     }
 }
 
