@@ -44,18 +44,18 @@ FITTED = (8, 2048)  # n
 PER_BODY = [("star", 100000, 60), ("bintree", 100000, 160), ("welded_chain", 512, 90)]
 
 
-def read_medians():
-    """{(who, shape): {n: ns per solve}}"""
+def read_times():
+    """{(who, shape): {n: ns per solve, the least of the repetitions}}"""
     with open(RESULTS / "solve_bench.csv", newline="") as file:
         lines = file.readlines()
     start = next(i for i, line in enumerate(lines) if line.startswith("name,"))
-    medians = {}
+    times = {}
     for row in csv.DictReader(lines[start:]):
-        match = re.fullmatch(r"solve/(\w+)/(\w+)/(\d+)_median", row["name"])
+        match = re.fullmatch(r"solve/(\w+)/(\w+)/(\d+)_least", row["name"])
         if match:
             who, shape, n = match.groups()
-            medians.setdefault((who, shape), {})[int(n)] = float(row["cpu_time"])
-    return medians
+            times.setdefault((who, shape), {})[int(n)] = float(row["cpu_time"])
+    return times
 
 
 def calc_exponent(curve):
@@ -66,12 +66,12 @@ def calc_exponent(curve):
     return sum((x - mean_x) * (y - mean_y) for x, y in points) / sum((x - mean_x) ** 2 for x, _ in points)
 
 
-def draw(medians):
+def draw(times):
     plt.rcParams.update({"font.size": 9, "font.family": "DejaVu Sans", "svg.fonttype": "none"})
     figure, axes = plt.subplots(1, len(SHAPES), figsize=(17, 4.8), sharey=True)
     for axis, shape in zip(axes, SHAPES):
         for who, (label, colour, line, marker) in STYLES.items():
-            curve = sorted(medians.get((who, shape), {}).items())
+            curve = sorted(times.get((who, shape), {}).items())
             if not curve:
                 continue
             ours = who.startswith("unlatch")
@@ -95,12 +95,12 @@ def draw(medians):
     figure.savefig(RESULTS / "solve.png", dpi=130)
 
 
-def write_ratios(medians):
+def write_ratios(times):
     with open(RESULTS / "ratios.md", "w") as out:
         out.write("| | ns | peer, ns | ratio | target | |\n|---|---|---|---|---|---|\n")
         for slower, faster, shape, n, target in TARGETS:
-            ours = medians.get((faster, shape), {}).get(n)
-            theirs = medians.get((slower, shape), {}).get(n)
+            ours = times.get((faster, shape), {}).get(n)
+            theirs = times.get((slower, shape), {}).get(n)
             if ours is None or theirs is None:
                 continue
             ratio = theirs / ours
@@ -108,13 +108,13 @@ def write_ratios(medians):
             out.write(f"| {shape} {n}: {slower} / {faster} | {ours:.0f} | {theirs:.0f} | {ratio:.1f} | {target} | {verdict} |\n")
         out.write("\n| ns per body | unlatch | unlatch_factor_solve | at most |\n|---|---|---|---|\n")
         for shape, n, limit in PER_BODY:
-            cells = [medians.get((who, shape), {}).get(n) for who in ("unlatch", "unlatch_factor_solve")]
+            cells = [times.get((who, shape), {}).get(n) for who in ("unlatch", "unlatch_factor_solve")]
             if None not in cells:
                 out.write(f"| {shape} {n} | " + " | ".join(f"{t / n:.0f}" for t in cells) + f" | {limit} |\n")
         out.write(f"\n| exponent of cost in n, {FITTED[0]}…{FITTED[1]} | " + " | ".join(SHAPES) + " |\n"
                   + "|---" * (len(SHAPES) + 1) + "|\n")
         for who in STYLES:
-            curves = [medians.get((who, shape), {}) for shape in SHAPES]
+            curves = [times.get((who, shape), {}) for shape in SHAPES]
             cells = [f"{calc_exponent(c):.2f}" if sum(FITTED[0] <= n <= FITTED[1] for n in c) > 2 else "–" for c in curves]
             if any(cell != "–" for cell in cells):
                 out.write(f"| {who} | " + " | ".join(cells) + " |\n")
@@ -122,16 +122,16 @@ def write_ratios(medians):
         out.write("\n| ns per body | " + " | ".join(map(str, sizes)) + " |\n" + "|---" * (len(sizes) + 1) + "|\n")
         for who in ("unlatch", "unlatch_factor_solve", "textbook"):
             for shape in SHAPES:
-                curve = medians.get((who, shape), {})
+                curve = times.get((who, shape), {})
                 cells = [f"{curve[n] / n:.0f}" if n in curve else "–" for n in sizes]
                 if any(cell != "–" for cell in cells):
                     out.write(f"| {who}, {shape} | " + " | ".join(cells) + " |\n")
 
 
 def main():
-    medians = read_medians()
-    draw(medians)
-    write_ratios(medians)
+    times = read_times()
+    draw(times)
+    write_ratios(times)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@
 #include <exception>
 #include <string>
 
+#include "bench/least.h"
 #include "bench/solve_solver.h"
 #include "kernel/plan.h"
 
@@ -107,9 +108,11 @@ void register_solves() {
       auto* fitted = benchmark::RegisterBenchmark(name.c_str(), run);
       for (const int n : kFitted)
         if (n <= largest) fitted->Arg(n);
+      fitted->Apply(keep_least);
       if (peer.linear) fitted->Complexity(benchmark::oN);
       for (const int n : kOthers)
-        if (n <= largest && is_determined(shape, n)) benchmark::RegisterBenchmark(name.c_str(), run)->Arg(n);
+        if (n <= largest && is_determined(shape, n))
+          benchmark::RegisterBenchmark(name.c_str(), run)->Arg(n)->Apply(keep_least);
     }
 }
 

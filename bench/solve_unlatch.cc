@@ -44,9 +44,7 @@ class UnlatchFactorSolve final : public Unlatch {
  public:
   using Unlatch::Unlatch;
 
-  void solve() override {
-    check(factor_and_solve(simulation_.plan, simulation_.state, simulation_.workspace, {}));
-  }
+  void solve() override { check(factor_and_solve(simulation_.plan, simulation_.state, simulation_.workspace, {})); }
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "bench/least.h"
 #include "bench/panel_array.h"
 #include "bench/solve_model.h"
 #include "tests/support/reference_models.h"
@@ -41,24 +42,28 @@ void run_whole(benchmark::State& bench, Simulation simulation, int ticks) {
 }
 
 // Reference events at 0.66581 (hinge → slider), 0.76905 (contact), 0.78879 s (slider → free).
-BENCHMARK_CAPTURE(repeat_step, hinge, build_boosters(), 300)->Name("step/boosters/hinge");
-BENCHMARK_CAPTURE(repeat_step, slider, build_boosters(), 700)->Name("step/boosters/slider");
-BENCHMARK_CAPTURE(repeat_step, free, build_boosters(), 1000)->Name("step/boosters/free");
-BENCHMARK_CAPTURE(repeat_step, event, build_boosters(), 665)->Name("step/boosters/event");
-BENCHMARK_CAPTURE(run_whole, boosters, build_boosters(), 2000)->Name("step/boosters");
-BENCHMARK_CAPTURE(repeat_step, drive, build_array(), 3000)->Name("step/array/drive");
-BENCHMARK_CAPTURE(repeat_step, latched, build_array(), 9500)->Name("step/array/latched");
-BENCHMARK_CAPTURE(run_whole, array, build_array(), 20000)->Name("step/array");
+BENCHMARK_CAPTURE(repeat_step, hinge, build_boosters(), 300)->Name("step/boosters/hinge")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_step, slider, build_boosters(), 700)->Name("step/boosters/slider")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_step, free, build_boosters(), 1000)->Name("step/boosters/free")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_step, event, build_boosters(), 665)->Name("step/boosters/event")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(run_whole, boosters, build_boosters(), 2000)->Name("step/boosters")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_step, drive, build_array(), 3000)->Name("step/array/drive")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_step, latched, build_array(), 9500)->Name("step/array/latched")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(run_whole, array, build_array(), 20000)->Name("step/array")->Apply(bench::keep_least);
 
 // 64 panels unfold on springs, a guard at each hinge that closes its elastic latch.
-BENCHMARK_CAPTURE(repeat_step, drive, Simulation(bench::build_panel_array(64)), 100)->Name("step/array64/drive");
-BENCHMARK_CAPTURE(run_whole, array64, Simulation(bench::build_panel_array(64)), 10000)->Name("step/array64");
+BENCHMARK_CAPTURE(repeat_step, drive, Simulation(bench::build_panel_array(64)), 100)
+    ->Name("step/array64/drive")
+    ->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(run_whole, array64, Simulation(bench::build_panel_array(64)), 10000)
+    ->Name("step/array64")
+    ->Apply(bench::keep_least);
 
 void repeat_random(benchmark::State& state) {
   const int n = static_cast<int>(state.range(0));
   repeat_step(state, Simulation(bench::build_solve_model(bench::Shape::kRandom, n)), 1);
 }
-BENCHMARK(repeat_random)->Name("step/random")->Arg(5)->Arg(20)->Arg(64)->Arg(256)->Arg(1000);
+BENCHMARK(repeat_random)->Name("step/random")->Arg(5)->Arg(20)->Arg(64)->Arg(256)->Arg(1000)->Apply(bench::keep_least);
 
 }  // namespace
 }  // namespace unlatch::test
