@@ -99,18 +99,19 @@ void Mistakes::fold_instances() {
   list_ = std::move(kept);
 }
 
+const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit) {
+  if (known.empty() || wrong.size() > 64) return nullptr;
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return calc_distance(wrong, a) < calc_distance(wrong, b);
+  });
+  return calc_distance(wrong, *nearest) <= limit ? &*nearest : nullptr;
+}
+
 std::string suggest(const std::string& wrong, const std::vector<std::string>& known) {
   constexpr std::size_t kListed = 24;  // names named; the rest is counted
   if (known.empty()) return "there are none";
-  std::string text;
-  if (wrong.size() <= 64) {
-    const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-      return calc_distance(wrong, a) < calc_distance(wrong, b);
-    });
-    if (calc_distance(wrong, *nearest) <= std::max<std::size_t>(2, nearest->size() / 3))
-      text = "did you mean '" + *nearest + "'? ";
-  }
-  text += "known: ";
+  const std::string* const nearest = find_nearest(wrong, known, std::max<std::size_t>(2, wrong.size() / 3));
+  std::string text = nearest ? "did you mean '" + *nearest + "'? known: " : "known: ";
   for (std::size_t i = 0; i < std::min(known.size(), kListed); ++i) text += (i > 0 ? ", " : "") + known[i];
   if (known.size() > kListed) text += " and " + std::to_string(known.size() - kListed) + " more";
   return text;

@@ -54,6 +54,9 @@ class Mistakes {
   Constants constants_;
 };
 
+// The one of `known` that is nearest to `wrong`, by Levenshtein's distance; nullptr if that is more than `limit`.
+const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit);
+
 // "; did you mean 'mass'? known: …", from the names that would have been right.
 std::string suggest(const std::string& wrong, const std::vector<std::string>& known);
 

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <optional>
 
+#include "hil/scenario_error.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -67,6 +69,22 @@ YamlNode& step_into_list(YamlNode& list, const std::string& part, const SourceMa
   return list.items[*index];
 }
 
+std::string without_digits(std::string name) {
+  std::erase_if(name, [](char c) { return c >= '0' && c <= '9'; });
+  return name;
+}
+
+// A path leads on into something that is not there but is called nearly as what is: a slip, unless it is another
+// number (spring4 beside spring3).
+void refuse_misspelt(const YamlNode& mapping, const std::string& part, const SourceMark& mark) {
+  std::vector<std::string> known;
+  for (const auto& key : mapping.keys) known.push_back(key.text);
+  const std::string* const nearest = find_nearest(part, known, part.size() < 6 ? 1 : 2);
+  if (part.size() >= 4 && nearest && without_digits(*nearest) != without_digits(part))
+    throw YamlError(mark, "there is no '" + part + "'",
+                    "did you mean '" + *nearest + "'? To add one give it whole: " + part + "={key: value, ...}");
+}
+
 // The child that `part` names; a missing key is inserted, a missing container is made.
 YamlNode& step_into(YamlNode& node, const std::string& part, const SourceMark& mark) {
   if (node.kind == YamlNode::Kind::kNull) {
@@ -93,7 +111,11 @@ void replace_value(const std::string& path, const SourceMark& mark, YamlNode val
       throw YamlError(mark, "'" + parts[0] + "' is worked out before values are replaced",
                       "name what it makes: bodies.booster1.mass");
   YamlNode* node = &root;
-  for (const std::string& part : parts) node = &step_into(*node, part, mark);
+  for (const std::string& part : parts) {
+    if (node->kind == YamlNode::Kind::kMapping && &part != &parts.back() && !node->find(part))
+      refuse_misspelt(*node, part, mark);
+    node = &step_into(*node, part, mark);
+  }
   *node = std::move(value);
 }
 

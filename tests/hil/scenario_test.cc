@@ -187,6 +187,12 @@ TEST(ScenarioOverrides, ReachScalarsThatTheFileLeavesOut) {
   EXPECT_EQ(s.model.loads[0].direction, Eigen::Vector3d(0.5, 0, 0));
 }
 
+TEST(ScenarioOverrides, BringInWhatIsNumberedOrGivenWhole) {
+  const hil::Scenario s = load_with(
+      {"bodies.core2.mass=3", "bodies.core2.inertia=[1, 1, 1]", "bodies.boaster={mass: 4, inertia: [1, 1, 1]}"});
+  EXPECT_EQ(s.model.bodies.size(), 4u);
+}
+
 TEST(ScenarioOverrides, AScaleOfZeroMakesALoadDead) {
   const hil::Scenario s = load_with({"elements.engine.scale=0"});
   EXPECT_EQ(s.model.loads[0].direction, Eigen::Vector3d(0, 0, 0));
@@ -203,6 +209,8 @@ TEST(ScenarioOverrides, MistakesNameTheOverride) {
       load_errors(kGoodScenario, {"bodies.core.mas=3"}),
       AllOf(StartsWith("s.yaml: --set bodies.core.mas=3: unknown key 'mas'"), HasSubstr("did you mean 'mass'")));
   EXPECT_THAT(load_errors(kGoodScenario, {"bodies.core.mass=0"}), StartsWith("s.yaml: --set bodies.core.mass=0: "));
+  EXPECT_THAT(load_errors(kGoodScenario, {"bodies.boster.mass=3"}),
+              AllOf(HasSubstr("there is no 'boster'"), HasSubstr("did you mean 'booster'?")));
   EXPECT_THAT(load_errors(kGoodScenario, {"events[7].delay=0"}), HasSubstr("no entry [7]: the list has 1"));
   EXPECT_THAT(load_errors(kGoodScenario, {"events.lift.delay=0"}), HasSubstr("no entry 'lift'"));
   EXPECT_THAT(load_errors(kGoodScenario, {"bodies.core.mass.x=0"}), HasSubstr("inside the single value"));
