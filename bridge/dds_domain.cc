@@ -11,6 +11,8 @@
 #include <mutex>
 #include <string_view>
 
+#include "bridge/dds_byte_order.h"
+
 namespace unlatch::bridge {
 namespace {
 
@@ -103,6 +105,10 @@ std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
   }
   static std::once_flag once;
   std::call_once(once, [] { dds_set_log_sink(hear_log, nullptr); });
+  if (!is_byte_order_checked())
+    throw PortError(
+        "Cyclone DDS: this program was linked so that samples of the other byte order are not refused, and 0.10.2 "
+        "writes outside its memory for them; link it with -Wl,--export-dynamic-symbol=dds_stream_normalize");
   if (std::getenv("CYCLONEDDS_URI") != nullptr) return nullptr;
   if (!is_interface_name(options.interface)) {
     throw PortError("Cyclone DDS: '" + options.interface + "' is no name of a network interface; `ip link` lists them");

@@ -7,8 +7,8 @@ Version {version}, schema hash `{hash:016x}` (in `Hello` as a signed 64-bit numb
 
 Everything has a fixed size and no padding. SI units and radians. Names are octets, NUL-terminated and NUL-filled, UTF-8. The
 quaternion takes body axes to inertial axes. Each message is the DDS topic `unlatch_<name>` ([unlatch.idl](unlatch.idl)) and the LCM
-channel below ([lcm/](lcm)); LCM puts an 8-byte fingerprint in front and sends big-endian numbers. A receiver drops and counts a
-message whose numbers leave the ranges given here.
+channel below ([lcm/](lcm)); LCM puts an 8-byte fingerprint in front and sends big-endian numbers; samples over DDS are little-endian, others
+are refused. A receiver drops and counts a message whose numbers leave the ranges given here.
 
 To change something: edit [messages.yaml](messages.yaml), run `generate.py` (python3, python3-yaml), commit what it wrote.
 """

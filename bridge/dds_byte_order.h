@@ -1,0 +1,9 @@
+// Samples in the other byte order are refused where Cyclone DDS cannot read them safely.
+#pragma once
+
+namespace unlatch::bridge {
+
+// Whether that holds in this program. Names the function, so that a static library's user gets it linked.
+[[nodiscard]] bool is_byte_order_checked() noexcept;
+
+}  // namespace unlatch::bridge
