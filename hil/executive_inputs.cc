@@ -86,8 +86,10 @@ bool Executive::is_answered() noexcept {
     if (participant.has_answered(tick)) {
       participant.waiting_since_ns = -1;
       if (participant.required) last_ns = std::max(last_ns, participant.ack_arrived_ns);
-    } else if (participant.required) {
-      all = false;
+    } else {
+      // Also one that had answered, and has since announced a command that is not here.
+      if (participant.waiting_since_ns < 0) participant.waiting_since_ns = get_monotonic_ns();
+      if (participant.required) all = false;
     }
   }
   if (!all) return false;

@@ -127,7 +127,7 @@ class Expander {
 
   void expand(const YamlNode& templates, const YamlNode& instances) {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < templates.items.size(); ++i) {
+    for (std::size_t i = 0; i < templates.keys.size(); ++i) {  // a list has none, and was reported
       names.push_back(templates.keys[i].text);
       check_template(templates.keys[i].text, templates.items[i]);
     }

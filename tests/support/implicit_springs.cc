@@ -137,7 +137,7 @@ VectorXd calc_accurate(const SpringPendulum& p, double t) {
   const double fastest = std::sqrt((p.stiffness + p.mass * p.gravity * p.arm) / static_cast<double>(inertia)) + 1;
   const long steps = std::lround(std::ceil(t * fastest * 1000)) + 1;
   const Real h = static_cast<Real>(t) / static_cast<Real>(steps);
-  Pair y{p.angle, p.speed};
+  Pair y{real(p.angle), real(p.speed)};
   for (long i = 0; i < steps; ++i) {
     const auto ahead = [&](Real c, const Pair& k) { return Pair{y.angle + c * k.angle, y.speed + c * k.speed}; };
     const Pair k1 = rate(y), k2 = rate(ahead(h / 2, k1)), k3 = rate(ahead(h / 2, k2)), k4 = rate(ahead(h, k3));
