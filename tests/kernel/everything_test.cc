@@ -142,9 +142,9 @@ void append_rows(Dense& d, const RealMatrix& rows, const RealVector& bias) {
 }
 
 RealMatrix cross_matrix(const Vector3d& a) {
-  RealMatrix m(3, 3);
+  Eigen::Matrix3d m;
   m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
+  return m.cast<Real>();
 }
 
 Dense build_dense(const System& s, const Model& placed, const SystemState& state, const FlexibleState& mast) {
@@ -219,8 +219,10 @@ void add_spring(Dense& d, const Model& placed, const SystemState& state, const J
     if (kkt.names[i].joint != spring.joint) continue;
     const RealVector g = kkt.rows.row(static_cast<Index>(i)).transpose();
     const Real rate = g.dot(kkt.speed), lead = static_cast<Real>(kGamma) * static_cast<Real>(kStep);
-    const Real k = spring.stiffness, damping = spring.damping, pivot = lead * (lead * k + damping);
-    const Real effort = spring.effort - k * (x - spring.rest) - damping * rate - lead * k * rate;
+    const Real k = static_cast<Real>(spring.stiffness), damping = static_cast<Real>(spring.damping),
+               pivot = lead * (lead * k + damping);
+    const Real effort =
+        static_cast<Real>(spring.effort) - k * static_cast<Real>(x - spring.rest) - damping * rate - lead * k * rate;
     const Index n = g.size();
     d.M.topLeftCorner(n, n) += pivot * g * g.transpose();
     d.F.head(n) += g * (effort + pivot * kkt.bias[static_cast<Index>(i)]);

@@ -16,6 +16,7 @@ namespace unlatch::test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDenormal = std::numeric_limits<double>::denorm_min();
 
 // --- Traps ----------------------------------------------------------------------------------------------------------
@@ -294,7 +295,7 @@ TEST(Hostile, AFallThroughTheCentreOfGravityEndsInAStatus) {
 TEST(Hostile, RandomModelsWithAbsurdNumbersEndInAStatus) {
   constexpr std::uint64_t kFirstSeed = 9200, kModels = 400;
   std::cout << "seeds from " << kFirstSeed << '\n';
-  constexpr double kAbsurd[] = {0, -0.0, kDenormal, 1e-300, 1e-30, 1e30, 1e150, 1e300, -1e300, kInf, NAN};
+  constexpr double kAbsurd[] = {0, -0.0, kDenormal, 1e-300, 1e-30, 1e30, 1e150, 1e300, -1e300, kInf, kNaN};
   int refused = 0, stopped = 0, stepped = 0;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kModels; ++seed) {
     SCOPED_TRACE(seed);
