@@ -79,7 +79,6 @@ std::int64_t count_all(const hil::DurationSummary& summary) {
 
 TEST(Overruns, EachIsCountedLoggedPublishedAndAttributed) {
   const std::string log = make_path("log");
-  std::atomic<int> heard{0};
   ScriptedTicks ticks({3, 17, 49});
   const SessionResult result = run_session(Pace::kRealtime, {}, log, {kPatient}, true, &ticks);
   EXPECT_EQ(result.end.status, RunStatus::kDone);
