@@ -21,7 +21,8 @@ constexpr double kPrinted = 1e-11;   // the exact arc's roots are given with twe
 std::vector<double> read_roots(const char* file, const char* key) {
   std::ifstream stream(std::string(UNLATCH_TEST_DATA) + "/" + file);
   std::vector<double> roots;
-  for (const auto& text : nlohmann::json::parse(stream).at(key)) roots.push_back(std::stod(text.get<std::string>()));
+  const nlohmann::json all = nlohmann::json::parse(stream);
+  for (const auto& text : all.at(key)) roots.push_back(std::stod(text.get<std::string>()));
   return roots;
 }
 
