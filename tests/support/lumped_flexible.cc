@@ -84,7 +84,8 @@ PointJacobian calc_point_jacobian(const ModalBody& body, const FlexibleState& st
   const RealVector3 s_rate = shape * state.eta_rate.cast<Real>();
   PointJacobian out;
   out.J.resize(3, 6 + body.get_modes());
-  out.J << RealMatrix3::Identity(), -R * calc_cross(s), R * shape;
+  out.J.leftCols(6) << RealMatrix3::Identity(), -R * calc_cross(s);
+  if (body.get_modes() > 0) out.J.rightCols(body.get_modes()) = R * shape;  // Eigen takes no blocks of nothing
   out.bias = R * (w.cross(w.cross(s)) + 2 * w.cross(s_rate));
   return out;
 }
