@@ -16,6 +16,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
+from boosters_reference import rotation
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # hil/scenarios/fairing/scenario.yaml, by hand.
 CORE_MASS, CORE_INERTIA, CORE_START = 12000.0, np.array([60000.0, 60000.0, 20000.0]), np.array([0, 0, -3.0])
@@ -40,13 +42,6 @@ def crosses(a):
     out = np.zeros((len(a), 3, 3))
     out[:, 2, 1], out[:, 0, 2], out[:, 1, 0] = a.T
     return out - out.transpose(0, 2, 1)
-
-
-def rotation(q):
-    w, x, y, z = q / np.linalg.norm(q)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
 
 
 def quaternion(m):
