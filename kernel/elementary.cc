@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "kernel/arctangent.h"
+
 namespace unlatch::elementary {
 namespace {
 
@@ -12,33 +14,6 @@ __extension__ typedef unsigned __int128 Wide;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-
-// A number as the unevaluated sum hi + lo, |lo| ≤ ulp(hi).
-struct Pair {
-  double hi, lo;
-};
-
-constexpr Pair kPi{0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
-constexpr Pair kHalfPi{0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
-
-// a − b exactly (Knuth).
-Pair calc_difference(double a, double b) {
-  const double hi = a - b;
-  const double bb = a - hi;
-  return {hi, (a - (hi + bb)) + (bb - b)};
-}
-
-double clear_low_bits(double x, int count) {
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) >> count << count);
-}
-
-// a · b to twice the precision (Dekker, with factors cut after 26 bits).
-Pair calc_product(double a, double b) {
-  const double a_hi = clear_low_bits(a, 27), a_lo = a - a_hi;
-  const double b_hi = clear_low_bits(b, 27), b_lo = b - b_hi;
-  const double p = a * b;
-  return {p, (((a_hi * b_hi - p) + a_hi * b_lo) + a_lo * b_hi) + a_lo * b_lo};
-}
 
 double calc_power_of_two(int exponent) {  // −1022 ≤ exponent ≤ 1023
   return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
@@ -124,54 +99,6 @@ double calc_cos_kernel(Pair r) {
   return w + (((1.0 - w) - half) + (z * z * p - r.hi * r.lo));
 }
 
-// --- Arctangent -----------------------------------------------------------------------------------------------------
-
-constexpr Pair kAtanEighths[9] = {{0, 0},
-                                  {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
-                                  {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
-                                  {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
-                                  {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
-                                  {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
-                                  {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
-                                  {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
-                                  {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
-
-// atan(b / a) for 2^-60 a ≤ b ≤ a or b = 0, neither near overflow or underflow. With c = k/8 next to b / a,
-//   atan(b/a) = atan(c) + atan(u),  u = (b − c a) / (a + c b),  |u| ≤ 1/16,
-// where u is kept to twice the precision and its Taylor series ends at u^13.
-Pair calc_atan_ratio(double b, double a) {
-  const int k = static_cast<int>(8.0 * (b / a) + 0.5);
-  const double c = 0.125 * k;
-
-  // c has four bits, so that its product with the upper 49 bits of a number is exact.
-  const double a_hi = clear_low_bits(a, 4), a_lo = a - a_hi;
-  const double b_hi = clear_low_bits(b, 4), b_lo = b - b_hi;
-  const Pair numerator = calc_difference(b, c * a_hi);
-  const double numerator_lo = numerator.lo - c * a_lo;
-  const Pair denominator = calc_difference(a, -c * b_hi);
-  const double denominator_lo = denominator.lo + c * b_lo;
-
-  const double u = numerator.hi / denominator.hi;
-  const Pair product = calc_product(u, denominator.hi);
-  const double rest = (((numerator.hi - product.hi) - product.lo) + numerator_lo) - u * denominator_lo;
-  const double u_lo = rest / denominator.hi;
-
-  const double z = u * u;
-  double p = 1.0 / 13.0;
-  p = p * z - 1.0 / 11.0;
-  p = p * z + 1.0 / 9.0;
-  p = p * z - 1.0 / 7.0;
-  p = p * z + 1.0 / 5.0;
-  p = p * z - 1.0 / 3.0;
-  const Pair sum = calc_difference(kAtanEighths[k].hi, -u);
-  return {sum.hi, sum.lo + ((z * u * p + u_lo) + kAtanEighths[k].lo)};
-}
-
-double calc_sum(Pair a, Pair b) {
-  const Pair sum = calc_difference(a.hi, -b.hi);
-  return sum.hi + (sum.lo + (a.lo + b.lo));
-}
-
 }  // namespace
 
 void sincos(double x, double& sine, double& cosine) noexcept {
@@ -251,11 +178,11 @@ double atan2(double y, double x) noexcept {
     b = swap;
   }
 
-  Pair angle{0, 0};       // atan(b / a), in [0, pi/4]
-  if (b < a * 0x1p-60) {  // atan(u) = u
-    angle.hi = b / a;     // with gradual underflow, which only the first octant shows
-  } else if (b > 0) {     // scaled where a product could overflow or underflow; changes no bit
-    const double scale = a > 0x1p500 ? 0x1p-600 : a < 0x1p-400 ? 0x1p600 : 1.0;
+  Pair angle{0, 0};  // atan(b / a), in [0, pi/4]
+  if (b < a * kTinyRatio) {
+    angle.hi = b / a;  // with gradual underflow, which only the first octant shows
+  } else if (b > 0) {  // scaled where a product could overflow or underflow; changes no bit
+    const double scale = a > kLargestPlain ? 0x1p-600 : a < kSmallestPlain ? 0x1p600 : 1.0;
     angle = calc_atan_ratio(b * scale, a * scale);
   }
   if (steep != behind) angle = {-angle.hi, -angle.lo};

@@ -1,6 +1,7 @@
 #include "kernel/forces.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "kernel/compliance.h"
 #include "kernel/elementary.h"
@@ -35,21 +36,25 @@ void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
   add_vec(ws.lanes.data(), slot, kForce + 3, torque);
 }
 
+// The value of a load's law s seconds after it began. Two stages of a step are at one time, and loads with one law and
+// one beginning follow each other: what was computed last, for this load and for the one before, is kept.
+double find_profile(const Plan& plan, std::size_t load, double s, Workspace& ws) {
+  KeptProfile& kept = ws.profiles[load];
+  if (kept.s == s) return kept.value;
+  const std::int32_t profile = plan.loads[load].profile;
+  const bool shared = load > 0 && plan.loads[load - 1].profile == profile && ws.profiles[load - 1].s == s;
+  kept = {s, shared ? ws.profiles[load - 1].value : calc_profile(plan, plan.profiles[at(profile)], s)};
+  return kept.value;
+}
+
 void add_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
-  std::int32_t last_profile = kNone;  // loads with one law and one beginning follow each other: its value is kept
-  double last_s = 0, last_value = 0;
-  for (const PlanLoad& load : plan.loads) {
+  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
+    const PlanLoad& load = plan.loads[i];
     const ElementState& element = state.elements[at(load.element)];
     const double scale = calc_scale(element, t);
     if (scale == 0) continue;
     const double command = load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)];
-    const double s = t - element.switched_on;
-    if (load.profile != last_profile || s != last_s) {
-      last_value = calc_profile(plan, plan.profiles[at(load.profile)], s);
-      last_profile = load.profile;
-      last_s = s;
-    }
-    const double size = last_value * scale * command;
+    const double size = find_profile(plan, i, t - element.switched_on, ws) * scale * command;
     if (load.consumption != 0) ws.extras.rate[at(load.varying)] += load.consumption * std::abs(size) * load.length;
     const Mat3 R = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation);
     const Vec3 vector = size * (load.world ? load.direction : R * load.direction);
@@ -153,6 +158,10 @@ Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
   const Vec3 r = p - plan.mu_centre;
   const double r2 = dot(r, r);
   return plan.gravity - (plan.mu / (r2 * std::sqrt(r2))) * r;
+}
+
+void forget_profiles(Workspace& ws) noexcept {
+  for (KeptProfile& kept : ws.profiles) kept.s = std::numeric_limits<double>::quiet_NaN();  // equal to none
 }
 
 void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {

@@ -17,6 +17,9 @@ double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noex
 // ws.forces at time t, s; needs ws.kinematics, ws.frames and ws.coordinates.
 void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
+// What the latest stages computed of loads counts no more: a new state, perhaps in a new workspace.
+void forget_profiles(Workspace& ws) noexcept;
+
 // Acceleration of free fall at a point of W, m/s².
 Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept;
 

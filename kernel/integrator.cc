@@ -91,6 +91,7 @@ int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, d
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   load_state(plan, state, ws);
   load_extras(state, ws);
+  forget_profiles(ws);
   return evaluate_lanes(plan, inputs, state, t, ws);
 }
 

@@ -24,38 +24,73 @@ Mat3 universal_frame(const Mat3& base, const Mat3& follower) {
   return {base.x, cross(z, base.x), z};
 }
 
-// By which turn the follower's pair of axes stands from the base's.
-double calc_turn(const Vec3& bi, const Vec3& bj, const Vec3& fi, const Vec3& fj) {
-  return elementary::atan2(dot(bj, fi) - dot(bi, fj), dot(bi, fi) + dot(bj, fj));
+// Sine and cosine, times one number, of the turn by which the follower's pair of axes stands from the base's.
+struct Turn {
+  double sine, cosine;
+};
+UNLATCH_INLINE Turn calc_turn(const Vec3& bi, const Vec3& bj, const Vec3& fi, const Vec3& fj) {
+  return {dot(bj, fi) - dot(bi, fj), dot(bi, fi) + dot(bj, fj)};
 }
 
-// The angle about axis k of the rotation frame, from the two axes of each side that it takes.
-double calc_angle(const Plan& plan, const State& state, const Workspace& ws, int joint, int k) {
-  const PlanJoint& j = plan.joints[at(joint)];
-  const int first = (k + 1) % 3, second = (k + 2) % 3;
+// The numbers of a joint's frame: an edge of the tree has them in its child's lane, any other joint in a frame.
+struct JointNumbers {
+  const PlanJoint& joint;
+  const double* lanes;
+  LaneSlot slot;
+  const JointFrame* loose;
+
+  UNLATCH_INLINE JointNumbers(const Plan& plan, const Workspace& ws, int j)
+      : joint(plan.joints[at(j)]),
+        lanes(ws.lanes.data()),
+        slot(joint.loose == kNone ? ws.slots[at(joint.child)] : LaneSlot{}),
+        loose(joint.loose == kNone ? nullptr : &ws.loose_frames[at(joint.loose)]) {}
+
+  UNLATCH_INLINE Vec3 get_axis(int row) const {
+    if (loose != nullptr) return row < kRotX ? column(loose->n, row) : column(loose->m, row - kRotX);
+    return read_vec(lanes, slot, row < kRotX ? kAxes + 3 * row : joint.rotation_row + 3 * (row - kRotX));
+  }
+  UNLATCH_INLINE Vec3 get_slip(bool turning) const {
+    if (loose != nullptr) return turning ? loose->w_rel : loose->v_rel;
+    return read_vec(lanes, slot, turning ? kSlip + 3 : kSlip);
+  }
+  // Along an axis of the joint frame.
+  UNLATCH_INLINE double get_displacement(int row) const {
+    if (loose == nullptr) return lanes[slot.offset + (kGap + row) * slot.stride];
+    const Vec3& d = loose->displacement;
+    return row == kX ? d.x : (row == kY ? d.y : d.z);
+  }
+};
+
+// The turn about axis k of the rotation frame, from the two axes of each side that it takes.
+UNLATCH_INLINE Turn measure_turn(const Plan& plan, const State& state, const Workspace& ws, const PlanCoordinate& c,
+                                 const JointNumbers& numbers) {
+  const PlanJoint& j = numbers.joint;
+  const int k = c.row - kRotX;
+  const int first = k == 2 ? 0 : k + 1, second = k == 0 ? 2 : k - 1;
   const Mat3 follower = read_mat(ws.lanes.data(), ws.slots[at(j.follower)], kRotation);
   const Vec3 fi = follower * column(j.rotation_follower, first), fj = follower * column(j.rotation_follower, second);
-  if (!is_crossed(j, get_active_rows(plan, state, joint)))
-    return calc_turn(get_axis(plan, ws, joint, kRotX + first), get_axis(plan, ws, joint, kRotX + second), fi, fj);
+  if (!j.universal || !is_crossed(j, get_active_rows(plan, state, c.joint)))
+    return calc_turn(numbers.get_axis(kRotX + first), numbers.get_axis(kRotX + second), fi, fj);
   const Mat3 base = get_body_frame(ws, j.base).R;  // the cross has turned the joint's own
   return calc_turn(base * column(j.rotation_base, first), base * column(j.rotation_base, second), fi, fj);
 }
 
-// Along an axis of the joint frame.
-double get_displacement(const PlanJoint& joint, const Workspace& ws, int row) {
-  if (joint.loose == kNone) {
-    const LaneSlot slot = ws.slots[at(joint.child)];
-    return ws.lanes[at(slot.offset + (kGap + row) * slot.stride)];
+// The sines of the turns that are read become angles, all at once.
+void turn_into_angles(const Plan& plan, std::size_t count, Workspace& ws) {
+  constexpr std::size_t kWidest = 8;
+  for (std::size_t i = count; i % kWidest != 0; ++i) {
+    ws.turn_sines[i] = 0;
+    ws.turn_cosines[i] = 1;
   }
-  const Vec3& d = ws.loose_frames[at(joint.loose)].displacement;
-  return row == kX ? d.x : (row == kY ? d.y : d.z);
+  plan.kernels->calc_angles(ws.turn_sines.data(), ws.turn_cosines.data(), count);
 }
 
 }  // namespace
 
 double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
-  return calc_turn(column(base, i), column(base, j), column(follower, i), column(follower, j));
+  const Turn turn = calc_turn(column(base, i), column(base, j), column(follower, i), column(follower, j));
+  return elementary::atan2(turn.sine, turn.cosine);
 }
 
 Quat calc_relative_attitude(const Plan& plan, const State& state, int joint) noexcept {
@@ -94,20 +129,7 @@ JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace
 }
 
 Vec3 get_axis(const Plan& plan, const Workspace& ws, int joint, int row) noexcept {
-  const PlanJoint& j = plan.joints[at(joint)];
-  if (j.loose != kNone) {
-    const JointFrame& f = ws.loose_frames[at(j.loose)];
-    return row < kRotX ? column(f.n, row) : column(f.m, row - kRotX);
-  }
-  const int first = row < kRotX ? kAxes + 3 * row : j.rotation_row + 3 * (row - kRotX);
-  return read_vec(ws.lanes.data(), ws.slots[at(j.child)], first);
-}
-
-Spatial get_slip(const Plan& plan, const Workspace& ws, int joint) noexcept {
-  const PlanJoint& j = plan.joints[at(joint)];
-  if (j.loose == kNone) return read_spatial(ws.lanes.data(), ws.slots[at(j.child)], kSlip);
-  const JointFrame& f = ws.loose_frames[at(j.loose)];
-  return {f.v_rel, f.w_rel};
+  return JointNumbers(plan, ws, joint).get_axis(row);
 }
 
 Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower) noexcept {
@@ -149,20 +171,27 @@ void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspac
 }
 
 void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept {
-  for (const std::int32_t j : plan.measured_joints) {
-    const PlanJoint& joint = plan.joints[at(j)];
-    const RowSet read = all ? joint.read : joint.driven;
-    if (read == 0) continue;
-    const Spatial slip = get_slip(plan, ws, j);
-    double* coordinates = &ws.coordinates[at(j) * kRows];
-    double* speeds = &ws.speeds[at(j) * kRows];
-    for (int row = 0; row < kRows; ++row) {
-      if (!has_row(read, row)) continue;
-      coordinates[row] =
-          row < kRotX ? get_displacement(joint, ws, row)
-                      : unwind(calc_angle(plan, state, ws, j, row - kRotX), state.joints[at(j)].angle[row - kRotX]);
-      speeds[row] = dot(get_axis(plan, ws, j, row), row < kRotX ? slip.lin : slip.ang);
+  const std::span read = std::span(plan.coordinates).first(all ? plan.coordinates.size() : at(plan.driven_coordinates));
+  std::size_t turns = 0;
+  for (const PlanCoordinate& c : read) {
+    const JointNumbers numbers(plan, ws, c.joint);
+    const std::size_t i = at(c.joint) * kRows + at(c.row);
+    ws.speeds[i] = dot(numbers.get_axis(c.row), numbers.get_slip(c.row >= kRotX));
+    if (c.row < kRotX) {
+      ws.coordinates[i] = numbers.get_displacement(c.row);
+      continue;
     }
+    const Turn turn = measure_turn(plan, state, ws, c, numbers);
+    ws.turn_sines[turns] = turn.sine;
+    ws.turn_cosines[turns++] = turn.cosine;
+  }
+  if (turns == 0) return;
+  turn_into_angles(plan, turns, ws);
+  turns = 0;
+  for (const PlanCoordinate& c : read) {
+    if (c.row < kRotX) continue;
+    const double previous = state.joints[at(c.joint)].angle[c.row - kRotX];
+    ws.coordinates[at(c.joint) * kRows + at(c.row)] = unwind(ws.turn_sines[turns++], previous);
   }
 }
 

@@ -17,10 +17,8 @@ BodyFrame get_body_frame(const Workspace& ws, int body) noexcept;
 // Any joint's frame, wherever it is kept.
 JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace& ws, int joint) noexcept;
 
-// Parts of it, for those who need no more: the axis of a row; its follower's velocity as seen from the base at the
-// point, and relative angular velocity; the arm from a body's origin to the point.
+// Parts of it, for those who need no more: the axis of a row; the arm from a body's origin to the follower's point.
 Vec3 get_axis(const Plan& plan, const Workspace& ws, int joint, int row) noexcept;
-Spatial get_slip(const Plan& plan, const Workspace& ws, int joint) noexcept;
 Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower) noexcept;
 
 // Rotations, angular velocities and inertias of all bodies.

@@ -35,6 +35,8 @@ struct LaneKernels {
   void (*init_forces)(const Plan&, Workspace&);
   // Arms, axes, slips and what the joint imposes, for joints of the tree; needs kinematics.
   void (*update_joints)(const Plan&, Workspace&, BiasKind);
+  // Sines and cosines to angles, see lane_angles.h.
+  void (*calc_angles)(double* sines, const double* cosines, std::size_t count);
   // Leaves to root. Returns kNone, or the node whose pivot vanished.
   int (*factor_and_reduce)(const Plan&, Workspace&, const Sweep&);
   // Leaves to root again with another right-hand side.

@@ -81,7 +81,7 @@ struct Frame {
 
 template <class T, class Source>
 UNLATCH_INLINE Frame<T> get_frame(const Source& from) {
-  return {from.get_mat(kRotation), from.get_vec(kPose), from.get_vec(kVelocity), from.get_vec(kOmega)};
+  return {get_mat(from, kRotation), get_vec(from, kPose), get_vec(from, kVelocity), get_vec(from, kOmega)};
 }
 
 template <class T>
@@ -93,7 +93,7 @@ UNLATCH_INLINE Frame<T> get_ground() {
 
 template <class T>
 struct JointMotion {
-  Frame<T> base, follower;
+  const Frame<T>&base, &follower;
   Vec3T<T> r_base, r_follower, arm_child, gap, v_rel, w_rel;
   Mat3T<T> n, m;
 };
@@ -117,35 +117,30 @@ UNLATCH_INLINE Frame<T> select(const T& mask, const Frame<T>& a, const Frame<T>&
           select(mask, a.w, b.w)};
 }
 
-template <class V, class C, class P, class T = typename V::T>
-UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const V& v, const C& c, const P& parents) {
-  const Frame<T> child = get_frame<T>(v);
-  const Frame<T> parent = group.link == LaneLink::kRoot ? get_ground<T>() : get_frame<T>(parents);
-  const T child_is_base = T(0.0) > c.get(kSide);
-  JointMotion<T> j;
-  j.base = group.sides == LaneSides::kFollowers
-               ? parent
-               : (group.sides == LaneSides::kBases ? child : select(child_is_base, child, parent));
-  j.follower = group.sides == LaneSides::kFollowers
-                   ? child
-                   : (group.sides == LaneSides::kBases ? parent : select(child_is_base, parent, child));
-  j.r_follower = j.follower.R * c.get_vec(kPointFollower);
-  j.r_base = (j.follower.p - j.base.p) + j.r_follower;
-  j.arm_child = select(child_is_base, j.r_base, j.r_follower);
-  j.n = j.base.R * c.get_mat(kBaseAxes);
-  j.gap = transpose_times(j.n, j.r_base - j.base.R * c.get_vec(kPointBase));
-  j.w_rel = j.follower.w - j.base.w;
-  j.v_rel = (j.follower.v + cross(j.follower.w, j.r_follower)) - (j.base.v + cross(j.base.w, j.r_base));
-  j.m = group.shared_axes ? j.n : j.base.R * c.get_mat(kRotationAxes);
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const V& v, const C& c, const Frame<T>& base,
+                                         const Frame<T>& follower, const T& child_is_base) {
+  const Vec3T<T> r_follower = follower.R * c.get_vec(kPointFollower);
+  const Vec3T<T> r_base = (follower.p - base.p) + r_follower;
+  const Mat3T<T> n = base.R * c.get_mat(kBaseAxes);
+  JointMotion<T> j{base,
+                   follower,
+                   r_base,
+                   r_follower,
+                   select(child_is_base, r_base, r_follower),
+                   transpose_times(n, r_base - base.R * c.get_vec(kPointBase)),
+                   (follower.v + cross(follower.w, r_follower)) - (base.v + cross(base.w, r_base)),
+                   follower.w - base.w,
+                   n,
+                   group.shared_axes ? n : base.R * c.get_mat(kRotationAxes)};
   if (group.universal) cross_axes(v, c, group, j);
   v.set(kArmChild, j.arm_child);
-  v.set(kArmParent, select(child_is_base, j.r_follower, j.r_base));
-  v.set(kAxes, j.n);
+  v.set(kArmParent, select(child_is_base, r_follower, r_base));
+  v.set(kAxes, n);
   if (!group.shared_axes) v.set(group.rotation_axes, j.m);
   v.set(kGap, j.gap);
   v.set(kSlip, j.v_rel);
   v.set(kSlip + 3, j.w_rel);
-  v.set(kOffset, child.p - parent.p);
   return j;
 }
 
@@ -203,23 +198,39 @@ UNLATCH_INLINE void remove_freedoms(const LaneGroup& group, const V& v, const Jo
   }
 }
 
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE void update_joint(const LaneGroup& group, const V& v, const C& c, const Frame<T>& base,
+                                 const Frame<T>& follower, const T& child_is_base, BiasKind kind) {
+  const JointMotion<T> j = calc_joint(group, v, c, base, follower, child_is_base);
+  SpatialT<T> bias;
+  if (kind == BiasKind::kAcceleration) {
+    bias = calc_acceleration_bias(group, v, c, j);
+  } else {
+    bias = kind == BiasKind::kVelocity ? SpatialT<T>{-j.v_rel, -j.w_rel} : calc_position_bias(group, v, c, j);
+    remove_freedoms(group, v, j, bias);
+  }
+  // From the joint's point to the child's origin, with the child's sign.
+  bias = c.get(kSide) * bias;
+  bias.lin -= cross(bias.ang, j.arm_child);
+  v.set(kBias, bias);
+}
+
 template <int kWidest>
 void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
   for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto& parents) {
     using T = typename V::T;
     if (!group.has_joint) return;
-    const JointMotion<T> j = calc_joint(group, v, c, parents);
-    SpatialT<T> bias;
-    if (kind == BiasKind::kAcceleration) {
-      bias = calc_acceleration_bias(group, v, c, j);
-    } else {
-      bias = kind == BiasKind::kVelocity ? SpatialT<T>{-j.v_rel, -j.w_rel} : calc_position_bias(group, v, c, j);
-      remove_freedoms(group, v, j, bias);
-    }
-    // From the joint's point to the child's origin, with the child's sign.
-    bias = c.get(kSide) * bias;
-    bias.lin -= cross(bias.ang, j.arm_child);
-    v.set(kBias, bias);
+    const Frame<T> child = get_frame<T>(v);
+    const Frame<T> parent = group.link == LaneLink::kRoot
+                                ? get_ground<T>()
+                                : parents.visit([](const auto& from) { return get_frame<T>(from); });
+    v.set(kOffset, child.p - parent.p);
+    const T none(0.0), child_is_base = none > c.get(kSide);
+    if (group.sides == LaneSides::kFollowers)
+      update_joint(group, v, c, parent, child, none, kind);
+    else
+      update_joint(group, v, c, select(child_is_base, child, parent), select(child_is_base, parent, child),
+                   child_is_base, kind);
   });
 }
 

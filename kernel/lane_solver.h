@@ -11,6 +11,7 @@
 #pragma once
 
 #include "kernel/flexible.h"
+#include "kernel/lane_angles.h"
 #include "kernel/lane_loops.h"
 #include "kernel/lane_node.h"
 #include "kernel/varying.h"
@@ -315,7 +316,8 @@ UNLATCH_INLINE void substitute_part(const Part<T, kWidth>& part, const Sweep& sw
   const T o(0.0);
   SpatialT<T> carried{{o, o, o}, {o, o, o}};
   if (part.group.link != LaneLink::kRoot) {
-    carried = Parents<T, kWidth>{part.group.link, part.lanes, part.parents}.get_spatial(kAcceleration);
+    carried = Parents<T, kWidth>{part.group.link, part.lanes, part.parents}.visit(
+        [](const auto& from) { return get_spatial(from, kAcceleration); });
     carried.lin += cross(carried.ang, part.v.get_vec(kOffset));
   }
   SpatialT<T> a;
@@ -364,6 +366,7 @@ constexpr LaneKernels build_kernels(Lanes lanes) {
           update_kinematics<kWidest>,
           init_forces<kWidest>,
           update_joints<kWidest>,
+          calc_angles<kWidest>,
           factor_and_reduce<kWidest>,
           reduce<kWidest>,
           substitute<kWidest>,

@@ -58,25 +58,57 @@ struct View {
   }
 };
 
-// Rows of the parents, lane by lane. Neighbouring parents are in a group of the same width.
-template <class Pack, int kWidth>
-struct Parents {
+// One number of the parent for all lanes.
+template <class Pack>
+struct FanParent {
   using T = Pack;
-  LaneLink link;
+  const double* data;
+  std::int32_t stride;
+
+  UNLATCH_INLINE T get(int row) const { return T(data[row * stride]); }
+};
+// Parents wherever they are.
+template <class Pack>
+struct GatheredParents {
+  using T = Pack;
   const double* lanes;
   const LaneSlot* slots;
 
   UNLATCH_INLINE T get(int row) const {
-    const LaneSlot& first = slots[0];
-    if (link == LaneLink::kFan) return T(lanes[first.offset + row * first.stride]);
-    if (link == LaneLink::kContiguous) return load<T>(lanes + first.offset + row * kWidth);
     double out[T::kWidth];
     for (int i = 0; i < T::kWidth; ++i) out[i] = lanes[slots[i].offset + row * slots[i].stride];
     return load<T>(out);
   }
-  UNLATCH_INLINE Vec3T<T> get_vec(int row) const { return {get(row), get(row + 1), get(row + 2)}; }
-  UNLATCH_INLINE SpatialT<T> get_spatial(int row) const { return {get_vec(row), get_vec(row + 3)}; }
-  UNLATCH_INLINE Mat3T<T> get_mat(int row) const { return {get_vec(row), get_vec(row + 3), get_vec(row + 6)}; }
 };
+
+// Rows of the parents, lane by lane. Neighbouring parents are in a group of the same width.
+template <class Pack, int kWidth>
+struct Parents {
+  LaneLink link;
+  const double* lanes;
+  const LaneSlot* slots;
+
+  // read(source of rows): the way to them is chosen once.
+  template <class Read>
+  UNLATCH_INLINE auto visit(const Read& read) const {
+    if (link == LaneLink::kContiguous) return read(View<Pack, kWidth, const double>{lanes + slots[0].offset});
+    if (link == LaneLink::kFan) return read(FanParent<Pack>{lanes + slots[0].offset, slots[0].stride});
+    return read(GatheredParents<Pack>{lanes, slots});
+  }
+};
+
+// Consecutive rows of a source.
+template <class Source, class T = typename Source::T>
+UNLATCH_INLINE Vec3T<T> get_vec(const Source& from, int row) {
+  return {from.get(row), from.get(row + 1), from.get(row + 2)};
+}
+template <class Source, class T = typename Source::T>
+UNLATCH_INLINE SpatialT<T> get_spatial(const Source& from, int row) {
+  return {get_vec(from, row), get_vec(from, row + 3)};
+}
+template <class Source, class T = typename Source::T>
+UNLATCH_INLINE Mat3T<T> get_mat(const Source& from, int row) {
+  return {get_vec(from, row), get_vec(from, row + 3), get_vec(from, row + 6)};
+}
 
 }  // namespace unlatch::UNLATCH_ISA

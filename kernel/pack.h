@@ -63,6 +63,7 @@ struct Pack {
   friend UNLATCH_INLINE Pack operator>(Pack a, Pack b) { return (Numbers)(a.v > b.v); }
   friend UNLATCH_INLINE Pack operator&(Pack a, Pack b) { return (Numbers)((Bits)a.v & (Bits)b.v); }
   friend UNLATCH_INLINE Pack operator|(Pack a, Pack b) { return (Numbers)((Bits)a.v | (Bits)b.v); }
+  friend UNLATCH_INLINE Pack operator^(Pack a, Pack b) { return (Numbers)((Bits)a.v ^ (Bits)b.v); }
   friend UNLATCH_INLINE Pack operator~(Pack a) { return (Numbers) ~(Bits)a.v; }
 };
 
@@ -82,6 +83,7 @@ struct Pack<1> {
   friend UNLATCH_INLINE Pack operator>(Pack a, Pack b) { return from_bits(a.v > b.v ? ~std::uint64_t{0} : 0); }
   friend UNLATCH_INLINE Pack operator&(Pack a, Pack b) { return from_bits(to_bits(a) & to_bits(b)); }
   friend UNLATCH_INLINE Pack operator|(Pack a, Pack b) { return from_bits(to_bits(a) | to_bits(b)); }
+  friend UNLATCH_INLINE Pack operator^(Pack a, Pack b) { return from_bits(to_bits(a) ^ to_bits(b)); }
   friend UNLATCH_INLINE Pack operator~(Pack a) { return from_bits(~to_bits(a)); }
 
  private:
@@ -122,6 +124,13 @@ UNLATCH_INLINE bool any(const T& mask) {
 // `a` where the mask holds, else `b`.
 template <class T>
 UNLATCH_INLINE T select(const T& mask, const T& a, const T& b) {
+#if defined(__AVX512DQ__)
+  if constexpr (T::kWidth == 8) return T(_mm512_mask_blend_pd(_mm512_movepi64_mask((__m512i)mask.v), b.v, a.v));
+#endif
+#if defined(__AVX__)
+  if constexpr (T::kWidth == 4) return T(_mm256_blendv_pd(b.v, a.v, mask.v));
+  if constexpr (T::kWidth == 2) return T(_mm_blendv_pd(b.v, a.v, mask.v));
+#endif
   return (mask & a) | (~mask & b);
 }
 

@@ -117,33 +117,28 @@ void mark_blocks(const Model& model, Plan& plan) {
     if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
 }
 
-// Which coordinates of a joint somebody reads; the others are not computed. Bit r: Row r.
-struct ReadCoordinates {
-  RowSet by_springs = 0, by_any = 0;
-};
-
-std::vector<ReadCoordinates> find_read_coordinates(const Model& model, const std::vector<PlanCondition>& conditions) {
-  std::vector<ReadCoordinates> read(model.joints.size());
-  const auto mark = [&](int joint, int axis) {
-    read[at(joint)].by_any = static_cast<RowSet>(read[at(joint)].by_any | row_bit(axis));
+// Which coordinates somebody reads, those that springs read first; the others are not computed.
+void find_coordinates(const Model& model, Plan& plan) {
+  std::vector<RowSet> found(model.joints.size(), 0);
+  const auto add = [&](int joint, int axis) {
+    if (has_row(found[at(joint)], axis)) return;
+    found[at(joint)] = static_cast<RowSet>(found[at(joint)] | row_bit(axis));
+    plan.coordinates.push_back({joint, axis});
+    if (axis >= kRotX) ++plan.turn_count;
   };
-  for (const JointSpring& spring : model.joint_springs) {
-    mark(spring.joint, spring.axis);
-    RowSet& driven = read[at(spring.joint)].by_springs;
-    driven = static_cast<RowSet>(driven | row_bit(spring.axis));
-  }
-  for (const PlanCondition& c : conditions)
+  for (const JointSpring& spring : model.joint_springs) add(spring.joint, spring.axis);
+  plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
+  for (const PlanCondition& c : plan.conditions)
     if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
         c.kind == Condition::Kind::kSpeed)
-      mark(c.subject, c.axis);
+      add(c.subject, c.axis);
   for (const Sensor& sensor : model.sensors)
     if (sensor.kind == Sensor::Kind::kAngle || sensor.kind == Sensor::Kind::kDisplacement ||
         sensor.kind == Sensor::Kind::kSpeed)
-      mark(sensor.subject, sensor.axis);
-  return read;
+      add(sensor.subject, sensor.axis);
 }
 
-PlanJoint compile_joint(const Model& model, const Joint& joint, const ReadCoordinates& read, int first_mode) {
+PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) {
   const Eigen::Matrix3d base = get_attitude(model, joint.base), follower = get_attitude(model, joint.follower);
   const Eigen::Matrix3d rotation_base = joint.rotation_axes.value_or(joint.axes);
   const Eigen::Matrix3d rotation_follower = joint.follower_axes.value_or(follower.transpose() * base * rotation_base);
@@ -158,15 +153,21 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, const ReadCoordi
                 to_quat(rotation_follower),
                 !joint.rotation_axes.has_value(),
                 joint.universal,
-                read.by_any,
-                read.by_springs,
                 first_mode,
                 {}};
   out.initial = {joint.mode, {0, 0, 0}, {0, 0, 0}, {1, 0, 0, 0}};
-  for (int k = 0; k < 3; ++k)
-    if (has_row(read.by_any, kRotX + k))
-      out.initial.angle[k] = calc_twist(to_mat(base * rotation_base), to_mat(follower * rotation_follower), k);
   return out;
+}
+
+// The angles that are counted on from step to step.
+void init_angles(const Model& model, Plan& plan) {
+  for (const PlanCoordinate& c : plan.coordinates) {
+    if (c.row < kRotX) continue;
+    PlanJoint& joint = plan.joints[at(c.joint)];
+    const Mat3 base = to_mat(get_attitude(model, joint.base)), follower = to_mat(get_attitude(model, joint.follower));
+    joint.initial.angle[c.row - kRotX] =
+        calc_twist(base * joint.rotation_base, follower * joint.rotation_follower, c.row - kRotX);
+  }
 }
 
 bool is_same(const Profile& a, const Profile& b) {
@@ -334,12 +335,12 @@ PlanResult compile_plan(const Model& unplaced, const PlanOptions& options) {
   place_flexible(plan);
   mark_blocks(model, plan);
   compile_events(model, plan);
-  const std::vector<ReadCoordinates> read = find_read_coordinates(model, plan.conditions);
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    plan.joints.push_back(compile_joint(model, model.joints[j], read[j], static_cast<int>(plan.modes.size())));
-    if (read[j].by_any != 0) plan.measured_joints.push_back(static_cast<std::int32_t>(j));
-    for (const JointMode& mode : model.joints[j].modes) plan.modes.push_back(mode.rows);
+  for (const Joint& joint : model.joints) {
+    plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
+    for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
   }
+  find_coordinates(model, plan);
+  init_angles(model, plan);
   compile_lanes(model, plan);
   compile_loops(model, plan);
   plan.kernels = &get_kernels(options.lanes);

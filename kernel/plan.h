@@ -111,13 +111,15 @@ struct PlanJoint {
   Quat quat_base, quat_follower;          // the same as quaternions
   bool shared_axes;                       // the two frames coincide
   bool universal;
-  std::uint8_t read;        // bit r: a spring, guard or sensor reads the coordinate of Row r, or its rate
-  std::uint8_t driven;      // bit r: a spring does, so that the stages of a step need it too
   std::int32_t first_mode;  // into Plan::modes
   JointState initial;
   std::int32_t child = kNone;         // of a joint of the tree: the body that it holds to its parent
   std::int32_t loose = kNone;         // of any other joint: its place in Plan::loose_joints
   std::int32_t rotation_row = kAxes;  // of a joint of the tree: where the rotation rows' axes are in the child's lane
+};
+
+struct PlanCoordinate {
+  std::int32_t joint, row;
 };
 
 struct PlanProfile {
@@ -193,7 +195,9 @@ class Plan {
   std::int32_t loop_rows = 0, loop_columns = 0;  // that the loops' joints hold at most; the same, padded for packs
   std::int32_t loop_load_rows = 0;               // of Workspace::loop_loads, before its scratch
   std::int32_t loop_modal_rows = 0;              // of these, the first, of modal coordinates
-  std::vector<std::int32_t> measured_joints;     // whose coordinates somebody reads
+  std::vector<PlanCoordinate> coordinates;       // that somebody reads, or their rates
+  std::int32_t driven_coordinates = 0;           // of these, the first, springs do, so that every stage needs them
+  std::int32_t turn_count = 0;                   // rotations among them all
   std::vector<std::int32_t> loose_joints;        // joints that are no edge of the tree: those, and ones that never hold
 
   // lanes, see lanes.h

@@ -116,11 +116,9 @@ void update_tolerances(Workspace& ws, std::size_t first) {
 void accept(Run& run) {
   Workspace& ws = run.ws;
   std::swap(ws.accepted, ws.trial);
-  for (const std::int32_t measured : run.plan.measured_joints) {
-    const std::size_t j = static_cast<std::size_t>(measured);
-    for (int k = 0; k < 3; ++k)
-      if (has_row(run.plan.joints[j].read, kRotX + k))
-        ws.accepted.joints[j].angle[k] = ws.coordinates[j * kRows + static_cast<std::size_t>(kRotX + k)];
+  for (const PlanCoordinate& c : run.plan.coordinates) {
+    const auto j = static_cast<std::size_t>(c.joint), row = static_cast<std::size_t>(c.row);
+    if (c.row >= kRotX) ws.accepted.joints[j].angle[row - kRotX] = ws.coordinates[j * kRows + row];
   }
   rearm(run.plan, ws.accepted, ws);
 }

@@ -38,11 +38,14 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   Extras& e = ws.extras;
   for (std::span<double>* extras : {&e.now, &e.rate, &e.start, &e.first, &e.sum})
     arena.take(*extras, plan.initial_extras.size());
+  arena.take(ws.profiles, plan.loads.size());
   arena.take(ws.varying, plan.varying.size());
   arena.take(ws.modal, static_cast<std::size_t>(plan.modal_work));
   arena.take(ws.compliant, plan.compliant.size());
   arena.take(ws.coordinates, joints * kRows);
   arena.take(ws.speeds, joints * kRows);
+  for (std::span<double>* turns : {&ws.turn_sines, &ws.turn_cosines})
+    arena.take(*turns, static_cast<std::size_t>(plan.turn_count + 7) / 8 * 8);  // whole packs
   arena.take(ws.loose_frames, plan.loose_joints.size());
   arena.take(ws.loose_bias, plan.loose_joints.size());
   const auto loop_rows = static_cast<std::size_t>(plan.loop_rows),

@@ -90,6 +90,11 @@ struct VaryingBody {
   Sym3 inertia_B, inertia_slope_B;  // about the centre of mass, body axes, kg m²; per unit of the law's variable
 };
 
+// The value of a load's law at the latest time at which it was needed; see forces.cc.
+struct KeptProfile {
+  double s, value;  // seconds after it began; N or N m
+};
+
 // Where a step with implicit elements stands, see compliance.h.
 enum class ImplicitStage : std::int32_t { kOff, kFirst, kSecond };
 struct Implicit {
@@ -117,6 +122,7 @@ struct Workspace {
   MultiplierView multipliers;
 
   Extras extras;
+  std::span<KeptProfile> profiles;       // per load
   std::span<VaryingBody> varying;        // per body with a mass law
   std::span<double> modal;               // of flexible bodies and their markers, see flexible.h
   std::span<CompliantSpring> compliant;  // as Plan::compliant
@@ -125,6 +131,8 @@ struct Workspace {
   // per joint, model order
   std::span<double> coordinates;  // 6 per joint that is read: displacement along n, m; angle about m, rad
   std::span<double> speeds;       // 6 per joint: their rates
+  // per rotation that is read: sine, later the angle, and cosine, times any number
+  std::span<double> turn_sines, turn_cosines;
 
   // per joint that is no edge of the tree
   std::span<JointFrame> loose_frames;

@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "kernel/lane_kernels.h"
 #include "tests/support/random.h"
 
 namespace unlatch::elementary {
@@ -247,6 +248,33 @@ TEST(Elementary, ArctangentIsWithinAnUlpAtEveryMagnitude) {
     }
   }
   expect_within_promise("atan2 at every magnitude", worst);
+}
+
+// Angles of joints are computed several at once, see kernel/lane_angles.h.
+TEST(Elementary, ArctangentsOfEveryWidthHaveTheSameBits) {
+  test::Random random(kSeed);
+  std::vector<double> y, x;
+  const auto add = [&](double a, double b) {
+    y.push_back(a);
+    x.push_back(b);
+  };
+  for (int i = 0; i < 40000; ++i) add(random.uniform(-1, 1), random.uniform(-1, 1));
+  for (int i = 0; i < 40000; ++i)
+    add(random.uniform(-1, 1) * std::ldexp(1.0, -static_cast<int>(random.next() % 80)), 1);
+  for (int i = 0; i < 40000; ++i) add(any_double(random), any_double(random));
+  const double marks[] = {0.0,      -0.0,     1,       -1,      0.125,     -0.125, 0x1p-60, -0x1p-60,
+                          0x1p-400, 0x1p-401, 0x1p500, 0x1p501, 0x1p-1074, kInf,   -kInf,   kNaN};
+  for (const double a : marks)
+    for (const double b : marks) add(a, b);
+  while (y.size() % 8 != 0) add(0, 1);
+  for (const Lanes lanes : {Lanes::kScalar, Lanes::kTwo, Lanes::kFour, Lanes::kEight}) {
+    if (!is_supported(lanes)) continue;
+    std::vector<double> angles = y;
+    get_kernels(lanes).calc_angles(angles.data(), x.data(), angles.size());
+    for (std::size_t i = 0; i < y.size(); ++i)
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(angles[i]), std::bit_cast<std::uint64_t>(atan2(y[i], x[i])))
+          << get_name(lanes) << ": atan2(" << y[i] << ", " << x[i] << ")";
+  }
 }
 
 TEST(Elementary, ArctangentOfSpecialValues) {
