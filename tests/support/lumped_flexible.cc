@@ -68,6 +68,10 @@ ModalBody build_lattice_mast(int bays, int modes, Support support) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(root.asDiagonal() * K.bottomRightCorner(size, size) *
                                                       root.asDiagonal());
   if (size - rigid < modes) throw std::invalid_argument("a mast of that many bays has fewer modes");
+  if (modes == 0) {  // Eigen takes no blocks of nothing
+    body.shapes.assign(body.masses.size(), Eigen::Matrix<double, 3, Eigen::Dynamic>(3, 0));
+    return body;
+  }
   body.frequencies = eigen.eigenvalues().segment(rigid, modes).cwiseSqrt();
   body.damping = 2 * kDamping * body.frequencies;
   MatrixXd shapes = MatrixXd::Zero(K.rows(), modes);
@@ -80,12 +84,15 @@ PointJacobian calc_point_jacobian(const ModalBody& body, const FlexibleState& st
   const Eigen::Matrix<Real, 3, Eigen::Dynamic> shape = body.shapes[point].cast<Real>();
   const RealMatrix3 R = state.q_WB.cast<Real>().normalized().toRotationMatrix();
   const RealVector3 w = state.w_WB_B.cast<Real>();
-  const RealVector3 s = body.positions[point].cast<Real>() + shape * state.eta.cast<Real>();
-  const RealVector3 s_rate = shape * state.eta_rate.cast<Real>();
+  RealVector3 s = body.positions[point].cast<Real>(), s_rate = RealVector3::Zero();
+  if (body.get_modes() > 0) {  // Eigen takes no products of nothing
+    s += shape * state.eta.cast<Real>();
+    s_rate = shape * state.eta_rate.cast<Real>();
+  }
   PointJacobian out;
   out.J.resize(3, 6 + body.get_modes());
   out.J.leftCols(6) << RealMatrix3::Identity(), -R * calc_cross(s);
-  if (body.get_modes() > 0) out.J.rightCols(body.get_modes()) = R * shape;  // Eigen takes no blocks of nothing
+  if (body.get_modes() > 0) out.J.rightCols(body.get_modes()) = R * shape;
   out.bias = R * (w.cross(w.cross(s)) + 2 * w.cross(s_rate));
   return out;
 }
