@@ -20,10 +20,11 @@ RESULTS = Path(__file__).parent / "results"
 CPU = os.cpu_count() - 1
 CASES = [  # scenario, period in us, spin in us
     ("boosters", 1000, 0),
-    ("boosters", 1000, 50),
+    ("boosters", 1000, 100),
     ("boosters", 100, 0),
     ("boosters", 100, 30),
     ("array64", 1000, 0),
+    ("array64", 1000, 200),
 ]
 COLUMNS = ["scenario", "period_us", "spin_us", "load", "what", "count", "min", "p50", "p99", "p999", "p9999", "max", "overruns"]
 

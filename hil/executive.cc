@@ -98,6 +98,7 @@ Executive::Go Executive::await_tick() noexcept {
   if (stop_.load(std::memory_order_relaxed)) return end_message_ = "interrupted", Go::kStop;
   if (options_.pace == Pace::kLockstep) return wait_lockstep();
   if (options_.pace == Pace::kFast) return Go::kStep;
+  rehearse(ticks_->doze());
   if (!ticks_->wait(stop_)) {
     const std::string failure = ticks_->get_failure();
     end_message_ = failure.empty() ? "interrupted" : "the tick source has failed: " + failure;
@@ -110,6 +111,18 @@ Executive::Go Executive::await_tick() noexcept {
   // The State went out a period before the instant for which we have just been woken.
   cutoff_ns_ = ticks_->get_due_ns() - dt_ns_ + hello_.cutoff_ns;
   return wait_realtime();
+}
+
+// A step for nothing: between two ticks others have had the caches, and the step that counts finds in them what it
+// needs. Only if the last one, and half as much again, would have fitted into what is left.
+void Executive::rehearse(std::int64_t left_ns) noexcept {
+  if (left_ns <= rehearsal_ns_ + rehearsal_ns_ / 2) {
+    rehearsal_ns_ /= 2;  // it may have been longer than usual
+    return;
+  }
+  const std::int64_t begin_ns = get_monotonic_ns();
+  simulation_.rehearse();
+  rehearsal_ns_ = get_monotonic_ns() - begin_ns;
 }
 
 Executive::Go Executive::cycle() noexcept {

@@ -1,6 +1,7 @@
 // The cyclic executive: steps a simulation at its pace, with flight software in the loop, and accounts for every tick.
 //
 //   real time  wait for the tick → drain the command ring → step → push the state → account for the time
+//              (with a spin before each tick: sleep → rehearse the step → wait awake)
 //   lockstep   push the state → wait until every required participant has answered → step
 //   fast       step
 //
@@ -73,6 +74,7 @@ class Executive {
 
   // executive.cc: one tick
   Go await_tick() noexcept;
+  void rehearse(std::int64_t left_ns) noexcept UNLATCH_NONBLOCKING;
   Go cycle() noexcept UNLATCH_NONBLOCKING;
   void speak(const StepReport& report) noexcept UNLATCH_NONBLOCKING;
   Go account(std::int64_t step_end_ns) noexcept UNLATCH_NONBLOCKING;
@@ -156,10 +158,11 @@ class Executive {
   StepReport last_report_;     // why the run stops, if it was the step
   bool overrun_ends_ = false;  // why the run stops, if it was an overrun
   std::int64_t slipped_ns_ = 0, skipped_outputs_ = 0;
-  Message message_;      // scratch
-  Message spoken_;       // scratch
-  State state_;          // scratch
-  Reactions reactions_;  // scratch
+  Message message_;                // scratch
+  Message spoken_;                 // scratch
+  State state_;                    // scratch
+  Reactions reactions_;            // scratch
+  std::int64_t rehearsal_ns_ = 0;  // how long the latest took
   std::int64_t hash_ = 0;
   std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0,
                verdict_sequence_ = 0, reactions_sequence_ = 0, source_sequence_ = 0;

@@ -23,7 +23,7 @@ void ScenarioReader::read_timing(YamlMap& top) {
   if (const YamlNode* overruns = map.find("overruns")) read_overruns(*overruns);
   timing.spin = map.number("spin", "s", timing.spin);
   if (timing.spin < 0 || timing.spin > kMaxSpin)
-    mistakes_.add(node->find("spin")->mark, "this spin is not usable", "0 to 10 ms; 50 us is a good start");
+    mistakes_.add(node->find("spin")->mark, "this spin is not usable", "0 to 10 ms; 100 us is a good start");
   if (const YamlNode* watchdog = map.find("watchdog")) read_watchdog(*watchdog);
   timing.per_tick = map.boolean("per_tick", timing.per_tick);
   if (const YamlNode* states = map.find("states")) {

@@ -91,7 +91,9 @@ Simulation::Simulation(const Model& model, const PlanOptions& options, const Rat
       plan_(compile_or_throw(model_, options)),
       state_memory_(allocate(plan_.get_state_bytes())),
       workspace_memory_(allocate(plan_.get_workspace_bytes())),
+      rehearsal_memory_(allocate(plan_.get_state_bytes())),
       state_(plan_, {state_memory_.get(), plan_.get_state_bytes()}),
+      rehearsal_(plan_, {rehearsal_memory_.get(), plan_.get_state_bytes()}),
       workspace_(plan_, {workspace_memory_.get(), plan_.get_workspace_bytes()}),
       channels_(get_initial_channels(model_)),
       held_(model_, rates, channels_, begin()),
@@ -111,6 +113,11 @@ StepReport Simulation::step() noexcept {
   const StepReport report = unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_);
   if (report.status == StepStatus::kOk) held_.sample(get_tick(), workspace_.sensors);
   return report;
+}
+
+void Simulation::rehearse() noexcept {
+  std::memcpy(rehearsal_.get_bytes().data(), state_.get_bytes().data(), state_.get_bytes().size());
+  (void)unlatch::step(plan_, Inputs{held_.get_channels()}, rehearsal_, workspace_);
 }
 
 std::vector<std::uint64_t> Simulation::save() const {

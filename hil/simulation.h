@@ -37,6 +37,9 @@ class Simulation {
   // has changed but what is latched.
   StepReport step() noexcept UNLATCH_NONBLOCKING;
 
+  // The same step, thrown away: nothing of it remains but what is in the processor's caches.
+  void rehearse() noexcept UNLATCH_NONBLOCKING;
+
   // All that decides how the run goes on, as 8-byte words: the state block; the channels' values, commanded and held;
   // the sensor values held.
   [[nodiscard]] std::vector<std::uint64_t> save() const;
@@ -84,8 +87,8 @@ class Simulation {
 
   Model model_;
   Plan plan_;
-  Memory state_memory_, workspace_memory_;
-  unlatch::State state_;
+  Memory state_memory_, workspace_memory_, rehearsal_memory_;
+  unlatch::State state_, rehearsal_;
   Workspace workspace_;
   std::vector<double> channels_;
   SampleAndHold held_;  // after all these: it begins with the channels and sensors of the initial state

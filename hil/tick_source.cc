@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <utility>
 
 #include "hil/pacer.h"
 
@@ -32,11 +33,20 @@ bool gives_counts(int descriptor) {
 
 }  // namespace
 
+std::int64_t MonotonicTicks::doze() noexcept {
+  const std::int64_t next_ns = get_next_due_ns();
+  if (spin_ns_ == 0 || get_monotonic_ns() >= next_ns) return 0;
+  if (get_monotonic_ns() < next_ns - spin_ns_) sleep_until_ns(next_ns - spin_ns_);
+  dozed_ = true;
+  return std::max<std::int64_t>(next_ns - get_monotonic_ns(), 0);
+}
+
 bool MonotonicTicks::wait(const std::atomic<bool>& stop) noexcept {
   due_ns_ += period_ns_;
   awake_ns_ = get_monotonic_ns();
-  backlogged_ = awake_ns_ >= due_ns_;
-  if (!backlogged_) {
+  const bool dozed = std::exchange(dozed_, false);
+  backlogged_ = awake_ns_ >= due_ns_ && !dozed;
+  if (awake_ns_ < due_ns_) {
     if (awake_ns_ < due_ns_ - spin_ns_) sleep_until_ns(due_ns_ - spin_ns_);
     while ((awake_ns_ = get_monotonic_ns()) < due_ns_) relax();
   }

@@ -16,6 +16,8 @@ class TickSource {
 
   // The time base begins anew: the next tick is due a period from `now_ns`, or with the next one from outside.
   virtual void restart(std::int64_t now_ns) noexcept = 0;
+  // Sleeps until shortly before the next tick, and says how much is left until it is due, ns; 0 if none is for sure.
+  virtual std::int64_t doze() noexcept { return 0; }
   // Waits until the next tick is due. False if it will never be: `stop` was set, or get_failure() says why.
   [[nodiscard]] virtual bool wait(const std::atomic<bool>& stop) noexcept = 0;
   // Restarts it for a tick that ended late, and says by how much the ticks are put off by that, ns.
@@ -48,12 +50,14 @@ class MonotonicTicks final : public TickSource {
   MonotonicTicks(std::int64_t period_ns, std::int64_t spin_ns) : TickSource(period_ns), spin_ns_(spin_ns) {}
 
   void restart(std::int64_t now_ns) noexcept override { due_ns_ = now_ns; }
+  std::int64_t doze() noexcept override;
   bool wait(const std::atomic<bool>& stop) noexcept override;
   std::int64_t slip(std::int64_t now_ns) noexcept override;
   std::int64_t calc_behind(std::int64_t now_ns) const noexcept override;
 
  private:
   const std::int64_t spin_ns_;
+  bool dozed_ = false;  // since the latest tick
 };
 
 // Ticks from outside: a timerfd or eventfd (a read gives how many), or a pipe, socket or character device (each byte is

@@ -49,7 +49,8 @@ template <int kWidest>
 void calc_angles(double* sines, const double* cosines, std::size_t count) {
   using T = Pack<kWidest>;
   const T sign(-0.0);
-  for (std::size_t i = 0; i < count; i += T::kWidth) {
+  constexpr std::size_t kWidth = T::kWidth;
+  for (std::size_t i = 0; i < count; i += kWidth) {
     const T y = load<T>(sines + i), x = load<T>(cosines + i);
     const T size_y = ~sign & y, size_x = ~sign & x;
     const T steep = size_y > size_x;
@@ -57,7 +58,7 @@ void calc_angles(double* sines, const double* cosines, std::size_t count) {
     const T plain = (larger > T(elementary::kSmallestPlain)) & (T(elementary::kLargestPlain) > larger) &
                     (smaller > T(-1));  // false for what is no number
     if (any(~plain)) [[unlikely]] {
-      for (int k = 0; k < T::kWidth; ++k) sines[i + k] = elementary::atan2(sines[i + k], cosines[i + k]);
+      for (std::size_t k = 0; k < kWidth; ++k) sines[i + k] = elementary::atan2(sines[i + k], cosines[i + k]);
       continue;
     }
     store(sines + i, calc_plain_atan2(y, x, larger, smaller, steep));

@@ -67,6 +67,28 @@ TEST(MonotonicTicks, NeverWakesEarlyAsleepOrSpinning) {
   }
 }
 
+TEST(MonotonicTicks, DozeUntilTheSpinAndCountALateWakeUpAsLatency) {
+  MonotonicTicks ticks(kMs, kMs / 2);
+  std::atomic<bool> stop{false};
+  ticks.restart(hil::get_monotonic_ns());
+  const std::int64_t left_ns = ticks.doze();
+  EXPECT_LE(left_ns, kMs / 2);
+  hil::sleep_until_ns(ticks.get_next_due_ns() + 1000);  // what was done with the time took too long
+  ASSERT_TRUE(ticks.wait(stop));
+  EXPECT_FALSE(ticks.is_backlogged());
+  EXPECT_GE(ticks.get_latency_ns(), 1000);
+  hil::sleep_until_ns(ticks.get_next_due_ns());
+  EXPECT_EQ(ticks.doze(), 0) << "the next tick is due";
+  ASSERT_TRUE(ticks.wait(stop));
+  EXPECT_TRUE(ticks.is_backlogged());
+}
+
+TEST(MonotonicTicks, WithoutSpinThereIsNothingToDozeFor) {
+  MonotonicTicks ticks(kMs, 0);
+  ticks.restart(hil::get_monotonic_ns());
+  EXPECT_EQ(ticks.doze(), 0);
+}
+
 TEST(MonotonicTicks, KnowHowFarTheyAreBehindAndSlipByExactlyWhatWasLost) {
   MonotonicTicks ticks(kMs, 0);
   std::atomic<bool> stop{false};
