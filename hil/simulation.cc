@@ -120,6 +120,10 @@ void Simulation::rehearse() noexcept {
   (void)unlatch::step(plan_, Inputs{held_.get_channels()}, rehearsal_, workspace_);
 }
 
+void Simulation::renew_outputs() noexcept {
+  (void)update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_);  // it had outputs before
+}
+
 std::vector<std::uint64_t> Simulation::save() const {
   const std::span<const std::byte> block = state_.get_bytes();
   std::vector<std::uint64_t> words(block.size() / sizeof(std::uint64_t));

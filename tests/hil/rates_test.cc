@@ -83,26 +83,6 @@ TEST(Rates, MakeADifferenceAndAreTheSameEveryTime) {
   EXPECT_NE(hash(kRates), hash({kRates[0]}));
 }
 
-TEST(Rehearsal, LeavesNothingBehind) {
-  const auto rehearsed = hil::build_simulation(load({kRates[1]}));
-  const auto plain = hil::build_simulation(load({kRates[1]}));
-  for (int tick = 0; tick < 60; ++tick) {
-    for (hil::Simulation* simulation : {rehearsed.get(), plain.get()}) simulation->channels()[0] = 0.2 + 0.01 * tick;
-    rehearsed->rehearse();
-    ASSERT_EQ(rehearsed->save(), plain->save()) << "before tick " << tick;
-    ASSERT_EQ(rehearsed->step().status, StepStatus::kOk);
-    ASSERT_EQ(plain->step().status, StepStatus::kOk);
-    ASSERT_EQ(rehearsed->save(), plain->save()) << "tick " << tick;
-  }
-}
-
-TEST(Rehearsal, OfEveryTickOfASessionReplays) {
-  const std::string log = make_path("log");
-  const SessionResult result = run_session(Pace::kRealtime, {}, log, {"timing={spin: 500 us}"});
-  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
-  EXPECT_TRUE(replay_log(log).result.agrees());
-}
-
 TEST(Rates, MistakesHaveTheirPlaceAndRemedy) {
   using testing::HasSubstr;
   EXPECT_EQ(describe_mistakes("{states: {every: 1}}"), "none");

@@ -1,0 +1,89 @@
+// A step for nothing before each tick: nobody but the clock can tell.
+#include <gtest/gtest.h>
+
+#include "hil/pacer.h"
+#include "tests/hil/session_support.h"
+
+namespace unlatch::test {
+namespace {
+
+using hil::Pace;
+using hil::RunStatus;
+
+const char* const kRates =
+    "timing={spin: 500 us, states: {every: 5, phase: 2}, groups: {nav: {every: 4, sensors: [gyro]}, "
+    "drive: {period: 10 ms, phase: 3, elements: [engine]}}}";
+
+std::unique_ptr<hil::Simulation> build() {
+  return hil::build_simulation(hil::load_scenario_text(kSessionScenario, "session.yaml", {kRates}));
+}
+
+TEST(Rehearsal, LeavesNothingBehind) {
+  const auto rehearsed = build(), plain = build();
+  for (int tick = 0; tick < 60; ++tick) {
+    for (hil::Simulation* simulation : {rehearsed.get(), plain.get()}) simulation->channels()[0] = 0.2 + 0.01 * tick;
+    rehearsed->rehearse();
+    ASSERT_EQ(rehearsed->save(), plain->save()) << "before tick " << tick;
+    ASSERT_EQ(rehearsed->step().status, StepStatus::kOk);
+    ASSERT_EQ(plain->step().status, StepStatus::kOk);
+    ASSERT_EQ(rehearsed->save(), plain->save()) << "tick " << tick;
+    rehearsed->rehearse();
+    rehearsed->renew_outputs();
+    for (std::size_t i = 0; i < plain->workspace().multipliers.size(); ++i)
+      ASSERT_EQ(rehearsed->workspace().multipliers[i], plain->workspace().multipliers[i]) << "tick " << tick;
+  }
+}
+
+TEST(Rehearsal, OfEveryTickOfASessionReplays) {
+  const std::string log = make_path("log");
+  const SessionResult result = run_session(Pace::kRealtime, {}, log, {kRates, "flight_software.timeout=30"});
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_TRUE(replay_log(log).result.agrees());
+}
+
+// Ticks at once, with an hour for a rehearsal before each; after some there will be no more.
+class EndingTicks final : public hil::TickSource {
+ public:
+  explicit EndingTicks(std::int64_t count) : TickSource(1'000'000), left_(count) {}
+  void restart(std::int64_t) noexcept override {}
+  std::int64_t doze() noexcept override { return kHour_ns; }
+  bool wait(const std::atomic<bool>&) noexcept override {
+    awake_ns_ = hil::get_monotonic_ns();
+    due_ns_ = awake_ns_ + kHour_ns;
+    return left_-- > 0;
+  }
+  std::int64_t slip(std::int64_t) noexcept override { return 0; }
+  std::int64_t calc_behind(std::int64_t) const noexcept override { return 0; }
+
+ private:
+  static constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+  std::int64_t left_;
+};
+
+// The run ends after a rehearsal of the tick that never comes: in which the latch, held until then, is free.
+TEST(Rehearsal, LastReactionsAreThoseOfTheLastTick) {
+  constexpr int kTicks = 20;
+  const auto rehearsed = build(), plain = build();
+  EndingTicks ticks(kTicks);
+  hil::ExecutiveOptions options;
+  options.pace = Pace::kRealtime;
+  options.last_tick = 2 * kTicks;
+  options.ticks = &ticks;
+  hil::Link link(256, 256);
+  hil::Recorder recorder("", hil::LogHeader{});
+  const hil::LogEnd end = hil::Executive(*rehearsed, link, recorder, "session", options).run();
+  ASSERT_EQ(end.tick, kTicks);
+  hil::Message message;
+  hil::Reactions reactions;
+  while (link.take(message)) {
+    if (message.kind == hil::MessageKind::kReactions) reactions = message.reactions;
+  }
+  ASSERT_EQ(reactions.tick, kTicks);
+  EXPECT_NE(reactions.multipliers[0], 0);
+  for (int tick = 0; tick < kTicks; ++tick) ASSERT_EQ(plain->step().status, StepStatus::kOk);
+  for (std::size_t row = 0; row < kRows; ++row)
+    EXPECT_EQ(reactions.multipliers[row], plain->workspace().multipliers[row]) << "row " << row;
+}
+
+}  // namespace
+}  // namespace unlatch::test
