@@ -117,21 +117,25 @@ void write_joint_row(const Model& model, const Joint& joint, RowSet set, int row
 class Solver {
  public:
   explicit Solver(const DenseKkt& kkt) : kkt_(kkt), A_(kkt.rows.rows(), kkt.rows.cols()) {
-    for (Index at = 0; at < kkt.mass.rows(); at += 6) {
-      L_.emplace_back(kkt.mass.block<6, 6>(at, at).llt().matrixL());
-      A_.middleCols<6>(at) =
-          L_.back().triangularView<Eigen::Lower>().solve(kkt.rows.middleCols<6>(at).transpose()).transpose();
-    }
+    for (Index at = 0; at < kkt.mass.rows(); at += 6) L_.emplace_back(kkt.mass.block<6, 6>(at, at).llt().matrixL());
+    if (A_.rows() == 0) return;  // Eigen takes no blocks of nothing
+    for (Index at = 0; at < kkt.mass.rows(); at += 6)
+      A_.middleCols<6>(at) = L_[static_cast<std::size_t>(at / 6)]
+                                 .triangularView<Eigen::Lower>()
+                                 .solve(kkt.rows.middleCols<6>(at).transpose())
+                                 .transpose();
     scale_ = A_.rowwise().norm().cwiseInverse();
     A_ = scale_.asDiagonal() * A_;
-    if (A_.rows() > 0) cod_.compute(A_.cast<double>());
+    cod_.compute(A_.cast<double>());
   }
 
   DenseSolution solve(const RealVector& F, const RealVector& c, std::size_t joint_count) const {
     RealVector a = RealVector::Zero(F.size()), lambda = RealVector::Zero(c.size());
     constexpr int kRounds = 4;
     for (int round = 0; round < kRounds; ++round) {
-      update(F + kkt_.rows.transpose() * lambda - kkt_.mass * a, c - kkt_.rows * a, a, lambda);
+      RealVector rest = F - kkt_.mass * a;
+      if (c.size() > 0) rest += kkt_.rows.transpose() * lambda;
+      update(rest, c.size() > 0 ? RealVector(c - kkt_.rows * a) : c, a, lambda);
     }
     return build_solution(a, lambda, c, joint_count);
   }
