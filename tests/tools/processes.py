@@ -1,6 +1,7 @@
 """Real processes under test. A test file is called with BIN_FOLDER SOURCE_FOLDER [unittest options]."""
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -12,6 +13,10 @@ UNLATCH, FSW = str(BIN / "unlatch"), str(BIN / "unlatch-fsw")
 SCENARIOS = SOURCE / "hil/scenarios"
 BOOSTERS = str(SCENARIOS / "boosters/scenario.yaml")
 REFERENCE = str(SCENARIOS / "boosters/reference.yaml")
+
+# A sanitizer has memory of its own, and another debug format than valgrind reads.
+CACHE = BIN.parent / "CMakeCache.txt"
+SANITIZED = CACHE.exists() and re.search("^UNLATCH_SANITIZE:STRING=.", CACHE.read_text(encoding="utf-8"), re.M) is not None
 
 HANG = 120  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
 PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine is no dead flight software

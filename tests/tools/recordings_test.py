@@ -16,8 +16,9 @@ import shutil
 import signal
 import subprocess
 import time
+import unittest
 
-from processes import BOOSTERS, HANG, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
+from processes import BOOSTERS, HANG, PATIENT, REFERENCE, SANITIZED, SCENARIOS, UNLATCH, ProcessTest, call, main
 from recording_files import read_events, read_ticks
 
 KILLS = int(os.environ.get("UNLATCH_KILLS", 200))
@@ -227,6 +228,7 @@ class RecordingsTest(ProcessTest):
         self.assertEqual(process.returncode, 0)
         return usage.ru_maxrss * 1024
 
+    @unittest.skipIf(SANITIZED, "a sanitizer's program is none for valgrind")
     def test_a_replay_is_clean_under_valgrind(self):
         if shutil.which("valgrind") is None:
             self.skipTest("valgrind is not installed (tools/setup dev)")
@@ -236,6 +238,7 @@ class RecordingsTest(ProcessTest):
                            UNLATCH, "replay", log).stderr
         print(re.search("ERROR SUMMARY.*", said).group())
 
+    @unittest.skipIf(SANITIZED, "a sanitizer keeps what was freed")
     def test_memory_does_not_grow_with_the_length_of_a_recording(self):
         log = self.folder / "long.log"
         scenario = SCENARIOS / "tree20/reference.yaml"
