@@ -18,12 +18,7 @@ import time
 import unittest
 from pathlib import Path
 
-BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
-UNLATCH = str(BIN / "unlatch")
-BOOSTERS = str(SOURCE / "hil/scenarios/boosters/scenario.yaml")
-REFERENCE = str(SOURCE / "hil/scenarios/boosters/reference.yaml")
-HANG = 120  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
-PATIENT = ["--set", "flight_software.timeout=30"]
+from processes import BOOSTERS, HANG, PATIENT, REFERENCE, SANITIZED, UNLATCH
 
 
 def call(*arguments, **options):
@@ -42,6 +37,7 @@ class RealtimeTest(unittest.TestCase):
         self.assertEqual(result.returncode, code, result.stderr[-2000:])
         return json.loads(result.stdout), result.stderr
 
+    @unittest.skipIf(SANITIZED, "LeakSanitizer does not work under strace")
     def test_between_deadlines_there_is_no_system_call_but_the_clock(self):
         if not shutil.which("strace"):
             self.skipTest("strace is not installed")
@@ -126,6 +122,7 @@ class RealtimeTest(unittest.TestCase):
         result = call(UNLATCH, "replay", log, "--json", "-")
         self.assertTrue(json.loads(result.stdout)["replay"]["agrees"])
 
+    @unittest.skipIf(SANITIZED, "a sanitizer locks no memory, and says that it did")
     def test_without_privileges_the_run_says_what_it_lacks(self):
         if os.geteuid() != 0 or not shutil.which("setpriv"):
             self.skipTest("needs root, to give its privileges up, and setpriv")
