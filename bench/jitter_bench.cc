@@ -1,6 +1,7 @@
 // The cyclic executive in real time, without flight software: how late it is woken, how long its steps take, and beside
-// it a yardstick: fixed arithmetic in registers, as often and on the same CPU, whose tail is the machine's. Prints one
-// JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
+// it yardsticks, as often and on the same CPU, whose tails are the machine's: fixed arithmetic in registers, and
+// reading as much as a core's second cache holds in part, once when others have had the caches and once again. Prints
+// one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
 #include <time.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +9,7 @@
 #include <cstdio>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "bench/panel_array.h"
 #include "hil/executive.h"
@@ -65,18 +67,43 @@ void compute() {
   }
 }
 
-hil::DurationSummary run_yardstick(const Options& options, const std::stop_token& stopping) {
+// 128 KiB, a number of each cache line in an order that no prefetcher guesses.
+class Reading {
+ public:
+  void read() {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < kLines; ++i) sum += numbers_[i * kScatter % kLines * kNumbersPerLine];
+    asm volatile("" : : "r"(sum));
+  }
+
+ private:
+  static constexpr std::size_t kLines = 2048, kScatter = 769, kNumbersPerLine = 8;
+  std::vector<std::uint64_t> numbers_ = std::vector<std::uint64_t>(kLines * kNumbersPerLine, 1);
+};
+
+struct Yardsticks {
+  hil::DurationSummary arithmetic, first_reading, second_reading;
+};
+
+Yardsticks run_yardsticks(const Options& options, const std::stop_token& stopping) {
   (void)hil::request_real_time({.priority = 80, .cpu = options.cpu});
-  hil::Histogram durations;
+  Reading reading;
+  hil::Histogram arithmetic, first_reading, second_reading;
   const auto period = static_cast<std::int64_t>(options.period_us * 1e3);
   for (std::int64_t next = read_clock(); !stopping.stop_requested(); next += period) {
     const timespec deadline{next / 1'000'000'000, next % 1'000'000'000};
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr);
     const std::int64_t start = read_clock();
     compute();
-    durations.record(read_clock() - start);
+    const std::int64_t computed = read_clock();
+    reading.read();
+    const std::int64_t read_once = read_clock();
+    reading.read();
+    second_reading.record(read_clock() - read_once);
+    first_reading.record(read_once - computed);
+    arithmetic.record(computed - start);
   }
-  return durations.summarize();
+  return {arithmetic.summarize(), first_reading.summarize(), second_reading.summarize()};
 }
 
 int run(const Options& options) {
@@ -99,8 +126,8 @@ int run(const Options& options) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   });
-  hil::DurationSummary yardstick;
-  std::jthread measure([&](const std::stop_token& stopping) { yardstick = run_yardstick(options, stopping); });
+  Yardsticks yardsticks;
+  std::jthread measure([&](const std::stop_token& stopping) { yardsticks = run_yardsticks(options, stopping); });
   hil::LogEnd end;
   std::jthread([&] {
     for (const std::string& refused : hil::request_real_time({.priority = 80, .cpu = options.cpu})) {
@@ -114,7 +141,9 @@ int run(const Options& options) {
   std::printf("{\"status\": %d, ", static_cast<int>(end.status));
   print("step_ns", end.timing.step);
   print("wakeup_ns", end.timing.wakeup);
-  print("yardstick_ns", yardstick);
+  print("yardstick_ns", yardsticks.arithmetic);
+  print("first_reading_ns", yardsticks.first_reading);
+  print("second_reading_ns", yardsticks.second_reading);
   std::printf("\"overruns\": %lld, \"causes\": {", static_cast<long long>(end.timing.overruns));
   for (std::size_t i = 0; i < hil::kOverrunCauses; ++i) {
     std::printf("%s\"%s\": %lld", i == 0 ? "" : ", ", hil::kOverrunCauseNames[i].data(),
