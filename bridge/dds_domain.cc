@@ -66,7 +66,7 @@ std::atomic<std::int64_t> g_unreadable{0};
 
 void hear_log(void*, const dds_log_data_t* line) {
   const std::string_view text(line->message, line->size);
-  if (text.find(": deserialization unlatch") != text.npos) {
+  if (text.find(": deserialization unlatch") != std::string_view::npos) {
     g_unreadable.fetch_add(1, std::memory_order_relaxed);
   } else {
     std::fprintf(stderr, "Cyclone DDS: %.*s\n", static_cast<int>(text.size()), text.data());
@@ -124,7 +124,7 @@ std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
   const auto domain =
       dds_create_domain(static_cast<dds_domainid_t>(options.domain), write_configuration(options).c_str());
   if (domain < 0) throw make_dds_error(options, "opening the network", domain);
-  const std::shared_ptr<const DdsEntity> entity(new DdsEntity(domain), close);
+  std::shared_ptr<const DdsEntity> entity(new DdsEntity(domain), close);
   known = {entity, options.interface};
   return entity;
 }

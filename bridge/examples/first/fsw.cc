@@ -34,7 +34,7 @@ struct FlightSoftware {
           0,
           {},
           {}};
-    std::strcpy(reinterpret_cast<char*>(me.name), "fsw");  // as the scenario requires it
+    std::memcpy(me.name, "fsw", 4);  // as the scenario requires it
     if (gyro >= 0 && wheel >= 0) lcm.publish("UNLATCH_HELLO_ACK", &me), ++me.sequence;
   }
   void on_catalog(const Buffer*, const std::string&, const Catalog* item) {
