@@ -1,20 +1,20 @@
 // The cyclic executive in real time, without flight software: how late it is woken, how long its steps take, and beside
-// it yardsticks, as often and on the same CPU, whose tails are the machine's: fixed arithmetic in registers, and
-// reading as much as a core's second cache holds in part, once when others have had the caches and once again. Prints
-// one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
-#include <time.h>
-
+// it, on the same CPU, the yardsticks of bench/yardsticks.h; they read once when others have had the caches, and once
+// again. Prints one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "bench/panel_array.h"
+#include "bench/yardsticks.h"
 #include "hil/executive.h"
 #include "hil/histogram.h"
 #include "hil/link.h"
+#include "hil/pacer.h"
 #include "hil/real_time.h"
 #include "hil/run.h"
 
@@ -52,58 +52,32 @@ void print(const char* name, const hil::DurationSummary& s) {
       static_cast<long long>(s.max));
 }
 
-std::int64_t read_clock() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
-}
-
-// Some 5 us on a processor of 2.5 GHz: no memory, no branch but the loop's.
-void compute() {
-  std::uint64_t x = 1;
-  for (int i = 0; i < 3000; ++i) {
-    x = x * 6364136223846793005u + 1442695040888963407u;
-    asm volatile("" : "+r"(x));  // as long a chain as it looks
-  }
-}
-
-// 128 KiB, a number of each cache line in an order that no prefetcher guesses.
-class Reading {
- public:
-  void read() {
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < kLines; ++i) sum += numbers_[i * kScatter % kLines * kNumbersPerLine];
-    asm volatile("" : : "r"(sum));
-  }
-
- private:
-  static constexpr std::size_t kLines = 2048, kScatter = 769, kNumbersPerLine = 8;
-  std::vector<std::uint64_t> numbers_ = std::vector<std::uint64_t>(kLines * kNumbersPerLine, 1);
-};
-
 struct Yardsticks {
-  hil::DurationSummary arithmetic, first_reading, second_reading;
+  hil::Histogram multiplications, sums, first_reading, second_reading;
 };
 
-Yardsticks run_yardsticks(const Options& options, const std::stop_token& stopping) {
+// Once a tick, but no more than a thousand times a second: at 10 kHz they would take a tenth of the CPU.
+void run_yardsticks(const Options& options, const std::stop_token& stopping, Yardsticks& yardsticks) {
   (void)hil::request_real_time({.priority = 80, .cpu = options.cpu});
   Reading reading;
-  hil::Histogram arithmetic, first_reading, second_reading;
-  const auto period = static_cast<std::int64_t>(options.period_us * 1e3);
-  for (std::int64_t next = read_clock(); !stopping.stop_requested(); next += period) {
-    const timespec deadline{next / 1'000'000'000, next % 1'000'000'000};
-    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr);
-    const std::int64_t start = read_clock();
-    compute();
-    const std::int64_t computed = read_clock();
+  const auto period = static_cast<std::int64_t>(std::max(options.period_us, 1000.) * 1e3);
+  for (std::int64_t next = hil::get_monotonic_ns(); !stopping.stop_requested(); next += period) {
+    hil::sleep_until_ns(next);
+    std::int64_t last = hil::get_monotonic_ns();
+    const auto lap = [&last](hil::Histogram& histogram) {
+      const std::int64_t now = hil::get_monotonic_ns();
+      histogram.record(now - last);
+      last = hil::get_monotonic_ns();
+    };
+    multiply_in_turn();
+    lap(yardsticks.multiplications);
+    add_side_by_side();
+    lap(yardsticks.sums);
     reading.read();
-    const std::int64_t read_once = read_clock();
+    lap(yardsticks.first_reading);
     reading.read();
-    second_reading.record(read_clock() - read_once);
-    first_reading.record(read_once - computed);
-    arithmetic.record(computed - start);
+    lap(yardsticks.second_reading);
   }
-  return {arithmetic.summarize(), first_reading.summarize(), second_reading.summarize()};
 }
 
 int run(const Options& options) {
@@ -126,8 +100,10 @@ int run(const Options& options) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   });
-  Yardsticks yardsticks;
-  std::jthread measure([&](const std::stop_token& stopping) { yardsticks = run_yardsticks(options, stopping); });
+  const auto yardsticks = std::make_unique<Yardsticks>();
+  std::jthread measure([&](const std::stop_token& stopping) { run_yardsticks(options, stopping, *yardsticks); });
+  const hil::ShallowIdle awake;  // as cyclictest, and `unlatch hil`
+  if (!awake.get_refusal().empty()) std::fprintf(stderr, "%s\n", awake.get_refusal().c_str());
   hil::LogEnd end;
   std::jthread([&] {
     for (const std::string& refused : hil::request_real_time({.priority = 80, .cpu = options.cpu})) {
@@ -141,9 +117,10 @@ int run(const Options& options) {
   std::printf("{\"status\": %d, ", static_cast<int>(end.status));
   print("step_ns", end.timing.step);
   print("wakeup_ns", end.timing.wakeup);
-  print("yardstick_ns", yardsticks.arithmetic);
-  print("first_reading_ns", yardsticks.first_reading);
-  print("second_reading_ns", yardsticks.second_reading);
+  print("multiplications_ns", yardsticks->multiplications.summarize());
+  print("sums_ns", yardsticks->sums.summarize());
+  print("first_reading_ns", yardsticks->first_reading.summarize());
+  print("second_reading_ns", yardsticks->second_reading.summarize());
   std::printf("\"overruns\": %lld, \"causes\": {", static_cast<long long>(end.timing.overruns));
   for (std::size_t i = 0; i < hil::kOverrunCauses; ++i) {
     std::printf("%s\"%s\": %lld", i == 0 ? "" : ", ", hil::kOverrunCauseNames[i].data(),

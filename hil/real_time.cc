@@ -1,11 +1,14 @@
 #include "hil/real_time.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace unlatch::hil {
@@ -36,6 +39,19 @@ std::string request_cpu(int cpu) {
 }
 
 }  // namespace
+
+ShallowIdle::ShallowIdle() : request_(open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC)) {
+  constexpr std::int32_t kLongest_us = 0;
+  if (request_ >= 0 && write(request_, &kLongest_us, sizeof kLongest_us) == sizeof kLongest_us) return;
+  refusal_ =
+      describe_errno("idle states as deep as the kernel likes: /dev/cpu_dma_latency: ", errno,
+                     "; waking from them delays a tick, on some machines by 100 us and more (grant writing it, or "
+                     "wait awake: timing.spin)");
+}
+
+ShallowIdle::~ShallowIdle() {
+  if (request_ >= 0) close(request_);
+}
 
 std::string request_priority(int priority) {
   sched_param parameters{};

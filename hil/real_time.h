@@ -16,7 +16,24 @@ struct RealTimeOptions {
 // SCHED_FIFO. What is refused is said in the result and left as it was; empty when all was granted.
 [[nodiscard]] std::vector<std::string> request_real_time(const RealTimeOptions& options = {});
 
-// The same for a thread that only needs to come before others. Returns what was refused, or an empty text.
+// While it lives, no CPU of this machine idles more deeply than by polling, so that waking one takes no longer than it
+// must: 0 us asked for through /dev/cpu_dma_latency, which the kernel forgets when the process ends, however it ends.
+class ShallowIdle {
+ public:
+  ShallowIdle();
+  ~ShallowIdle();
+  ShallowIdle(const ShallowIdle&) = delete;
+  ShallowIdle& operator=(const ShallowIdle&) = delete;
+
+  // What was refused; empty if nothing was.
+  [[nodiscard]] const std::string& get_refusal() const noexcept { return refusal_; }
+
+ private:
+  int request_ = -1;
+  std::string refusal_;
+};
+
+// SCHED_FIFO for a thread that only needs to come before others. Returns what was refused, or an empty text.
 [[nodiscard]] std::string request_priority(int priority);
 
 }  // namespace unlatch::hil

@@ -2,7 +2,7 @@
 // clock below stands in for hil/pacer.cc and jumps to every deadline, so that an execution is short and the same each
 // time.
 //
-//   input  = choices (1 byte: bit 0 the pace, the rest the policy), then what is said, item by item
+//   input  = choices (1 byte: bit 0 the pace, bit 7 a spin, the rest policy and delay), then what is said, item by item
 //   item   = kind and marks (1 byte), the message's bytes (as many as its struct has, or what is left)
 #include <algorithm>
 #include <cstring>
@@ -141,7 +141,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   options.flight_software = scenario.flight_software;
   options.flight_software.policy = static_cast<hil::FlightSoftware::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
   options.flight_software.delay = (data[0] >> 4) % 3;
-  options.flight_software.pause_limit = 0.1;  // s; the clock jumps there
+  options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; steps are rehearsed
+  options.flight_software.pause_limit = 0.1;               // s; the clock jumps there
   FuzzLine line({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().hash));
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, options.pace, kSession, options.last_tick),
                          kRoom);

@@ -157,6 +157,10 @@ class Session {
     options.start_timeout_ns = static_cast<std::int64_t>(options_.start_timeout_s * 1e9);
     hil::Executive executive(*simulation_, *line_, *recorder_, scenario_.name, options);
 
+    std::optional<hil::ShallowIdle> awake;
+    if (options_.pace == hil::Pace::kRealtime && !awake.emplace().get_refusal().empty()) {
+      std::fprintf(stderr, "%s\n", awake->get_refusal().c_str());
+    }
     hil::LogEnd end;
     std::atomic<bool> ended{false};
     std::jthread cyclic([&] {
