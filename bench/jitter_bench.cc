@@ -1,5 +1,6 @@
 // The cyclic executive in real time, without flight software: how late it is woken, how long its steps take, and beside
-// it, on the same CPU, the yardsticks of bench/yardsticks.h; they read once when others have had the caches, and once
+// it, on the same CPU, the yardsticks of hil/yardsticks.h and reading
+// 128 KiB, once when others have had the caches, and once
 // again. Prints one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,13 +11,13 @@
 #include <thread>
 
 #include "bench/panel_array.h"
-#include "bench/yardsticks.h"
 #include "hil/executive.h"
 #include "hil/histogram.h"
 #include "hil/link.h"
 #include "hil/pacer.h"
 #include "hil/real_time.h"
 #include "hil/run.h"
+#include "hil/yardsticks.h"
 
 namespace unlatch::bench {
 namespace {
@@ -52,6 +53,20 @@ void print(const char* name, const hil::DurationSummary& s) {
       static_cast<long long>(s.max));
 }
 
+// 128 KiB, a number of each cache line in an order that no prefetcher guesses: part of a core's second cache.
+class Reading {
+ public:
+  void read() {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < kLines; ++i) sum += numbers_[i * kScatter % kLines * kNumbersPerLine];
+    asm volatile("" : : "r"(sum));
+  }
+
+ private:
+  static constexpr std::size_t kLines = 2048, kScatter = 769, kNumbersPerLine = 8;
+  std::vector<std::uint64_t> numbers_ = std::vector<std::uint64_t>(kLines * kNumbersPerLine, 1);
+};
+
 struct Yardsticks {
   hil::Histogram multiplications, sums, first_reading, second_reading;
 };
@@ -69,9 +84,9 @@ void run_yardsticks(const Options& options, const std::stop_token& stopping, Yar
       histogram.record(now - last);
       last = hil::get_monotonic_ns();
     };
-    multiply_in_turn();
+    hil::multiply_in_turn();
     lap(yardsticks.multiplications);
-    add_side_by_side();
+    hil::add_side_by_side();
     lap(yardsticks.sums);
     reading.read();
     lap(yardsticks.first_reading);

@@ -10,10 +10,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "bench/yardsticks.h"
 #include "hil/pacer.h"
 #include "hil/real_time.h"
 #include "hil/run.h"
+#include "hil/yardsticks.h"
 
 namespace unlatch::bench {
 namespace {
@@ -45,11 +45,11 @@ std::vector<Round> run_rounds(hil::Simulation& simulation, double seconds) {
     simulation.rehearse();  // as the executive does when it has slept
     while (hil::get_monotonic_ns() < rest + 1'000'000 - kRest_ns && rounds.size() < rounds.capacity()) {
       Round& round = rounds.emplace_back();
-      round.before = time([] { add_side_by_side(); });
+      round.before = time([] { hil::add_side_by_side(); });
       round.step = time([&] { (void)simulation.step(); });
-      round.between = time([] { add_side_by_side(); });
-      round.sums = time([] { add_side_by_side(kStepSums); });
-      round.after = time([] { add_side_by_side(); });
+      round.between = time([] { hil::add_side_by_side(); });
+      round.sums = time([] { hil::add_side_by_side(kStepSums); });
+      round.after = time([] { hil::add_side_by_side(); });
       if (simulation.get_tick() >= 20'000) (void)simulation.restore(beginning);
     }
   }

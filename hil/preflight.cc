@@ -1,5 +1,8 @@
 #include "hil/preflight.h"
 
+#include <array>
+#include <charconv>
+
 namespace unlatch::hil {
 
 const char* const kVerdictNames[4] = {"good", "costs", "missing", "unknown"};
@@ -13,6 +16,8 @@ constexpr std::int64_t kCoarse_ns = 1000;          // a high-resolution timer ha
 constexpr std::int64_t kEnoughLocked = 512 << 20;  // bytes: a session over DDS maps some 300 MB
 constexpr std::int64_t kPriority = 81;             // of the watchdog, above the cyclic thread's 80
 constexpr std::int64_t kDeepIdle_us = 10;
+constexpr double kAlone = 1.3;            // times its least: what fills a core, when it has the core to itself
+constexpr double kFewInterruptions = 10;  // a second: one in 10,000 steps of 10 us
 
 Check good(std::string name, std::string found) { return {std::move(name), Verdict::kGood, std::move(found), "", ""}; }
 
@@ -123,15 +128,42 @@ Check judge_idle(const MachineFacts& f) {
   if (!f.idle_exit_us) return {"idle states", Verdict::kUnknown, "not to be found out", "", ""};
   const std::string found = "deepest takes " + std::to_string(*f.idle_exit_us) + " us to leave";
   if (*f.idle_exit_us <= kDeepIdle_us) return good("idle states", found);
-  return {"idle states", Verdict::kCosts, found, "that long on top of every wake-up",
-          "cpupower idle-set -D " + std::to_string(kDeepIdle_us) + ", or timing.spin"};
+  if (f.may_forbid_idle) return good("idle states", found + "; held off while a run in real time lasts");
+  return {
+      "idle states", Verdict::kCosts, found, "that long on top of every wake-up",
+      "grant writing /dev/cpu_dma_latency, cpupower idle-set -D " + std::to_string(kDeepIdle_us) + ", or timing.spin"};
 }
 
+std::string print_fixed(double value, int digits) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, digits).ptr;
+  return {text.data(), end};
+}
+
+// A virtual machine is not told of the other hardware thread of its core; it feels it.
 Check judge_smt(const MachineFacts& f) {
-  if (!f.smt) return {"hyper-threading", Verdict::kUnknown, "not to be found out", "", ""};
-  if (!*f.smt) return good("hyper-threading", "off");
-  return {"hyper-threading", Verdict::kCosts, "on", "work on the sibling makes a step up to twice as long",
-          "leave the sibling of the cyclic thread's CPU idle, or nosmt on the command line"};
+  if (!f.smt && !f.core_stretch) return {"hyper-threading", Verdict::kUnknown, "not to be found out", "", ""};
+  std::string found = f.smt ? *f.smt ? "on" : "off" : "not told";
+  if (f.core_stretch)
+    found += "; work that fills a core takes up to " + print_fixed(*f.core_stretch, 2) + " times its least";
+  const bool shared = f.core_stretch.value_or(1) >= kAlone;
+  if (!f.smt.value_or(false) && !shared) return good("hyper-threading", found);
+  return {"hyper-threading", Verdict::kCosts, found,
+          shared ? "somebody is at work on the other hardware thread of this core: a step takes up to twice as long"
+                 : "work on the sibling makes a step up to twice as long",
+          f.virtual_machine ? "virtual CPUs pinned to cores of their own"
+                            : "leave the sibling of the cyclic thread's CPU idle, or nosmt on the command line"};
+}
+
+Check judge_interruption_rate(const MachineFacts& f) {
+  if (!f.interruptions_per_s) return {"interruptions", Verdict::kUnknown, "not tried", "", ""};
+  const std::string found = print_fixed(*f.interruptions_per_s, 0) + " a second of more than " +
+                            std::to_string(kInterruption_ns / 1000) + " us, the longest " +
+                            std::to_string(f.longest_interruption_ns.value_or(0) / 1000) + " us";
+  if (*f.interruptions_per_s <= kFewInterruptions) return good("interruptions", found);
+  return {"interruptions", Verdict::kCosts, found,
+          "one falls into each step of 10 us with a chance of " + print_fixed(*f.interruptions_per_s * 1e-3, 2) + " %",
+          "isolated CPUs; whose they are: rtla osnoise, hwlatdetect"};
 }
 
 Check judge_interruptions(const MachineFacts& f) {
@@ -156,9 +188,19 @@ Check judge_interruptions(const MachineFacts& f) {
 }  // namespace
 
 std::vector<PreflightCheck> judge(const MachineFacts& facts) {
-  return {judge_kernel(facts),       judge_governor(facts), judge_isolation(facts), judge_timer(facts),
-          judge_clock(facts),        judge_memlock(facts),  judge_priority(facts),  judge_throttling(facts),
-          judge_huge_pages(facts),   judge_swap(facts),     judge_idle(facts),      judge_smt(facts),
+  return {judge_kernel(facts),
+          judge_governor(facts),
+          judge_isolation(facts),
+          judge_timer(facts),
+          judge_clock(facts),
+          judge_memlock(facts),
+          judge_priority(facts),
+          judge_throttling(facts),
+          judge_huge_pages(facts),
+          judge_swap(facts),
+          judge_idle(facts),
+          judge_smt(facts),
+          judge_interruption_rate(facts),
           judge_interruptions(facts)};
 }
 

@@ -1,5 +1,5 @@
-// What this machine is like for hard real time: facts read from the operating system, and what each costs. Nothing is
-// changed.
+// What this machine is like for hard real time: facts read from the operating system, or found out by trying, and what
+// each costs. Nothing is changed.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,25 @@ struct MachineFacts {
   std::string huge_pages;                                   // always, madvise, never
   std::optional<std::int64_t> swap_kb;
   std::optional<std::int64_t> idle_exit_us;  // of the deepest idle state that is not disabled
+  bool may_forbid_idle = false;              // to write /dev/cpu_dma_latency, as a run in real time does
   std::optional<bool> smt;
   bool virtual_machine = false;
   std::optional<std::int64_t> stolen_ms;  // CPU time that the host has taken since boot
   std::optional<std::int64_t> smi_count;  // system management interrupts since boot
+
+  // Found out by trying, on one CPU.
+  std::optional<double> core_stretch;  // what fills a core takes up to so many times its least, nine times of ten
+  std::optional<double> interruptions_per_s;  // of more than kInterruption_ns
+  std::optional<std::int64_t> longest_interruption_ns;
 };
+constexpr std::int64_t kInterruption_ns = 5000;
 
 // `root` stands before /proc and /sys; limits, capabilities and clocks are this process's.
 MachineFacts read_machine_facts(const std::string& root = "");
+
+// Works for `seconds` on `cpu` (-1: any), in a thread like the cyclic one, and notes what got in between. Returns what
+// that thread was refused.
+std::vector<std::string> try_machine(MachineFacts& facts, int cpu = -1, double seconds = 0.5);
 
 struct PreflightCheck {
   enum class Verdict { kGood, kCosts, kMissing, kUnknown };

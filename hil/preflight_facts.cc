@@ -130,6 +130,7 @@ MachineFacts read_machine_facts(const std::string& root) {
       (" " + find_value(root + "/proc/cpuinfo", "flags") + " ").find(" hypervisor ") != std::string::npos;
   facts.stolen_ms = read_stolen_ms(root);
   facts.smi_count = read_smi_count(root);
+  facts.may_forbid_idle = access((root + "/dev/cpu_dma_latency").c_str(), W_OK) == 0;
   return facts;
 }
 

@@ -2,6 +2,7 @@
 #include "hil/preflight.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -33,6 +34,9 @@ hil::MachineFacts make_ideal() {
   facts.idle_exit_us = 2;
   facts.smt = false;
   facts.smi_count = 0;
+  facts.core_stretch = 1;
+  facts.interruptions_per_s = 0.5;
+  facts.longest_interruption_ns = 9000;
   return facts;
 }
 
@@ -76,8 +80,35 @@ TEST(Preflight, EverythingThatCostsSaysWhatAndHowToMendIt) {
   spoil("transparent huge pages", Verdict::kCosts, [](Facts& f) { f.huge_pages = "always"; });
   spoil("idle states", Verdict::kCosts, [](Facts& f) { f.idle_exit_us = 200; });
   spoil("hyper-threading", Verdict::kCosts, [](Facts& f) { f.smt = true; });
+  spoil("hyper-threading", Verdict::kCosts, [](Facts& f) { f.core_stretch = 2; });
+  spoil("interruptions", Verdict::kCosts, [](Facts& f) { f.interruptions_per_s = 250; });
   spoil("below the kernel", Verdict::kCosts, [](Facts& f) { f.smi_count = 17; });
   spoil("below the kernel", Verdict::kCosts, [](Facts& f) { f.virtual_machine = true; });
+}
+
+TEST(Preflight, DeepIdleStatesCostNothingWhereARunMayHoldThemOff) {
+  hil::MachineFacts facts = make_ideal();
+  facts.idle_exit_us = 200;
+  facts.may_forbid_idle = true;
+  EXPECT_EQ(find(hil::judge(facts), "idle states").verdict, Verdict::kGood);
+}
+
+// Somebody of a higher priority takes the CPU for 3 ms out of 10; without privileges both have none, and share it.
+TEST(Preflight, TryingTheMachineNoticesWhoTakesTheCpu) {
+  const std::jthread hog([](const std::stop_token& stopping) {
+    (void)hil::request_real_time({.priority = 90, .cpu = 0});
+    while (!stopping.stop_requested()) {
+      const std::int64_t begin_ns = hil::get_monotonic_ns();
+      while (hil::get_monotonic_ns() < begin_ns + 3'000'000) {
+      }
+      hil::sleep_until_ns(begin_ns + 10'000'000);
+    }
+  });
+  hil::MachineFacts facts;
+  (void)hil::try_machine(facts, 0, 0.2);
+  EXPECT_GT(facts.longest_interruption_ns, 2'000'000);
+  EXPECT_GT(facts.interruptions_per_s, 10);
+  EXPECT_GT(facts.core_stretch, 0.5);
 }
 
 TEST(Preflight, ReadsTheKernelsFiles) {
@@ -123,7 +154,8 @@ TEST(Preflight, ReadsTheKernelsFiles) {
 
 TEST(Preflight, WhatCannotBeFoundOutIsSaidToBeUnknown) {
   const auto checks = hil::judge(hil::read_machine_facts("/no/such/folder"));
-  for (const char* name : {"clock source", "transparent huge pages", "swap", "idle states", "below the kernel"}) {
+  for (const char* name :
+       {"clock source", "transparent huge pages", "swap", "idle states", "interruptions", "below the kernel"}) {
     EXPECT_EQ(find(checks, name).verdict, Verdict::kUnknown) << name;
   }
 }
@@ -136,6 +168,14 @@ TEST(RealTime, RefusalsAreNamedAndTheRestIsGranted) {
     for (const std::string& text : refused) EXPECT_NE(text.find('('), std::string::npos) << "no remedy: " << text;
   }).join();
   EXPECT_FALSE(hil::request_priority(1000).empty());
+}
+
+// Who may, holds them off; who may not, is told what that costs.
+TEST(RealTime, DeepIdleStatesAreHeldOffOrThatIsRefusedByName) {
+  const hil::ShallowIdle awake;
+  const bool may = access("/dev/cpu_dma_latency", W_OK) == 0;
+  EXPECT_EQ(awake.get_refusal().empty(), may) << awake.get_refusal();
+  EXPECT_EQ(awake.get_refusal().find("(grant writing it") == std::string::npos, may) << awake.get_refusal();
 }
 
 TEST(Watchdog, BarksOnceForASilenceAndNotForLife) {
