@@ -139,6 +139,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   options.session = kSession;
   options.last_tick = 4;
   options.flight_software = scenario.flight_software;
+  options.start_timeout_ns = 100'000'000;  // of the clock above; a hundred looks
   options.flight_software.policy = static_cast<hil::FlightSoftware::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
   options.flight_software.delay = (data[0] >> 4) % 3;
   options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; steps are rehearsed
