@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draws cost against n and lists the ratios to the peers, from what solve_bench left in bench/results.
 
-Usage: bench/plot.py    (reads results/solve_bench.csv, writes results/solve.svg, solve.png and ratios.md)
+Usage: bench/plot.py    (reads results/solve_bench*.csv, writes results/solve.svg, solve.png and ratios.md)
 """
 import csv
 import math
@@ -46,11 +46,12 @@ PER_BODY = [("star", 100000, 60), ("bintree", 100000, 160), ("welded_chain", 512
 
 def read_times():
     """{(who, shape): {n: ns per solve, the least of the repetitions}}"""
-    with open(RESULTS / "solve_bench.csv", newline="") as file:
-        lines = file.readlines()
-    start = next(i for i, line in enumerate(lines) if line.startswith("name,"))
-    times = {}
-    for row in csv.DictReader(lines[start:]):
+    times, rows = {}, []
+    for path in sorted(RESULTS.glob("solve_bench*.csv")):
+        lines = path.read_text().splitlines()
+        start = next(i for i, line in enumerate(lines) if line.startswith("name,"))
+        rows += csv.DictReader(lines[start:])
+    for row in rows:
         match = re.fullmatch(r"solve/(\w+)/(\w+)/(\d+)_least", row["name"])
         if match:
             who, shape, n = match.groups()

