@@ -71,8 +71,8 @@ def summarize_cyclictest(histogram, thread, period_us):
 def run_ours(scenario, period_us, spin_us, seconds):
     done = subprocess.run([BIN / "jitter_bench", "--scenario", scenario, "--period-us", str(period_us), "--seconds", str(seconds),
                            "--spin-us", str(spin_us), "--cpu", str(CPU)], capture_output=True, text=True)
-    if done.stderr:
-        print(done.stderr, file=sys.stderr)
+    if done.stderr or done.returncode != 0:
+        print(f"exit code {done.returncode}: {done.stderr}", file=sys.stderr)
     report = json.loads(done.stdout)
     ticks = {"late": report["overruns"], "stalls": report["overruns"] - report["causes"]["backlog"]}
     found = {"unlatch wake-up": report["wakeup_ns"] | ticks, "unlatch step": report["step_ns"] | ticks}
@@ -80,7 +80,7 @@ def run_ours(scenario, period_us, spin_us, seconds):
 
 
 def merge(rows):
-    """Of slices: counts add up, percentiles are the slices' median."""
+    """Of slices: counts add up; a percentile is the median of the slices' percentiles, and not one of all their samples."""
     merged = {name: statistics.median(row[name] for row in rows) for name in ("p50", "p99", "p999", "p9999")}
     merged |= {name: sum(row[name] for row in rows) for name in ("count", "stalls", "late")}
     return merged | {"min": min(row["min"] for row in rows), "max": max(row["max"] for row in rows)}
@@ -117,18 +117,16 @@ def describe_case(case, load, found, causes):
             f"; stalls {ours['stalls']}, cyclictest's {theirs['stalls']}; ticks late {ours['late']}, {theirs['late']} ({causes or 'none'})")
 
 
-def describe_steadiness(load):
-    done = subprocess.run([BIN / "steadiness_bench", "--seconds", str(SECONDS), "--cpu", str(CPU)], capture_output=True, text=True, check=True)
+def describe_steadiness(load, spin_us):
+    done = subprocess.run([BIN / "steadiness_bench", "--seconds", str(SECONDS), "--cpu", str(CPU), "--spin-us", str(spin_us)],
+                          capture_output=True, text=True, check=True)
     report = json.loads(done.stdout)
-    lines = []
+    how, lines = (f"1 kHz, spin {spin_us}" if spin_us else "back to back"), []
     for name, text in (("step", "step"), ("sums", "sums as long"), ("quiet_step", "step, where the sums around it are at their least"),
                        ("quiet_sums", "sums as long, there")):
         row = report[name]
-        if row["count"] == 0:
-            lines.append(f"| {load} | {text} | 0 | | | | | |")
-            continue
-        lines.append(f"| {load} | {text} | {row['count']} | " + " | ".join(f"{row[key] / 1000:.2f}" for key in ("min", "p50", "p99", "p999")) +
-                     f" | {100 * row['longer']:.2f} % |")
+        numbers = [f"{row[key] / 1000:.2f}" for key in ("min", "p50", "p99", "p999")] + [f"{100 * row['longer']:.2f} %"] if row["count"] else [""] * 5
+        lines.append(f"| {load} | {how} | {text} | {row['count']} | " + " | ".join(numbers) + " |")
     return lines
 
 
@@ -146,14 +144,16 @@ def write(rows, notes, steadiness, machine):
         writer.writeheader()
         writer.writerows(rows)
     lines = ["# Wake-up latency and step time, microseconds", "", "bench/jitter.py; ns in jitter.csv. " + "; ".join(machine) + ".",
-             "Load none is without stress-ng. With a load average well above 0 at the start others used the machine, and tails are theirs.", "",
+             "Load none is without stress-ng. With a load average well above 0 at the start others used the machine, and tails are theirs.",
+             "In turn: percentiles are the median of the slices' percentiles. Stalls: ticks whose work ended after the next was due, without those that only",
+             "queued behind another (ours); wake-ups later than the next deadline (cyclictest's, which does no work).", "",
              "| case | period | spin | how | load | | p50 | p99 | p99.9 | p99.99 | max | stalls | late |", "|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
     for row in rows:
         numbers = " | ".join(f"{row[name] / 1000:.1f}" for name in ("p50", "p99", "p999", "p9999", "max"))
         lines.append("| " + " | ".join(str(row[name]) for name in ("scenario", "period_us", "spin_us", "how", "load", "what")) + f" | {numbers} | {row['stalls']} | {row['late']} |")
-    lines += ["", *notes, "", "## Steps back to back, between sums", "",
+    lines += ["", *notes, "", "## Steps between sums", "",
               "steadiness_bench. Longer: the share that took more than 1.5 times the median.", "",
-              "| load | | count | least | p50 | p99 | p99.9 | longer |", "|---|---|---|---|---|---|---|---|", *steadiness]
+              "| load | | | count | least | p50 | p99 | p99.9 | longer |", "|---|---|---|---|---|---|---|---|---|", *steadiness]
     (RESULTS / "jitter.md").write_text("\n".join(lines) + "\n")
 
 
@@ -168,7 +168,8 @@ def main():
                 rows += [dict(common, what=what, **row) for what, row in found.items()]
                 notes.append(describe_case(case, load, found, causes))
                 print(notes[-1], flush=True)
-            steadiness += describe_steadiness(load)
+            for spin_us in (0, 100):
+                steadiness += describe_steadiness(load, spin_us)
         finally:
             if stress:
                 stress.terminate()
@@ -176,4 +177,5 @@ def main():
     write(rows, notes, steadiness, machine)
 
 
-main()
+if __name__ == "__main__":
+    main()

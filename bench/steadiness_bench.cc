@@ -18,9 +18,15 @@
 namespace unlatch::bench {
 namespace {
 
-constexpr double kQuiet = 1.05;             // times the least that the sums took
-constexpr std::int64_t kRest_ns = 100'000;  // of every millisecond: a real-time thread that never rests is stopped
+constexpr double kQuiet = 1.05;  // times the least that the sums took
+constexpr std::int64_t kTick_ns = 1'000'000,
+                       kRest_ns = 100'000;  // of every millisecond: a real-time thread that never rests is stopped
 constexpr int kStepSums = 7200;             // three times the sums around it
+
+struct Options {
+  double seconds = 10, spin_us = 0;
+  int cpu = -1;
+};
 
 struct Round {
   std::int64_t before, step, between, sums, after;  // ns
@@ -33,26 +39,35 @@ std::int64_t time(Work&& work) {
   return hil::get_monotonic_ns() - begin;
 }
 
-std::vector<Round> run_rounds(hil::Simulation& simulation, double seconds) {
+Round run_round(hil::Simulation& simulation) {
+  Round round{};
+  round.before = time([] { hil::add_side_by_side(); });
+  round.step = time([&] { (void)simulation.step(); });
+  round.between = time([] { hil::add_side_by_side(); });
+  round.sums = time([] { hil::add_side_by_side(kStepSums); });
+  round.after = time([] { hil::add_side_by_side(); });
+  return round;
+}
+
+// Back to back but for kRest_ns; or, with a spin, once a millisecond as the executive would: asleep, rehearsed, awake.
+std::vector<Round> run_rounds(hil::Simulation& simulation, const Options& options) {
+  const auto spin = static_cast<std::int64_t>(options.spin_us * 1e3);
   std::vector<Round> rounds;
-  rounds.reserve(static_cast<std::size_t>(seconds * 1e5));
+  rounds.reserve(static_cast<std::size_t>(options.seconds * 1e5));
   const auto beginning = simulation.save();
   const std::int64_t start = hil::get_monotonic_ns();
-  const auto end = start + static_cast<std::int64_t>(seconds * 1e9);
-  for (std::int64_t rest = start;; rest += 1'000'000) {
-    hil::sleep_until_ns(rest);
-    if (hil::get_monotonic_ns() >= end) return rounds;
-    simulation.rehearse();  // as the executive does when it has slept
-    while (hil::get_monotonic_ns() < rest + 1'000'000 - kRest_ns && rounds.size() < rounds.capacity()) {
-      Round& round = rounds.emplace_back();
-      round.before = time([] { hil::add_side_by_side(); });
-      round.step = time([&] { (void)simulation.step(); });
-      round.between = time([] { hil::add_side_by_side(); });
-      round.sums = time([] { hil::add_side_by_side(kStepSums); });
-      round.after = time([] { hil::add_side_by_side(); });
-      if (simulation.get_tick() >= 20'000) (void)simulation.restore(beginning);
+  const auto end = start + static_cast<std::int64_t>(options.seconds * 1e9);
+  for (std::int64_t tick = start + kTick_ns; tick < end; tick += kTick_ns) {
+    hil::sleep_until_ns(spin > 0 ? tick - spin : tick);
+    simulation.rehearse();
+    while (hil::get_monotonic_ns() < tick) {
     }
+    do {
+      rounds.push_back(run_round(simulation));
+      if (simulation.get_tick() >= 20'000) (void)simulation.restore(beginning);
+    } while (spin == 0 && hil::get_monotonic_ns() < tick + kTick_ns - kRest_ns && rounds.size() < rounds.capacity());
   }
+  return rounds;
 }
 
 void print(const char* name, std::vector<std::int64_t> times, const char* separator) {
@@ -98,25 +113,26 @@ void report(const std::vector<Round>& rounds) {
 
 int main(int argc, char** argv) {
   using namespace unlatch;
-  double seconds = 10;
-  int cpu = -1;
+  bench::Options options;
   CLI::App app{
       "A step beside work of the same length that is the same each time. Run bench/jitter.py, which runs this."};
   bool list = false;
   std::string filter;
   app.add_flag("--benchmark_list_tests", list, "for tools/bench: lists nothing");
   app.add_option("--benchmark_filter", filter)->group("");
-  app.add_option("--seconds", seconds)->check(CLI::Range(0.1, 1000.))->capture_default_str();
-  app.add_option("--cpu", cpu)->capture_default_str();
+  app.add_option("--seconds", options.seconds)->check(CLI::Range(0.1, 1000.))->capture_default_str();
+  app.add_option("--spin-us", options.spin_us, "a step a millisecond, this long after waking")->capture_default_str();
+  app.add_option("--cpu", options.cpu)->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   if (list) return 0;
   try {
     const auto simulation = hil::build_simulation(
         hil::load_scenario(UNLATCH_SOURCE_DIR "/hil/scenarios/boosters/reference.yaml", {"step.until=20"}));
-    for (const std::string& refused : hil::request_real_time({.priority = 80, .cpu = cpu})) {
+    const hil::ShallowIdle awake;
+    for (const std::string& refused : hil::request_real_time({.priority = 80, .cpu = options.cpu})) {
       std::fprintf(stderr, "%s\n", refused.c_str());
     }
-    bench::report(bench::run_rounds(*simulation, seconds));
+    bench::report(bench::run_rounds(*simulation, options));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -82,7 +82,7 @@ LogEnd Executive::run() {
   std::string failure;
   hash_ = simulation_.calc_hash();
   if (!introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
-  timing_.begin();
+  timing_.keep_counts();
   ticks_->restart(started_ns_);
 
   while (simulation_.get_tick() < options_.last_tick) {
@@ -105,7 +105,7 @@ Executive::Go Executive::await_tick() noexcept {
     return Go::kStop;
   }
   now_.wakeup_ns = ticks_->get_latency_ns();
-  now_.backlogged = ticks_->is_backlogged() ? 1 : 0;
+  now_.held_up = ticks_->is_backlogged() ? 1 : rehearsed_ns_ > ticks_->get_due_ns() ? 2 : 0;
   timing_.wakeup.record(now_.wakeup_ns);
   beat(Place::kHearing);
   // The State went out a period before the instant for which we have just been woken.
@@ -122,7 +122,8 @@ void Executive::rehearse(std::int64_t left_ns) noexcept {
   }
   const std::int64_t begin_ns = get_monotonic_ns();
   simulation_.rehearse();
-  rehearsal_ns_ = get_monotonic_ns() - begin_ns;
+  rehearsed_ns_ = get_monotonic_ns();
+  rehearsal_ns_ = rehearsed_ns_ - begin_ns;
 }
 
 Executive::Go Executive::cycle() noexcept {
@@ -176,12 +177,15 @@ Executive::Go Executive::account(std::int64_t step_end_ns) noexcept {
   const std::int64_t now_ns = get_monotonic_ns();
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
-  if (now_ns - health_ns_ >= 1'000'000'000) publish_health(now_ns);
+  const bool second_over = now_ns - health_ns_ >= 1'000'000'000;
+  if (second_over) publish_health(now_ns);
   if (now_ns - reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
   announce(now_ns);
   verdicts_left_ = kVerdictsPerTick;
-  if (options_.pace != Pace::kRealtime || now_ns <= ticks_->get_next_due_ns()) return Go::kStep;
-  return account_overrun(now_ns);
+  if (options_.pace != Pace::kRealtime) return Go::kStep;
+  if (now_ns > ticks_->get_next_due_ns()) return account_overrun(now_ns);
+  if (second_over) timing_.keep_counts();
+  return Go::kStep;
 }
 
 Executive::Go Executive::account_overrun(std::int64_t now_ns) noexcept {

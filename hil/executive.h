@@ -128,7 +128,7 @@ class Executive {
   bool is_answered() noexcept;
   [[nodiscard]] Participant* find_overdue(std::int64_t now_ns) noexcept;
   [[nodiscard]] Go lose(Participant& participant) noexcept;
-  void apply_policy(const Participant& participant) noexcept;
+  void apply_policy(const Participant& participant) noexcept UNLATCH_NONBLOCKING;
   void apply_commands() noexcept;
   void set_channel(std::int32_t channel, double value, ChangeCause cause, std::int32_t participant,
                    std::int64_t sequence) noexcept;
@@ -163,6 +163,7 @@ class Executive {
   State state_;                    // scratch
   Reactions reactions_;            // scratch
   std::int64_t rehearsal_ns_ = 0;  // how long the latest took
+  std::int64_t rehearsed_ns_ = 0;  // when the last rehearsal ended
   std::int64_t hash_ = 0;
   std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0,
                verdict_sequence_ = 0, reactions_sequence_ = 0, source_sequence_ = 0;

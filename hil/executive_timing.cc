@@ -15,7 +15,11 @@ ThreadCounts read_thread_counts() noexcept {
 OverrunCause attribute(const Overrun& overrun) noexcept {
   const TickTiming& t = overrun.timing;
   const std::int64_t most = std::max({t.wakeup_ns, t.input_ns, t.step_ns, t.output_ns});
-  if (most == t.wakeup_ns) return t.backlogged != 0 ? OverrunCause::kBacklog : OverrunCause::kLateWakeup;
+  if (most == t.wakeup_ns) {
+    static constexpr OverrunCause kWhyLate[] = {OverrunCause::kLateWakeup, OverrunCause::kBacklog,
+                                                OverrunCause::kRehearsal};
+    return kWhyLate[t.held_up];
+  }
   if (overrun.faults_read > 0) return OverrunCause::kPageFaults;
   if (overrun.preemptions > 0) return OverrunCause::kPreempted;
   if (most == t.step_ns) return t.substeps > 1 ? OverrunCause::kEvents : OverrunCause::kStep;

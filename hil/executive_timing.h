@@ -25,8 +25,9 @@ class Timing {
   Histogram turnaround;  // a command's arrival to the State of the step that it went into
   Histogram round_trip;  // State handed to the bridge to the last answer delivered by it
 
-  // The first tick begins.
-  void begin() noexcept { counts_ = read_thread_counts(); }
+  // What the operating system counts is counted from here: the first tick, and later once a second, so that what befell
+  // the thread long ago explains no overrun.
+  void keep_counts() noexcept { counts_ = read_thread_counts(); }
   // A tick that ended `late_ns` after the next was due: completes its account, keeps it, counts it. Asks the operating
   // system what it knows.
   Overrun account_overrun(const TickTiming& tick, std::int64_t late_ns) noexcept;

@@ -100,7 +100,7 @@ void encode(const TickTiming& record, std::vector<std::uint8_t>& to) {
     out.put_i64(value);
   }
   out.put_i32(record.substeps);
-  out.put_i32(record.backlogged);
+  out.put_i32(record.held_up);
 }
 
 bool decode(std::span<const std::uint8_t> from, TickTiming& record) {
@@ -109,7 +109,7 @@ bool decode(std::span<const std::uint8_t> from, TickTiming& record) {
     *value = in.get_i64();
   }
   record.substeps = in.get_i32();
-  record.backlogged = in.get_i32();
+  record.held_up = in.get_i32();
   return in.is_complete();
 }
 

@@ -155,7 +155,7 @@ Check judge_smt(const MachineFacts& f) {
                             : "leave the sibling of the cyclic thread's CPU idle, or nosmt on the command line"};
 }
 
-Check judge_interruption_rate(const MachineFacts& f) {
+Check judge_interruptions(const MachineFacts& f) {
   if (!f.interruptions_per_s) return {"interruptions", Verdict::kUnknown, "not tried", "", ""};
   const std::string found = print_fixed(*f.interruptions_per_s, 0) + " a second of more than " +
                             std::to_string(kInterruption_ns / 1000) + " us, the longest " +
@@ -166,7 +166,7 @@ Check judge_interruption_rate(const MachineFacts& f) {
           "isolated CPUs; whose they are: rtla osnoise, hwlatdetect"};
 }
 
-Check judge_interruptions(const MachineFacts& f) {
+Check judge_below_kernel(const MachineFacts& f) {
   const std::string stolen = f.stolen_ms ? ", " + std::to_string(*f.stolen_ms) + " ms stolen since boot" : "";
   if (f.virtual_machine) {
     return {"below the kernel", Verdict::kCosts, "a virtual machine" + stolen,
@@ -188,20 +188,10 @@ Check judge_interruptions(const MachineFacts& f) {
 }  // namespace
 
 std::vector<PreflightCheck> judge(const MachineFacts& facts) {
-  return {judge_kernel(facts),
-          judge_governor(facts),
-          judge_isolation(facts),
-          judge_timer(facts),
-          judge_clock(facts),
-          judge_memlock(facts),
-          judge_priority(facts),
-          judge_throttling(facts),
-          judge_huge_pages(facts),
-          judge_swap(facts),
-          judge_idle(facts),
-          judge_smt(facts),
-          judge_interruption_rate(facts),
-          judge_interruptions(facts)};
+  return {judge_kernel(facts),        judge_governor(facts),    judge_isolation(facts), judge_timer(facts),
+          judge_clock(facts),         judge_memlock(facts),     judge_priority(facts),  judge_throttling(facts),
+          judge_huge_pages(facts),    judge_swap(facts),        judge_idle(facts),      judge_smt(facts),
+          judge_interruptions(facts), judge_below_kernel(facts)};
 }
 
 }  // namespace unlatch::hil

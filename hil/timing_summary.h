@@ -31,26 +31,27 @@ enum class OverrunCause : std::int32_t {
   kOutputs,      // handing out states and events
   kPageFaults,   // any of the last four, and pages had to be read meanwhile
   kPreempted,    // any of them, and the thread lost its CPU to another meanwhile
+  kRehearsal,    // it began late because its rehearsal was still going on
 };
-inline constexpr std::size_t kOverrunCauses = 8;
+inline constexpr std::size_t kOverrunCauses = 9;
 inline constexpr std::array<std::string_view, kOverrunCauses> kOverrunCauseNames{
-    "backlog", "late_wakeup", "inputs", "step", "events", "outputs", "page_faults", "preempted"};
+    "backlog", "late_wakeup", "inputs", "step", "events", "outputs", "page_faults", "preempted", "rehearsal"};
 
 // One tick's account, ns.
 struct TickTiming {
   std::int64_t tick = 0;
-  std::int64_t wakeup_ns = 0;   // from when it was due until it began; backlog included
-  std::int64_t input_ns = 0;    // then: messages heard and commands applied
-  std::int64_t step_ns = 0;     // the kernel's step
-  std::int64_t output_ns = 0;   // hash, states and events handed out
-  std::int32_t substeps = 0;    // integrations of the step, 1 without events
-  std::int32_t backlogged = 0;  // 1: it was due before the tick before it had ended
+  std::int64_t wakeup_ns = 0;  // from when it was due until it began; backlog included
+  std::int64_t input_ns = 0;   // then: messages heard and commands applied
+  std::int64_t step_ns = 0;    // the kernel's step
+  std::int64_t output_ns = 0;  // hash, states and events handed out
+  std::int32_t substeps = 0;   // integrations of the step, 1 without events
+  std::int32_t held_up = 0;    // by the tick before it: 1; by its own rehearsal: 2
 };
 
 struct Overrun {
   TickTiming timing;
   std::int64_t late_ns = 0;      // its end after the next tick was due
-  std::int64_t page_faults = 0;  // of the thread, since the last overrun, or the first tick
+  std::int64_t page_faults = 0;  // of the thread, since the last overrun, a second ago at the earliest
   std::int64_t faults_read = 0;  // of these, with a page read from disk
   std::int64_t preemptions = 0;  // involuntary context switches, in the same time
   OverrunCause cause = OverrunCause::kStep;

@@ -162,13 +162,17 @@ double advance(Run& run, double now, double end, int& splits) {
   return reached;
 }
 
-bool is_finite(const State& state) {
-  for (const BodyState& b : state.bodies) {
-    const double sum = ((b.p.x + b.p.y) + (b.p.z + b.q.w)) + ((b.q.x + b.q.y) + (b.q.z + b.v.x)) +
-                       ((b.v.y + b.v.z) + (b.w.x + b.w.y)) + b.w.z;
-    if (!std::isfinite(sum)) return false;
-  }
-  return true;
+// Whether all is finite that a step makes: what is not survives being summed.
+bool is_finite(const State& state, std::span<const double> sensors) {
+  double sum = 0;
+  for (const BodyState& b : state.bodies)
+    sum += ((b.p.x + b.p.y) + (b.p.z + b.q.w)) + ((b.q.x + b.q.y) + (b.q.z + b.v.x)) +
+           ((b.v.y + b.v.z) + (b.w.x + b.w.y)) + b.w.z;
+  for (const JointState& j : state.joints)
+    sum += (j.angle[0] + j.angle[1]) + (j.angle[2] + j.offset.x) + (j.offset.y + j.offset.z);
+  for (const double number : state.extras) sum += number;
+  for (const double number : sensors) sum += number;
+  return std::isfinite(sum);
 }
 
 void copy(const State& from, const State& to) {
@@ -201,11 +205,12 @@ StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace&
 
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
-  if (run.report.status == StepStatus::kOk && !is_finite(ws.accepted)) run.report.status = StepStatus::kNotFinite;
+  if (run.report.status != StepStatus::kOk) return finish(run);
+  update_sensors(plan, ws.accepted, ws);
+  if (!is_finite(ws.accepted, ws.sensors)) run.fail(StepStatus::kNotFinite);
   if (run.report.status != StepStatus::kOk) return finish(run);
 
   run.report.redundant = ws.loop_redundant;
-  update_sensors(plan, ws.accepted, ws);
   ++ws.accepted.header->tick;
   copy(ws.accepted, state);
   return finish(run);

@@ -162,7 +162,8 @@ TEST(Overruns, AreAttributedToTheLargestPartAndToWhatInterruptedIt) {
     return hil::attribute(overrun);
   };
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99; }), OverrunCause::kLateWakeup);
-  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.backlogged = 1; }), OverrunCause::kBacklog);
+  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 1; }), OverrunCause::kBacklog);
+  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 2; }), OverrunCause::kRehearsal);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.preemptions = 1; }), OverrunCause::kLateWakeup);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.input_ns = 99; }), OverrunCause::kInputs);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.step_ns = 99; }), OverrunCause::kStep);
@@ -175,7 +176,7 @@ TEST(Overruns, AreAttributedToTheLargestPartAndToWhatInterruptedIt) {
 
 TEST(Overruns, OnlyTheWorstAreKeptAndInOrder) {
   hil::Timing timing;
-  timing.begin();
+  timing.keep_counts();
   for (std::int64_t i = 0; i < 100; ++i) timing.account_overrun({.tick = i}, (i * 37) % 100);
   const hil::TimingSummary summary = timing.summarize();
   ASSERT_EQ(summary.worst_overruns.size(), hil::TimingSummary::kWorst);

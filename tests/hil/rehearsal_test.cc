@@ -85,5 +85,39 @@ TEST(Rehearsal, LastReactionsAreThoseOfTheLastTick) {
     EXPECT_EQ(reactions.multipliers[row], plain->workspace().multipliers[row]) << "row " << row;
 }
 
+// Due while the rehearsal was still going on.
+class OvertakenTicks final : public hil::TickSource {
+ public:
+  OvertakenTicks() : TickSource(1'000'000) {}
+  void restart(std::int64_t) noexcept override {}
+  std::int64_t doze() noexcept override {
+    due_ns_ = hil::get_monotonic_ns();
+    return 3'600'000'000'000;
+  }
+  bool wait(const std::atomic<bool>&) noexcept override {
+    awake_ns_ = hil::get_monotonic_ns() + 10'000'000;
+    latency_ns_ = awake_ns_ - due_ns_;
+    due_ns_ -= period_ns_;  // the next one is due as well
+    return true;
+  }
+  std::int64_t slip(std::int64_t) noexcept override { return 0; }
+  std::int64_t calc_behind(std::int64_t) const noexcept override { return 0; }
+};
+
+TEST(Rehearsal, ThatMakesATickLateIsNamedAsTheCause) {
+  constexpr int kTicks = 5;
+  const auto simulation = build();
+  OvertakenTicks ticks;
+  hil::ExecutiveOptions options;
+  options.pace = Pace::kRealtime;
+  options.last_tick = kTicks;
+  options.ticks = &ticks;
+  hil::Link link(256, 256);
+  hil::Recorder recorder("", hil::LogHeader{});
+  const hil::LogEnd end = hil::Executive(*simulation, link, recorder, "session", options).run();
+  EXPECT_EQ(end.timing.overruns, kTicks);
+  EXPECT_EQ(end.timing.overrun_causes[static_cast<std::size_t>(hil::OverrunCause::kRehearsal)], kTicks);
+}
+
 }  // namespace
 }  // namespace unlatch::test

@@ -12,6 +12,7 @@
 #include "tests/support/random.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
+#include "tests/support/survival.h"
 
 namespace unlatch::test {
 namespace {
@@ -374,6 +375,21 @@ TEST(Flexible, MistakesAreNamed) {
   EXPECT_NE(all.find("body 'at2': its shapes are not as many as its body's modes"), std::string::npos) << all;
   EXPECT_NE(all.find("the modal mass of modes 1 and 1"), std::string::npos) << all;
   EXPECT_NE(all.find("element 'push': it acts on the flexible body 'mast' itself"), std::string::npos) << all;
+}
+
+// Modes that the step does not resolve die out.
+TEST(Flexible, ModesOfAnyFrequencyStayFinite) {
+  for (const double stiffening : {1.0, 1e4, 1e100}) {
+    SCOPED_TRACE(stiffening);
+    const ModalBody lumped = build_lattice_mast(3, 4, Support::kFree);
+    Model model;
+    model.bodies = {build_flexible_body("mast", lumped)};
+    model.bodies[0].flexible->initial.setConstant(0.1);
+    model.bodies[0].flexible->frequencies *= stiffening;
+    PlanOptions options;
+    options.dt = 1e-5;
+    EXPECT_EQ(survive(model, 2000, options).status, StepStatus::kOk);
+  }
 }
 
 }  // namespace

@@ -91,6 +91,22 @@ TEST(Hostile, AChainOfHeavyAndLightLinksSteps) {
   EXPECT_EQ(survive(s, 1000).status, StepStatus::kOk);
 }
 
+// What only a sensor would show.
+TEST(Hostile, ASensorThatOverflowsIsRefused) {
+  Model model;
+  model.bodies = {box("top", 1, 1, 2, 3)};
+  model.bodies[0].w_WB_B = {0, 0, 1e10};
+  Sensor tip;
+  tip.name = "tip";
+  tip.kind = Sensor::Kind::kAcceleration;
+  tip.point = {1e300, 0, 0};
+  EXPECT_EQ(survive(model, 3).status, StepStatus::kOk);
+  model.sensors = {tip};
+  const Survival survival = survive(model, 3);
+  EXPECT_EQ(survival.status, StepStatus::kNotFinite);
+  EXPECT_EQ(survival.steps, 0);
+}
+
 // Far too stiff for the step, until springs are integrated otherwise: a good step, or the last good state.
 TEST(Hostile, StiffnessOf1e12IsIntegratedOrRefused) {
   for (const double stiffness : {1e6, 1e9, 1e12, 1e300}) {

@@ -39,7 +39,7 @@ inline bool is_finite(std::initializer_list<double> numbers) {
 // Every number that the state holds.
 inline bool is_finite(const State& state) {
   bool finite = true;
-  for (const BodyState& b : state.bodies)
+  for (const unlatch::BodyState& b : state.bodies)
     finite = finite &&
              is_finite({b.p.x, b.p.y, b.p.z, b.q.w, b.q.x, b.q.y, b.q.z, b.v.x, b.v.y, b.v.z, b.w.x, b.w.y, b.w.z});
   for (const JointState& j : state.joints)
@@ -76,8 +76,10 @@ inline Survival survive(Simulation& s, int ticks) {
       return survival;
     }
     EXPECT_EQ(s.state.header->tick, tick + 1);
-    if (!is_finite(s.state)) {
-      ADD_FAILURE() << "a number that is not finite after a good step, tick " << tick;
+    const auto& sensors = s.workspace.sensors;
+    if (!is_finite(s.state) ||
+        !std::all_of(sensors.begin(), sensors.end(), [](double x) { return std::isfinite(x); })) {
+      ADD_FAILURE() << "a number that is not finite after a good step, in the state or a sensor, tick " << tick;
       return survival;
     }
   }

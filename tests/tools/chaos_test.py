@@ -154,6 +154,8 @@ class ChaosTest(ProcessTest):
         for outcome, count in sorted(outcomes.items()):
             print(f"  {count:4} {outcome}")
         self.assertEqual(sum(outcomes.values()), CYCLES)
+        if CYCLES >= 50:  # in fewer it may not have come to that
+            self.assertTrue(any("policy applied" in outcome for outcome in outcomes), "no policy has ever acted")
 
     # --- Clock --------------------------------------------------------------------------------------------------
 

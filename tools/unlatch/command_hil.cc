@@ -158,17 +158,13 @@ class Session {
     hil::Executive executive(*simulation_, *line_, *recorder_, scenario_.name, options);
 
     std::optional<hil::ShallowIdle> awake;
-    if (options_.pace == hil::Pace::kRealtime && !awake.emplace().get_refusal().empty()) {
-      std::fprintf(stderr, "%s\n", awake->get_refusal().c_str());
-    }
+    if (options_.pace == hil::Pace::kRealtime && !awake.emplace().get_refusal().empty()) refuse(awake->get_refusal());
     hil::LogEnd end;
     std::atomic<bool> ended{false};
     std::jthread cyclic([&] {
       pthread_setname_np(pthread_self(), "unlatch-cyclic");
       if (options_.pace == hil::Pace::kRealtime) {
-        for (const std::string& refused : hil::request_real_time(options_.pacing.thread)) {
-          std::fprintf(stderr, "%s\n", refused.c_str());
-        }
+        for (const std::string& refused : hil::request_real_time(options_.pacing.thread)) refuse(refused);
       }
       end = executive.run();
       ended.store(true, std::memory_order_release);
@@ -176,6 +172,11 @@ class Session {
     const auto watchdog = start_watchdog(executive);
     watch(executive, ended);
     return cyclic.join(), end;
+  }
+
+  void refuse(const std::string& refused) {
+    std::fprintf(stderr, "%s\n", refused.c_str());
+    refused_.push_back(refused);
   }
 
   // A cyclic thread that is stuck cannot be helped: that is said, and the process ended if the scenario wants that. Its
@@ -242,8 +243,8 @@ class Session {
     }
     std::string status = get_status_name(end.status);
     if (replayed && !replayed->agrees()) status = "different";
-    const RunReport report{scenario_, *again,     analysis,          status,  message, end.tick,
-                           end.hash,  end.timing, recording.notices, replayed};
+    const RunReport report{scenario_, *again,     analysis,          status,   message, end.tick,
+                           end.hash,  end.timing, recording.notices, replayed, refused_};
     print_report(get_people_stream(options_.output.json), report);
     write_json(build_json(report), options_.output.json);
     if (!error.empty()) throw OutputError(error);
@@ -256,6 +257,7 @@ class Session {
   const std::int64_t last_tick_, session_;
   const hil::LogHeader header_;
   std::unique_ptr<hil::TickSource> tick_source_;
+  std::vector<std::string> refused_;
   bridge::InprocHub hub_;
   std::unique_ptr<bridge::Port> port_;
   std::unique_ptr<hil::Line> line_;

@@ -22,6 +22,7 @@ struct RunReport {
   hil::TimingSummary timing;
   std::vector<hil::Event> notices;  // participants, policies, faults
   std::optional<hil::ReplayResult> replay;
+  std::vector<std::string> refused = {};  // by the operating system, to a run in real time
 };
 
 std::string to_hex(std::int64_t hash);

@@ -174,6 +174,7 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   for (const EventAudit& audit : report.analysis.audits) json["audit"].push_back(build_audit(audit));
   json["verdicts"] = build_verdicts(report);
   json["timing"] = to_json(report.timing);
+  json["refused"] = report.refused;
   if (report.replay) json["replay"] = to_json(*report.replay);
   return json;
 }
