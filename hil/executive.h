@@ -97,7 +97,7 @@ class Executive {
   void publish_state(RunStatus status) noexcept;
   void resend_state(RunStatus status) noexcept;
   void publish_event(Event event, double time, bool notice) noexcept;
-  void publish_notice(std::string_view name, std::string_view subject) noexcept;
+  void publish_notice(std::string_view what, std::string_view subject) noexcept;
   void publish_overrun(const Overrun& overrun) noexcept;
   void publish_health(std::int64_t now_ns) noexcept;
   void publish_reactions(std::int64_t now_ns) noexcept;

@@ -164,9 +164,9 @@ void Executive::publish_event(Event event, double time, bool notice) noexcept {
   if (notice && is_notice(event)) notices_.try_enqueue(event);
 }
 
-void Executive::publish_notice(std::string_view name, std::string_view subject) noexcept {
+void Executive::publish_notice(std::string_view what, std::string_view subject) noexcept {
   Event event;
-  set_name(event.name, name);
+  set_name(event.name, what);
   set_name(event.subject, subject);
   publish_event(event, simulation_.get_time(), true);
 }

@@ -113,7 +113,7 @@ bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Roster& roste
   if (!active.on && fault.is_at(tick_)) {
     active.on = true;
     active.since_ns = now_ns;
-    if (fault.kind == Kind::kKill) active.id = participant->id;
+    if (participant != nullptr && fault.kind == Kind::kKill) active.id = participant->id;
     tell(kBegun[static_cast<std::size_t>(fault.kind)], active);
   } else if (active.on && tick_ > fault.last_tick && fault.kind != Kind::kKill) {
     end(active);

@@ -92,7 +92,7 @@ class FaultInjector {
   void end(Active& active) noexcept;
   void tell(std::string_view name, const Active& active) noexcept;
   [[nodiscard]] bool is_muted(const Message& message, std::string_view from) const noexcept;
-  [[nodiscard]] bool befalls(std::size_t index, const Message& message, std::uint64_t identity,
+  [[nodiscard]] bool befalls(std::size_t index, const Message& message, std::uint64_t draw,
                              std::string_view from) noexcept;
   std::int32_t count_attempt(std::uint64_t identity) noexcept;
   bool corrupt(Message& message, int bits, std::uint64_t seed) noexcept;
