@@ -60,13 +60,13 @@ struct ModeSelection {
 
 // The same points and markers from the centre of mass, with the elastic modes alone, orthonormal and momentum-free.
 // Throws std::invalid_argument: a structure without extent, modes that are not independent.
-Modes condition_modes(const Modes& modes, FlexibleReport& report);
+Modes condition_modes(const Modes& found, FlexibleReport& report);
 
 // Sums over the points, whatever the modes are; `modes` conditioned, damping in ζ of its modes.
 FlexibleStructure calc_invariants(const Modes& modes, const std::vector<double>& damping);
 
 // Conditions all modes, then takes those that are selected. Throws std::invalid_argument as above, and for a selection
 // that names a mode which the file has not, or not as an elastic one.
-FlexibleStructure build_flexible_body(const Modes& modes, const ModeSelection& selection, FlexibleReport& report);
+FlexibleStructure build_flexible_body(const Modes& found, const ModeSelection& selection, FlexibleReport& report);
 
 }  // namespace unlatch::hil

@@ -176,8 +176,8 @@ class Reader {
     if (!(count >= 1 && count <= kMaxPoints) || count != std::floor(count))
       stop(1, "not a number of points", "a whole number from 1 to 2000000");
     const Eigen::Index modes = modes_.get_count();
-    for (double i = 0; i < count; ++i) {
-      next_line("point " + std::to_string(static_cast<long>(i) + 1));
+    for (long i = 1; i <= static_cast<long>(count); ++i) {
+      next_line("point " + std::to_string(i));
       const std::vector<double> v = numbers(0, 4 + 3 * modes, "mass x y z, then three for each mode");
       ModalPoint point{v[0], {v[1], v[2], v[3]}, Eigen::Matrix3Xd(3, modes)};
       if (point.mass < 0)

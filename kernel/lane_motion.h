@@ -10,6 +10,7 @@ namespace unlatch::UNLATCH_ISA {
 // Calls run(pack, width): the widest pack that this build has for a group, and the group's width, both to the compiler.
 template <int kWidest, class Run>
 UNLATCH_INLINE void for_width(const LaneGroup& group, const Run& run) {
+  // NOLINTNEXTLINE(bugprone-branch-clone): alike for the width at hand only
   constexpr int kFour = kWidest < 4 ? kWidest : 4, kTwo = kWidest < 2 ? kWidest : 2;
   switch (group.width) {
     case 8:

@@ -115,6 +115,7 @@ struct FanSums {
 
 // Adds to 27 rows, `kStride` numbers apart, or writes them: block and load as the parent sees them.
 template <bool kFactor, bool kAdd, int kStride, class T>
+// NOLINTNEXTLINE(readability-non-const-parameter): it is written to, through the view
 UNLATCH_INLINE void accumulate(double* rows, const Passed<T>& passed, const Vec3T<T>& offset) {
   const View<T, kStride> sum{rows};
   const auto put = [&](int row, const Vec3T<T>& a) {

@@ -95,8 +95,10 @@ TEST(Preflight, DeepIdleStatesCostNothingWhereARunMayHoldThemOff) {
 
 // Somebody of a higher priority takes the CPU for 3 ms out of 10; without privileges both have none, and share it.
 TEST(Preflight, TryingTheMachineNoticesWhoTakesTheCpu) {
-  const std::jthread hog([](const std::stop_token& stopping) {
+  std::atomic<bool> begun{false};
+  const std::jthread hog([&begun](const std::stop_token& stopping) {
     (void)hil::request_real_time({.priority = 90, .cpu = 0});
+    begun = true;
     while (!stopping.stop_requested()) {
       const std::int64_t begin_ns = hil::get_monotonic_ns();
       while (hil::get_monotonic_ns() < begin_ns + 3'000'000) {
@@ -104,6 +106,7 @@ TEST(Preflight, TryingTheMachineNoticesWhoTakesTheCpu) {
       hil::sleep_until_ns(begin_ns + 10'000'000);
     }
   });
+  while (!begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   hil::MachineFacts facts;
   (void)hil::try_machine(facts, 0, 0.2);
   EXPECT_GT(facts.longest_interruption_ns, 2'000'000);
