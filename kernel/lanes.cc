@@ -78,7 +78,7 @@ struct Candidate {
 
 class Layout {
  public:
-  Layout(const Model& model, Plan& plan) : model_(model), plan_(plan), old_(std::move(plan.nodes)) {}
+  Layout(const Model& model, Plan& plan) : model_(model), plan_(plan), old_(std::exchange(plan.nodes, {})) {}
 
   void compile() {
     std::vector<int> level_of(old_.size(), 0), placed(old_.size(), kNone);
@@ -131,11 +131,11 @@ class Layout {
   static std::vector<Candidate> take_fans(std::vector<Candidate>& level) {
     std::vector<Candidate> fans, others;
     for (std::size_t i = 0; i < level.size();) {
-      std::size_t siblings = i, kin = i;
+      std::size_t kin = i;
       while (kin < level.size() && level[kin].key == level[i].key) ++kin;
       const std::size_t kind_begin = i;
       while (i < kin) {
-        siblings = i;
+        std::size_t siblings = i;
         while (siblings < kin && level[siblings].parent == level[i].parent) ++siblings;
         const std::size_t count = siblings - i;
         const bool fan =

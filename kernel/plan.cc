@@ -308,12 +308,7 @@ void check_options(const Model& model, const PlanOptions& options, std::vector<M
     errors.push_back({"step", "root is not a body of the model", "name one of its bodies, or leave it out"});
 }
 
-}  // namespace
-
-PlanResult compile_plan(const Model& unplaced, const PlanOptions& options) {
-  std::optional<Model> placed;
-  if (has_markers(unplaced)) placed = place_markers(unplaced);
-  const Model& model = placed ? *placed : unplaced;
+PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   PlanResult result;
   result.errors = validate(model);
   check_options(model, options, result.errors);
@@ -354,6 +349,12 @@ PlanResult compile_plan(const Model& unplaced, const PlanOptions& options) {
   plan.hash = calc_model_hash(model, options);
   result.plan = std::move(plan);
   return result;
+}
+
+}  // namespace
+
+PlanResult compile_plan(const Model& model, const PlanOptions& options) {
+  return has_markers(model) ? compile_placed(place_markers(model), options) : compile_placed(model, options);
 }
 
 }  // namespace unlatch
