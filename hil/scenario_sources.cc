@@ -22,11 +22,12 @@ std::size_t find_marker(const std::string& text, std::size_t from) {
 
 }  // namespace
 
-ScenarioSources::ScenarioSources(const std::string& text, std::string folder) : folder_(std::move(folder)) {
+ScenarioSources::ScenarioSources(const std::string& text, std::string folder)
+    : main_(text.substr(0, find_marker(text, 0) + 1)),
+      folder_(std::move(folder)),
+      joined_(find_marker(text, 0) < text.size()),
+      bytes_(main_.size()) {
   std::size_t at = find_marker(text, 0);
-  joined_ = at < text.size();
-  main_ = text.substr(0, joined_ ? at + 1 : at);
-  bytes_ = main_.size();
   while (at < text.size()) {
     const std::size_t name = at + 1 + kMarker.size(), line = std::min(text.find('\n', name), text.size());
     at = find_marker(text, std::min(line, text.size()));

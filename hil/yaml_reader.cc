@@ -91,7 +91,7 @@ bool is_name(const std::string& text) {
 }
 
 std::string read_name(const YamlNode& node, Mistakes& mistakes) {
-  const std::string text = read_text(node, mistakes);
+  std::string text = read_text(node, mistakes);
   if (node.is_scalar() && !is_name(text))
     mistakes.add(node.mark, quote(text) + " is not a name",
                  "begin with a letter; letters, digits, _ and -; at most 40 characters");
@@ -168,7 +168,7 @@ bool YamlMap::boolean(const std::string& key, bool fallback) {
 }
 
 Eigen::Vector3d YamlMap::vector(const std::string& key, const std::string& unit,
-                                std::optional<Eigen::Vector3d> fallback) {
+                                const std::optional<Eigen::Vector3d>& fallback) {
   const YamlNode* value = fallback ? find(key) : require(key);
   const Eigen::Vector3d otherwise = fallback.value_or(Eigen::Vector3d::Zero());
   return value ? read_vector(*value, unit, otherwise, mistakes_) : otherwise;

@@ -40,7 +40,8 @@ class YamlMap {
   const YamlNode* require(const std::string& key);  // null and a mistake if absent
   double number(const std::string& key, const std::string& unit, std::optional<double> fallback = {});
   bool boolean(const std::string& key, bool fallback);
-  Eigen::Vector3d vector(const std::string& key, const std::string& unit, std::optional<Eigen::Vector3d> fallback = {});
+  Eigen::Vector3d vector(const std::string& key, const std::string& unit,
+                         const std::optional<Eigen::Vector3d>& fallback = {});
   int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices);  // required
   int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices, int fallback);
   // Of these keys, the one that is there; "" and a mistake unless it is exactly one. `need` says what for.

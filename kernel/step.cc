@@ -189,37 +189,37 @@ StepReport finish(const Run& run) {
 
 }  // namespace
 
-StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace& ws) noexcept {
-  Run run{plan, inputs, ws};
+StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace& workspace) noexcept {
+  Run run{plan, inputs, workspace};
   const double begin = static_cast<double>(state.header->tick) * plan.options.dt;
   const double end = static_cast<double>(state.header->tick + 1) * plan.options.dt;
-  ws.fired_count = ws.audit_count = 0;
-  std::fill(ws.tolerances.begin(), ws.tolerances.end(), 0.0);
-  copy(state, ws.accepted);
+  workspace.fired_count = workspace.audit_count = 0;
+  std::fill(workspace.tolerances.begin(), workspace.tolerances.end(), 0.0);
+  copy(state, workspace.accepted);
 
   // What the new inputs bring about, and what the last step postponed, acts at once.
-  if (!run.check(evaluate(plan, inputs, ws.accepted, begin, ws))) return finish(run);
-  update_guards(plan, inputs, ws.accepted, begin, ws, ws.guards);
-  rearm(plan, ws.accepted, ws);
+  if (!run.check(evaluate(plan, inputs, workspace.accepted, begin, workspace))) return finish(run);
+  update_guards(plan, inputs, workspace.accepted, begin, workspace, workspace.guards);
+  rearm(plan, workspace.accepted, workspace);
   if (!act_at(run, begin)) return finish(run);
 
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
   if (run.report.status != StepStatus::kOk) return finish(run);
-  update_sensors(plan, ws.accepted, ws);
-  if (!is_finite(ws.accepted, ws.sensors)) run.fail(StepStatus::kNotFinite);
+  update_sensors(plan, workspace.accepted, workspace);
+  if (!is_finite(workspace.accepted, workspace.sensors)) run.fail(StepStatus::kNotFinite);
   if (run.report.status != StepStatus::kOk) return finish(run);
 
-  run.report.redundant = ws.loop_redundant;
-  ++ws.accepted.header->tick;
-  copy(ws.accepted, state);
+  run.report.redundant = workspace.loop_redundant;
+  ++workspace.accepted.header->tick;
+  copy(workspace.accepted, state);
   return finish(run);
 }
 
-StepStatus update_outputs(const Plan& plan, const Inputs& inputs, const State& state, Workspace& ws) noexcept {
+StepStatus update_outputs(const Plan& plan, const Inputs& inputs, const State& state, Workspace& workspace) noexcept {
   const double now = static_cast<double>(state.header->tick) * plan.options.dt;
-  if (evaluate(plan, inputs, state, now, ws) != kNone) return StepStatus::kSingular;
-  update_sensors(plan, state, ws);
+  if (evaluate(plan, inputs, state, now, workspace) != kNone) return StepStatus::kSingular;
+  update_sensors(plan, state, workspace);
   return StepStatus::kOk;
 }
 

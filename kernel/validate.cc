@@ -31,12 +31,14 @@ void check_names(const std::vector<Named>& list, ModelErrors& errors) {
 void check_all_names(const Model& model, ModelErrors& errors) {
   const auto check = [&](const char* kind, const auto& items, const auto& get_name) {
     std::vector<Named> list;
+    list.reserve(items.size());
     for (const auto& item : items) list.push_back({quoted(kind, get_name(item)), get_name(item)});
     check_names(list, errors);
   };
   const auto name_of = [](const auto& item) { return item.name; };
   const auto itself = [](const std::string& name) { return name; };
   std::vector<std::string> elements;
+  elements.reserve(static_cast<std::size_t>(model.element_count()));
   for (int i = 0; i < model.element_count(); ++i) elements.push_back(model.element_name(i));
   check("body", model.bodies, name_of);
   check("joint", model.joints, name_of);
@@ -342,12 +344,7 @@ void validate_gravity(const Gravity& gravity, ModelErrors& errors) {
   check_not_negative("gravity", "mu", gravity.mu, errors);
 }
 
-}  // namespace
-
-std::vector<ModelError> validate(const Model& unplaced) {
-  std::optional<Model> placed;
-  if (has_markers(unplaced)) placed = place_markers(unplaced);
-  const Model& model = placed ? *placed : unplaced;
+ModelErrors validate_placed(const Model& model) {
   ModelErrors errors;
   check_all_names(model, errors);
   validate_gravity(model.gravity, errors);
@@ -360,6 +357,13 @@ std::vector<ModelError> validate(const Model& unplaced) {
   validate_sensors(model, errors);
   validate_events(model, errors);
   return errors;
+}
+
+}  // namespace
+
+std::vector<ModelError> validate(const Model& model) {
+  if (has_markers(model)) return validate_placed(place_markers(model));
+  return validate_placed(model);
 }
 
 }  // namespace unlatch

@@ -12,8 +12,6 @@
 #include <string_view>
 #include <utility>
 
-extern char** environ;
-
 #ifdef UNLATCH_EXPORT_WRITER
 // The assembler reads the file; a compiler would take long over it as an array.
 asm(R"(

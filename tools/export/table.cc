@@ -138,7 +138,7 @@ void put_head(const std::vector<Column>& columns, const hil::LogHeader&, std::FI
   line.put(file);
 }
 
-void put_head(const std::vector<Column>& columns, const hil::LogHeader& header, std::FILE* file, JsonLine) {
+void put_head(const std::vector<Column>& columns, const hil::LogHeader& header, std::FILE* file, const JsonLine&) {
   Json head = {{"scenario", header.scenario_name}, {"columns", Json::array()}};
   for (const Column& column : columns) {
     head["columns"].push_back({{"name", column.name}, {"unit", column.unit}, {"type", column.type}});
