@@ -57,7 +57,7 @@ bool has_mjcf();  // this program was built with MuJoCo
 ImportedModel read_mjcf(const std::string& path);
 
 // The axis as z of a right-handed frame.
-Eigen::Matrix3d build_frame(const Eigen::Vector3d& z);
+Eigen::Matrix3d build_frame(const Eigen::Vector3d& axis);
 
 // A scenario with the remarks as comments at its head. Names are made such as scenarios allow. Throws ImportError for
 // numbers that are not finite.

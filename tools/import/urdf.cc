@@ -126,7 +126,7 @@ class Reader {
   }
 
   static Eigen::Vector3d get_axis(const urdf::Joint& joint) {
-    const Eigen::Vector3d axis = to_vector(joint.axis);
+    Eigen::Vector3d axis = to_vector(joint.axis);
     if (!(axis.norm() > 1e-9) || !axis.allFinite())
       throw ImportError("joint '" + joint.name + "' has an axis without a direction");
     return axis;
