@@ -1,5 +1,7 @@
 #include "hil/executive.h"
 
+#include <unistd.h>
+
 #include <cmath>
 
 #include "hil/pacer.h"
@@ -9,7 +11,7 @@ namespace unlatch::hil {
 namespace {
 
 constexpr int kVerdictsPerTick = 16;
-constexpr std::int64_t kReactionsInterval_ns = 100'000'000;
+constexpr std::int64_t kHealthInterval_ns = 1'000'000'000, kReactionsInterval_ns = 100'000'000;
 
 std::int64_t calc_cutoff_ns(const FlightSoftware& flight_software, std::int64_t dt_ns) {
   return std::llround(flight_software.cutoff * static_cast<double>(dt_ns));
@@ -80,9 +82,10 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
 
 LogEnd Executive::run() {
   std::string failure;
+  thread_.store(gettid(), std::memory_order_relaxed);
   hash_ = simulation_.calc_hash();
   if (!introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
-  timing_.keep_counts();
+  timing_.begin_counts();
   ticks_->restart(started_ns_);
 
   while (simulation_.get_tick() < options_.last_tick) {
@@ -177,14 +180,12 @@ Executive::Go Executive::account(std::int64_t step_end_ns) noexcept {
   const std::int64_t now_ns = get_monotonic_ns();
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
-  const bool second_over = now_ns - health_ns_ >= 1'000'000'000;
-  if (second_over) publish_health(now_ns);
+  if (now_ns - health_ns_ >= kHealthInterval_ns) publish_health(now_ns);
   if (now_ns - reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
   announce(now_ns);
   verdicts_left_ = kVerdictsPerTick;
   if (options_.pace != Pace::kRealtime) return Go::kStep;
   if (now_ns > ticks_->get_next_due_ns()) return account_overrun(now_ns);
-  if (second_over) timing_.keep_counts();
   return Go::kStep;
 }
 
@@ -195,6 +196,13 @@ Executive::Go Executive::account_overrun(std::int64_t now_ns) noexcept {
   overrun_ends_ = policy.kind == OverrunPolicy::Kind::kFail ||
                   (policy.kind == OverrunPolicy::Kind::kCatchUp && ticks_->calc_behind(now_ns) > policy.max_ticks);
   return overrun_ends_ ? Go::kStop : Go::kStep;
+}
+
+void Executive::watch_counts() {
+  const std::optional<ThreadCounts> now = read_thread_counts(thread_.load(std::memory_order_relaxed));
+  if (!now) return;             // it does not run yet, or no more
+  timing_.disregard(watched_);  // not the latest: an overrun may be on its way
+  watched_ = *now;
 }
 
 // Why the loop was left before its last tick, for people.

@@ -64,6 +64,9 @@ class Executive {
   // For one watching thread.
   [[nodiscard]] std::int64_t get_tick() const noexcept { return tick_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool take_notice(Event& event) noexcept { return notices_.try_dequeue(event); }
+  // The watching thread, once a second or so: what befell the cyclic thread before the last time explains no later
+  // overrun (without it: before the last overrun). Not for the cyclic thread, which makes no system calls for it.
+  void watch_counts();
   // For a watchdog: changes as long as the cyclic thread lives; and what it is doing, "in the step of tick 412".
   [[nodiscard]] const std::atomic<std::int64_t>& get_beats() const noexcept { return beats_; }
   [[nodiscard]] std::string describe_place() const;
@@ -185,6 +188,8 @@ class Executive {
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> tick_{0}, beats_{0};
   std::atomic<Place> place_{Place::kBeginning};
+  std::atomic<pid_t> thread_{0};  // that runs
+  ThreadCounts watched_;          // watching thread
   moodycamel::BlockingReaderWriterCircularBuffer<Event> notices_{256};
 };
 

@@ -3,6 +3,9 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <fstream>
+#include <limits>
+#include <string>
 
 namespace unlatch::hil {
 
@@ -10,6 +13,23 @@ ThreadCounts read_thread_counts() noexcept {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
   return {usage.ru_minflt + usage.ru_majflt, usage.ru_majflt, usage.ru_nivcsw};
+}
+
+std::optional<ThreadCounts> read_thread_counts(pid_t thread) {
+  const std::string folder = "/proc/self/task/" + std::to_string(thread) + "/";
+  ThreadCounts counts;
+  std::string field;
+  std::ifstream stat(folder + "stat");
+  stat.ignore(std::numeric_limits<std::streamsize>::max(), ')');  // the thread's name may have spaces
+  for (int i = 0; i < 7; ++i) stat >> field;
+  stat >> counts.page_faults >> field >> counts.faults_read;
+  counts.page_faults += counts.faults_read;
+  std::ifstream status(folder + "status");
+  while (status >> field && field != "nonvoluntary_ctxt_switches:") {
+  }
+  status >> counts.preemptions;
+  if (!stat || !status) return std::nullopt;
+  return counts;
 }
 
 OverrunCause attribute(const Overrun& overrun) noexcept {
@@ -26,16 +46,25 @@ OverrunCause attribute(const Overrun& overrun) noexcept {
   return most == t.input_ns ? OverrunCause::kInputs : OverrunCause::kOutputs;
 }
 
+void Timing::disregard(const ThreadCounts& until) noexcept {
+  old_page_faults_.store(until.page_faults, std::memory_order_relaxed);
+  old_faults_read_.store(until.faults_read, std::memory_order_relaxed);
+  old_preemptions_.store(until.preemptions, std::memory_order_relaxed);
+}
+
 Overrun Timing::account_overrun(const TickTiming& tick, std::int64_t late_ns) noexcept {
   const ThreadCounts now = read_thread_counts();
+  const auto count_since = [](std::int64_t count, std::int64_t last, const std::atomic<std::int64_t>& old) {
+    return std::max<std::int64_t>(0, count - std::max(last, old.load(std::memory_order_relaxed)));
+  };
   Overrun overrun;
   overrun.timing = tick;
   overrun.late_ns = late_ns;
-  overrun.page_faults = now.page_faults - counts_.page_faults;
-  overrun.faults_read = now.faults_read - counts_.faults_read;
-  overrun.preemptions = now.preemptions - counts_.preemptions;
+  overrun.page_faults = count_since(now.page_faults, counted_.page_faults, old_page_faults_);
+  overrun.faults_read = count_since(now.faults_read, counted_.faults_read, old_faults_read_);
+  overrun.preemptions = count_since(now.preemptions, counted_.preemptions, old_preemptions_);
   overrun.cause = attribute(overrun);
-  counts_ = now;
+  counted_ = now;
   ++overruns_;
   ++causes_[static_cast<std::size_t>(overrun.cause)];
   keep_if_among_the_worst(overrun);

@@ -1,19 +1,26 @@
 // The cyclic thread's account of its time. Fixed memory.
 #pragma once
 
+#include <sys/types.h>
+
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "hil/histogram.h"
 #include "hil/timing_summary.h"
 
 namespace unlatch::hil {
 
-// What the operating system counts for the calling thread. A system call.
+// What the operating system counts for a thread. Never decreases.
 struct ThreadCounts {
   std::int64_t page_faults = 0, faults_read = 0, preemptions = 0;
 };
+// Of the calling thread: one system call.
 [[nodiscard]] ThreadCounts read_thread_counts() noexcept;
+// Of another thread of this process: from /proc, hence for threads that may wait.
+[[nodiscard]] std::optional<ThreadCounts> read_thread_counts(pid_t thread);
 
 // The largest part of the tick's time names the cause; work that was interrupted is put down to the interruption.
 [[nodiscard]] OverrunCause attribute(const Overrun& overrun) noexcept;
@@ -25,9 +32,11 @@ class Timing {
   Histogram turnaround;  // a command's arrival to the State of the step that it went into
   Histogram round_trip;  // State handed to the bridge to the last answer delivered by it
 
-  // What the operating system counts is counted from here: the first tick, and later once a second, so that what befell
-  // the thread long ago explains no overrun.
-  void keep_counts() noexcept { counts_ = read_thread_counts(); }
+  // The cyclic thread, before the first tick.
+  void begin_counts() noexcept { counted_ = read_thread_counts(); }
+  // Any one other thread, whose time does not matter: what befell the cyclic thread until then explains no later
+  // overrun.
+  void disregard(const ThreadCounts& until) noexcept;
   // A tick that ended `late_ns` after the next was due: completes its account, keeps it, counts it. Asks the operating
   // system what it knows.
   Overrun account_overrun(const TickTiming& tick, std::int64_t late_ns) noexcept;
@@ -39,7 +48,8 @@ class Timing {
  private:
   void keep_if_among_the_worst(const Overrun& overrun) noexcept;
 
-  ThreadCounts counts_;
+  ThreadCounts counted_;  // by the last overrun
+  std::atomic<std::int64_t> old_page_faults_{0}, old_faults_read_{0}, old_preemptions_{0};
   std::int64_t overruns_ = 0;
   std::array<std::int64_t, kOverrunCauses> causes_{};
   std::array<Overrun, TimingSummary::kWorst> worst_{};  // the worst first

@@ -51,7 +51,7 @@ struct TickTiming {
 struct Overrun {
   TickTiming timing;
   std::int64_t late_ns = 0;      // its end after the next tick was due
-  std::int64_t page_faults = 0;  // of the thread, since the last overrun, a second ago at the earliest
+  std::int64_t page_faults = 0;  // of the thread, since the last overrun, two seconds ago at the earliest
   std::int64_t faults_read = 0;  // of these, with a page read from disk
   std::int64_t preemptions = 0;  // involuntary context switches, in the same time
   OverrunCause cause = OverrunCause::kStep;

@@ -2,10 +2,13 @@
 // says which ticks are late, so no fact depends on the machine.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <map>
 #include <numeric>
 #include <set>
+#include <thread>
 
 #include "hil/executive_notices.h"
 #include "hil/pacer.h"
@@ -174,9 +177,40 @@ TEST(Overruns, AreAttributedToTheLargestPartAndToWhatInterruptedIt) {
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.step_ns = 99, o.preemptions = 1; }), OverrunCause::kPreempted);
 }
 
+TEST(Overruns, CountsOfAnotherThreadAreThoseThatItReadsItself) {
+  const hil::ThreadCounts before = hil::read_thread_counts();
+  std::optional<hil::ThreadCounts> seen;
+  const pid_t here = gettid();
+  std::jthread([&] { seen = hil::read_thread_counts(here); }).join();
+  const hil::ThreadCounts after = hil::read_thread_counts();
+  ASSERT_TRUE(seen);
+  EXPECT_GT(before.page_faults, 0);
+  EXPECT_TRUE(before.page_faults <= seen->page_faults && seen->page_faults <= after.page_faults);
+  EXPECT_TRUE(before.faults_read <= seen->faults_read && seen->faults_read <= after.faults_read);
+  EXPECT_TRUE(before.preemptions <= seen->preemptions && seen->preemptions <= after.preemptions);
+  EXPECT_FALSE(hil::read_thread_counts(0));
+}
+
+TEST(Overruns, WhatBefellTheThreadLongAgoExplainsNone) {
+  const auto touch_fresh_pages = [] {
+    constexpr std::size_t kBytes = 64 * 4096;
+    void* pages = mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    for (std::size_t i = 0; i < kBytes; i += 4096) static_cast<volatile char*>(pages)[i] = 1;
+    munmap(pages, kBytes);
+  };
+  hil::Timing timing;
+  timing.begin_counts();
+  touch_fresh_pages();
+  EXPECT_GE(timing.account_overrun({}, 1).page_faults, 64);
+  EXPECT_LT(timing.account_overrun({}, 1).page_faults, 64) << "counted by the overrun before";
+  touch_fresh_pages();
+  timing.disregard(hil::read_thread_counts());
+  EXPECT_LT(timing.account_overrun({}, 1).page_faults, 64) << "a watcher said that it was long ago";
+}
+
 TEST(Overruns, OnlyTheWorstAreKeptAndInOrder) {
   hil::Timing timing;
-  timing.keep_counts();
+  timing.begin_counts();
   for (std::int64_t i = 0; i < 100; ++i) timing.account_overrun({.tick = i}, (i * 37) % 100);
   const hil::TimingSummary summary = timing.summarize();
   ASSERT_EQ(summary.worst_overruns.size(), hil::TimingSummary::kWorst);

@@ -110,6 +110,7 @@ class Session {
 
  private:
   static constexpr std::size_t kRoomOut = 1024;  // messages
+  static constexpr int kLooksPerSecond = 100;
 
   void open_tick_source() {
     if (options_.pace != hil::Pace::kRealtime) return;
@@ -202,8 +203,9 @@ class Session {
     Progress progress(scenario_.dt, last_tick_);
     RecordingWatch recording(&*recorder_);
     bool last_look = false;
-    while (!last_look) {
+    for (int look = 0; !last_look; ++look) {
       last_look = ended.load(std::memory_order_acquire);
+      if (look % kLooksPerSecond == 0) executive.watch_counts();
       if (interrupted.load()) executive.request_stop();
       hil::Event notice;
       while (executive.take_notice(notice)) {
@@ -214,7 +216,7 @@ class Session {
       }
       recording.look(progress);
       progress.show(executive.get_tick());
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1000 / kLooksPerSecond));
     }
     progress.clear();
   }
