@@ -2,6 +2,10 @@
 // Lanes never meet: what a lane computes does not depend on how wide the pack is, and has the same bits as plain
 // doubles.
 //
+// Packs are copied by constructors of their own, so that vectors and matrices of them are copied pack by pack. g++
+// copies a plain aggregate in pieces of 16 bytes: a pack that was stored in two pieces must reach the cache before it
+// can be loaded in one, some 20 cycles each time.
+//
 // Included only by files that are compiled once for each instruction set, with UNLATCH_ISA naming it: everything lives
 // in a namespace of that name and is always inlined, so that the linker can never give one processor another one's
 // code.
@@ -48,6 +52,11 @@ struct Pack {
   Numbers v;
 
   UNLATCH_INLINE Pack() = default;
+  UNLATCH_INLINE Pack(const Pack& other) : v(other.v) {}
+  UNLATCH_INLINE Pack& operator=(const Pack& other) {
+    v = other.v;
+    return *this;
+  }
   UNLATCH_INLINE Pack(Numbers numbers) : v(numbers) {}
   UNLATCH_INLINE Pack(double all) {
     if constexpr (W == 2) v = Numbers{all, all};
@@ -74,6 +83,11 @@ struct Pack<1> {
   double v;
 
   UNLATCH_INLINE Pack() = default;
+  UNLATCH_INLINE Pack(const Pack& other) : v(other.v) {}
+  UNLATCH_INLINE Pack& operator=(const Pack& other) {
+    v = other.v;
+    return *this;
+  }
   UNLATCH_INLINE Pack(double number) : v(number) {}
   friend UNLATCH_INLINE Pack operator+(Pack a, Pack b) { return a.v + b.v; }
   friend UNLATCH_INLINE Pack operator-(Pack a, Pack b) { return a.v - b.v; }
