@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 
 #include "tools/exit_codes.h"
 #include "tools/report/page.h"
@@ -32,9 +33,8 @@ std::string build_summary(const RunReport& report) {
   if (stream == nullptr) throw OutputError("no memory for the summary");
   print_report(stream, report);
   std::fclose(stream);
-  const std::string summary(text, length);
-  std::free(text);
-  return summary;
+  const std::unique_ptr<char, decltype(&std::free)> owner(text, &std::free);
+  return {text, length};
 }
 
 void add_provenance(const hil::LogHeader& header, const hil::Scenario& scenario, Json& run) {

@@ -10,8 +10,6 @@
 
 #include "tools/unlatch/graph.h"
 
-extern char** environ;
-
 namespace unlatch::tools {
 namespace {
 

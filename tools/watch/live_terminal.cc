@@ -16,8 +16,7 @@ constexpr const char* kLeave = "\033[?25h\033[?1049l";
 
 }  // namespace
 
-LiveTerminal::LiveTerminal() {
-  has_keys_ = isatty(STDIN_FILENO) == 1 && tcgetattr(STDIN_FILENO, &before_) == 0;
+LiveTerminal::LiveTerminal() : has_keys_(isatty(STDIN_FILENO) == 1 && tcgetattr(STDIN_FILENO, &before_) == 0) {
   if (has_keys_) {
     termios raw = before_;
     raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);

@@ -27,7 +27,7 @@ class LiveTerminal {
  private:
   void write_all(const std::string& text);
   termios before_{};
-  bool has_keys_ = false;
+  bool has_keys_;
 };
 
 }  // namespace unlatch::tools
