@@ -206,6 +206,34 @@ inline int find_bad_node(const Plan& plan, const LaneGroup& group, int lane, con
   return kNone;
 }
 
+// The common case by itself, the same sums in the same order, without branches between them: LanePhase::hinged.
+template <bool kLeaf, class T, int kWidth>
+[[gnu::noinline]] int factor_hinges(const Plan& plan, Workspace& ws, const Sweep& sweep, std::size_t g, FanSums& fan) {
+  const int r = std::countr_zero(ws.phases[g].freedoms);
+  for (int lane = 0; lane < kWidth; lane += T::kWidth) {
+    const Part<T, kWidth> part(plan, ws, g, lane);
+    const auto own = part.v.from(part.group.freedom_parts[r]);
+    const SpatialT<T> s = part.get_freedom(r);
+    const Node<T, kLeaf> node(part, sweep.source);
+    const T mask = own.get(kMask);
+    SpatialT<T> U = node.times(s);
+    const T pivot = dot(s, U);
+    const T bad = mask & ~node.is_pivot(pivot, s);
+    if (any(bad)) return find_bad_node(plan, part.group, lane, bad);
+    const T inverse = mask & (T(1) / pivot);
+    U = mask & U;
+    own.set(kU, U);
+    own.set(kInverse, inverse);
+    SpatialT<T> load = node.load - node.times(part.get_bias(sweep.biased));
+    const T beta = dot(s, load);
+    own.set(kBeta, beta);
+    load = load - (beta * inverse) * U;
+    if (part.group.link == LaneLink::kRoot) continue;
+    add_to_parents<true>(part, Passed<T>{node.downdated(inverse, U), load}, fan);
+  }
+  return kNone;
+}
+
 template <bool kLeaf, bool kFactor, class T, int kWidth>
 [[gnu::noinline]] int eliminate_group(const Plan& plan, Workspace& ws, const Sweep& sweep, std::size_t g,
                                       FanSums& fan) {
@@ -242,8 +270,12 @@ UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep)
       continue;
     }
     for_width<kWidest>(group, [&]<class T, int kWidth>() {
-      node = group.leaf ? eliminate_group<true, kFactor, T, kWidth>(plan, ws, sweep, g, fan)
-                        : eliminate_group<false, kFactor, T, kWidth>(plan, ws, sweep, g, fan);
+      if (kFactor && ws.phases[g].hinged)
+        node = group.leaf ? factor_hinges<true, T, kWidth>(plan, ws, sweep, g, fan)
+                          : factor_hinges<false, T, kWidth>(plan, ws, sweep, g, fan);
+      else
+        node = group.leaf ? eliminate_group<true, kFactor, T, kWidth>(plan, ws, sweep, g, fan)
+                          : eliminate_group<false, kFactor, T, kWidth>(plan, ws, sweep, g, fan);
     });
     if (kFactor && node != kNone) return node;
     if (group.fan_ends)
@@ -275,6 +307,10 @@ UNLATCH_INLINE void set_multipliers(const P& part, const SpatialT<T>& on_child) 
   const Vec3T<T> about_m = transpose_times(part.group.shared_axes ? n : v.get_mat(part.group.rotation_axes), moment);
   v.set(kMultipliers, along_n);
   v.set(kMultipliers + 3, about_m);
+  if (part.phase.hinged) {
+    const int r = std::countr_zero(part.phase.freedoms);
+    return v.set(kMultipliers + r, ~v.get(part.group.freedom_parts[r] + kMask) & v.get(kMultipliers + r));
+  }
   for (int r = 0; r < kRows; ++r) {
     const bool may_be_free = has_row(part.group.freedoms, r);
     if (!may_be_free && !part.group.may_be_loose) continue;
@@ -287,14 +323,20 @@ UNLATCH_INLINE void set_multipliers(const P& part, const SpatialT<T>& on_child) 
 
 // Through the freedoms: a = X a_parent + Σ s q + bias.
 template <class P, class T>
+UNLATCH_INLINE SpatialT<T> substitute_freedom(const P& part, int r, const SpatialT<T>& a) {
+  const auto own = part.v.from(part.group.freedom_parts[r]);
+  const T q = own.get(kInverse) * (own.get(kBeta) - dot(own.get_spatial(kU), a));
+  own.set(kBeta, q);
+  return a + (own.get(kMask) & q) * part.get_freedom(r);
+}
+template <class P, class T>
 UNLATCH_INLINE SpatialT<T> substitute_freedoms(const P& part, const SpatialT<T>& carried, bool biased) {
   SpatialT<T> a = carried;
-  for (int r = kRows - 1; r >= 0; --r) {
-    if (!has_row(part.phase.freedoms, r)) continue;
-    const auto own = part.v.from(part.group.freedom_parts[r]);
-    const T q = own.get(kInverse) * (own.get(kBeta) - dot(own.get_spatial(kU), a));
-    own.set(kBeta, q);
-    a = a + (own.get(kMask) & q) * part.get_freedom(r);
+  if (part.phase.hinged) {
+    a = substitute_freedom(part, std::countr_zero(part.phase.freedoms), a);
+  } else {
+    for (int r = kRows - 1; r >= 0; --r)
+      if (has_row(part.phase.freedoms, r)) a = substitute_freedom(part, r, a);
   }
   return biased ? a + part.v.get_spatial(kBias) : a;
 }

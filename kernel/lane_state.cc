@@ -76,7 +76,7 @@ void load_modes(const Plan& plan, const State& state, Workspace& ws) noexcept {
   double* lanes = ws.lanes.data();
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     const LaneGroup& group = plan.groups[g];
-    LanePhase& phase = ws.phases[g] = {0, 0, false, false};
+    LanePhase& phase = ws.phases[g] = {0, 0, false, false, false};
     if (!group.has_joint) {
       phase.loose = true;
       continue;
@@ -87,6 +87,7 @@ void load_modes(const Plan& plan, const State& state, Workspace& ws) noexcept {
       const RowSet rows = joint == kNone ? RowSet{0} : get_active_rows(plan, state, joint);
       load_lane(plan, state, group, joint, rows, lanes, {group.data + lane, group.width}, phase);
     }
+    phase.hinged = !phase.loose && group.compliant == 0 && std::has_single_bit(phase.freedoms);
   }
 }
 

@@ -83,6 +83,7 @@ enum class LaneLink : std::uint8_t {
 struct LanePhase {
   RowSet freedoms, rows;  // that some lane has
   bool held, loose;       // some lane is held by three rows or more, by fewer
+  bool hinged;            // every lane is held, and has no freedom but one, the same for all
 };
 
 // Nodes that the lanes leave to flexible.h in the solver.
