@@ -16,6 +16,7 @@ void Executive::begin_faults() noexcept {
 }
 
 void Executive::say(const Message& message) noexcept {
+  const MayWait without_deadlines(options_.pace != Pace::kRealtime);
   if (options_.faults == nullptr) {
     link_.send(message);
     return;
