@@ -22,6 +22,7 @@
 #include "kernel/math.h"
 
 namespace unlatch::UNLATCH_ISA {
+// NOLINTBEGIN(performance-unnecessary-value-param): always inlined, nothing is copied
 
 template <int W>
 struct Vector;
@@ -178,4 +179,5 @@ UNLATCH_INLINE Vec3T<T> select(const T& mask, const Vec3T<T>& a, const Vec3T<T>&
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
+// NOLINTEND(performance-unnecessary-value-param)
 }  // namespace unlatch::UNLATCH_ISA

@@ -52,7 +52,7 @@ hil::Shape build_equivalent_box(const Body& body) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.inertia);
   Eigen::Matrix3d axes = solver.eigenvectors();
   if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
-  const Eigen::Vector3d principal = solver.eigenvalues();
+  const Eigen::Vector3d& principal = solver.eigenvalues();
   const Eigen::Vector3d squares = 6 / body.mass * (principal.sum() - 2 * principal.array()).matrix();
   const double least = 1e-3 * std::sqrt(squares.maxCoeff());  // a thin rod stays visible
   hil::Shape box{.kind = hil::Shape::Kind::kBox};
