@@ -102,22 +102,15 @@ double calc_modal_lead(const PlanFlexible& body, const ModalShape& s, const Work
 BodyState read_body(const Workspace& ws, int body) {
   const LaneSlot slot = ws.slots[at(body)];
   const double* lanes = ws.lanes.data();
-  const double* q = lanes + slot.offset + (kPose + 3) * slot.stride;
-  return {read_vec(lanes, slot, kPose),
-          {q[0], q[slot.stride], q[2 * slot.stride], q[3 * slot.stride]},
-          read_vec(lanes, slot, kVelocity),
+  return {read_vec(lanes, slot, kPose), read_quat(lanes, slot, kPose + 3), read_vec(lanes, slot, kVelocity),
           read_vec(lanes, slot, kVelocity + 3)};
 }
 
 void write_body(Workspace& ws, int body, const BodyState& s) {
   const LaneSlot slot = ws.slots[at(body)];
   double* lanes = ws.lanes.data();
-  double* q = lanes + slot.offset + (kPose + 3) * slot.stride;
   write_vec(lanes, slot, kPose, s.p);
-  q[0] = s.q.w;
-  q[slot.stride] = s.q.x;
-  q[2 * slot.stride] = s.q.y;
-  q[3 * slot.stride] = s.q.z;
+  write_quat(lanes, slot, kPose + 3, s.q);
   write_vec(lanes, slot, kVelocity, s.v);
   write_vec(lanes, slot, kVelocity + 3, s.w);
 }

@@ -55,7 +55,7 @@ struct JointNumbers {
   }
   // Along an axis of the joint frame.
   UNLATCH_INLINE double get_displacement(int row) const {
-    if (loose == nullptr) return lanes[slot.offset + (kGap + row) * slot.stride];
+    if (loose == nullptr) return lanes[find(slot, kGap + row)];
     const Vec3& d = loose->displacement;
     return row == kX ? d.x : (row == kY ? d.y : d.z);
   }
@@ -118,8 +118,8 @@ JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace
   const double* lanes = ws.lanes.data();
   const LaneSlot slot = ws.slots[at(j.child)];
   const Spatial slip = read_spatial(lanes, slot, kSlip);
-  return {read_vec(lanes, slot, j.child == j.base ? kArmChild : kArmParent),
-          read_vec(lanes, slot, j.child == j.base ? kArmParent : kArmChild),
+  return {get_arm(plan, ws, joint, false),
+          get_arm(plan, ws, joint, true),
           read_mat(lanes, slot, kAxes),
           read_mat(lanes, slot, j.rotation_row),
           is_crossed(j, get_active_rows(plan, state, joint)),
@@ -139,7 +139,8 @@ Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower)
     return of_follower ? f.r_follower : f.r_base;
   }
   const bool of_child = j.child == (of_follower ? j.follower : j.base);
-  return read_vec(ws.lanes.data(), ws.slots[at(j.child)], of_child ? kArmChild : kArmParent);
+  const LaneSlot slot = ws.slots[at(j.child)];
+  return of_child ? read_vec(ws.lanes.data(), slot, kArmChild) : read_vec(ws.lanes.data(), slot, kArmParent);
 }
 
 void update_kinematics(const Plan& plan, Workspace& ws) noexcept {

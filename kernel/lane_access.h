@@ -7,33 +7,57 @@
 
 namespace unlatch {
 
-UNLATCH_INLINE double& get_number(double* lanes, LaneSlot slot, int row) {
-  return lanes[slot.offset + row * slot.stride];
+// Of the number of a row, in Workspace::lanes.
+UNLATCH_INLINE std::int32_t find(LaneSlot slot, int row) { return slot.offset + row * slot.stride; }
+UNLATCH_INLINE std::int32_t find(LaneSlot slot, MotionField row) { return slot.motion + row * slot.stride; }
+
+template <class Row>
+UNLATCH_INLINE double& get_number(double* lanes, LaneSlot slot, Row row) {
+  return lanes[find(slot, row)];
 }
 
-UNLATCH_INLINE Vec3 read_vec(const double* lanes, LaneSlot slot, int row) {
-  const double* from = lanes + slot.offset + row * slot.stride;
+template <class Row>
+UNLATCH_INLINE Vec3 read_vec(const double* lanes, LaneSlot slot, Row row) {
+  const double* from = lanes + find(slot, row);
   return {from[0], from[slot.stride], from[2 * slot.stride]};
 }
-UNLATCH_INLINE Spatial read_spatial(const double* lanes, LaneSlot slot, int row) {
+template <class Row>
+UNLATCH_INLINE Quat read_quat(const double* lanes, LaneSlot slot, Row row) {
+  const double* from = lanes + find(slot, row);
+  return {from[0], from[slot.stride], from[2 * slot.stride], from[3 * slot.stride]};
+}
+template <class Row>
+UNLATCH_INLINE Spatial read_spatial(const double* lanes, LaneSlot slot, Row row) {
   return {read_vec(lanes, slot, row), read_vec(lanes, slot, row + 3)};
 }
-UNLATCH_INLINE Mat3 read_mat(const double* lanes, LaneSlot slot, int row) {
+template <class Row>
+UNLATCH_INLINE Mat3 read_mat(const double* lanes, LaneSlot slot, Row row) {
   return {read_vec(lanes, slot, row), read_vec(lanes, slot, row + 3), read_vec(lanes, slot, row + 6)};
 }
 
-UNLATCH_INLINE void write_vec(double* lanes, LaneSlot slot, int row, const Vec3& a) {
-  double* to = lanes + slot.offset + row * slot.stride;
+template <class Row>
+UNLATCH_INLINE void write_vec(double* lanes, LaneSlot slot, Row row, const Vec3& a) {
+  double* to = lanes + find(slot, row);
   to[0] = a.x;
   to[slot.stride] = a.y;
   to[2 * slot.stride] = a.z;
 }
-UNLATCH_INLINE void write_spatial(double* lanes, LaneSlot slot, int row, const Spatial& a) {
+template <class Row>
+UNLATCH_INLINE void write_quat(double* lanes, LaneSlot slot, Row row, const Quat& a) {
+  double* to = lanes + find(slot, row);
+  to[0] = a.w;
+  to[slot.stride] = a.x;
+  to[2 * slot.stride] = a.y;
+  to[3 * slot.stride] = a.z;
+}
+template <class Row>
+UNLATCH_INLINE void write_spatial(double* lanes, LaneSlot slot, Row row, const Spatial& a) {
   write_vec(lanes, slot, row, a.lin);
   write_vec(lanes, slot, row + 3, a.ang);
 }
-UNLATCH_INLINE void add_vec(double* lanes, LaneSlot slot, int row, const Vec3& a) {
-  double* to = lanes + slot.offset + row * slot.stride;
+template <class Row>
+UNLATCH_INLINE void add_vec(double* lanes, LaneSlot slot, Row row, const Vec3& a) {
+  double* to = lanes + find(slot, row);
   to[0] += a.x;
   to[slot.stride] += a.y;
   to[2 * slot.stride] += a.z;

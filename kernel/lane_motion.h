@@ -32,8 +32,8 @@ UNLATCH_INLINE void for_groups(const Plan& plan, Workspace& ws, const Stage& sta
   for (const LaneGroup* group = plan.groups.data(); group != end; ++group)
     for_width<kWidest>(*group, [&]<class T, int kWidth>() {
       for (int lane = 0; lane < kWidth; lane += T::kWidth)
-        stage(*group, View<T, kWidth>{lanes + group->data + lane},
-              View<T, kWidth, const double>{plan.lane_constants.data() + group->constants + lane},
+        stage(*group, View<T, kWidth>{lanes + group->data + lane, lanes + group->motion + lane},
+              get_constants<T, kWidth>(plan, *group, lane),
               Parents<T, kWidth>{group->link, lanes, plan.lane_parents.data() + group->first + lane});
     });
 }
@@ -171,12 +171,12 @@ template <class V, class C, class T = typename V::T>
 UNLATCH_INLINE SpatialT<T> calc_position_bias(const LaneGroup& group, const V& v, const C& c, const JointMotion<T>& j) {
   const T o(0.0);
   SpatialT<T> bias{-(j.n * (j.gap - v.get_vec(group.carried_axes))), {o, o, o}};
-  int part = group.carried_axes + 3;
+  MotionField part = group.carried_axes + kOffsetFields;
   for (int a = 0; a < 3; ++a) {
     if ((group.carried >> a & 1) == 0) continue;
     const Vec3T<T>& axis = a == 0 ? j.m.x : (a == 1 ? j.m.y : j.m.z);
     bias.ang -= cross(axis, j.follower.R * v.get_vec(part));
-    part += 3;
+    part = part + 3;
   }
   if (group.universal) {
     const Vec3T<T> y = j.follower.R * c.get_vec(kFollowerY);

@@ -26,8 +26,8 @@ struct Part {
         lanes(ws.lanes.data()),
         lane(first),
         parents(plan.lane_parents.data() + group.first + first),
-        v{lanes + group.data + first},
-        c{plan.lane_constants.data() + group.constants + first} {}
+        v{lanes + group.data + first, lanes + group.motion + first},
+        c(get_constants<T, kWidth>(plan, group, first)) {}
 
   UNLATCH_INLINE Vec3T<T> get_axis(int r) const {
     return v.get_vec(r < kRotX ? kAxes + 3 * r : group.rotation_axes + 3 * (r - kRotX));

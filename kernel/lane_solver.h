@@ -18,6 +18,19 @@
 
 namespace unlatch::UNLATCH_ISA {
 
+// Whether the lanes are more than caches hold, 32 MiB: within them asking costs more than waiting.
+inline bool is_far(const Plan& plan) { return plan.lane_numbers > (32 << 20) / 8; }
+
+// Asks for a block of the solver's before its turn, in the direction in which the sweep goes through the memory: a
+// processor foresees a stream of lines that rise or fall one by one, and of no others.
+template <int kDirection>
+UNLATCH_INLINE void prefetch_block(const Plan& plan, const Workspace& ws, std::size_t g) {
+  const LaneGroup& group = plan.groups[g];
+  const double* block = ws.lanes.data() + group.data;
+  const int first = group.leaf ? 0 : kBlock * group.width, end = group.size * group.width;
+  for (int i = first; i < end; i += 8) __builtin_prefetch(block + (kDirection > 0 ? i : first + end - 1 - i), 1);
+}
+
 // What a joint passes to its parent, at the child's origin.
 template <class T>
 struct Passed {
@@ -117,7 +130,7 @@ struct FanSums {
 template <bool kFactor, bool kAdd, int kStride, class T>
 // NOLINTNEXTLINE(readability-non-const-parameter): it is written to, through the view
 UNLATCH_INLINE void accumulate(double* rows, const Passed<T>& passed, const Vec3T<T>& offset) {
-  const View<T, kStride> sum{rows};
+  const View<T, kStride> sum{rows, nullptr};
   const auto put = [&](int row, const Vec3T<T>& a) {
     if constexpr (kAdd)
       sum.set(row, sum.get_vec(row) + a);
@@ -261,8 +274,10 @@ UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep)
   FanSums fan;
   init_blocks<kWidest, kFactor>(plan, ws, sweep);
   if (kFactor) add_varying_blocks(plan, ws);
+  const bool far = is_far(plan);
   for (std::size_t g = plan.groups.size(); g-- > 0;) {
     const LaneGroup& group = plan.groups[g];
+    if (far && g > 0) prefetch_block<-1>(plan, ws, g - 1);
     int node = kNone;
     if (group.special != LaneSpecial::kOrdinary) {
       node = eliminate_special(plan, ws, sweep, group, kFactor);
@@ -388,8 +403,10 @@ template <bool kLeaf, class T, int kWidth>
 
 template <int kWidest>
 void substitute(const Plan& plan, Workspace& ws, const Sweep& sweep) {
+  const bool far = is_far(plan);
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     const LaneGroup& group = plan.groups[g];
+    if (far && g + 1 < plan.groups.size()) prefetch_block<+1>(plan, ws, g + 1);
     if (group.special != LaneSpecial::kOrdinary) {
       substitute_special(plan, ws, sweep, group);
       continue;

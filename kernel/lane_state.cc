@@ -17,13 +17,12 @@ static_assert(sizeof(BodyState) == (kStart - kPose) * sizeof(double));
 // All bits or none: what the kernels' masks are made of.
 double get_mask(bool holds) { return std::bit_cast<double>(holds ? ~std::uint64_t{0} : std::uint64_t{0}); }
 
-void load_body(const BodyState& body, double* lanes, LaneSlot slot) {
+void load_body(const BodyState& body, double* lanes, std::int32_t stride) {
   const double numbers[] = {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
                             body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
-  double* to = lanes + slot.offset + kPose * slot.stride;
   for (const double number : numbers) {
-    *to = number;
-    to += slot.stride;
+    *lanes = number;
+    lanes += stride;
   }
 }
 
@@ -48,12 +47,12 @@ void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int
   }
   const JointState* memory = joint == kNone ? nullptr : &state.joints[at(joint)];
   write_vec(lanes, slot, group.carried_axes, memory == nullptr ? Vec3{0, 0, 0} : memory->offset);
-  int part = group.carried_axes + kOffsetFields;
+  MotionField part = group.carried_axes + kOffsetFields;
   for (int a = 0; a < 3; ++a) {
     if ((group.carried >> a & 1) == 0) continue;
     write_vec(lanes, slot, part,
               memory == nullptr ? Vec3{0, 0, 0} : calc_carried_axis(plan.joints[at(joint)], *memory, rows, a));
-    part += 3;
+    part = part + 3;
   }
   if (group.universal)
     get_number(lanes, slot, group.crossed) = get_mask(joint != kNone && is_crossed(plan.joints[at(joint)], rows));
@@ -66,8 +65,8 @@ void load_state(const Plan& plan, const State& state, Workspace& ws) noexcept {
   for (const LaneGroup& group : plan.groups)
     for (int lane = 0; lane < group.width; ++lane) {
       const int node = plan.lane_nodes[at(group.first + lane)];
-      load_body(node == kNone ? kAtRest : state.bodies[at(plan.nodes[at(node)].body)], lanes,
-                {group.data + lane, group.width});
+      load_body(node == kNone ? kAtRest : state.bodies[at(plan.nodes[at(node)].body)],
+                lanes + group.motion + kPose * group.width + lane, group.width);
     }
   load_modes(plan, state, ws);
 }
@@ -85,7 +84,7 @@ void load_modes(const Plan& plan, const State& state, Workspace& ws) noexcept {
       const int node = plan.lane_nodes[at(group.first + lane)];
       const int joint = node == kNone ? kNone : plan.nodes[at(node)].joint;
       const RowSet rows = joint == kNone ? RowSet{0} : get_active_rows(plan, state, joint);
-      load_lane(plan, state, group, joint, rows, lanes, {group.data + lane, group.width}, phase);
+      load_lane(plan, state, group, joint, rows, lanes, {group.motion + lane, group.data + lane, group.width}, phase);
     }
     phase.hinged = !phase.loose && group.compliant == 0 && std::has_single_bit(phase.freedoms);
   }
@@ -95,11 +94,8 @@ void store_bodies(const Plan& plan, const Workspace& ws, State& state) noexcept 
   const double* lanes = ws.lanes.data();
   for (std::size_t b = 0; b < plan.body_slots.size(); ++b) {
     const LaneSlot slot = plan.body_slots[b];
-    const double* q = lanes + slot.offset + (kPose + 3) * slot.stride;
-    state.bodies[b] = {read_vec(lanes, slot, kPose),
-                       {q[0], q[slot.stride], q[2 * slot.stride], q[3 * slot.stride]},
-                       read_vec(lanes, slot, kVelocity),
-                       read_vec(lanes, slot, kVelocity + 3)};
+    state.bodies[b] = {read_vec(lanes, slot, kPose), read_quat(lanes, slot, kPose + 3),
+                       read_vec(lanes, slot, kVelocity), read_vec(lanes, slot, kVelocity + 3)};
   }
 }
 

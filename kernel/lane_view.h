@@ -1,12 +1,14 @@
 // One part of a group's block as vectors and matrices of packs. Compiled once per instruction set, see pack.h.
 #pragma once
 
+#include "kernel/lane_access.h"
 #include "kernel/lanes.h"
 #include "kernel/pack.h"
+#include "kernel/plan.h"
 
 namespace unlatch::UNLATCH_ISA {
 
-// Rows of a block, or of a constant's block, at some lanes of it.
+// Rows of a group's blocks, or of its constants, at some lanes of it.
 template <class Pack, int kWidth, class Number = double>
 struct View {
   using T = Pack;
@@ -15,34 +17,65 @@ struct View {
   using Mat = Mat3T<T>;
   using Sym = Sym3T<T>;
   using Spa = SpatialT<T>;
-  Number* data;
+  Number *data, *motion;
 
-  UNLATCH_INLINE View from(int row) const { return {data + row * kStride}; }
-  UNLATCH_INLINE T get(int row) const { return load<T>(data + row * kStride); }
-  UNLATCH_INLINE Vec get_vec(int row) const { return {get(row), get(row + 1), get(row + 2)}; }
-  UNLATCH_INLINE Spa get_spatial(int row) const { return {get_vec(row), get_vec(row + 3)}; }
-  UNLATCH_INLINE Mat get_mat(int row) const { return {get_vec(row), get_vec(row + 3), get_vec(row + 6)}; }
-  UNLATCH_INLINE Sym get_sym(int row) const {
+  UNLATCH_INLINE Number* find(int row) const { return data + row * kStride; }
+  UNLATCH_INLINE Number* find(MotionField row) const { return motion + row * kStride; }
+  UNLATCH_INLINE Number* find(MotionConstant row) const { return motion + row * kStride; }
+  // Its rows counted from this one on.
+  template <class Row>
+  UNLATCH_INLINE View from(Row row) const {
+    return {find(row), nullptr};
+  }
+
+  template <class Row>
+  UNLATCH_INLINE T get(Row row) const {
+    return load<T>(find(row));
+  }
+  template <class Row>
+  UNLATCH_INLINE Vec get_vec(Row row) const {
+    return {get(row), get(row + 1), get(row + 2)};
+  }
+  template <class Row>
+  UNLATCH_INLINE Spa get_spatial(Row row) const {
+    return {get_vec(row), get_vec(row + 3)};
+  }
+  template <class Row>
+  UNLATCH_INLINE Mat get_mat(Row row) const {
+    return {get_vec(row), get_vec(row + 3), get_vec(row + 6)};
+  }
+  template <class Row>
+  UNLATCH_INLINE Sym get_sym(Row row) const {
     return {get(row), get(row + 1), get(row + 2), get(row + 3), get(row + 4), get(row + 5)};
   }
-  UNLATCH_INLINE QuatT<T> get_quat(int row) const { return {get(row), get(row + 1), get(row + 2), get(row + 3)}; }
+  template <class Row>
+  UNLATCH_INLINE QuatT<T> get_quat(Row row) const {
+    return {get(row), get(row + 1), get(row + 2), get(row + 3)};
+  }
 
-  UNLATCH_INLINE void set(int row, const T& a) const { store(data + row * kStride, a); }
-  UNLATCH_INLINE void set(int row, const Vec& a) const {
+  template <class Row>
+  UNLATCH_INLINE void set(Row row, const T& a) const {
+    store(find(row), a);
+  }
+  template <class Row>
+  UNLATCH_INLINE void set(Row row, const Vec& a) const {
     set(row, a.x);
     set(row + 1, a.y);
     set(row + 2, a.z);
   }
-  UNLATCH_INLINE void set(int row, const Spa& a) const {
+  template <class Row>
+  UNLATCH_INLINE void set(Row row, const Spa& a) const {
     set(row, a.lin);
     set(row + 3, a.ang);
   }
-  UNLATCH_INLINE void set(int row, const Mat& m) const {
+  template <class Row>
+  UNLATCH_INLINE void set(Row row, const Mat& m) const {
     set(row, m.x);
     set(row + 3, m.y);
     set(row + 6, m.z);
   }
-  UNLATCH_INLINE void set(int row, const Sym& s) const {
+  template <class Row>
+  UNLATCH_INLINE void set(Row row, const Sym& s) const {
     set(row, s.xx);
     set(row + 1, s.yy);
     set(row + 2, s.zz);
@@ -50,7 +83,8 @@ struct View {
     set(row + 4, s.xz);
     set(row + 5, s.yz);
   }
-  UNLATCH_INLINE void set(int row, const QuatT<T>& q) const {
+  template <class Row>
+  UNLATCH_INLINE void set(Row row, const QuatT<T>& q) const {
     set(row, q.w);
     set(row + 1, q.x);
     set(row + 2, q.y);
@@ -62,10 +96,13 @@ struct View {
 template <class Pack>
 struct FanParent {
   using T = Pack;
-  const double* data;
-  std::int32_t stride;
+  const double* lanes;
+  LaneSlot slot;
 
-  UNLATCH_INLINE T get(int row) const { return T(data[row * stride]); }
+  template <class Row>
+  UNLATCH_INLINE T get(Row row) const {
+    return T(lanes[find(slot, row)]);
+  }
 };
 // Parents wherever they are.
 template <class Pack>
@@ -74,12 +111,17 @@ struct GatheredParents {
   const double* lanes;
   const LaneSlot* slots;
 
-  UNLATCH_INLINE T get(int row) const {
-    double out[T::kWidth];
-    for (int i = 0; i < T::kWidth; ++i) out[i] = lanes[slots[i].offset + row * slots[i].stride];
-    return load<T>(out);
+  template <class Row>
+  UNLATCH_INLINE T get(Row row) const {
+    return gather<T>([&](int i) { return lanes[find(slots[i], row)]; });
   }
 };
+
+template <class T, int kWidth>
+UNLATCH_INLINE View<T, kWidth, const double> get_constants(const Plan& plan, const LaneGroup& group, int lane) {
+  return {plan.solver_constants.data() + kSolverConstants * group.first + lane,
+          plan.lane_constants.data() + group.constants + lane};
+}
 
 // Rows of the parents, lane by lane. Neighbouring parents are in a group of the same width.
 template <class Pack, int kWidth>
@@ -91,23 +133,24 @@ struct Parents {
   // read(source of rows): the way to them is chosen once.
   template <class Read>
   UNLATCH_INLINE auto visit(const Read& read) const {
-    if (link == LaneLink::kContiguous) return read(View<Pack, kWidth, const double>{lanes + slots[0].offset});
-    if (link == LaneLink::kFan) return read(FanParent<Pack>{lanes + slots[0].offset, slots[0].stride});
+    if (link == LaneLink::kContiguous)
+      return read(View<Pack, kWidth, const double>{lanes + slots[0].offset, lanes + slots[0].motion});
+    if (link == LaneLink::kFan) return read(FanParent<Pack>{lanes, slots[0]});
     return read(GatheredParents<Pack>{lanes, slots});
   }
 };
 
 // Consecutive rows of a source.
-template <class Source, class T = typename Source::T>
-UNLATCH_INLINE Vec3T<T> get_vec(const Source& from, int row) {
+template <class Source, class Row, class T = typename Source::T>
+UNLATCH_INLINE Vec3T<T> get_vec(const Source& from, Row row) {
   return {from.get(row), from.get(row + 1), from.get(row + 2)};
 }
-template <class Source, class T = typename Source::T>
-UNLATCH_INLINE SpatialT<T> get_spatial(const Source& from, int row) {
+template <class Source, class Row, class T = typename Source::T>
+UNLATCH_INLINE SpatialT<T> get_spatial(const Source& from, Row row) {
   return {get_vec(from, row), get_vec(from, row + 3)};
 }
-template <class Source, class T = typename Source::T>
-UNLATCH_INLINE Mat3T<T> get_mat(const Source& from, int row) {
+template <class Source, class Row, class T = typename Source::T>
+UNLATCH_INLINE Mat3T<T> get_mat(const Source& from, Row row) {
   return {get_vec(from, row), get_vec(from, row + 3), get_vec(from, row + 6)};
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <initializer_list>
 #include <tuple>
 #include <utility>
 
@@ -95,6 +94,7 @@ class Layout {
       place_level(begin, end, placed);
       begin = end;
     }
+    join_blocks();
     place_joints();
     place_springs();
   }
@@ -212,7 +212,7 @@ class Layout {
     lay_out(group);
     for (std::size_t lane = 0; lane < group.width; ++lane) {
       const Candidate& member = members[std::min(lane, count - 1)];
-      plan_.lane_parents.push_back(member.parent == kNone ? LaneSlot{0, 0} : get_slot(places_[at(member.parent)]));
+      plan_.lane_parents.push_back(member.parent == kNone ? LaneSlot{0, 0, 0} : get_slot(places_[at(member.parent)]));
       plan_.lane_nodes.push_back(kNone);
       if (lane >= count) continue;
       placed[at(member.node)] = plan_.lane_nodes.back() = static_cast<std::int32_t>(plan_.nodes.size());
@@ -260,36 +260,48 @@ class Layout {
       group.rotation_axes = kAxes;
     else
       take(group.rotation_axes, 9);
-    if (group.universal) take(group.crossed, 1);
-    if (group.has_joint) take(group.carried_axes, kOffsetFields + 3 * std::popcount(group.carried));
     if (group.may_be_loose) take(group.free, kFreeFields);
     for (int r = 0; r < kRows; ++r) {
       if (has_row(group.freedoms, r)) take(group.freedom_parts[r], kFreedomEnd);
       if (has_row(group.rows, r)) take(group.row_parts[r], kRowEnd);
       if (has_row(group.compliant, r)) take(group.pivots[r], 1);
     }
+    group.size = rows;
     const int before = group.leaf ? 0 : kBlockFields;
     group.data = used_ + before * group.width;
-    group.constants = constants_;
     used_ += align((before + rows) * group.width);
-    constants_ += align(kConstants * group.width);
+    group.motion = moved_;
+    group.crossed = group.has_joint ? kMotionEnd : kBodyMotionEnd;
+    group.carried_axes = group.crossed + (group.universal ? 1 : 0);
+    const int carried = group.has_joint ? kOffsetFields + 3 * std::popcount(group.carried) : 0;
+    moved_ += align((group.carried_axes + carried) * group.width);
+    group.constants = constants_;
+    const MotionConstant joint = group.shared_axes ? kSharedConstants : kAllConstants;
+    constants_ += align((group.has_joint ? joint : kBodyConstants) * group.width);
   }
   // Blocks begin at cache lines.
   static std::int32_t align(int numbers) { return (numbers + 7) / 8 * 8; }
 
   LaneSlot get_slot(const Place& place) const {
     const LaneGroup& group = plan_.groups[at(place.group)];
-    return {group.data + place.lane, group.width};
+    return {group.motion + place.lane, group.data + place.lane, group.width};
+  }
+
+  // All of the solver's blocks come behind all of the others.
+  void join_blocks() {
+    for (LaneGroup& group : plan_.groups) group.data += moved_;
+    for (LaneSlot& slot : plan_.lane_parents) slot.offset += moved_;
+    used_ += moved_;
   }
 
   void place_joints() {
     plan_.body_slots.resize(model_.bodies.size());
-    plan_.multiplier_slots.assign(model_.joints.size(), {kNone, 1});
+    plan_.multiplier_slots.assign(model_.joints.size(), {kNone, kNone, 1});
     for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
       const PlanNode& node = plan_.nodes[k];
       const LaneSlot slot = plan_.body_slots[at(node.body)] = get_slot(places_[k]);
       if (node.joint == kNone) continue;
-      plan_.multiplier_slots[at(node.joint)] = {slot.offset + kMultipliers * slot.stride, slot.stride};
+      plan_.multiplier_slots[at(node.joint)] = {kNone, slot.offset + kMultipliers * slot.stride, slot.stride};
       plan_.joints[at(node.joint)].child = node.body;
       plan_.joints[at(node.joint)].rotation_row = plan_.groups[at(places_[k].group)].rotation_axes;
     }
@@ -298,52 +310,68 @@ class Layout {
       if (plan_.joints[j].child != kNone) continue;
       plan_.joints[j].loose = static_cast<std::int32_t>(plan_.loose_joints.size());
       plan_.loose_joints.push_back(static_cast<std::int32_t>(j));
-      plan_.multiplier_slots[j] = {used_, 1};
+      plan_.multiplier_slots[j] = {kNone, used_, 1};
       used_ += kRows;
     }
     plan_.lane_numbers = used_;
     plan_.lane_constants.assign(at(constants_), 0.0);
+    plan_.solver_constants.assign(kSolverConstants * plan_.lane_nodes.size(), 0.0);
   }
 
   const Model& model_;
   Plan& plan_;
   std::vector<PlanNode> old_;
-  std::vector<Place> places_;  // of the nodes in their new order
-  std::int32_t used_ = 0, constants_ = 0;
+  std::vector<Place> places_;                          // of the nodes in their new order
+  std::int32_t used_ = 0, moved_ = 0, constants_ = 0;  // used_: by the solver's blocks
 };
 
-void fill(std::vector<double>& out, const LaneGroup& group, int lane, int row, std::initializer_list<double> values) {
-  for (const double value : values) out[at(group.constants + (row++) * group.width + lane)] = value;
-}
+// Writes the constants of one lane.
+class Constants {
+ public:
+  Constants(Plan& plan, const LaneGroup& group, int lane)
+      : motion_(plan.lane_constants.data() + group.constants + lane),
+        solver_(plan.solver_constants.data() + kSolverConstants * group.first + lane),
+        stride_(group.width) {}
 
-void fill(std::vector<double>& out, const LaneGroup& group, int lane, int row, const Mat3& m) {
-  fill(out, group, lane, row, {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z});
-}
+  void set(SolverConstant row, double value) const { solver_[row * stride_] = value; }
+  void set(MotionConstant row, double value) const { motion_[row * stride_] = value; }
+  void set(MotionConstant row, const Vec3& a) const {
+    set(row, a.x);
+    set(row + 1, a.y);
+    set(row + 2, a.z);
+  }
+  void set(MotionConstant row, const Mat3& m) const {
+    set(row, m.x);
+    set(row + 3, m.y);
+    set(row + 6, m.z);
+  }
+  void set(MotionConstant row, const Sym3& J) const {
+    set(row, Vec3{J.xx, J.yy, J.zz});
+    set(row + 3, Vec3{J.xy, J.xz, J.yz});
+  }
+
+ private:
+  double *motion_, *solver_;
+  int stride_;
+};
 
 void fill_constants(Plan& plan) {
-  std::vector<double>& out = plan.lane_constants;
   for (const LaneGroup& group : plan.groups)
     for (int lane = 0; lane < group.width; ++lane) {
+      const Constants out(plan, group, lane);
       const int node = plan.lane_nodes[at(group.first + lane)];
-      if (node == kNone) {
-        fill(out, group, lane, kMass, {1, 1, 1, 1, 0, 0, 0});
-        for (const int axes : {kBaseAxes, kRotationAxes}) fill(out, group, lane, axes, kIdentity3);
-        fill(out, group, lane, kFollowerY, {0, 1, 0});
-        fill(out, group, lane, kSide, {1});
-        continue;
-      }
-      const PlanBody& body = plan.bodies[at(plan.nodes[at(node)].body)];
-      const Sym3& J = body.inertia;
-      fill(out, group, lane, kMass, {body.mass, J.xx, J.yy, J.zz, J.xy, J.xz, J.yz});
+      const PlanBody* body = node == kNone ? nullptr : &plan.bodies[at(plan.nodes[at(node)].body)];
+      out.set(kMass, body == nullptr ? 1 : body->mass);
+      out.set(kSide, node == kNone ? 1 : plan.nodes[at(node)].side);
+      out.set(kBodyInertia, body == nullptr ? Sym3{1, 1, 1, 0, 0, 0} : body->inertia);
       if (!group.has_joint) continue;
-      const PlanJoint& joint = plan.joints[at(plan.nodes[at(node)].joint)];
-      fill(out, group, lane, kPointBase, {joint.point_base.x, joint.point_base.y, joint.point_base.z});
-      fill(out, group, lane, kPointFollower, {joint.point_follower.x, joint.point_follower.y, joint.point_follower.z});
-      fill(out, group, lane, kBaseAxes, joint.axes);
-      fill(out, group, lane, kRotationAxes, joint.rotation_base);
-      const Vec3& y = joint.rotation_follower.y;
-      fill(out, group, lane, kFollowerY, {y.x, y.y, y.z});
-      fill(out, group, lane, kSide, {plan.nodes[at(node)].side});
+      const PlanJoint* joint = node == kNone ? nullptr : &plan.joints[at(plan.nodes[at(node)].joint)];
+      out.set(kPointBase, joint == nullptr ? Vec3{0, 0, 0} : joint->point_base);
+      out.set(kPointFollower, joint == nullptr ? Vec3{0, 0, 0} : joint->point_follower);
+      out.set(kBaseAxes, joint == nullptr ? kIdentity3 : joint->axes);
+      if (group.shared_axes) continue;
+      out.set(kRotationAxes, joint == nullptr ? kIdentity3 : joint->rotation_base);
+      out.set(kFollowerY, joint == nullptr ? Vec3{0, 1, 0} : joint->rotation_follower.y);
     }
 }
 

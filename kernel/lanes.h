@@ -1,7 +1,9 @@
 // Lanes: how the bodies of a plan lie side by side, so that siblings, levels and samples are computed together.
 //
-// The nodes of the tree, level by level, are cut into groups of 8, 4, 2 or 1. A group owns one block of
+// The nodes of the tree, level by level, are cut into groups of 8, 4, 2 or 1. A group owns two blocks of
 // Workspace::lanes in which every field is a row of `width` numbers, one per lane: an array of structures of arrays.
+// One holds what moves the bodies, the other what the solver reads: beyond the caches the solver costs what it fetches,
+// and its blocks follow each other.
 // The cut depends on the model alone, never on the processor; a narrower processor takes a wide group in parts. Since
 // lanes never meet, and children are added to a parent in one frozen order, every width gives the same bits.
 //
@@ -19,34 +21,45 @@ namespace unlatch {
 class Plan;
 struct PlanNode;
 
-// Rows of a group's block. `k*End` closes a part; parts that a group does not need are left out, see LaneGroup.
+// Rows of a group's first block, from LaneGroup::motion on.
+enum MotionField : std::int32_t {
+  // of the body
+  kPose = 0,               // p_WB, q_WB at the stage
+  kVelocity = kPose + 7,   // v_WB, w_WB_B
+  kStart = kVelocity + 6,  // pose and velocity at the beginning of the sub-step
+  kSum = kStart + 13,      // weighted sum of the stages' rates
+  kFirst = kSum + 13,      // dv/dt, dw/dt at the beginning of the sub-step
+  kRotation = kFirst + 6,  // R_WB, column by column
+  kOmega = kRotation + 9,  // w_WB in world axes
+  kBodyMotionEnd = kOmega + 3,
+  // of the joint to the parent
+  kArmParent = kBodyMotionEnd,  // from the parent's origin to the follower's point
+  kGap = kArmParent + 3,        // displacement of the follower's point along n
+  kSlip = kGap + 3,             // v_rel, w_rel
+  kMotionEnd = kSlip + 6,
+};
+constexpr MotionField operator+(MotionField row, int rows) {
+  return static_cast<MotionField>(static_cast<std::int32_t>(row) + rows);
+}
+// Rows of its second block, from LaneGroup::data on.
 enum LaneField : std::int32_t {
   // of a body with something beyond it, before the rest
   kBlock = -27,  // A of the body and all beyond it: M, H, I (21), then the load (6)
   // of the body
-  kPose = 0,                   // p_WB, q_WB at the stage
-  kVelocity = kPose + 7,       // v_WB, w_WB_B
-  kStart = kVelocity + 6,      // pose and velocity at the beginning of the sub-step
-  kSum = kStart + 13,          // weighted sum of the stages' rates
-  kFirst = kSum + 13,          // dv/dt, dw/dt at the beginning of the sub-step
-  kRotation = kFirst + 6,      // R_WB, column by column
-  kOmega = kRotation + 9,      // w_WB in world axes
-  kInertia = kOmega + 3,       // in world axes: xx yy zz xy xz yz
+  kInertia = 0,                // in world axes: xx yy zz xy xz yz
   kForce = kInertia + 6,       // applied force and torque, gyroscopic torque included
   kAcceleration = kForce + 6,  // of the latest solve, world axes
   kBodyEnd = kAcceleration + 6,
   // of the joint to the parent
-  kArmChild = kBodyEnd,        // from the child's origin to the follower's point
-  kArmParent = kArmChild + 3,  // from the parent's
-  kAxes = kArmParent + 3,      // n
-  kGap = kAxes + 9,            // displacement of the follower's point along n
-  kSlip = kGap + 3,            // v_rel, w_rel
-  kOffset = kSlip + 6,         // from the parent's origin to the child's
-  kBias = kOffset + 3,         // what the joint imposes on the child besides its freedoms, at the child's origin
-  kMultipliers = kBias + 6,    // in the order of Row
-  kHeld = kMultipliers + 6,    // mask: three rows or more hold, the child is eliminated through its freedoms
+  kArmChild = kBodyEnd,      // from the child's origin to the follower's point
+  kOffset = kArmChild + 3,   // from the parent's origin to the child's
+  kBias = kOffset + 3,       // what the joint imposes on the child besides its freedoms, at the child's origin
+  kAxes = kBias + 6,         // n
+  kMultipliers = kAxes + 9,  // in the order of Row
+  kHeld = kMultipliers + 6,  // mask: three rows or more hold, the child is eliminated through its freedoms
   kJointEnd = kHeld + 1,
 };
+// Both blocks have parts that not every group needs, see LaneGroup.
 // A freedom's part: mask, U = A s, 1 / sᵀ A s, sᵀ b and later the freedom's acceleration.
 enum FreedomField : std::int32_t { kMask = 0, kU = 1, kInverse = 7, kBeta = 8, kFreedomEnd = 9 };
 // A row's part, where one or two hold: mask, its wrench w at the child's origin, A⁻¹ w, 1 / wᵀ A⁻¹ w, and μ.
@@ -58,17 +71,27 @@ inline constexpr int kFreeFields = 27;  // factor of A (21), then A⁻¹ b (6)
 // follower, times its weight.
 inline constexpr int kOffsetFields = 3;
 
-// Constants of a lane, in Plan::lane_constants.
-enum LaneConstant : std::int32_t {
+// Constants of a lane, apart for the same reason: in Plan::lane_constants, from LaneGroup::constants on, as many as the
+// group needs,
+enum MotionConstant : std::int32_t {
+  kBodyInertia = 0,
+  kBodyConstants = 6,
+  kPointBase = kBodyConstants,
+  kPointFollower = 9,
+  kBaseAxes = 12,  // axes of the point–plane rows in base axes, column by column
+  kSharedConstants = 21,
+  kRotationAxes = kSharedConstants,  // of the rotation rows, where they are others
+  kFollowerY = 30,                   // y of the rotation frame in follower axes
+  kAllConstants = 33,
+};
+constexpr MotionConstant operator+(MotionConstant row, int rows) {
+  return static_cast<MotionConstant>(static_cast<std::int32_t>(row) + rows);
+}
+// and in Plan::solver_constants, from kSolverConstants · LaneGroup::first on.
+enum SolverConstant : std::int32_t {
   kMass = 0,
-  kBodyInertia = 1,
-  kPointBase = 7,
-  kPointFollower = 10,
-  kBaseAxes = 13,      // axes of the point–plane rows in base axes, column by column
-  kRotationAxes = 22,  // of the rotation rows
-  kFollowerY = 31,     // y of the rotation frame in follower axes
-  kSide = 34,          // +1: the child is the joint's follower; −1: its base
-  kConstants = 35,
+  kSide = 1,  // +1: the child is the joint's follower; −1: its base
+  kSolverConstants = 2,
 };
 
 // How a group finds its parents.
@@ -96,8 +119,10 @@ enum class LaneSpecial : std::uint8_t {
 enum class LaneSides : std::uint8_t { kFollowers, kBases, kMixed };
 
 struct LaneGroup {
-  std::int32_t first;      // of its lanes: into Plan::lane_nodes and Plan::lane_parents
-  std::int32_t data;       // its block in Workspace::lanes, in numbers
+  std::int32_t first;   // of its lanes: into Plan::lane_nodes and Plan::lane_parents
+  std::int32_t motion;  // its blocks in Workspace::lanes, in numbers
+  std::int32_t data;
+  std::int32_t size;       // of the second, in rows from LaneField 0 on
   std::int32_t constants;  // its block in Plan::lane_constants
   std::uint8_t width;      // 1, 2, 4 or 8
   std::uint8_t count;      // lanes in use
@@ -115,14 +140,16 @@ struct LaneGroup {
   LaneSpecial special;
   std::uint8_t carried;  // bit a: some mode's orientation is measured by where axis a has gone
   // where the optional parts begin, in rows
-  std::uint16_t rotation_axes, crossed, carried_axes, free;
+  MotionField crossed, carried_axes;
+  std::uint16_t rotation_axes, free;
   std::uint16_t freedom_parts[kRows], row_parts[kRows];  // per row, of those in `freedoms` and in `rows`
   std::uint16_t pivots[kRows];                           // of those in `compliant`: what is added to the pivot
 };
 
-// Where one body's or joint's numbers are: row r of it is lanes[offset + r · stride].
+// Where one body's or joint's numbers are: row r of it is lanes[offset + r · stride], or lanes[motion + r · stride] for
+// a MotionField.
 struct LaneSlot {
-  std::int32_t offset;
+  std::int32_t motion, offset;
   std::int32_t stride;
 };
 

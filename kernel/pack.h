@@ -80,6 +80,7 @@ struct Pack {
 // One lane: the same vocabulary over a double.
 template <>
 struct Pack<1> {
+  using Numbers = double;
   static constexpr int kWidth = 1;
   double v;
 
@@ -119,6 +120,17 @@ UNLATCH_INLINE void store(double* to, const T& a) {
     *to = a.v;
   else
     *reinterpret_cast<typename Vector<T::kWidth>::InMemory*>(to) = a.v;
+}
+
+// A number for each lane, without a detour through memory: what is stored in parts cannot be loaded whole at once.
+template <class T, class Number>
+UNLATCH_INLINE T gather(const Number& number) {
+  using Numbers = typename T::Numbers;
+  if constexpr (T::kWidth == 1) return number(0);
+  if constexpr (T::kWidth == 2) return Numbers{number(0), number(1)};
+  if constexpr (T::kWidth == 4) return Numbers{number(0), number(1), number(2), number(3)};
+  if constexpr (T::kWidth == 8)
+    return Numbers{number(0), number(1), number(2), number(3), number(4), number(5), number(6), number(7)};
 }
 
 template <class T>

@@ -205,7 +205,8 @@ class Plan {
   std::vector<std::int32_t> lane_nodes;    // per lane: its node, or kNone
   std::vector<LaneSlot> lane_parents;      // per lane: where its parent is
   std::vector<RowSet> compliant_axes;      // per joint: axes with implicit springs
-  std::vector<double> lane_constants;      // blocks of LaneConstant rows
+  std::vector<double> lane_constants;      // blocks of MotionConstant rows
+  std::vector<double> solver_constants;    // blocks of SolverConstant rows
   std::vector<LaneSlot> body_slots;        // per body
   std::vector<LaneSlot> multiplier_slots;  // per joint: the six multipliers
   std::int32_t lane_numbers = 0;           // size of Workspace::lanes

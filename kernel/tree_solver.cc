@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "kernel/lane_access.h"
 #include "kernel/loops.h"
 
 namespace unlatch {
@@ -31,8 +32,7 @@ bool has_finite_block(const Plan& plan, const Workspace& ws, int node) noexcept 
   const LaneSlot slot = plan.body_slots[static_cast<std::size_t>(n.body)];
   const auto sum_rows = [&](int first, int count) {
     double sum = 0;
-    for (int row = first; row < first + count; ++row)
-      sum += ws.lanes[static_cast<std::size_t>(slot.offset + row * slot.stride)];
+    for (int row = first; row < first + count; ++row) sum += ws.lanes[static_cast<std::size_t>(find(slot, row))];
     return sum;
   };
   double sum = sum_rows(kInertia, 6);
