@@ -37,7 +37,7 @@ void close_rows(const Plan& plan, State& state, const Workspace& ws, int joint, 
   if (has_row(added, kX)) memory.offset.x = displacement.x;
   if (has_row(added, kY)) memory.offset.y = displacement.y;
   if (has_row(added, kZ)) memory.offset.z = displacement.z;
-  if ((added & kRotationRows) != 0) memory.locked = calc_relative_attitude(plan, state, joint);
+  if ((added & kRotationRows) != 0) memory.locked = calc_relative_attitude(plan, ws, joint);
 }
 
 // Returns the rows that the action adds.

@@ -93,10 +93,11 @@ double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept {
   return elementary::atan2(turn.sine, turn.cosine);
 }
 
-Quat calc_relative_attitude(const Plan& plan, const State& state, int joint) noexcept {
+Quat calc_relative_attitude(const Plan& plan, const Workspace& ws, int joint) noexcept {
   const PlanJoint& j = plan.joints[at(joint)];
-  const Quat base = j.base == kGround ? j.quat_base : state.bodies[at(j.base)].q * j.quat_base;
-  return conjugate(base) * (state.bodies[at(j.follower)].q * j.quat_follower);
+  const auto get_attitude = [&](int body) { return read_quat(ws.lanes.data(), ws.slots[at(body)], kPose + 3); };
+  const Quat base = j.base == kGround ? j.quat_base : get_attitude(j.base) * j.quat_base;
+  return conjugate(base) * (get_attitude(j.follower) * j.quat_follower);
 }
 
 BodyFrame get_body_frame(const Workspace& ws, int body) noexcept {

@@ -39,7 +39,7 @@ Mat3 calc_follower_axes(const Plan& plan, const Workspace& ws, int joint) noexce
 double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept;
 
 // Relative attitude of a joint's rotation frame, follower to base.
-Quat calc_relative_attitude(const Plan& plan, const State& state, int joint) noexcept;
+Quat calc_relative_attitude(const Plan& plan, const Workspace& ws, int joint) noexcept;
 
 // Whether a universal joint's rotation frame follows its cross.
 inline bool is_crossed(const PlanJoint& joint, RowSet rows) noexcept {

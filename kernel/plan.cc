@@ -233,7 +233,7 @@ std::vector<ModelError> compile_compliance(const Model& model, const std::vector
     } else if (spring.implicit.value_or(false)) {
       errors.push_back({"element '" + spring.name + "'",
                         "its joint closes a loop, where no spring can be integrated implicitly",
-                        "leave `implicit` out, or let another joint of the loop be the later one", "implicit"});
+                        "leave `implicit` out: one joint of every loop goes without", "implicit"});
     }
   }
   return errors;

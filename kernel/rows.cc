@@ -34,7 +34,7 @@ Vec3 calc_orientation_gap(const Plan& plan, const State& state, const Workspace&
   const RowSet rotation = get_active_rows(plan, state, joint) & kRotationRows;
   const Quat& locked = state.joints[at(joint)].locked;
   if (rotation == kRotationRows) {
-    const Quat error = calc_relative_attitude(plan, state, joint) * conjugate(locked);
+    const Quat error = calc_relative_attitude(plan, ws, joint) * conjugate(locked);
     const double twice = error.w < 0 ? -2 : 2;
     return {twice * error.x, twice * error.y, twice * error.z};
   }

@@ -1,6 +1,8 @@
 #include "kernel/topology.h"
 
 #include <algorithm>
+#include <bit>
+#include <compare>
 
 namespace unlatch {
 namespace {
@@ -22,40 +24,126 @@ bool may_hold(const Joint& joint, RowSet compliant) {
          std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows != 0; });
 }
 
-// Finds which bodies belong together; joints that would close a loop do not become edges.
-Graph build_graph(const Model& model, const std::vector<RowSet>& compliant) {
-  const int bodies = static_cast<int>(model.bodies.size());
-  Graph graph{std::vector<std::vector<Edge>>(at(bodies)), std::vector<int>(at(bodies), kNone), {}};
-  std::vector<int> group(at(bodies) + 1);  // union–find with path halving
-  for (std::size_t b = 0; b < group.size(); ++b) group[b] = static_cast<int>(b);
-  const auto find = [&](int b) {
-    while (group[at(b)] != b) b = group[at(b)] = group[at(group[at(b)])];
-    return b;
-  };
-  std::vector<bool> held(at(bodies), false);  // per group representative: one of its bodies is held to the ground
-  for (int marker = 0; marker < bodies; ++marker) {
-    if (!model.bodies[at(marker)].marker) continue;
-    const int body = model.bodies[at(marker)].marker->body;
-    group[at(marker)] = body;
-    graph.edges[at(body)].push_back({kNone, marker});
-    graph.edges[at(marker)].push_back({kNone, body});
+// Bodies that hang together, and whether one of them is held to the ground: union–find with path halving.
+class Groups {
+ public:
+  explicit Groups(std::size_t bodies) : group_(bodies), held_(bodies, false) {
+    for (std::size_t b = 0; b < bodies; ++b) group_[b] = static_cast<int>(b);
   }
+  // False if a joint between the two, base kGround included, would close a loop.
+  bool join(int base, int follower) {
+    const int f = find(follower), b = base == kGround ? kGround : find(base);
+    if (b == f || (held_[at(f)] && (b == kGround || held_[at(b)]))) return false;
+    if (b == kGround) {
+      held_[at(f)] = true;
+    } else {
+      group_[at(f)] = b;
+      held_[at(b)] = held_[at(b)] || held_[at(f)];
+    }
+    return true;
+  }
+
+ private:
+  int find(int b) {
+    while (group_[at(b)] != b) b = group_[at(b)] = group_[at(group_[at(b)])];
+    return b;
+  }
+  std::vector<int> group_;
+  std::vector<bool> held_;
+};
+
+// How many joints each body is from the ground, or from `root` or the first body where nothing leads to the ground.
+std::vector<int> measure_distances(const Model& model, int root) {
+  std::vector<std::vector<int>> neighbours(model.bodies.size());
+  std::vector<int> distance(model.bodies.size(), kNone), order;
+  const auto start = [&](int body) {
+    if (body == kNone || distance[at(body)] != kNone) return;
+    distance[at(body)] = 0;
+    order.push_back(body);
+  };
+  const auto connect = [&](int a, int b) {
+    neighbours[at(a)].push_back(b);
+    neighbours[at(b)].push_back(a);
+  };
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
+    if (model.bodies[at(b)].marker) connect(b, model.bodies[at(b)].marker->body);
+  for (const Joint& joint : model.joints) {
+    if (joint.base == kGround)
+      start(joint.follower);
+    else
+      connect(joint.base, joint.follower);
+  }
+  std::size_t walked = 0;
+  const auto walk = [&] {
+    for (; walked < order.size(); ++walked)
+      for (const int next : neighbours[at(order[walked])])
+        if (distance[at(next)] == kNone) {
+          distance[at(next)] = distance[at(order[walked])] + 1;
+          order.push_back(next);
+        }
+  };
+  walk();
+  start(root);
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    walk();
+    start(b);
+  }
+  return distance;
+}
+
+// Joints in the order in which they may become edges. What closes loops is to let go if one of them does, to have few
+// rows, and to lie where the two ways from the ground meet, so that the tree is shallow and has lanes side by side;
+// springs to be integrated implicitly need edges.
+std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& compliant, int root) {
+  const std::vector<int> distance = measure_distances(model, root);
+  struct Rank {
+    int may_go, free, distance, joint;  // may_go, free: rows that it lacks in its loosest mode, and in its tightest
+    auto operator<=>(const Rank&) const = default;
+  };
+  std::vector<Rank> ranks;
   for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
     const Joint& joint = model.joints[at(j)];
-    if (!may_hold(joint, compliant[at(j)])) continue;
-    const int f = find(joint.follower);
-    const int b = joint.base == kGround ? kGround : find(joint.base);
-    if (b == f || (b == kGround && held[at(f)]) || (b != kGround && held[at(b)] && held[at(f)])) {
-      const bool rows = may_hold(joint, 0);
-      if (rows) graph.loops.push_back(j);  // a joint that only carries springs closes no loop
-    } else if (b == kGround) {
-      held[at(f)] = true;
+    int most = 0, least = kRows;
+    for (const JointMode& mode : joint.modes) {
+      most = std::max(most, std::popcount(mode.rows));
+      least = std::min(least, std::popcount(mode.rows));
+    }
+    const int near = joint.base == kGround ? -1 : std::min(distance[at(joint.base)], distance[at(joint.follower)]);
+    ranks.push_back({compliant[at(j)] != 0 ? -1 : kRows - least, kRows - most, near, j});
+  }
+  std::sort(ranks.begin(), ranks.end());
+  std::vector<int> order;
+  for (const Rank& rank : ranks) order.push_back(rank.joint);
+  return order;
+}
+
+// Finds which bodies belong together; joints that would close a loop do not become edges.
+Graph build_graph(const Model& model, const std::vector<RowSet>& compliant, int root) {
+  const std::size_t bodies = model.bodies.size();
+  Graph graph{std::vector<std::vector<Edge>>(bodies), std::vector<int>(bodies, kNone), {}};
+  Groups groups(bodies);
+  const auto connect = [&](int joint, int base, int follower) {
+    graph.edges[at(base)].push_back({joint, follower});
+    graph.edges[at(follower)].push_back({joint, base});
+  };
+  for (int marker = 0; marker < static_cast<int>(bodies); ++marker) {
+    if (!model.bodies[at(marker)].marker) continue;
+    const int body = model.bodies[at(marker)].marker->body;
+    groups.join(body, marker);
+    connect(kNone, body, marker);
+  }
+  std::vector<bool> edge(model.joints.size(), false);
+  for (const int j : rank_joints(model, compliant, root))
+    if (may_hold(model.joints[at(j)], compliant[at(j)]))
+      edge[at(j)] = groups.join(model.joints[at(j)].base, model.joints[at(j)].follower);
+  for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
+    const Joint& joint = model.joints[at(j)];
+    if (!edge[at(j)]) {
+      if (may_hold(joint, 0)) graph.loops.push_back(j);  // a joint that only carries springs closes no loop
+    } else if (joint.base == kGround) {
       graph.ground[at(joint.follower)] = j;
     } else {
-      group[at(f)] = b;
-      held[at(b)] = held[at(b)] || held[at(f)];
-      graph.edges[at(joint.base)].push_back({j, joint.follower});
-      graph.edges[at(joint.follower)].push_back({j, joint.base});
+      connect(j, joint.base, joint.follower);
     }
   }
   return graph;
@@ -86,7 +174,7 @@ int find_middle(const Graph& graph, int start, std::vector<int>& reached_from) {
 }  // namespace
 
 Topology compile_topology(const Model& model, const std::vector<RowSet>& compliant, int root) {
-  const Graph graph = build_graph(model, compliant);
+  const Graph graph = build_graph(model, compliant, root);
   const std::size_t bodies = model.bodies.size();
   std::vector<int> reached_from(bodies, kNone);
   std::vector<bool> seen(bodies, false);

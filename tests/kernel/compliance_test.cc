@@ -150,12 +150,27 @@ TEST(Compliance, ASpringInAJointThatClosesALoopStaysExplicitUnlessDemanded) {
   Joint second = model.joints[0];
   second.name = "second";
   model.joints.push_back(second);
-  model.joint_springs[0].joint = 1;
-  EXPECT_EQ(Simulation(model).plan.compliant.size(), 0u);
-  model.joint_springs[0].implicit = true;
+  model.joint_springs.push_back(model.joint_springs[0]);
+  model.joint_springs[1].name = "other";
+  model.joint_springs[1].joint = 1;
+  EXPECT_EQ(Simulation(model).plan.compliant.size(), 1u);
+  model.joint_springs[1].implicit = true;
   const PlanResult result = compile_plan(model, {});
   ASSERT_EQ(result.errors.size(), 1u);
   EXPECT_NE(result.errors[0].what.find("closes a loop"), std::string::npos);
+}
+
+TEST(Compliance, AJointWithAStiffSpringIsNotTheOneThatClosesALoop) {
+  Model model = build_model(SpringPendulum{.stiffness = 1e9});
+  Joint second = model.joints[0];
+  second.name = "second";
+  model.joints.push_back(second);
+  for (const int with : {0, 1}) {
+    model.joint_springs[0].joint = with;
+    const Simulation s(model);
+    EXPECT_EQ(s.plan.compliant.size(), 1u);
+    EXPECT_EQ(s.plan.loops, std::vector<std::int32_t>{1 - with});
+  }
 }
 
 // Switched off it is as if it were not there: the step is RK4, bit for bit.
