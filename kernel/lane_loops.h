@@ -5,6 +5,8 @@
 // once per instruction set, see pack.h.
 #pragma once
 
+#include <bit>
+
 #include "kernel/flexible.h"
 #include "kernel/lane_access.h"
 #include "kernel/lane_node.h"
@@ -118,6 +120,7 @@ class LoopPass {
 
   void pass_body(const LoopNode& node, const LaneGroup& group, const Columns<T>& loads) const {
     const LanePhase& phase = ws_.phases[static_cast<std::size_t>(node.group)];
+    if (phase.hinged && node.parent_loads != kNone) return pass_hinge(node, group, phase.freedoms, loads);
     if (phase.held && (!group.may_be_loose || is_set(read(node, kHeld))))
       take_freedoms(node, group, phase.freedoms, loads);
     else
@@ -133,6 +136,24 @@ class LoopPass {
     if (r < kRotX) return {read_vec(lanes, node.slot, kAxes + 3 * r), {0, 0, 0}};
     const Vec3 axis = read_vec(lanes, node.slot, group.rotation_axes + 3 * (r - kRotX));
     return {cross(read_vec(lanes, node.slot, kArmChild), axis), axis};
+  }
+
+  // The common case in one go: takes its one freedom and moves on, the same sums in the same order.
+  void pass_hinge(const LoopNode& node, const LaneGroup& group, RowSet freedoms, const Columns<T>& loads) const {
+    const int r = std::countr_zero(freedoms), part = group.freedom_parts[r];
+    const double inverse = read(node, part + kInverse);
+    const SpatialT<T> s = spread<T>(read_freedom(node, group, r)), U = spread<T>(read_six(node, part + kU));
+    const Vec3T<T> offset = spread<T>(read_vec(ws_.lanes.data(), node.slot, kOffset));
+    loads.for_packs([&](int c) {
+      SpatialT<T> load = loads.get_spatial(c);
+      const T beta = dot(s, load);
+      replies_.set(0, c, beta);
+      load = load - (beta * T(inverse)) * U;
+      load.ang += cross(offset, load.lin);
+      loads.set_spatial(c, load);
+    });
+    give(inverse, replies_.row(0), replies_.row(0));
+    hand_on(node, loads);
   }
 
   void take_freedoms(const LoopNode& node, const LaneGroup& group, RowSet freedoms, const Columns<T>& loads) const {
