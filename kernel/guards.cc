@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernel/kinematics.h"
+#include "kernel/lane_access.h"
 #include "kernel/step.h"
 
 namespace unlatch {
@@ -34,13 +35,13 @@ double calc_elementary(const Plan& plan, const Inputs& inputs, const State& stat
       value = ws.speeds[subject * kRows + at(c.axis)];
       break;
     case Condition::Kind::kBodyRate:
-      value = norm(state.bodies[subject].w);
+      value = norm(read_vec(ws.lanes.data(), ws.slots[subject], kVelocity + 3));
       break;
     case Condition::Kind::kCommand:
       value = inputs.commands[subject];
       break;
     case Condition::Kind::kBurnt:
-      value = state.extras[at(plan.bodies[subject].varying)];
+      value = ws.extras.now[at(plan.bodies[subject].varying)];
       break;
     case Condition::Kind::kSignal:
       return state.signals[subject] != 0 ? kYes : kNo;

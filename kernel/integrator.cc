@@ -1,7 +1,5 @@
 #include "kernel/integrator.h"
 
-#include <cstring>
-
 #include "kernel/compliance.h"
 #include "kernel/extras.h"
 #include "kernel/flexible.h"
@@ -47,20 +45,14 @@ int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, d
   return kNone;
 }
 
-// The end of a sub-step, on its rows and in `to`.
-int finish(const Plan& plan, const State& from, double end, State& to, Workspace& ws) {
+// The end of a sub-step, on its rows.
+int finish(const Plan& plan, const State& from, double end, Workspace& ws) {
   update_masses(plan, end, ws);
-  if (const int node = project(plan, from, ws); node != kNone) return node;
-  std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
-  update_markers(plan, ws);
-  store_bodies(plan, ws, to);
-  store_extras(ws, to);
-  return kNone;
+  return project(plan, from, ws);
 }
 
 // ROS2, see compliance.h.
-int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, State& to,
-                         Workspace& ws) {
+int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, Workspace& ws) {
   const LaneKernels& kernels = *plan.kernels;
   begin_compliance(plan, from, t, h, ws);
   const double lead = ws.implicit.lead;
@@ -75,7 +67,7 @@ int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& fr
   kernels.finish_second_stage(plan, ws, h, lead);
   lead_modal_rates(plan, ws);
   finish_extras(ws, 0.5, h);
-  return finish(plan, from, t + h, to, ws);
+  return finish(plan, from, t + h, ws);
 }
 
 }  // namespace
@@ -100,9 +92,8 @@ void keep_start(const Plan& plan, Workspace& ws) noexcept {
   keep_extras(ws);
 }
 
-int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, State& to,
-              Workspace& ws) noexcept {
-  if (is_stiff(plan, from, t + 0.5 * h)) return integrate_implicitly(plan, inputs, from, t, h, to, ws);
+int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, Workspace& ws) noexcept {
+  if (is_stiff(plan, from, t + 0.5 * h)) return integrate_implicitly(plan, inputs, from, t, h, ws);
   const LaneKernels& kernels = *plan.kernels;
   constexpr double kOuter = 1.0 / 6.0, kInner = 1.0 / 3.0;
   kernels.begin_stages(plan, ws, kOuter, 0.5 * h);
@@ -116,7 +107,7 @@ int integrate(const Plan& plan, const Inputs& inputs, const State& from, double 
   if (const int node = evaluate_stage(plan, inputs, from, t + h, false, ws); node != kNone) return node;
   kernels.finish_stages(plan, ws, kOuter, h);
   finish_extras(ws, kOuter, h);
-  return finish(plan, from, t + h, to, ws);
+  return finish(plan, from, t + h, ws);
 }
 
 int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
@@ -126,9 +117,13 @@ int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
   plan.kernels->add_velocities(plan, ws);
   add_modal_velocities(plan, ws);
   update_markers(plan, ws);
+  store_motion(plan, ws, state);
+  return kNone;
+}
+
+void store_motion(const Plan& plan, const Workspace& ws, State& state) noexcept {
   store_bodies(plan, ws, state);
   store_extras(ws, state);
-  return kNone;
 }
 
 }  // namespace unlatch

@@ -154,8 +154,8 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) 
                 !joint.rotation_axes.has_value(),
                 joint.universal,
                 first_mode,
-                {}};
-  out.initial = {joint.mode, {0, 0, 0}, {0, 0, 0}, {1, 0, 0, 0}};
+                static_cast<std::int32_t>(joint.mode),
+                {0, 0, 0}};
   return out;
 }
 
@@ -165,7 +165,7 @@ void init_angles(const Model& model, Plan& plan) {
     if (c.row < kRotX) continue;
     PlanJoint& joint = plan.joints[at(c.joint)];
     const Mat3 base = to_mat(get_attitude(model, joint.base)), follower = to_mat(get_attitude(model, joint.follower));
-    joint.initial.angle[c.row - kRotX] =
+    joint.angle[c.row - kRotX] =
         calc_twist(base * joint.rotation_base, follower * joint.rotation_follower, c.row - kRotX);
   }
 }

@@ -111,8 +111,9 @@ struct PlanJoint {
   Quat quat_base, quat_follower;          // the same as quaternions
   bool shared_axes;                       // the two frames coincide
   bool universal;
-  std::int32_t first_mode;  // into Plan::modes
-  JointState initial;
+  std::int32_t first_mode;            // into Plan::modes
+  std::int32_t mode;                  // at first
+  double angle[3];                    // likewise, see JointState
   std::int32_t child = kNone;         // of a joint of the tree: the body that it holds to its parent
   std::int32_t loose = kNone;         // of any other joint: its place in Plan::loose_joints
   std::int32_t rotation_row = kAxes;  // of a joint of the tree: where the rotation rows' axes are in the child's lane

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <utility>
 
 #include "kernel/events.h"
 #include "kernel/guards.h"
@@ -58,12 +57,12 @@ int count_crossings(const Workspace& ws) {
   return count;
 }
 
-// The trial state h seconds after `now`, evaluated, its guards in ws.guards.
+// Tries the sub-step of h seconds from `now`: its end in the lanes, evaluated, its guards in ws.guards.
 bool try_substep(Run& run, double now, double h) {
   ++run.report.substeps;
-  if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, h, run.ws.trial, run.ws))) return false;
-  if (!run.check(evaluate_lanes(run.plan, run.inputs, run.ws.trial, now + h, run.ws))) return false;
-  update_guards(run.plan, run.inputs, run.ws.trial, now + h, run.ws, run.ws.guards);
+  if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, h, run.ws))) return false;
+  if (!run.check(evaluate_lanes(run.plan, run.inputs, run.ws.accepted, now + h, run.ws))) return false;
+  update_guards(run.plan, run.inputs, run.ws.accepted, now + h, run.ws, run.ws.guards);
   return true;
 }
 
@@ -83,7 +82,7 @@ double interpolate(double low, double x, double middle, double h, double high) {
 }
 
 // Locates the first crossing within the sub-step of h seconds whose ends are in guards_low and guards_high. Leaves the
-// trial state there and returns its distance from `now`, or a negative number on failure. `first`: the event.
+// lanes there and returns its distance from `now`, or a negative number on failure. `first`: the event.
 double locate(Run& run, double now, double h, std::size_t& first) {
   Workspace& ws = run.ws;
   double x = h;
@@ -113,9 +112,10 @@ void update_tolerances(Workspace& ws, std::size_t first) {
   ws.tolerances[first] = std::max(ws.tolerances[first], -ws.guards[first]);
 }
 
+// The latest try holds.
 void accept(Run& run) {
   Workspace& ws = run.ws;
-  std::swap(ws.accepted, ws.trial);
+  store_motion(run.plan, ws, ws.accepted);
   for (const PlanCoordinate& c : run.plan.coordinates) {
     const auto j = static_cast<std::size_t>(c.joint), row = static_cast<std::size_t>(c.row);
     if (c.row >= kRotX) ws.accepted.joints[j].angle[row - kRotX] = ws.coordinates[j * kRows + row];

@@ -55,11 +55,9 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   arena.take(ws.loop_matrix, loop_rows * columns);
   arena.take(ws.loop_loads, (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns);
   arena.take(ws.loop_solution, loop_rows);
-  for (State* state : {&ws.trial, &ws.accepted}) {
-    std::span<std::byte> block;
-    arena.take(block, plan.get_state_bytes());
-    if (memory != nullptr) *state = State(plan, block);
-  }
+  std::span<std::byte> accepted;
+  arena.take(accepted, plan.get_state_bytes());
+  if (memory != nullptr) ws.accepted = State(plan, accepted);
   for (std::span<double>* guards : {&ws.guards, &ws.guards_low, &ws.guards_high, &ws.guards_middle, &ws.tolerances})
     arena.take(*guards, events);
   arena.take(ws.acting, events);

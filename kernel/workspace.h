@@ -148,8 +148,7 @@ struct Workspace {
   std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
   std::int32_t loop_most = 0;           // as many of them as factor_loops() may take for independent
 
-  // states: the end of a trial sub-step, and how far the step has got
-  State trial, accepted;
+  State accepted;  // how far the step has got; what it tries from there is in the lanes
 
   // per event
   std::span<double> guards;                   // at the latest evaluation
