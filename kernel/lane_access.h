@@ -12,6 +12,7 @@ UNLATCH_INLINE std::int32_t find(LaneSlot slot, int row) { return slot.offset + 
 UNLATCH_INLINE std::int32_t find(LaneSlot slot, MotionField row) { return slot.motion + row * slot.stride; }
 
 template <class Row>
+// NOLINTNEXTLINE(readability-non-const-parameter): what it returns is written to
 UNLATCH_INLINE double& get_number(double* lanes, LaneSlot slot, Row row) {
   return lanes[find(slot, row)];
 }

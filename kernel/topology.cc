@@ -98,7 +98,7 @@ std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& comp
   const std::vector<int> distance = measure_distances(model, root);
   struct Rank {
     int may_go, free, distance, joint;  // may_go, free: rows that it lacks in its loosest mode, and in its tightest
-    auto operator<=>(const Rank&) const = default;
+    auto operator<=>(const Rank&) const = default;  // NOLINT(modernize-use-nullptr): of what the compiler writes
   };
   std::vector<Rank> ranks;
   for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
@@ -113,6 +113,7 @@ std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& comp
   }
   std::sort(ranks.begin(), ranks.end());
   std::vector<int> order;
+  order.reserve(ranks.size());
   for (const Rank& rank : ranks) order.push_back(rank.joint);
   return order;
 }
