@@ -41,7 +41,7 @@ enum MotionField : std::int32_t {
 constexpr MotionField operator+(MotionField row, int rows) {
   return static_cast<MotionField>(static_cast<std::int32_t>(row) + rows);
 }
-// Rows of its second block, from LaneGroup::data on.
+// Rows of its second block, from LaneGroup::data on. Both blocks have parts that not every group needs, see LaneGroup.
 enum LaneField : std::int32_t {
   // of a body with something beyond it, before the rest
   kBlock = -27,  // A of the body and all beyond it: M, H, I (21), then the load (6)
@@ -59,7 +59,6 @@ enum LaneField : std::int32_t {
   kHeld = kMultipliers + 6,  // mask: three rows or more hold, the child is eliminated through its freedoms
   kJointEnd = kHeld + 1,
 };
-// Both blocks have parts that not every group needs, see LaneGroup.
 // A freedom's part: mask, U = A s, 1 / sᵀ A s, sᵀ b and later the freedom's acceleration.
 enum FreedomField : std::int32_t { kMask = 0, kU = 1, kInverse = 7, kBeta = 8, kFreedomEnd = 9 };
 // A row's part, where one or two hold: mask, its wrench w at the child's origin, A⁻¹ w, 1 / wᵀ A⁻¹ w, and μ.
