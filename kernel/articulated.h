@@ -105,16 +105,15 @@ UNLATCH_INLINE void operator+=(ArticulatedT<T>& A, const ArticulatedT<T>& B) {
   A.I = A.I + B.I;
 }
 
-// LDLᵀ of a symmetric 3×3: unit lower triangle and the pivots' inverses.
+// LDLᵀ of a symmetric 3×3: L⁻¹ = [1; −l10 1; n20 −l21 1] and the pivots' inverses.
 template <class T>
 struct Factor3T {
-  T l10, l20, l21, i0, i1, i2;
+  T l10, n20, l21, i0, i1, i2;
 };
 template <class T>
 UNLATCH_INLINE Vec3T<T> solve(const Factor3T<T>& f, const Vec3T<T>& b) {
-  const T y1 = b.y - f.l10 * b.x, y2 = (b.z - f.l20 * b.x) - f.l21 * y1;
-  const T z = y2 * f.i2, y = y1 * f.i1 - f.l21 * z;
-  return {(b.x * f.i0 - f.l10 * y) - f.l20 * z, y, z};
+  const T z = ((b.z + f.n20 * b.x) - f.l21 * b.y) * f.i2, y = (b.y - f.l10 * b.x) * f.i1;
+  return {(b.x * f.i0 - f.l10 * y) + f.n20 * z, y - f.l21 * z, z};
 }
 
 // Block LDLᵀ of a whole articulated block, by linear and angular part: what a body that nothing holds needs.

@@ -126,23 +126,25 @@ struct Node<T, false> {
 
 // --- The block of a body that nothing, or little, holds -------------------------------------------------------------
 
-// LDLᵀ of a symmetric 3×3. `bad`: lanes where a pivot vanished beside the diagonal entry that it came from.
+// LDLᵀ of a symmetric 3×3, from its minors, so that its divisions do not wait for each other. As accurate as one pivot
+// after the other: what is subtracted and what is left keep their proportions. `bad`: lanes where a pivot vanished
+// beside the diagonal entry that it came from.
 template <class T>
 UNLATCH_INLINE Factor3T<T> factor3(const Sym3T<T>& s, const Sym3T<T>& whole, T& bad) {
-  const T tiny(kSingular), i0 = T(1) / s.xx, l10 = s.xy * i0, l20 = s.xz * i0;
-  const T d1 = s.yy - l10 * s.xy, e = s.yz - l10 * s.xz;
-  const T i1 = T(1) / d1, l21 = e * i1;
-  const T d2 = (s.zz - l20 * s.xz) - l21 * e;
-  bad = bad | ~(s.xx > tiny * whole.xx) | ~(d1 > tiny * whole.yy) | ~(d2 > tiny * whole.zz);
-  return {l10, l20, l21, i0, i1, T(1) / d2};
+  const T minor = s.xx * s.yy - s.xy * s.xy, e = s.xx * s.yz - s.xy * s.xz, last = s.xx * s.zz - s.xz * s.xz;
+  const T scale = s.xx * minor, rest = last * minor - e * e;
+  const T tiny(kSingular), i0 = T(1) / s.xx, by_minor = T(1) / minor;
+  bad = bad | ~(s.xx > tiny * whole.xx) | ~(minor > tiny * (s.xx * whole.yy)) | ~(rest > tiny * (scale * whole.zz));
+  const T l10 = s.xy * i0, l21 = e * by_minor;
+  return {l10, l10 * l21 - s.xz * i0, l21, i0, s.xx * by_minor, scale / rest};
 }
 
 template <class V, class T = typename V::T>
 UNLATCH_INLINE void set_factor(const V& v, const FreeFactorT<T>& f) {
-  v.set(0, Vec3T<T>{f.M.l10, f.M.l20, f.M.l21});
+  v.set(0, Vec3T<T>{f.M.l10, f.M.n20, f.M.l21});
   v.set(3, Vec3T<T>{f.M.i0, f.M.i1, f.M.i2});
   v.set(6, f.W);
-  v.set(15, Vec3T<T>{f.K.l10, f.K.l20, f.K.l21});
+  v.set(15, Vec3T<T>{f.K.l10, f.K.n20, f.K.l21});
   v.set(18, Vec3T<T>{f.K.i0, f.K.i1, f.K.i2});
 }
 template <class V, class T = typename V::T>

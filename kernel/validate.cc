@@ -59,6 +59,11 @@ void check_not_negative(const std::string& where, const std::string& key, double
 
 // --- Bodies ---------------------------------------------------------------------------------------------------------
 
+// Masses and moments of inertia of other sizes leave the range of doubles where the solver multiplies four of them.
+constexpr double kSmallest = 1e-60, kLargest = 1e60;
+constexpr const char* kSizes = "greater than 0: from 1e-60 to 1e60";
+bool has_good_size(double number) { return number >= kSmallest && number <= kLargest; }
+
 void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErrors& errors) {
   const auto report = [&](const std::string& what, const std::string& mend) {
     errors.push_back({where, what, mend, "inertia"});
@@ -72,6 +77,8 @@ void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErro
   if (!(moments[0] > 0))
     return report("its inertia is not positive definite: principal moments " + show(moments),
                   "all principal moments are greater than 0");
+  if (!has_good_size(moments[0]) || !has_good_size(moments[2]))
+    return report("its principal moments are " + show(moments) + " kg m²", kSizes);
   if (moments[0] + moments[1] < moments[2] * (1 - kRelative))
     report("its inertia breaks the triangle inequality: principal moments " + show(moments),
            "no body's largest principal moment exceeds the sum of the other two");
@@ -88,8 +95,8 @@ void check_law(const std::string& where, const MassLaw& law, ModelErrors& errors
     if (i > 0 && !(knot.at > law.knots[i - 1].at))
       report("its mass law's knots do not increase: " + show(law.knots[i - 1].at) + ", " + show(knot.at),
              "each is later, or more has been burnt, than at the one before");
-    if (!(knot.mass > 0) || !std::isfinite(knot.mass))
-      report("its mass becomes " + show(knot.mass) + " kg at " + show(knot.at), "greater than 0, and finite");
+    if (!has_good_size(knot.mass))
+      report("its mass becomes " + show(knot.mass) + " kg at " + show(knot.at), kSizes);
     check_finite(where, "law", knot.centre.allFinite(), errors);
     check_inertia(where, knot.inertia, errors);
   }
@@ -176,8 +183,8 @@ void validate_bodies(const Model& model, ModelErrors& errors) {
       continue;
     }
     if (body.flexible) check_flexible(where, *body.flexible, errors);
-    if (!(body.mass > 0) || !std::isfinite(body.mass))
-      errors.push_back({where, "its mass is " + show(body.mass) + " kg", "greater than 0, and finite", "mass"});
+    if (!has_good_size(body.mass))
+      errors.push_back({where, "its mass is " + show(body.mass) + " kg", kSizes, "mass"});
     check_inertia(where, body.inertia, errors);
     check_finite(where, "position", body.p_WB.allFinite(), errors);
     check_finite(where, "velocity", body.v_WB.allFinite(), errors);

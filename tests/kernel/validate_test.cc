@@ -85,6 +85,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"NanMass", [](Model& m) { m.bodies[0].mass = kNan; }, "body 'a'", "mass is nan"},
         Bad{"Asymmetric", [](Model& m) { m.bodies[0].inertia(0, 1) = 0.1; }, "body 'a'", "not symmetric"},
         Bad{"Negative", [](Model& m) { m.bodies[0].inertia(0, 0) = -1; }, "body 'a'", "not positive definite"},
+        Bad{"TinyMass", [](Model& m) { m.bodies[0].mass = 1e-61; }, "body 'a'", "its mass is 1e-61 kg"},
+        Bad{"HugeInertia", [](Model& m) { m.bodies[0].inertia *= 1e61; }, "body 'a'", "principal moments"},
         Bad{"Triangle", [](Model& m) { m.bodies[0].inertia(2, 2) = 2.5001; }, "body 'a'", "triangle"},
         Bad{"InfiniteInertia", [](Model& m) { m.bodies[0].inertia(2, 2) = kInfinity; }, "body 'a'", "not finite"},
         Bad{"NoAttitude", [](Model& m) { m.bodies[0].q_WB = {0, 0, 0, 0}; }, "body 'a'", "quaternion"},
