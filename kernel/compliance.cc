@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kernel/forces.h"
+#include "kernel/loads.h"
 
 namespace unlatch {
 namespace {

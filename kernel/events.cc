@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "kernel/balance.h"
-#include "kernel/forces.h"
 #include "kernel/guards.h"
 #include "kernel/integrator.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_state.h"
+#include "kernel/loads.h"
 
 namespace unlatch {
 namespace {
@@ -123,6 +123,7 @@ StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state,
 
     Balance entitled{{0, 0, 0}, {0, 0, 0}, 0};
     load_modes(plan, state, ws);
+    forget_loads(ws);
     if (added != 0) {
       if (node = apply_impulse(plan, state, ws); node != kNone) return StepStatus::kSingular;
       entitled = calc_impulse_entitlement(plan, state, ws);

@@ -1,32 +1,19 @@
 #include "kernel/forces.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "kernel/compliance.h"
 #include "kernel/elementary.h"
 #include "kernel/flexible.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_access.h"
-#include "kernel/step.h"
+#include "kernel/loads.h"
 #include "kernel/varying.h"
 
 namespace unlatch {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-double calc_table(std::span<const Knot> knots, double s) {
-  if (s <= knots.front().time) return knots.front().value;
-  if (s >= knots.back().time) return knots.back().value;
-  std::size_t low = 0, high = knots.size() - 1;
-  while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
-    (knots[middle].time <= s ? low : high) = middle;
-  }
-  const Knot &a = knots[low], &b = knots[high];
-  return a.value + (b.value - a.value) * ((s - a.time) / (b.time - a.time));
-}
 
 // A force at an arm from the body's origin, or a torque; nothing can push the ground.
 void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
@@ -36,32 +23,16 @@ void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
   add_vec(ws.lanes.data(), slot, kForce + 3, torque);
 }
 
-// The value of a load's law s seconds after it began. Two stages of a step are at one time, and loads with one law and
-// one beginning follow each other: what was computed last, for this load and for the one before, is kept.
-double find_profile(const Plan& plan, std::size_t load, double s, Workspace& ws) {
-  KeptProfile& kept = ws.profiles[load];
-  if (kept.s == s) return kept.value;
-  const std::int32_t profile = plan.loads[load].profile;
-  const bool shared = load > 0 && plan.loads[load - 1].profile == profile && ws.profiles[load - 1].s == s;
-  kept = {s, shared ? ws.profiles[load - 1].value : calc_profile(plan, plan.profiles[at(profile)], s)};
-  return kept.value;
-}
-
-void add_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
+// What burns propellant, and loads that keep their direction in the world; the others are in the lanes.
+void add_loads(const Plan& plan, Workspace& ws) {
   for (std::size_t i = 0; i < plan.loads.size(); ++i) {
     const PlanLoad& load = plan.loads[i];
-    const ElementState& element = state.elements[at(load.element)];
-    const double scale = calc_scale(element, t);
-    if (scale == 0) continue;
-    const double command = load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)];
-    const double size = find_profile(plan, i, t - element.switched_on, ws) * scale * command;
+    const double size = ws.load_sizes[i];
     if (load.consumption != 0) ws.extras.rate[at(load.varying)] += load.consumption * std::abs(size) * load.length;
-    const Mat3 R = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation);
-    const Vec3 vector = size * (load.world ? load.direction : R * load.direction);
-    if (load.torque)
-      push(ws, load.body, {0, 0, 0}, vector);
-    else
-      push(ws, load.body, vector, cross(R * load.point, vector));
+    if (!load.world || size == 0) continue;
+    const Vec3 force = size * load.wrench.lin,
+               point = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation) * load.point;
+    push(ws, load.body, force, cross(point, force) + size * load.wrench.ang);
   }
 }
 
@@ -129,30 +100,6 @@ void add_plane_torsions(const Plan& plan, const State& state, double t, Workspac
 
 }  // namespace
 
-double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noexcept {
-  switch (profile.kind) {
-    case Profile::Kind::kConstant:
-      return profile.value;
-    case Profile::Kind::kExponential:
-      return profile.final + (profile.initial - profile.final) * elementary::exp(-s / profile.tau);
-    case Profile::Kind::kTable:
-      return calc_table(std::span(plan.knots).subspan(at(profile.first), at(profile.count)), s);
-    case Profile::Kind::kHarmonic: {
-      double sum = 0;
-      for (const Profile::Harmonic& h : std::span(plan.harmonics).subspan(at(profile.first), at(profile.count)))
-        sum += h.amplitude * elementary::sin(h.frequency * s + h.phase);
-      return sum;
-    }
-  }
-  return 0;
-}
-
-double calc_scale(const ElementState& element, double t) noexcept {
-  const double elapsed = t - element.start;
-  if (!(elapsed < element.duration)) return element.to;
-  return element.from + (element.to - element.from) * (elapsed / element.duration);
-}
-
 Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
   if (plan.mu == 0) return plan.gravity;
   const Vec3 r = p - plan.mu_centre;
@@ -160,14 +107,10 @@ Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
   return plan.gravity - (plan.mu / (r2 * std::sqrt(r2))) * r;
 }
 
-void forget_profiles(Workspace& ws) noexcept {
-  for (KeptProfile& kept : ws.profiles) kept.s = std::numeric_limits<double>::quiet_NaN();  // equal to none
-}
-
-void update_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+void update_forces(const Plan& plan, const State& state, double t, Workspace& ws) noexcept {
   plan.kernels->init_forces(plan, ws);
   std::fill(ws.extras.rate.begin(), ws.extras.rate.end(), 0.0);
-  add_loads(plan, inputs, state, t, ws);
+  add_loads(plan, ws);
   add_point_springs(plan, state, t, ws);
   add_joint_springs(plan, state, t, ws);
   add_plane_torsions(plan, state, t, ws);

@@ -6,6 +6,7 @@
 #include "kernel/forces.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_state.h"
+#include "kernel/loads.h"
 #include "kernel/loops.h"
 #include "kernel/step.h"
 #include "kernel/tree_solver.h"
@@ -35,11 +36,12 @@ int project(const Plan& plan, const State& state, Workspace& ws) {
 // Without outputs it does without multipliers, and coordinates that no spring reads. Takes as many rows of loops for
 // independent as the latest evaluation has found.
 int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs, Workspace& ws) {
+  update_loads(plan, inputs, state, t, ws);
   update_masses(plan, t, ws);
   update_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kAcceleration, ws);
   update_coordinates(plan, state, outputs, ws);
-  update_forces(plan, inputs, state, t, ws);
+  update_forces(plan, state, t, ws);
   if (const int node = factor_and_solve(plan, state, ws, {Source::kForces, true, outputs}); node != kNone) return node;
   update_modal_rates(plan, ws);
   return kNone;
@@ -83,7 +85,7 @@ int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, d
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   load_state(plan, state, ws);
   load_extras(state, ws);
-  forget_profiles(ws);
+  forget_loads(ws);
   return evaluate_lanes(plan, inputs, state, t, ws);
 }
 

@@ -31,7 +31,7 @@ struct LaneKernels {
   Lanes lanes;
   // Rotation, angular velocity and inertia in world axes, from pose and velocity.
   void (*update_kinematics)(const Plan&, Workspace&);
-  // Weight and gyroscopic torque, from poses and kinematics.
+  // Weight, gyroscopic torque and loads fixed in the bodies, from poses and kinematics.
   void (*init_forces)(const Plan&, Workspace&);
   // Arms, axes, slips and what the joint imposes, for joints of the tree; needs kinematics.
   void (*update_joints)(const Plan&, Workspace&, BiasKind);

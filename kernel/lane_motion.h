@@ -44,7 +44,7 @@ UNLATCH_INLINE QuatT<T> normalized(const QuatT<T>& q) {
   return {q.w * s, q.x * s, q.y * s, q.z * s};
 }
 
-// --- Kinematics and weight ------------------------------------------------------------------------------------------
+// --- Kinematics and forces ------------------------------------------------------------------------------------------
 
 template <int kWidest>
 void update_kinematics(const Plan& plan, Workspace& ws) {
@@ -58,7 +58,7 @@ void update_kinematics(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void init_forces(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto& c, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto&) {
     using T = typename V::T;
     Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
     if (plan.mu != 0) {
@@ -67,8 +67,12 @@ void init_forces(const Plan& plan, Workspace& ws) {
       g = g - (T(plan.mu) / (r2 * sqrt(r2))) * r;
     }
     const Vec3T<T> w = v.get_vec(kOmega);
-    v.set(kForce, c.get(kMass) * g);
-    v.set(kForce + 3, -cross(w, v.get_sym(kInertia) * w));
+    SpatialT<T> force{c.get(kMass) * g, -cross(w, v.get_sym(kInertia) * w)};
+    if (group.loaded) {
+      const Mat3T<T> R = v.get_mat(kRotation);
+      force = force + SpatialT<T>{R * v.get_vec(group.applied), R * v.get_vec(group.applied + 3)};
+    }
+    v.set(kForce, force);
   });
 }
 

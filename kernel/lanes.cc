@@ -77,7 +77,11 @@ struct Candidate {
 
 class Layout {
  public:
-  Layout(const Model& model, Plan& plan) : model_(model), plan_(plan), old_(std::exchange(plan.nodes, {})) {}
+  Layout(const Model& model, Plan& plan)
+      : model_(model), plan_(plan), old_(std::exchange(plan.nodes, {})), loaded_(model.bodies.size(), false) {
+    for (const PlanLoad& load : plan.loads)
+      if (!load.world) loaded_[at(load.body)] = true;
+  }
 
   void compile() {
     std::vector<int> level_of(old_.size(), 0), placed(old_.size(), kNone);
@@ -97,6 +101,7 @@ class Layout {
     join_blocks();
     place_joints();
     place_springs();
+    place_loads();
   }
 
  private:
@@ -209,6 +214,8 @@ class Layout {
     group.carried = kind.carried;
     group.compliant = kind.compliant;
     group.special = kind.special;
+    group.loaded =
+        std::any_of(members, members + count, [&](const Candidate& c) { return loaded_[at(old_[at(c.node)].body)]; });
     lay_out(group);
     for (std::size_t lane = 0; lane < group.width; ++lane) {
       const Candidate& member = members[std::min(lane, count - 1)];
@@ -249,6 +256,14 @@ class Layout {
     }
   }
 
+  // Where each load that is fixed in a body is summed.
+  void place_loads() {
+    std::vector<MotionField> applied(model_.bodies.size(), kPose);
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k)
+      applied[at(plan_.nodes[k].body)] = plan_.groups[at(places_[k].group)].applied;
+    for (PlanLoad& load : plan_.loads) load.applied = applied[at(load.body)];
+  }
+
   // Where the optional parts of the group's block begin, in rows, and where the block lies.
   void lay_out(LaneGroup& group) {
     int rows = group.has_joint ? kJointEnd : kBodyEnd;
@@ -274,7 +289,8 @@ class Layout {
     group.crossed = group.has_joint ? kMotionEnd : kBodyMotionEnd;
     group.carried_axes = group.crossed + (group.universal ? 1 : 0);
     const int carried = group.has_joint ? kOffsetFields + 3 * std::popcount(group.carried) : 0;
-    moved_ += align((group.carried_axes + carried) * group.width);
+    group.applied = group.carried_axes + carried;
+    moved_ += align((group.applied + (group.loaded ? 6 : 0)) * group.width);
     group.constants = constants_;
     const MotionConstant joint = group.shared_axes ? kSharedConstants : kAllConstants;
     constants_ += align((group.has_joint ? joint : kBodyConstants) * group.width);
@@ -321,6 +337,7 @@ class Layout {
   const Model& model_;
   Plan& plan_;
   std::vector<PlanNode> old_;
+  std::vector<bool> loaded_;                           // per body
   std::vector<Place> places_;                          // of the nodes in their new order
   std::int32_t used_ = 0, moved_ = 0, constants_ = 0;  // used_: by the solver's blocks
 };

@@ -132,6 +132,7 @@ struct LaneGroup {
   LaneSides sides;            // what the children are to their joints
   bool shared_axes;           // one frame for point–plane and rotation rows
   bool universal;
+  bool loaded;        // some load is fixed in some of its bodies
   bool may_be_loose;  // some mode leaves fewer than three rows, or a lane is empty
   RowSet freedoms;    // that some mode of three rows or more leaves
   RowSet rows;        // that some mode of one or two rows holds
@@ -140,6 +141,7 @@ struct LaneGroup {
   std::uint8_t carried;  // bit a: some mode's orientation is measured by where axis a has gone
   // where the optional parts begin, in rows
   MotionField crossed, carried_axes;
+  MotionField applied;  // force and torque of loads fixed in the bodies, body axes; see loads.h
   std::uint16_t rotation_axes, free;
   std::uint16_t freedom_parts[kRows], row_parts[kRows];  // per row, of those in `freedoms` and in `rows`
   std::uint16_t pivots[kRows];                           // of those in `compliant`: what is added to the pivot

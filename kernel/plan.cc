@@ -1,6 +1,7 @@
 #include "kernel/plan.h"
 
 #include <algorithm>
+#include <map>
 
 #include "kernel/flexible.h"
 #include "kernel/kinematics.h"
@@ -170,31 +171,44 @@ void init_angles(const Model& model, Plan& plan) {
   }
 }
 
-bool is_same(const Profile& a, const Profile& b) {
-  const auto equal = [](const Profile::Harmonic& x, const Profile::Harmonic& y) {
-    return x.amplitude == y.amplitude && x.frequency == y.frequency && x.phase == y.phase;
-  };
-  return a.kind == b.kind && a.value == b.value && a.initial == b.initial && a.final == b.final && a.tau == b.tau &&
-         a.times == b.times && a.values == b.values &&
-         std::equal(a.harmonics.begin(), a.harmonics.end(), b.harmonics.begin(), b.harmonics.end(), equal);
-}
+// Loads with one law share its profile: four boosters have one thrust curve, computed once.
+class Profiles {
+ public:
+  explicit Profiles(Plan& plan) : plan_(plan) {}
 
-// Loads that follow each other with one law share its profile: four boosters have one thrust curve.
-std::int32_t compile_profile(const Profile& profile, const Profile* previous, Plan& plan) {
-  if (previous != nullptr && is_same(profile, *previous)) return static_cast<std::int32_t>(plan.profiles.size()) - 1;
-  PlanProfile out{profile.kind, profile.value, profile.initial, profile.final, profile.tau, 0, 0};
-  if (profile.kind == Profile::Kind::kTable) {
-    out.first = static_cast<std::int32_t>(plan.knots.size());
-    out.count = static_cast<std::int32_t>(profile.times.size());
-    for (std::size_t i = 0; i < profile.times.size(); ++i) plan.knots.push_back({profile.times[i], profile.values[i]});
-  } else if (profile.kind == Profile::Kind::kHarmonic) {
-    out.first = static_cast<std::int32_t>(plan.harmonics.size());
-    out.count = static_cast<std::int32_t>(profile.harmonics.size());
-    plan.harmonics.insert(plan.harmonics.end(), profile.harmonics.begin(), profile.harmonics.end());
+  std::int32_t compile(const Profile& profile) {
+    const auto [found, is_new] = known_.emplace(list_numbers(profile), static_cast<std::int32_t>(known_.size()));
+    if (is_new) append(profile);
+    return found->second;
   }
-  plan.profiles.push_back(out);
-  return static_cast<std::int32_t>(plan.profiles.size()) - 1;
-}
+
+ private:
+  static std::vector<double> list_numbers(const Profile& p) {
+    std::vector<double> all{static_cast<double>(p.kind), p.value, p.initial, p.final, p.tau};
+    all.insert(all.end(), p.times.begin(), p.times.end());
+    all.insert(all.end(), p.values.begin(), p.values.end());
+    for (const Profile::Harmonic& h : p.harmonics) all.insert(all.end(), {h.amplitude, h.frequency, h.phase});
+    return all;
+  }
+
+  void append(const Profile& profile) {
+    PlanProfile out{profile.kind, profile.value, profile.initial, profile.final, profile.tau, 0, 0};
+    if (profile.kind == Profile::Kind::kTable) {
+      out.first = static_cast<std::int32_t>(plan_.knots.size());
+      out.count = static_cast<std::int32_t>(profile.times.size());
+      for (std::size_t i = 0; i < profile.times.size(); ++i)
+        plan_.knots.push_back({profile.times[i], profile.values[i]});
+    } else if (profile.kind == Profile::Kind::kHarmonic) {
+      out.first = static_cast<std::int32_t>(plan_.harmonics.size());
+      out.count = static_cast<std::int32_t>(profile.harmonics.size());
+      plan_.harmonics.insert(plan_.harmonics.end(), profile.harmonics.begin(), profile.harmonics.end());
+    }
+    plan_.profiles.push_back(out);
+  }
+
+  Plan& plan_;
+  std::map<std::vector<double>, std::int32_t> known_;
+};
 
 std::int32_t find_compliant(const Plan& plan, std::ptrdiff_t spring) {
   const auto found = std::find_if(plan.compliant.begin(), plan.compliant.end(),
@@ -245,13 +259,15 @@ void compile_elements(const Model& model, Plan& plan) {
     plan.element_scales.push_back(on ? 1 : 0);
     return element++;
   };
-  const Profile* previous = nullptr;
+  Profiles profiles(plan);
   for (const Load& l : model.loads) {
-    plan.loads.push_back({l.body, next(l.on), compile_profile(l.profile, previous, plan), l.channel,
-                          l.kind == Load::Kind::kTorque, l.frame == Load::Frame::kWorld, to_vec(l.point),
-                          to_vec(l.direction), l.direction.norm(), l.consumption,
-                          plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
-    previous = &l.profile;
+    const bool world = l.frame == Load::Frame::kWorld;
+    const Vec3 none{0, 0, 0}, point = l.kind == Load::Kind::kTorque ? none : to_vec(l.point),
+                              size = to_vec(l.direction);
+    plan.loads.push_back(
+        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, kPose, point,
+         l.kind == Load::Kind::kTorque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
+         l.direction.norm(), l.consumption, plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
   }
   for (const PointSpring& s : model.point_springs)
     plan.point_springs.push_back({s.base, s.follower, next(s.on), s.push_only, to_vec(s.point_base),
@@ -336,13 +352,13 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   }
   find_coordinates(model, plan);
   init_angles(model, plan);
+  compile_elements(model, plan);
   compile_lanes(model, plan);
   compile_loops(model, plan);
   plan.kernels = &get_kernels(options.lanes);
   plan.gravity = to_vec(model.gravity.uniform);
   plan.mu = model.gravity.mu;
   plan.mu_centre = to_vec(model.gravity.centre);
-  compile_elements(model, plan);
   compile_sensors(model, plan);
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());
   plan.channel_count = static_cast<std::int32_t>(model.channels.size());

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "kernel/articulated.h"
 #include "kernel/lanes.h"
 #include "kernel/math.h"
 #include "kernel/model.h"
@@ -131,8 +132,10 @@ struct PlanProfile {
 
 struct PlanLoad {
   std::int32_t body, element, profile, channel;
-  bool torque, world;
-  Vec3 point, direction;
+  bool world;            // it keeps its direction in the world, else in the body
+  MotionField applied;   // otherwise: where the lanes of its body sum such loads
+  Vec3 point;            // of a force in the world, body axes
+  Spatial wrench;        // of size 1, in its axes; in the body at the origin, in the world at the point
   double length;         // of the direction
   double consumption;    // kg per N s
   std::int32_t varying;  // into Plan::varying: what burns it

@@ -38,7 +38,8 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   Extras& e = ws.extras;
   for (std::span<double>* extras : {&e.now, &e.rate, &e.start, &e.first, &e.sum})
     arena.take(*extras, plan.initial_extras.size());
-  arena.take(ws.profiles, plan.loads.size());
+  arena.take(ws.profiles, plan.profiles.size());
+  arena.take(ws.load_sizes, plan.loads.size());
   arena.take(ws.varying, plan.varying.size());
   arena.take(ws.modal, static_cast<std::size_t>(plan.modal_work));
   arena.take(ws.compliant, plan.compliant.size());

@@ -90,7 +90,7 @@ struct VaryingBody {
   Sym3 inertia_B, inertia_slope_B;  // about the centre of mass, body axes, kg m²; per unit of the law's variable
 };
 
-// The value of a load's law at the latest time at which it was needed; see forces.cc.
+// The value of a load's law at the latest time at which it was needed; see loads.h.
 struct KeptProfile {
   double s, value;  // seconds after it began; N or N m
 };
@@ -122,7 +122,9 @@ struct Workspace {
   MultiplierView multipliers;
 
   Extras extras;
-  std::span<KeptProfile> profiles;       // per load
+  std::span<KeptProfile> profiles;       // per profile
+  std::span<double> load_sizes;          // per load, N or N m per length of its direction; 0 if it is off
+  double loads_time = 0;                 // s: when they were so, see loads.h
   std::span<VaryingBody> varying;        // per body with a mass law
   std::span<double> modal;               // of flexible bodies and their markers, see flexible.h
   std::span<CompliantSpring> compliant;  // as Plan::compliant

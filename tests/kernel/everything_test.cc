@@ -15,6 +15,7 @@
 #include "kernel/extras.h"
 #include "kernel/flexible.h"
 #include "kernel/forces.h"
+#include "kernel/loads.h"
 #include "kernel/loops.h"
 #include "kernel/tree_solver.h"
 #include "kernel/varying.h"
@@ -253,7 +254,9 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     store_bodies(sim.plan, ws, sim.state);  // markers move with the mast
     update_joints(sim.plan, sim.state, BiasKind::kAcceleration, ws);
     update_coordinates(sim.plan, sim.state, true, ws);
-    update_forces(sim.plan, {sim.commands}, sim.state, 0, ws);
+    forget_loads(ws);
+    update_loads(sim.plan, {sim.commands}, sim.state, 0, ws);
+    update_forces(sim.plan, sim.state, 0, ws);
     ws.loop_most = kAllRows;
     ASSERT_EQ(factor_and_solve(sim.plan, sim.state, ws, {Source::kForces, true, true}), kNone) << seed;
 

@@ -1,0 +1,91 @@
+#include "kernel/loads.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "kernel/elementary.h"
+#include "kernel/lane_access.h"
+#include "kernel/step.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double calc_table(std::span<const Knot> knots, double s) {
+  if (s <= knots.front().time) return knots.front().value;
+  if (s >= knots.back().time) return knots.back().value;
+  std::size_t low = 0, high = knots.size() - 1;
+  while (high - low > 1) {
+    const std::size_t middle = (low + high) / 2;
+    (knots[middle].time <= s ? low : high) = middle;
+  }
+  const Knot &a = knots[low], &b = knots[high];
+  return a.value + (b.value - a.value) * ((s - a.time) / (b.time - a.time));
+}
+
+// Loads with one law have often begun at one time.
+double find_profile(const Plan& plan, int profile, double s, Workspace& ws) {
+  KeptProfile& kept = ws.profiles[at(profile)];
+  if (kept.s != s) kept = {s, calc_profile(plan, plan.profiles[at(profile)], s)};
+  return kept.value;
+}
+
+void clear_wrenches(const Plan& plan, Workspace& ws) {
+  for (const LaneGroup& group : plan.groups)
+    if (group.loaded) std::fill_n(ws.lanes.data() + group.motion + group.applied * group.width, 6 * group.width, 0.0);
+}
+
+}  // namespace
+
+double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noexcept {
+  switch (profile.kind) {
+    case Profile::Kind::kConstant:
+      return profile.value;
+    case Profile::Kind::kExponential:
+      return profile.final + (profile.initial - profile.final) * elementary::exp(-s / profile.tau);
+    case Profile::Kind::kTable:
+      return calc_table(std::span(plan.knots).subspan(at(profile.first), at(profile.count)), s);
+    case Profile::Kind::kHarmonic: {
+      double sum = 0;
+      for (const Profile::Harmonic& h : std::span(plan.harmonics).subspan(at(profile.first), at(profile.count)))
+        sum += h.amplitude * elementary::sin(h.frequency * s + h.phase);
+      return sum;
+    }
+  }
+  return 0;
+}
+
+double calc_scale(const ElementState& element, double t) noexcept {
+  const double elapsed = t - element.start;
+  if (!(elapsed < element.duration)) return element.to;
+  return element.from + (element.to - element.from) * (elapsed / element.duration);
+}
+
+void update_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+  if (plan.loads.empty() || ws.loads_time == t) return;
+  ws.loads_time = t;
+  clear_wrenches(plan, ws);
+  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
+    const PlanLoad& load = plan.loads[i];
+    const ElementState& element = state.elements[at(load.element)];
+    const double scale = calc_scale(element, t);
+    ws.load_sizes[i] = 0;
+    if (scale == 0) continue;
+    const double value = find_profile(plan, load.profile, t - element.switched_on, ws);
+    const double size = value * scale * (load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)]);
+    ws.load_sizes[i] = size;
+    if (load.world) continue;
+    const LaneSlot slot = ws.slots[at(load.body)];
+    add_vec(ws.lanes.data(), slot, load.applied, size * load.wrench.lin);
+    add_vec(ws.lanes.data(), slot, load.applied + 3, size * load.wrench.ang);
+  }
+}
+
+void forget_loads(Workspace& ws) noexcept {
+  constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to no time
+  ws.loads_time = kNever;
+  for (KeptProfile& kept : ws.profiles) kept.s = kNever;
+}
+
+}  // namespace unlatch
