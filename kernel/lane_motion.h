@@ -68,7 +68,7 @@ void init_forces(const Plan& plan, Workspace& ws) {
     }
     const Vec3T<T> w = v.get_vec(kOmega);
     SpatialT<T> force{c.get(kMass) * g, -cross(w, v.get_sym(kInertia) * w)};
-    if (group.loaded) {
+    if (group.applied != kPose) {
       const Mat3T<T> R = v.get_mat(kRotation);
       force = force + SpatialT<T>{R * v.get_vec(group.applied), R * v.get_vec(group.applied + 3)};
     }

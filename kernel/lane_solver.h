@@ -169,13 +169,48 @@ UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>&
   }
 }
 
+// A block of width 1 is written, and a fan added to it, four rows at a time: what is written in other parts than it is
+// read in must reach the cache first. The three rows between these are zero at first, and go one by one.
+inline constexpr int kFours[] = {0, 4, 8, 15, 19, 23}, kBetween = 12;
+
+// Of four rows of four partial sums: (s0 + s1) + (s2 + s3) of each.
+UNLATCH_INLINE Pack<4> sum_four_rows(const double* s, int width) {
+  const auto add_pairs = [](Pack<4> a, Pack<4> b) {
+    return Pack<4>(__builtin_shufflevector(a.v, b.v, 0, 4, 2, 6)) +
+           Pack<4>(__builtin_shufflevector(a.v, b.v, 1, 5, 3, 7));
+  };
+  const Pack<4> first = add_pairs(load<Pack<4>>(s), load<Pack<4>>(s + width));
+  const Pack<4> last = add_pairs(load<Pack<4>>(s + 2 * width), load<Pack<4>>(s + 3 * width));
+  return Pack<4>(__builtin_shufflevector(first.v, last.v, 0, 1, 4, 5)) +
+         Pack<4>(__builtin_shufflevector(first.v, last.v, 2, 3, 6, 7));
+}
+
 // The partial sums in a fixed tree, added to the parent. A fan is as wide as its first group, which is full.
-UNLATCH_INLINE void close_fan(double* lanes, const LaneSlot& parent, int width, int first_row, const FanSums& fan) {
-  double* to = lanes + parent.offset + (kBlock + first_row) * parent.stride;
-  const double* s = fan.numbers + first_row * width;
-  for (int row = first_row; row < kBlockFields; ++row, to += parent.stride, s += width) {
-    const double four = (s[0] + s[1]) + (s[2] + s[3]);
-    *to += width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
+template <int kWidest, bool kFactor>
+UNLATCH_INLINE void close_fan(double* lanes, const LaneSlot& parent, int width, const FanSums& fan) {
+  double* const block = lanes + parent.offset + kBlock * parent.stride;
+  const auto add_rows = [&](int begin, int end) {
+    double* to = block + begin * parent.stride;
+    const double* s = fan.numbers + begin * width;
+    for (int row = begin; row < end; ++row, to += parent.stride, s += width) {
+      const double four = (s[0] + s[1]) + (s[2] + s[3]);
+      *to += width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
+    }
+  };
+  if constexpr (kWidest >= 4 && kFactor) {
+    for (const int row : kFours) {
+      const double* s = fan.numbers + row * width;
+      Pack<4> sum = sum_four_rows(s, width);
+      if (width == 8) sum = sum + sum_four_rows(s + 4, width);
+      double* to = block + row * parent.stride;
+      if (parent.stride == 1)
+        store(to, load<Pack<4>>(to) + sum);
+      else
+        for (int i = 0; i < 4; ++i) to[i * parent.stride] += sum.v[i];
+    }
+    add_rows(kBetween, kBetween + 3);
+  } else {
+    add_rows(kFactor ? 0 : 21, kBlockFields);
   }
 }
 
@@ -259,13 +294,32 @@ template <bool kLeaf, bool kFactor, class T, int kWidth>
   return kNone;
 }
 
+template <class V>
+UNLATCH_INLINE void init_in_fours(const V& v, double mass, const SpatialT<Pack<1>>& own) {
+  using Four = Pack<4>::Numbers;
+  double* to = v.find(kBlock);
+  const auto put = [&](int row, const Four& numbers) { store(to + row, Pack<4>(numbers)); };
+  put(0, Four{mass, mass, mass, 0});
+  put(4, Four{0, 0, 0, 0});
+  put(8, Four{0, 0, 0, 0});
+  for (int row = kBetween; row < kBetween + 3; ++row) to[row] = 0;
+  put(15, load<Pack<4>>(v.find(kInertia)).v);
+  put(19, Four{v.get(kInertia + 4).v, v.get(kInertia + 5).v, own.lin.x.v, own.lin.y.v});
+  put(23, Four{own.lin.z.v, own.ang.x.v, own.ang.y.v, own.ang.z.v});
+}
+
 // Bodies with something beyond them begin with what is their own.
 template <int kWidest, bool kFactor>
 UNLATCH_INLINE void init_blocks(const Plan& plan, Workspace& ws, const Sweep& sweep) {
   for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto&) {
     if (group.leaf) return;
-    if (kFactor) set_block(v.from(kBlock), get_body_block(c.get(kMass), v.get_sym(kInertia)));
-    v.set(kBlock + 21, get_source(v, sweep.source));
+    const auto own = get_source(v, sweep.source);
+    if constexpr (kWidest >= 4 && kFactor && V::kStride == 1) {
+      init_in_fours(v, c.get(kMass).v, own);
+    } else {
+      if (kFactor) set_block(v.from(kBlock), get_body_block(c.get(kMass), v.get_sym(kInertia)));
+      v.set(kBlock + 21, own);
+    }
   });
 }
 
@@ -294,8 +348,8 @@ UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep)
     });
     if (kFactor && node != kNone) return node;
     if (group.fan_ends)
-      close_fan(ws.lanes.data(), plan.lane_parents[static_cast<std::size_t>(group.first)],
-                group.fan_begins ? group.width : 8, kFactor ? 0 : 21, fan);
+      close_fan<kWidest, kFactor>(ws.lanes.data(), plan.lane_parents[static_cast<std::size_t>(group.first)],
+                                  group.fan_begins ? group.width : 8, fan);
   }
   return kNone;
 }

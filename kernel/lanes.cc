@@ -214,9 +214,8 @@ class Layout {
     group.carried = kind.carried;
     group.compliant = kind.compliant;
     group.special = kind.special;
-    group.loaded =
-        std::any_of(members, members + count, [&](const Candidate& c) { return loaded_[at(old_[at(c.node)].body)]; });
-    lay_out(group);
+    lay_out(group, std::any_of(members, members + count,
+                               [&](const Candidate& c) { return loaded_[at(old_[at(c.node)].body)]; }));
     for (std::size_t lane = 0; lane < group.width; ++lane) {
       const Candidate& member = members[std::min(lane, count - 1)];
       plan_.lane_parents.push_back(member.parent == kNone ? LaneSlot{0, 0, 0} : get_slot(places_[at(member.parent)]));
@@ -265,10 +264,10 @@ class Layout {
   }
 
   // Where the optional parts of the group's block begin, in rows, and where the block lies.
-  void lay_out(LaneGroup& group) {
+  void lay_out(LaneGroup& group, bool loaded) {
     int rows = group.has_joint ? kJointEnd : kBodyEnd;
-    const auto take = [&](std::uint16_t& part, int count) {
-      part = static_cast<std::uint16_t>(rows);
+    const auto take = [&](std::uint8_t& part, int count) {
+      part = static_cast<std::uint8_t>(rows);
       rows += count;
     };
     if (group.shared_axes)
@@ -289,8 +288,9 @@ class Layout {
     group.crossed = group.has_joint ? kMotionEnd : kBodyMotionEnd;
     group.carried_axes = group.crossed + (group.universal ? 1 : 0);
     const int carried = group.has_joint ? kOffsetFields + 3 * std::popcount(group.carried) : 0;
-    group.applied = group.carried_axes + carried;
-    moved_ += align((group.applied + (group.loaded ? 6 : 0)) * group.width);
+    const MotionField end = group.carried_axes + carried;
+    group.applied = loaded ? end : kPose;
+    moved_ += align((end + (loaded ? 6 : 0)) * group.width);
     group.constants = constants_;
     const MotionConstant joint = group.shared_axes ? kSharedConstants : kAllConstants;
     constants_ += align((group.has_joint ? joint : kBodyConstants) * group.width);

@@ -22,7 +22,7 @@ class Plan;
 struct PlanNode;
 
 // Rows of a group's first block, from LaneGroup::motion on.
-enum MotionField : std::int32_t {
+enum MotionField : std::int16_t {
   // of the body
   kPose = 0,               // p_WB, q_WB at the stage
   kVelocity = kPose + 7,   // v_WB, w_WB_B
@@ -39,7 +39,7 @@ enum MotionField : std::int32_t {
   kMotionEnd = kSlip + 6,
 };
 constexpr MotionField operator+(MotionField row, int rows) {
-  return static_cast<MotionField>(static_cast<std::int32_t>(row) + rows);
+  return static_cast<MotionField>(static_cast<int>(row) + rows);
 }
 // Rows of its second block, from LaneGroup::data on. Both blocks have parts that not every group needs, see LaneGroup.
 enum LaneField : std::int32_t {
@@ -117,7 +117,7 @@ enum class LaneSpecial : std::uint8_t {
 
 enum class LaneSides : std::uint8_t { kFollowers, kBases, kMixed };
 
-struct LaneGroup {
+struct alignas(64) LaneGroup {
   std::int32_t first;   // of its lanes: into Plan::lane_nodes and Plan::lane_parents
   std::int32_t motion;  // its blocks in Workspace::lanes, in numbers
   std::int32_t data;
@@ -132,7 +132,6 @@ struct LaneGroup {
   LaneSides sides;            // what the children are to their joints
   bool shared_axes;           // one frame for point–plane and rotation rows
   bool universal;
-  bool loaded;        // some load is fixed in some of its bodies
   bool may_be_loose;  // some mode leaves fewer than three rows, or a lane is empty
   RowSet freedoms;    // that some mode of three rows or more leaves
   RowSet rows;        // that some mode of one or two rows holds
@@ -141,11 +140,14 @@ struct LaneGroup {
   std::uint8_t carried;  // bit a: some mode's orientation is measured by where axis a has gone
   // where the optional parts begin, in rows
   MotionField crossed, carried_axes;
-  MotionField applied;  // force and torque of loads fixed in the bodies, body axes; see loads.h
-  std::uint16_t rotation_axes, free;
-  std::uint16_t freedom_parts[kRows], row_parts[kRows];  // per row, of those in `freedoms` and in `rows`
-  std::uint16_t pivots[kRows];                           // of those in `compliant`: what is added to the pivot
+  MotionField applied;  // force and torque of loads fixed in the bodies, body axes; kPose: there are none
+  std::uint8_t rotation_axes, free;
+  std::uint8_t freedom_parts[kRows], row_parts[kRows];  // per row, of those in `freedoms` and in `rows`
+  std::uint8_t pivots[kRows];                           // of those in `compliant`: what is added to the pivot
 };
+static_assert(sizeof(LaneGroup) == 64, "a cache line: the solver reads one for each group");
+static_assert(kJointEnd + 9 + kFreeFields + kRows * 25 < 256, "the last row that there can be");
+static_assert(kFreedomEnd + int{kRowEnd} + 1 == 25);
 
 // Where one body's or joint's numbers are: row r of it is lanes[offset + r · stride], or lanes[motion + r · stride] for
 // a MotionField.

@@ -33,7 +33,8 @@ double find_profile(const Plan& plan, int profile, double s, Workspace& ws) {
 
 void clear_wrenches(const Plan& plan, Workspace& ws) {
   for (const LaneGroup& group : plan.groups)
-    if (group.loaded) std::fill_n(ws.lanes.data() + group.motion + group.applied * group.width, 6 * group.width, 0.0);
+    if (group.applied != kPose)
+      std::fill_n(ws.lanes.data() + group.motion + group.applied * group.width, 6 * group.width, 0.0);
 }
 
 }  // namespace
