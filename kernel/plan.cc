@@ -291,12 +291,23 @@ std::int32_t compile_condition(const Condition& c, Plan& plan) {
   return depth;
 }
 
+bool is_elementary(const Condition& c) { return c.parts.empty(); }
+bool is_switch(const Condition& c) { return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal; }
+
 void compile_events(const Model& model, Plan& plan) {
   for (const Event& event : model.events) {
-    PlanEvent out{
-        static_cast<std::int32_t>(plan.conditions.size()), 0,           static_cast<std::int32_t>(plan.actions.size()),
-        static_cast<std::int32_t>(event.then.size()),      event.delay, event.repeat};
-    plan.guard_depth = std::max(plan.guard_depth, compile_condition(event.when, plan));
+    Condition when = event.when;
+    const bool all = when.kind == Condition::Kind::kAll &&
+                     std::all_of(when.parts.begin(), when.parts.end(), is_elementary) && !when.parts.empty();
+    if (all) std::stable_partition(when.parts.begin(), when.parts.end(), is_switch);
+    PlanEvent out{static_cast<std::int32_t>(plan.conditions.size()),
+                  0,
+                  static_cast<std::int32_t>(plan.actions.size()),
+                  static_cast<std::int32_t>(event.then.size()),
+                  all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
+                  event.delay,
+                  event.repeat};
+    plan.guard_depth = std::max(plan.guard_depth, compile_condition(when, plan));
     out.condition_count = static_cast<std::int32_t>(plan.conditions.size()) - out.first_condition;
     plan.actions.insert(plan.actions.end(), event.then.begin(), event.then.end());
     plan.events.push_back(out);

@@ -170,6 +170,7 @@ struct PlanCondition {
 
 struct PlanEvent {
   std::int32_t first_condition, condition_count, first_action, action_count;
+  std::int32_t flat_parts;  // the first conditions that must all hold, where the guard is nothing else; otherwise 0
   double delay;
   bool repeat;
 };
