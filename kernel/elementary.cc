@@ -145,20 +145,22 @@ double exp(double x) noexcept {
   const int k = static_cast<int>(x * kLog2E + (x < 0 ? -0.5 : 0.5));
   const Pair r = calc_difference(x - k * kLn2.hi, k * kLn2.lo);
 
-  double p = 1.0 / 6227020800.0;
-  p = p * r.hi + 1.0 / 479001600.0;
-  p = p * r.hi + 1.0 / 39916800.0;
-  p = p * r.hi + 1.0 / 3628800.0;
-  p = p * r.hi + 1.0 / 362880.0;
-  p = p * r.hi + 1.0 / 40320.0;
-  p = p * r.hi + 1.0 / 5040.0;
-  p = p * r.hi + 1.0 / 720.0;
-  p = p * r.hi + 1.0 / 120.0;
-  p = p * r.hi + 1.0 / 24.0;
-  p = p * r.hi + 1.0 / 6.0;
-  p = p * r.hi + 0.5;
+  const double s = r.hi * r.hi;
+  double odd = 1.0 / 6227020800.0;  // even and odd powers side by side: half as long a chain
+  odd = odd * s + 1.0 / 39916800.0;
+  odd = odd * s + 1.0 / 362880.0;
+  odd = odd * s + 1.0 / 5040.0;
+  odd = odd * s + 1.0 / 120.0;
+  odd = odd * s + 1.0 / 6.0;
+  double even = 1.0 / 479001600.0;
+  even = even * s + 1.0 / 3628800.0;
+  even = even * s + 1.0 / 40320.0;
+  even = even * s + 1.0 / 720.0;
+  even = even * s + 1.0 / 24.0;
+  even = even * s + 0.5;
+  const double p = odd * r.hi + even;
   const double one_plus = 1.0 + r.hi;
-  const double y = one_plus + (((1.0 - one_plus) + r.hi) + (r.lo + r.hi * r.hi * p));
+  const double y = one_plus + (((1.0 - one_plus) + r.hi) + (r.lo + s * p));
   const int half = k / 2;
   return y * calc_power_of_two(half) * calc_power_of_two(k - half);
 }

@@ -127,7 +127,7 @@ StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state,
     if (added != 0) {
       if (node = apply_impulse(plan, state, ws); node != kNone) return StepStatus::kSingular;
       entitled = calc_impulse_entitlement(plan, state, ws);
-      update_kinematics(plan, ws);
+      update_rates(plan, ws);
     }
     if (at(ws.audit_count) < ws.audits.size())
       ws.audits[at(ws.audit_count++)] = {now, before, difference(calc_balance(plan, state, ws), before), entitled};

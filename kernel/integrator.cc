@@ -30,21 +30,26 @@ int project(const Plan& plan, const State& state, Workspace& ws) {
   solve(plan, ws, kCorrection);
   plan.kernels->add_velocities(plan, ws);
   add_modal_velocities(plan, ws);
+  update_rates(plan, ws);
   return kNone;
 }
 
-// Without outputs it does without multipliers, and coordinates that no spring reads. Takes as many rows of loops for
-// independent as the latest evaluation has found.
-int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs, Workspace& ws) {
+// At the present kinematics. Without outputs it does without multipliers, and coordinates that no spring reads. Takes
+// as many rows of loops for independent as the latest evaluation has found.
+int solve_dynamics(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs, Workspace& ws) {
   update_loads(plan, inputs, state, t, ws);
-  update_masses(plan, t, ws);
-  update_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kAcceleration, ws);
   update_coordinates(plan, state, outputs, ws);
   update_forces(plan, state, t, ws);
   if (const int node = factor_and_solve(plan, state, ws, {Source::kForces, true, outputs}); node != kNone) return node;
   update_modal_rates(plan, ws);
   return kNone;
+}
+
+int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
+  update_masses(plan, t, ws);
+  update_kinematics(plan, ws);
+  return solve_dynamics(plan, inputs, state, t, false, ws);
 }
 
 // The end of a sub-step, on its rows.
@@ -60,12 +65,12 @@ int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& fr
   const double lead = ws.implicit.lead;
   kernels.restart(plan, ws);
   restart_extras(ws);
-  if (const int node = evaluate_stage(plan, inputs, from, t, false, ws); node != kNone) return node;
+  if (const int node = evaluate_stage(plan, inputs, from, t, ws); node != kNone) return node;
   kernels.finish_first_stage(plan, ws, h, lead);
   lead_modal_rates(plan, ws);
   begin_second_extras(ws, h);
   keep_first_stage(plan, ws);
-  if (const int node = evaluate_stage(plan, inputs, from, t + h, false, ws); node != kNone) return node;
+  if (const int node = evaluate_stage(plan, inputs, from, t + h, ws); node != kNone) return node;
   kernels.finish_second_stage(plan, ws, h, lead);
   lead_modal_rates(plan, ws);
   finish_extras(ws, 0.5, h);
@@ -77,7 +82,7 @@ int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& fr
 int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   end_compliance(plan, ws);
   ws.loop_most = kAllRows;
-  if (const int node = evaluate_stage(plan, inputs, state, t, true, ws); node != kNone) return node;
+  if (const int node = solve_dynamics(plan, inputs, state, t, true, ws); node != kNone) return node;
   ws.loop_most = ws.loop_count - ws.loop_redundant;
   return kNone;
 }
@@ -86,6 +91,8 @@ int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double 
   load_state(plan, state, ws);
   load_extras(state, ws);
   forget_loads(ws);
+  update_masses(plan, t, ws);
+  update_kinematics(plan, ws);
   return evaluate_lanes(plan, inputs, state, t, ws);
 }
 
@@ -100,13 +107,13 @@ int integrate(const Plan& plan, const Inputs& inputs, const State& from, double 
   constexpr double kOuter = 1.0 / 6.0, kInner = 1.0 / 3.0;
   kernels.begin_stages(plan, ws, kOuter, 0.5 * h);
   begin_extras(ws, kOuter, 0.5 * h);
-  if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, false, ws); node != kNone) return node;
+  if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, ws); node != kNone) return node;
   kernels.advance_stage(plan, ws, kInner, 0.5 * h);
   advance_extras(ws, kInner, 0.5 * h);
-  if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, false, ws); node != kNone) return node;
+  if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, ws); node != kNone) return node;
   kernels.advance_stage(plan, ws, kInner, h);
   advance_extras(ws, kInner, h);
-  if (const int node = evaluate_stage(plan, inputs, from, t + h, false, ws); node != kNone) return node;
+  if (const int node = evaluate_stage(plan, inputs, from, t + h, ws); node != kNone) return node;
   kernels.finish_stages(plan, ws, kOuter, h);
   finish_extras(ws, kOuter, h);
   return finish(plan, from, t + h, ws);

@@ -15,7 +15,7 @@ struct Inputs;
 // kNone, or the node whose pivot vanished.
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
-// The same for poses and velocities that stand in the lanes already; `state` for its joints, elements and signals.
+// The same for what stands in the lanes already, kinematics included; `state` for its joints, elements and signals.
 int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
 // What the latest evaluation was of is where the next sub-steps begin.

@@ -151,6 +151,11 @@ void update_kinematics(const Plan& plan, Workspace& ws) noexcept {
   update_flexible_kinematics(plan, ws);
 }
 
+void update_rates(const Plan& plan, Workspace& ws) noexcept {
+  update_markers(plan, ws);
+  plan.kernels->update_rates(plan, ws);
+}
+
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept {
   plan.kernels->update_joints(plan, ws, kind);
   update_marker_biases(plan, kind, ws);

@@ -24,6 +24,9 @@ Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower)
 // Rotations, angular velocities and inertias of all bodies.
 void update_kinematics(const Plan& plan, Workspace& ws) noexcept;
 
+// The same where only velocities have changed since.
+void update_rates(const Plan& plan, Workspace& ws) noexcept;
+
 // Frames of all joints and the right-hand sides of their rows; needs kinematics.
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept;
 

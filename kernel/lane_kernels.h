@@ -31,6 +31,8 @@ struct LaneKernels {
   Lanes lanes;
   // Rotation, angular velocity and inertia in world axes, from pose and velocity.
   void (*update_kinematics)(const Plan&, Workspace&);
+  // The angular velocity alone, where poses have not changed since.
+  void (*update_rates)(const Plan&, Workspace&);
   // Weight, gyroscopic torque and loads fixed in the bodies, from poses and kinematics.
   void (*init_forces)(const Plan&, Workspace&);
   // Arms, axes, slips and what the joint imposes, for joints of the tree; needs kinematics.

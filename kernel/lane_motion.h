@@ -57,6 +57,13 @@ void update_kinematics(const Plan& plan, Workspace& ws) {
 }
 
 template <int kWidest>
+void update_rates(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto& v, const auto&, const auto&) {
+    v.set(kOmega, v.get_mat(kRotation) * v.get_vec(kVelocity + 3));
+  });
+}
+
+template <int kWidest>
 void init_forces(const Plan& plan, Workspace& ws) {
   for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto&) {
     using T = typename V::T;

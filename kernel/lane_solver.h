@@ -478,6 +478,7 @@ template <int kWidest>
 constexpr LaneKernels build_kernels(Lanes lanes) {
   return {lanes,
           update_kinematics<kWidest>,
+          update_rates<kWidest>,
           init_forces<kWidest>,
           update_joints<kWidest>,
           calc_angles<kWidest>,

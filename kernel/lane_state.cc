@@ -17,6 +17,16 @@ static_assert(sizeof(BodyState) == (kStart - kPose) * sizeof(double));
 // All bits or none: what the kernels' masks are made of.
 double get_mask(bool holds) { return std::bit_cast<double>(holds ? ~std::uint64_t{0} : std::uint64_t{0}); }
 
+bool has_three(RowSet rows) {
+  const RowSet without_one = rows & static_cast<RowSet>(rows - 1);
+  return (without_one & static_cast<RowSet>(without_one - 1)) != 0;
+}
+
+template <class Do>
+void for_rows(RowSet rows, const Do& act) {
+  for (unsigned left = rows; left != 0; left &= left - 1) act(std::countr_zero(left));
+}
+
 void load_body(const BodyState& body, double* lanes, std::int32_t stride) {
   const double numbers[] = {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
                             body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
@@ -29,22 +39,18 @@ void load_body(const BodyState& body, double* lanes, std::int32_t stride) {
 // What one lane's mode makes of its parts. `rows`: that hold; 0 for an empty lane.
 void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int joint, RowSet rows, double* lanes,
                LaneSlot slot, LanePhase& phase) {
-  const bool held = std::popcount(rows) >= 3 || (group.compliant != 0 && joint != kNone);
+  const bool held = has_three(rows) || (group.compliant != 0 && joint != kNone);
   get_number(lanes, slot, kHeld) = get_mask(held);
   (held ? phase.held : phase.loose) = true;
-  for (int r = 0; r < kRows; ++r) {
-    if (has_row(group.compliant, r)) get_number(lanes, slot, group.pivots[r]) = 0;
-    if (has_row(group.freedoms, r)) {
-      const bool active = held && !has_row(rows, r);
-      get_number(lanes, slot, group.freedom_parts[r] + kMask) = get_mask(active);
-      if (active) phase.freedoms = static_cast<RowSet>(phase.freedoms | row_bit(r));
-    }
-    if (has_row(group.rows, r)) {
-      const bool active = !held && has_row(rows, r);
-      get_number(lanes, slot, group.row_parts[r] + kRowMask) = get_mask(active);
-      if (active) phase.rows = static_cast<RowSet>(phase.rows | row_bit(r));
-    }
-  }
+  const RowSet freedoms = held ? static_cast<RowSet>(group.freedoms & ~rows) : RowSet{0};
+  const RowSet holding = held ? RowSet{0} : static_cast<RowSet>(group.rows & rows);
+  phase.freedoms = static_cast<RowSet>(phase.freedoms | freedoms);
+  phase.rows = static_cast<RowSet>(phase.rows | holding);
+  for_rows(group.compliant, [&](int r) { get_number(lanes, slot, group.pivots[r]) = 0; });
+  for_rows(group.freedoms,
+           [&](int r) { get_number(lanes, slot, group.freedom_parts[r] + kMask) = get_mask(has_row(freedoms, r)); });
+  for_rows(group.rows,
+           [&](int r) { get_number(lanes, slot, group.row_parts[r] + kRowMask) = get_mask(has_row(holding, r)); });
   const JointState* memory = joint == kNone ? nullptr : &state.joints[at(joint)];
   write_vec(lanes, slot, group.carried_axes, memory == nullptr ? Vec3{0, 0, 0} : memory->offset);
   MotionField part = group.carried_axes + kOffsetFields;

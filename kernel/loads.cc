@@ -57,12 +57,6 @@ double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noex
   return 0;
 }
 
-double calc_scale(const ElementState& element, double t) noexcept {
-  const double elapsed = t - element.start;
-  if (!(elapsed < element.duration)) return element.to;
-  return element.from + (element.to - element.from) * (elapsed / element.duration);
-}
-
 void update_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   if (plan.loads.empty() || ws.loads_time == t) return;
   ws.loads_time = t;

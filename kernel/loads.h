@@ -10,7 +10,11 @@ namespace unlatch {
 struct Inputs;
 
 // An element's switch scale at time t.
-double calc_scale(const ElementState& element, double t) noexcept;
+inline double calc_scale(const ElementState& element, double t) noexcept {
+  const double elapsed = t - element.start;
+  if (!(elapsed < element.duration)) return element.to;
+  return element.from + (element.to - element.from) * (elapsed / element.duration);
+}
 
 // A profile's value, s seconds after its element was switched on.
 double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noexcept;

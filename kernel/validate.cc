@@ -95,8 +95,7 @@ void check_law(const std::string& where, const MassLaw& law, ModelErrors& errors
     if (i > 0 && !(knot.at > law.knots[i - 1].at))
       report("its mass law's knots do not increase: " + show(law.knots[i - 1].at) + ", " + show(knot.at),
              "each is later, or more has been burnt, than at the one before");
-    if (!has_good_size(knot.mass))
-      report("its mass becomes " + show(knot.mass) + " kg at " + show(knot.at), kSizes);
+    if (!has_good_size(knot.mass)) report("its mass becomes " + show(knot.mass) + " kg at " + show(knot.at), kSizes);
     check_finite(where, "law", knot.centre.allFinite(), errors);
     check_inertia(where, knot.inertia, errors);
   }
@@ -183,8 +182,7 @@ void validate_bodies(const Model& model, ModelErrors& errors) {
       continue;
     }
     if (body.flexible) check_flexible(where, *body.flexible, errors);
-    if (!has_good_size(body.mass))
-      errors.push_back({where, "its mass is " + show(body.mass) + " kg", kSizes, "mass"});
+    if (!has_good_size(body.mass)) errors.push_back({where, "its mass is " + show(body.mass) + " kg", kSizes, "mass"});
     check_inertia(where, body.inertia, errors);
     check_finite(where, "position", body.p_WB.allFinite(), errors);
     check_finite(where, "velocity", body.v_WB.allFinite(), errors);

@@ -305,7 +305,7 @@ TEST(Elementary, ArctangentOfSpecialValues) {
 // The bits of a fixed sequence of results. Another compiler, optimisation level or instruction set that rounds one of
 // them differently shows up here; so does a change of method, which needs a line in CHANGELOG.md.
 TEST(Elementary, ResultsHaveTheSameBitsEverywhere) {
-  constexpr std::uint64_t kGolden = 0xcabfbb2a5d70b5bd;
+  constexpr std::uint64_t kGolden = 0x511c4cc8648237a5;
   std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a over bytes
   const auto update_hash = [&hash](double x) {
     for (std::uint64_t bits = std::bit_cast<std::uint64_t>(x), i = 0; i < 8; ++i, bits >>= 8) {
