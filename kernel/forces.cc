@@ -25,14 +25,14 @@ void push(Workspace& ws, int body, const Vec3& force, const Vec3& torque) {
 
 // What burns propellant, and loads that keep their direction in the world; the others are in the lanes.
 void add_loads(const Plan& plan, Workspace& ws) {
-  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
-    const PlanLoad& load = plan.loads[i];
-    const double size = ws.load_sizes[i];
+  for (const std::int32_t i : plan.busy_loads) {
+    const PlanLoad& load = plan.loads[at(i)];
+    const double size = ws.load_sizes[at(i)];
     if (load.consumption != 0) ws.extras.rate[at(load.varying)] += load.consumption * std::abs(size) * load.length;
     if (!load.world || size == 0) continue;
-    const Vec3 force = size * load.wrench.lin,
-               point = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation) * load.point;
-    push(ws, load.body, force, cross(point, force) + size * load.wrench.ang);
+    const Mat3 R = read_mat(ws.lanes.data(), ws.slots[at(load.body)], kRotation);
+    const Vec3 force = size * load.wrench.lin;
+    push(ws, load.body, force, cross(R * load.point, force) + size * load.wrench.ang);
   }
 }
 

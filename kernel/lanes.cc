@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "kernel/lane_access.h"
 #include "kernel/plan.h"
 
 namespace unlatch {
@@ -257,10 +258,14 @@ class Layout {
 
   // Where each load that is fixed in a body is summed.
   void place_loads() {
-    std::vector<MotionField> applied(model_.bodies.size(), kPose);
-    for (std::size_t k = 0; k < plan_.nodes.size(); ++k)
-      applied[at(plan_.nodes[k].body)] = plan_.groups[at(places_[k].group)].applied;
-    for (PlanLoad& load : plan_.loads) load.applied = applied[at(load.body)];
+    std::vector<int> node_of(model_.bodies.size(), kNone);
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) node_of[at(plan_.nodes[k].body)] = static_cast<int>(k);
+    for (PlanLoad& load : plan_.loads) {
+      const Place place = places_[at(node_of[at(load.body)])];
+      const LaneSlot slot = get_slot(place);
+      load.applied = find(slot, plan_.groups[at(place.group)].applied);
+      load.stride = slot.stride;
+    }
   }
 
   // Where the optional parts of the group's block begin, in rows, and where the block lies.

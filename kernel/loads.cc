@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "kernel/elementary.h"
-#include "kernel/lane_access.h"
 #include "kernel/step.h"
 
 namespace unlatch {
@@ -61,6 +60,7 @@ void update_loads(const Plan& plan, const Inputs& inputs, const State& state, do
   if (plan.loads.empty() || ws.loads_time == t) return;
   ws.loads_time = t;
   clear_wrenches(plan, ws);
+  double* lanes = ws.lanes.data();
   for (std::size_t i = 0; i < plan.loads.size(); ++i) {
     const PlanLoad& load = plan.loads[i];
     const ElementState& element = state.elements[at(load.element)];
@@ -71,9 +71,14 @@ void update_loads(const Plan& plan, const Inputs& inputs, const State& state, do
     const double size = value * scale * (load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)]);
     ws.load_sizes[i] = size;
     if (load.world) continue;
-    const LaneSlot slot = ws.slots[at(load.body)];
-    add_vec(ws.lanes.data(), slot, load.applied, size * load.wrench.lin);
-    add_vec(ws.lanes.data(), slot, load.applied + 3, size * load.wrench.ang);
+    double* applied = lanes + load.applied;
+    const std::ptrdiff_t stride = load.stride;
+    applied[0] += size * load.wrench.lin.x;
+    applied[stride] += size * load.wrench.lin.y;
+    applied[2 * stride] += size * load.wrench.lin.z;
+    applied[3 * stride] += size * load.wrench.ang.x;
+    applied[4 * stride] += size * load.wrench.ang.y;
+    applied[5 * stride] += size * load.wrench.ang.z;
   }
 }
 

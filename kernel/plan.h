@@ -132,13 +132,13 @@ struct PlanProfile {
 
 struct PlanLoad {
   std::int32_t body, element, profile, channel;
-  bool world;            // it keeps its direction in the world, else in the body
-  MotionField applied;   // otherwise: where the lanes of its body sum such loads
-  Vec3 point;            // of a force in the world, body axes
-  Spatial wrench;        // of size 1, in its axes; in the body at the origin, in the world at the point
-  double length;         // of the direction
-  double consumption;    // kg per N s
-  std::int32_t varying;  // into Plan::varying: what burns it
+  bool world;                    // it keeps its direction in the world, else in the body
+  std::int32_t applied, stride;  // otherwise: where Workspace::lanes sums such loads on its body
+  Vec3 point;                    // of a force in the world, body axes
+  Spatial wrench;                // of size 1, in its axes; in the body at the origin, in the world at the point
+  double length;                 // of the direction
+  double consumption;            // kg per N s
+  std::int32_t varying;          // into Plan::varying: what burns it
 };
 
 struct PlanPointSpring {
@@ -230,6 +230,7 @@ class Plan {
   double mu = 0;
   Vec3 mu_centre{};
   std::vector<PlanLoad> loads;
+  std::vector<std::int32_t> busy_loads;  // of these, those in the world, and those that burn something
   std::vector<PlanPointSpring> point_springs;
   std::vector<PlanJointSpring> joint_springs;
   std::vector<PlanPlaneTorsion> plane_torsions;
