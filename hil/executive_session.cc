@@ -268,10 +268,7 @@ LogEnd Executive::conclude(RunStatus status, std::string message) {
   }
   resent_ -= kFarewells;
   publish_health(get_monotonic_ns());
-  if (status != RunStatus::kFaulted) {
-    simulation_.renew_outputs();  // the last rehearsal was of a tick that does not come
-    publish_reactions(get_monotonic_ns());
-  }
+  if (status != RunStatus::kFaulted) publish_reactions(get_monotonic_ns());
 
   LogEnd end;
   end.tick = simulation_.get_tick();

@@ -118,9 +118,6 @@ StepReport Simulation::step() noexcept {
 void Simulation::rehearse() noexcept {
   std::memcpy(rehearsal_.get_bytes().data(), state_.get_bytes().data(), state_.get_bytes().size());
   (void)unlatch::step(plan_, Inputs{held_.get_channels()}, rehearsal_, workspace_);
-}
-
-void Simulation::renew_outputs() noexcept {
   (void)update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_);  // it had outputs before
 }
 

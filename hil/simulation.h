@@ -37,10 +37,8 @@ class Simulation {
   // has changed but what is latched.
   StepReport step() noexcept UNLATCH_NONBLOCKING;
 
-  // The same step, thrown away: what remains is in the processor's caches, and in the workspace until the next step.
+  // The same step, thrown away: what remains is in the processor's caches.
   void rehearse() noexcept UNLATCH_NONBLOCKING;
-  // The workspace's outputs are those of the state again.
-  void renew_outputs() noexcept;
 
   // All that decides how the run goes on, as 8-byte words: the state block; the channels' values, commanded and held;
   // the sensor values held.

@@ -96,6 +96,14 @@ int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double 
   return evaluate_lanes(plan, inputs, state, t, ws);
 }
 
+void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+  forget_loads(ws);
+  update_loads(plan, inputs, state, t, ws);
+  update_forces(plan, state, t, ws);
+  solve(plan, ws, {Source::kForces, true, true});
+  update_modal_rates(plan, ws);
+}
+
 void keep_start(const Plan& plan, Workspace& ws) noexcept {
   plan.kernels->keep_start(plan, ws);
   keep_extras(ws);

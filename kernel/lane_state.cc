@@ -67,6 +67,7 @@ void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int
 }  // namespace
 
 void load_state(const Plan& plan, const State& state, Workspace& ws) noexcept {
+  ws.settled = false;
   double* lanes = ws.lanes.data();
   for (const LaneGroup& group : plan.groups)
     for (int lane = 0; lane < group.width; ++lane) {

@@ -179,6 +179,21 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
+// The beginning of a step, evaluated with its inputs. What the workspace holds of the step before is that step's end,
+// and serves if nobody has touched the state since: only the inputs are new.
+bool begin_step(Run& run, const State& state, double begin) {
+  Workspace& ws = run.ws;
+  const std::span<const std::byte> now = state.get_bytes(), then = ws.accepted.get_bytes();
+  const bool goes_on = ws.settled && std::memcmp(now.data(), then.data(), now.size()) == 0;
+  ws.settled = false;
+  if (goes_on) {
+    evaluate_forces(run.plan, run.inputs, ws.accepted, begin, ws);
+    return true;
+  }
+  copy(state, ws.accepted);
+  return run.check(evaluate(run.plan, run.inputs, ws.accepted, begin, ws));
+}
+
 StepReport finish(const Run& run) {
   StepReport report = run.report;
   if (report.status == StepStatus::kSingular) report.joint = run.plan.nodes[static_cast<std::size_t>(run.node)].joint;
@@ -195,10 +210,9 @@ StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace&
   const double end = static_cast<double>(state.header->tick + 1) * plan.options.dt;
   workspace.fired_count = workspace.audit_count = 0;
   std::fill(workspace.tolerances.begin(), workspace.tolerances.end(), 0.0);
-  copy(state, workspace.accepted);
 
   // What the new inputs bring about, and what the last step postponed, acts at once.
-  if (!run.check(evaluate(plan, inputs, workspace.accepted, begin, workspace))) return finish(run);
+  if (!begin_step(run, state, begin)) return finish(run);
   update_guards(plan, inputs, workspace.accepted, begin, workspace, workspace.guards);
   rearm(plan, workspace.accepted, workspace);
   if (!act_at(run, begin)) return finish(run);
@@ -213,6 +227,7 @@ StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace&
   run.report.redundant = workspace.loop_redundant;
   ++workspace.accepted.header->tick;
   copy(workspace.accepted, state);
+  workspace.settled = true;
   return finish(run);
 }
 
@@ -220,6 +235,8 @@ StepStatus update_outputs(const Plan& plan, const Inputs& inputs, const State& s
   const double now = static_cast<double>(state.header->tick) * plan.options.dt;
   if (evaluate(plan, inputs, state, now, workspace) != kNone) return StepStatus::kSingular;
   update_sensors(plan, state, workspace);
+  copy(state, workspace.accepted);
+  workspace.settled = true;
   return StepStatus::kOk;
 }
 

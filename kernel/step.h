@@ -53,8 +53,9 @@ struct StepReport {
   std::span<const EventAudit> audits;
 };
 
-// Advances `state` by one tick. On any status but kOk the state is unchanged. Allocates nothing, takes no lock, makes
-// no system call.
+// Advances `state` by one tick. Quicker by a tenth where the latest call with this workspace left its outputs of this
+// very state: the bits are the same. On any status but kOk the state is unchanged. Allocates nothing, takes no lock,
+// makes no system call.
 [[nodiscard]] StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace& workspace) noexcept;
 
 // The accelerations, reactions and sensor values of a state: what step() leaves in the workspace for its new state,

@@ -81,6 +81,8 @@ Workspace::Workspace(const Plan& plan, std::span<std::byte> memory) noexcept {
   kinematics = {lanes.data(), slots.first(plan.body_slots.size())};
   accelerations = {lanes.data(), slots.first(plan.body_slots.size())};
   multipliers = {lanes.data(), slots.subspan(plan.body_slots.size())};
+  for (const std::int32_t joint : plan.loose_joints)  // of one that never holds nobody else writes them
+    for (std::size_t r = 0; r < kRows; ++r) multipliers.get(static_cast<std::size_t>(joint), r) = 0;
 }
 
 Spatial read_acceleration(const double* lanes, LaneSlot slot) noexcept {

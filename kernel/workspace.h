@@ -150,7 +150,8 @@ struct Workspace {
   std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
   std::int32_t loop_most = 0;           // as many of them as factor_loops() may take for independent
 
-  State accepted;  // how far the step has got; what it tries from there is in the lanes
+  State accepted;        // how far the step has got; what it tries from there is in the lanes
+  bool settled = false;  // no step is under way, and `accepted` is what the lanes and all of the above are of
 
   // per event
   std::span<double> guards;                   // at the latest evaluation

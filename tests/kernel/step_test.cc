@@ -1,6 +1,7 @@
 // What holds of every step, whatever the model.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "kernel/kinematics.h"
 #include "kernel/rows.h"
 #include "kernel/stiffness.h"
+#include "tests/golden/golden_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/random_model.h"
 #include "tests/support/reference_models.h"
@@ -42,18 +44,48 @@ TEST(Step, DoesNotAllocateInAnyPhase) {
   EXPECT_EQ(boosters.state.joints[3].mode, 2);
 }
 
+bool are_equal(const auto& a, const auto& b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::bit_cast<std::uint64_t>(double{a[i]}) != std::bit_cast<std::uint64_t>(double{b[i]})) return false;
+  return true;
+}
+
+// The step goes on from what the step before has left in the workspace, or, in another one, begins anew.
 TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
-  Simulation clean(build_boosters()), dirty(build_boosters());
-  const Workspace layout = dirty.workspace;
-  for (int i = 0; i < kAllPhases; ++i) {
-    std::byte* first = reinterpret_cast<std::byte*>(layout.lanes.data());
-    const std::size_t bytes = dirty.plan.get_workspace_bytes();
-    std::fill_n(reinterpret_cast<double*>(first), bytes / sizeof(double), std::numeric_limits<double>::quiet_NaN());
-    dirty.workspace = Workspace(dirty.plan, {first, bytes});
-    ASSERT_EQ(clean.advance().status, StepStatus::kOk);
-    ASSERT_EQ(dirty.advance().status, StepStatus::kOk);
-    ASSERT_EQ(calc_hash(clean.state), calc_hash(dirty.state)) << "tick " << i;
+  for (const GoldenModel& golden : build_golden_models()) {
+    SCOPED_TRACE(golden.model.name);
+    PlanOptions options;
+    options.dt = golden.dt;
+    Simulation clean(golden.model, options), dirty(golden.model, options);
+    const Workspace layout = dirty.workspace;
+    for (int i = 0; i < golden.ticks; ++i) {
+      std::byte* first = reinterpret_cast<std::byte*>(layout.lanes.data());
+      const std::size_t bytes = dirty.plan.get_workspace_bytes();
+      std::fill_n(reinterpret_cast<double*>(first), bytes / sizeof(double), std::numeric_limits<double>::quiet_NaN());
+      dirty.workspace = Workspace(dirty.plan, {first, bytes});
+      // The second of three commands differs, so that inputs change between steps.
+      for (Simulation* s : {&clean, &dirty})
+        for (double& command : s->commands) command = i % 3 == 1 ? 0.5 : 1;
+      ASSERT_EQ(clean.advance().status, StepStatus::kOk);
+      ASSERT_EQ(dirty.advance().status, StepStatus::kOk);
+      ASSERT_EQ(calc_hash(clean.state), calc_hash(dirty.state)) << "tick " << i;
+      ASSERT_TRUE(are_equal(clean.workspace.multipliers, dirty.workspace.multipliers)) << "tick " << i;
+      ASSERT_TRUE(are_equal(clean.workspace.sensors, dirty.workspace.sensors)) << "tick " << i;
+    }
   }
+}
+
+// One that somebody changes between two steps is not taken for what the step before has left.
+TEST(Step, AChangedStateCounts) {
+  Simulation changed(build_boosters()), fresh(build_boosters());
+  for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);
+  for (Simulation* s : {&changed, &fresh}) s->state.bodies[2].w.x += 1e-12;
+  fresh.workspace.settled = false;
+  for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);
+  EXPECT_EQ(calc_hash(changed.state), calc_hash(fresh.state));
+  Simulation same(build_boosters());
+  for (int i = 0; i < 2; ++i) ASSERT_EQ(same.advance().status, StepStatus::kOk);
+  EXPECT_NE(calc_hash(changed.state), calc_hash(same.state));
 }
 
 TEST(Step, ARestoredStateGoesTheSameWayAgain) {
