@@ -42,7 +42,7 @@ void keep_first_stage(const Plan& plan, Workspace& ws) noexcept {
     const PlanJointSpring& spring = plan.joint_springs[at(c.spring)];
     CompliantSpring& kept = ws.compliant[i];
     kept.first_acceleration = c.side * ws.lanes[at(c.acceleration)];
-    const std::size_t coordinate = at(spring.joint * kRows + spring.axis);
+    const std::size_t coordinate = at(spring.coordinate);
     kept.first_rate = ws.speeds[coordinate] + ws.implicit.lead * kept.first_acceleration;
     kept.second_place = ws.coordinates[coordinate] + ws.implicit.h * kept.first_rate;
     kept.second_rate = ws.speeds[coordinate] + ws.implicit.h * kept.first_acceleration;

@@ -60,7 +60,7 @@ void add_joint_springs(const Plan& plan, const State& state, double t, Workspace
   for (const PlanJointSpring& spring : plan.joint_springs) {
     const double scale = calc_scale(state.elements[at(spring.element)], t);
     if (scale == 0) continue;
-    const std::size_t coordinate = at(spring.joint) * kRows + at(spring.axis);
+    const std::size_t coordinate = at(spring.coordinate);
     double x = ws.coordinates[coordinate], rate = ws.speeds[coordinate], lead = 0;
     if (spring.compliant != kNone) lead = calc_lead(ws.compliant[at(spring.compliant)], ws.implicit, x, rate);
     const double size = (spring.effort - spring.stiffness * (x - spring.rest) - spring.damping * rate) * scale + lead;

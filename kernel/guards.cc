@@ -29,10 +29,10 @@ UNLATCH_INLINE double calc_elementary(const Plan& plan, const Inputs& inputs, co
       break;
     case Condition::Kind::kDisplacement:
     case Condition::Kind::kAngle:
-      value = ws.coordinates[subject * kRows + at(c.axis)];
+      value = ws.coordinates[subject];
       break;
     case Condition::Kind::kSpeed:
-      value = ws.speeds[subject * kRows + at(c.axis)];
+      value = ws.speeds[subject];
       break;
     case Condition::Kind::kBodyRate:
       value = norm(read_vec(ws.lanes.data(), ws.slots[subject], kVelocity + 3));

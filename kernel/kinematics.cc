@@ -180,9 +180,9 @@ void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspac
 void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept {
   const std::span read = std::span(plan.coordinates).first(all ? plan.coordinates.size() : at(plan.driven_coordinates));
   std::size_t turns = 0;
-  for (const PlanCoordinate& c : read) {
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const PlanCoordinate& c = read[i];
     const JointNumbers numbers(plan, ws, c.joint);
-    const std::size_t i = at(c.joint) * kRows + at(c.row);
     ws.speeds[i] = dot(numbers.get_axis(c.row), numbers.get_slip(c.row >= kRotX));
     if (c.row < kRotX) {
       ws.coordinates[i] = numbers.get_displacement(c.row);
@@ -195,10 +195,11 @@ void update_coordinates(const Plan& plan, const State& state, bool all, Workspac
   if (turns == 0) return;
   turn_into_angles(plan, turns, ws);
   turns = 0;
-  for (const PlanCoordinate& c : read) {
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const PlanCoordinate& c = read[i];
     if (c.row < kRotX) continue;
     const double previous = state.joints[at(c.joint)].angle[c.row - kRotX];
-    ws.coordinates[at(c.joint) * kRows + at(c.row)] = unwind(ws.turn_sines[turns++], previous);
+    ws.coordinates[i] = unwind(ws.turn_sines[turns++], previous);
   }
 }
 

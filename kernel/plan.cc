@@ -118,25 +118,32 @@ void mark_blocks(const Model& model, Plan& plan) {
     if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
 }
 
-// Which coordinates somebody reads, those that springs read first; the others are not computed.
-void find_coordinates(const Model& model, Plan& plan) {
-  std::vector<RowSet> found(model.joints.size(), 0);
-  const auto add = [&](int joint, int axis) {
-    if (has_row(found[at(joint)], axis)) return;
-    found[at(joint)] = static_cast<RowSet>(found[at(joint)] | row_bit(axis));
-    plan.coordinates.push_back({joint, axis});
-    if (axis >= kRotX) ++plan.turn_count;
-  };
-  for (const JointSpring& spring : model.joint_springs) add(spring.joint, spring.axis);
-  plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
-  for (const PlanCondition& c : plan.conditions)
+// The coordinates that somebody reads; the others are not computed.
+class Coordinates {
+ public:
+  explicit Coordinates(Plan& plan) : plan_(plan) {}
+
+  // Its place in Plan::coordinates.
+  std::int32_t find(int joint, int axis) {
+    const auto next = static_cast<std::int32_t>(plan_.coordinates.size());
+    const auto [found, is_new] = known_.emplace(std::pair(joint, axis), next);
+    if (is_new) {
+      plan_.coordinates.push_back({joint, axis});
+      if (axis >= kRotX) ++plan_.turn_count;
+    }
+    return found->second;
+  }
+
+ private:
+  Plan& plan_;
+  std::map<std::pair<int, int>, std::int32_t> known_;
+};
+
+void link_conditions(Plan& plan, Coordinates& coordinates) {
+  for (PlanCondition& c : plan.conditions)
     if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
         c.kind == Condition::Kind::kSpeed)
-      add(c.subject, c.axis);
-  for (const Sensor& sensor : model.sensors)
-    if (sensor.kind == Sensor::Kind::kAngle || sensor.kind == Sensor::Kind::kDisplacement ||
-        sensor.kind == Sensor::Kind::kSpeed)
-      add(sensor.subject, sensor.axis);
+      c.subject = coordinates.find(c.subject, c.axis);
 }
 
 PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) {
@@ -253,7 +260,7 @@ std::vector<ModelError> compile_compliance(const Model& model, const std::vector
   return errors;
 }
 
-void compile_elements(const Model& model, Plan& plan) {
+void compile_elements(const Model& model, Plan& plan, Coordinates& coordinates) {
   std::int32_t element = 0;
   const auto next = [&](bool on) {
     plan.element_scales.push_back(on ? 1 : 0);
@@ -275,8 +282,9 @@ void compile_elements(const Model& model, Plan& plan) {
                                   to_vec(s.point_follower), s.stiffness, s.damping, s.free_length});
   const JointSpring* first = model.joint_springs.data();
   for (const JointSpring& s : model.joint_springs)
-    plan.joint_springs.push_back(
-        {s.joint, s.axis, next(s.on), s.effort, s.stiffness, s.damping, s.rest, find_compliant(plan, &s - first)});
+    plan.joint_springs.push_back({s.joint, s.axis, next(s.on), coordinates.find(s.joint, s.axis), s.effort, s.stiffness,
+                                  s.damping, s.rest, find_compliant(plan, &s - first)});
+  plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
   for (const PlaneTorsion& s : model.plane_torsions)
     plan.plane_torsions.push_back(
         {s.base, s.follower, next(s.on), to_vec(s.normal_base), to_vec(s.axis_follower), s.stiffness, s.damping});
@@ -315,9 +323,12 @@ void compile_events(const Model& model, Plan& plan) {
   }
 }
 
-void compile_sensors(const Model& model, Plan& plan) {
+void compile_sensors(const Model& model, Plan& plan, Coordinates& coordinates) {
   for (const Sensor& s : model.sensors) {
-    plan.sensors.push_back({s.kind, s.subject, s.axis, plan.sensor_count, to_vec(s.point)});
+    const bool reads =
+        s.kind == Sensor::Kind::kAngle || s.kind == Sensor::Kind::kDisplacement || s.kind == Sensor::Kind::kSpeed;
+    const std::int32_t subject = reads ? coordinates.find(s.subject, s.axis) : s.subject;
+    plan.sensors.push_back({s.kind, subject, plan.sensor_count, to_vec(s.point)});
     plan.sensor_count += sensor_width(s.kind);
   }
 }
@@ -362,16 +373,17 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
     plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
     for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
   }
-  find_coordinates(model, plan);
+  Coordinates coordinates(plan);
+  compile_elements(model, plan, coordinates);
+  link_conditions(plan, coordinates);
+  compile_sensors(model, plan, coordinates);
   init_angles(model, plan);
-  compile_elements(model, plan);
   compile_lanes(model, plan);
   compile_loops(model, plan);
   plan.kernels = &get_kernels(options.lanes);
   plan.gravity = to_vec(model.gravity.uniform);
   plan.mu = model.gravity.mu;
   plan.mu_centre = to_vec(model.gravity.centre);
-  compile_sensors(model, plan);
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());
   plan.channel_count = static_cast<std::int32_t>(model.channels.size());
   plan.hash = calc_model_hash(model, options);

@@ -150,6 +150,7 @@ struct PlanPointSpring {
 
 struct PlanJointSpring {
   std::int32_t joint, axis, element;
+  std::int32_t coordinate;  // into Plan::coordinates
   double effort, stiffness, damping, rest;
   std::int32_t compliant;  // into Plan::compliant, kNone if it is integrated explicitly
 };
@@ -163,7 +164,7 @@ struct PlanPlaneTorsion {
 // Guards in postfix order: a condition's parts stand before it.
 struct PlanCondition {
   Condition::Kind kind;
-  std::int32_t subject, axis, part_count;
+  std::int32_t subject, axis, part_count;  // subject: of one that reads a coordinate, into Plan::coordinates
   double threshold;
   bool below;
 };
@@ -177,7 +178,8 @@ struct PlanEvent {
 
 struct PlanSensor {
   Sensor::Kind kind;
-  std::int32_t subject, axis, first;  // first: into Workspace::sensors
+  std::int32_t subject;  // of one that reads a coordinate, into Plan::coordinates
+  std::int32_t first;    // into Workspace::sensors
   Vec3 point;
 };
 

@@ -27,7 +27,6 @@ void update_sensors(const Plan& plan, const State& state, Workspace& ws) noexcep
   for (const PlanSensor& sensor : plan.sensors) {
     double* out = &ws.sensors[at(sensor.first)];
     const std::size_t subject = at(sensor.subject);
-    const std::size_t coordinate = subject * kRows + at(sensor.axis);
     switch (sensor.kind) {
       case Sensor::Kind::kPosition:
         write(out, state.bodies[subject].p);
@@ -60,10 +59,10 @@ void update_sensors(const Plan& plan, const State& state, Workspace& ws) noexcep
         break;
       case Sensor::Kind::kDisplacement:
       case Sensor::Kind::kAngle:
-        out[0] = ws.coordinates[coordinate];
+        out[0] = ws.coordinates[subject];
         break;
       case Sensor::Kind::kSpeed:
-        out[0] = ws.speeds[coordinate];
+        out[0] = ws.speeds[subject];
         break;
     }
   }

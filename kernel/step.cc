@@ -116,9 +116,9 @@ void update_tolerances(Workspace& ws, std::size_t first) {
 void accept(Run& run) {
   Workspace& ws = run.ws;
   store_motion(run.plan, ws, ws.accepted);
-  for (const PlanCoordinate& c : run.plan.coordinates) {
-    const auto j = static_cast<std::size_t>(c.joint), row = static_cast<std::size_t>(c.row);
-    if (c.row >= kRotX) ws.accepted.joints[j].angle[row - kRotX] = ws.coordinates[j * kRows + row];
+  for (std::size_t i = 0; i < run.plan.coordinates.size(); ++i) {
+    const PlanCoordinate& c = run.plan.coordinates[i];
+    if (c.row >= kRotX) ws.accepted.joints[static_cast<std::size_t>(c.joint)].angle[c.row - kRotX] = ws.coordinates[i];
   }
   rearm(run.plan, ws.accepted, ws);
 }

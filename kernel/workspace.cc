@@ -43,8 +43,8 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   arena.take(ws.varying, plan.varying.size());
   arena.take(ws.modal, static_cast<std::size_t>(plan.modal_work));
   arena.take(ws.compliant, plan.compliant.size());
-  arena.take(ws.coordinates, joints * kRows);
-  arena.take(ws.speeds, joints * kRows);
+  arena.take(ws.coordinates, plan.coordinates.size());
+  arena.take(ws.speeds, plan.coordinates.size());
   for (std::span<double>* turns : {&ws.turn_sines, &ws.turn_cosines})
     arena.take(*turns, static_cast<std::size_t>(plan.turn_count + 7) / 8 * 8);  // whole packs
   arena.take(ws.loose_frames, plan.loose_joints.size());

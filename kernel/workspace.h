@@ -130,9 +130,9 @@ struct Workspace {
   std::span<CompliantSpring> compliant;  // as Plan::compliant
   Implicit implicit;
 
-  // per joint, model order
-  std::span<double> coordinates;  // 6 per joint that is read: displacement along n, m; angle about m, rad
-  std::span<double> speeds;       // 6 per joint: their rates
+  // per coordinate of a joint that is read
+  std::span<double> coordinates;  // displacement along n, m; angle about m, rad
+  std::span<double> speeds;       // their rates
   // per rotation that is read: sine, later the angle, and cosine, times any number
   std::span<double> turn_sines, turn_cosines;
 

@@ -170,8 +170,8 @@ TEST(Events, ALatchConservesMomentumAndLosesWhatItMay) {
   ASSERT_TRUE(latched);
   update_motion(s);
   update_coordinates(s.plan, s.state, true, s.workspace);
-  EXPECT_NEAR(s.workspace.coordinates[kRotZ], 0.5, 1e-9);  // it stays where it latched
-  EXPECT_NEAR(s.workspace.speeds[kRotZ], 0, 1e-12);
+  EXPECT_NEAR(s.workspace.coordinates[find_coordinate(s.plan, 0, kRotZ)], 0.5, 1e-9);  // it stays where it latched
+  EXPECT_NEAR(s.workspace.speeds[find_coordinate(s.plan, 0, kRotZ)], 0, 1e-12);
   EXPECT_LT(calc_drift(s.plan, s.state, s.workspace), 1e-12);
 }
 

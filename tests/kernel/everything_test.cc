@@ -275,8 +275,7 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     }
     Dense d = build_dense(s, placed, state, mast);
     for (const JointSpring& spring : s.model.joint_springs)
-      add_spring(d, placed, state, spring,
-                 ws.coordinates[static_cast<std::size_t>(spring.joint * kRows + spring.axis)]);
+      add_spring(d, placed, state, spring, ws.coordinates[find_coordinate(sim.plan, spring.joint, spring.axis)]);
     const Index n = d.M.rows(), rows = d.G.rows();
     RealMatrix H = RealMatrix::Zero(n + rows, n + rows);
     H << d.M, -d.G.transpose(), d.G, RealMatrix::Zero(rows, rows);

@@ -121,8 +121,10 @@ TEST(Reference, SolarArrayLatchesElastically) {
       run_along(simulation, model, reference["trajectory"], 20.0, worst, [&](Simulation& s, const json& sample) {
         for (std::size_t j = 0; j < 2; ++j) {
           const double sign = reference["params"][j == 0 ? "spring1" : "spring2"]["sign"];
-          worst_angle = std::max(worst_angle, std::abs(sign * s.workspace.coordinates[6 * j + kRotZ] -
-                                                       sample["theta"][j][0].get<double>()));
+          worst_angle =
+              std::max(worst_angle,
+                       std::abs(sign * s.workspace.coordinates[find_coordinate(s.plan, static_cast<int>(j), kRotZ)] -
+                                sample["theta"][j][0].get<double>()));
         }
       });
   ASSERT_EQ(log.size(), 2u);

@@ -57,6 +57,13 @@ class Simulation {
   Block state_memory_, workspace_memory_;
 };
 
+// Where the workspace has a coordinate that some element, guard or sensor reads.
+inline std::size_t find_coordinate(const Plan& plan, int joint, int row) {
+  std::size_t i = 0;
+  while (plan.coordinates.at(i).joint != joint || plan.coordinates[i].row != row) ++i;
+  return i;
+}
+
 // Kinematics and joint frames of the present state, which only an evaluation leaves in the workspace otherwise.
 inline void update_motion(Simulation& s) {
   load_state(s.plan, s.state, s.workspace);
