@@ -31,6 +31,7 @@ STYLES = {
 # Targets: slower, faster, shape, n, at least. Against solvers that start from given blocks it is factor + solve that counts.
 TARGETS = [
     ("mujoco", "unlatch", "star", 5, 11),
+    ("mujoco", "unlatch_factor_solve", "star", 5, 11),
     ("textbook", "unlatch_factor_solve", "star", 5, 18),
     ("simbody", "unlatch", "chain", 64, 5),
     ("simbody_solve", "unlatch_factor_solve", "chain", 64, 5),
