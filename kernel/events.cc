@@ -123,7 +123,7 @@ StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state,
 
     Balance entitled{{0, 0, 0}, {0, 0, 0}, 0};
     load_modes(plan, state, ws);
-    forget_loads(ws);
+    forget_sizes(ws);
     if (added != 0) {
       if (node = apply_impulse(plan, state, ws); node != kNone) return StepStatus::kSingular;
       entitled = calc_impulse_entitlement(plan, state, ws);

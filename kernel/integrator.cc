@@ -97,7 +97,7 @@ int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double 
 }
 
 void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  forget_loads(ws);
+  forget_sizes(ws);
   update_loads(plan, inputs, state, t, ws);
   update_forces(plan, state, t, ws);
   solve(plan, ws, {Source::kForces, true, true});

@@ -175,7 +175,7 @@ inline constexpr int kFours[] = {0, 4, 8, 15, 19, 23}, kBetween = 12;
 
 // Of four rows of four partial sums: (s0 + s1) + (s2 + s3) of each.
 UNLATCH_INLINE Pack<4> sum_four_rows(const double* s, int width) {
-  const auto add_pairs = [](Pack<4> a, Pack<4> b) {
+  const auto add_pairs = [](const Pack<4>& a, const Pack<4>& b) {
     return Pack<4>(__builtin_shufflevector(a.v, b.v, 0, 4, 2, 6)) +
            Pack<4>(__builtin_shufflevector(a.v, b.v, 1, 5, 3, 7));
   };

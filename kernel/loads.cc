@@ -9,6 +9,8 @@
 namespace unlatch {
 namespace {
 
+constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to no time
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double calc_table(std::span<const Knot> knots, double s) {
@@ -82,9 +84,10 @@ void update_loads(const Plan& plan, const Inputs& inputs, const State& state, do
   }
 }
 
+void forget_sizes(Workspace& ws) noexcept { ws.loads_time = kNever; }
+
 void forget_loads(Workspace& ws) noexcept {
-  constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to no time
-  ws.loads_time = kNever;
+  forget_sizes(ws);
   for (KeptProfile& kept : ws.profiles) kept.s = kNever;
 }
 

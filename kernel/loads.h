@@ -22,7 +22,9 @@ double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noex
 // ws.load_sizes at time t, s, and in the lanes the wrenches that loads fixed in a body add up to.
 void update_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
-// What the latest stages computed of loads counts no more: other elements are on, or the workspace is another.
+// The sizes count no more: other elements are on, or commands are others. What laws of time gave still holds.
+void forget_sizes(Workspace& ws) noexcept;
+// Nothing of loads counts any more: the workspace is another.
 void forget_loads(Workspace& ws) noexcept;
 
 }  // namespace unlatch
