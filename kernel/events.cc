@@ -15,18 +15,12 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// An event whose whole guard is "t ≥ T" needs no search.
-const PlanCondition* get_time_guard(const Plan& plan, const PlanEvent& event) {
-  const PlanCondition& first = plan.conditions[at(event.first_condition)];
-  return event.condition_count == 1 && first.kind == Condition::Kind::kTime && !first.below ? &first : nullptr;
-}
-
 bool is_due(const Plan& plan, std::size_t e, double now, const State& state, const Workspace& ws) {
   const double slack = kSameInstant * plan.options.dt;
   const EventState& event = state.events[e];
   if (event.phase == EventPhase::kPending) return event.due <= now + slack;
   if (event.phase != EventPhase::kArmed) return false;
-  const double tolerance = get_time_guard(plan, plan.events[e]) != nullptr ? slack : ws.tolerances[e];
+  const double tolerance = plan.events[e].by_time ? slack : ws.tolerances[e];
   return ws.guards[e] >= -tolerance;
 }
 
@@ -99,13 +93,14 @@ Balance difference(const Balance& a, const Balance& b) {
 double calc_next_due(const Plan& plan, const State& state, double now) noexcept {
   const double slack = kSameInstant * plan.options.dt;
   double next = HUGE_VAL;
-  for (std::size_t e = 0; e < plan.events.size(); ++e) {
-    const PlanCondition* guard = get_time_guard(plan, plan.events[e]);
-    const EventState& event = state.events[e];
-    if (event.phase == EventPhase::kPending)
-      next = std::min(next, event.due);
-    else if (event.phase == EventPhase::kArmed && guard != nullptr && guard->threshold > now + slack)
-      next = std::min(next, guard->threshold);
+  for (const std::int32_t e : plan.timed_events) {
+    const PlanEvent& event = plan.events[at(e)];
+    const EventState& now_is = state.events[at(e)];
+    const double time = plan.conditions[at(event.first_condition)].threshold;
+    if (now_is.phase == EventPhase::kPending)
+      next = std::min(next, now_is.due);
+    else if (now_is.phase == EventPhase::kArmed && event.by_time && time > now + slack)
+      next = std::min(next, time);
   }
   return next;
 }
@@ -139,9 +134,9 @@ StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state,
 }
 
 void rearm(const Plan& plan, State& state, const Workspace& ws) noexcept {
-  for (std::size_t e = 0; e < plan.events.size(); ++e)
-    if (plan.events[e].repeat && state.events[e].phase == EventPhase::kSpent && ws.guards[e] < 0)
-      state.events[e].phase = EventPhase::kArmed;
+  for (const std::int32_t e : plan.repeating_events)
+    if (state.events[at(e)].phase == EventPhase::kSpent && ws.guards[at(e)] < 0)
+      state.events[at(e)].phase = EventPhase::kArmed;
 }
 
 }  // namespace unlatch

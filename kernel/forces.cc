@@ -110,10 +110,11 @@ Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
 void update_forces(const Plan& plan, const State& state, double t, Workspace& ws) noexcept {
   plan.kernels->init_forces(plan, ws);
   std::fill(ws.extras.rate.begin(), ws.extras.rate.end(), 0.0);
-  add_loads(plan, ws);
-  add_point_springs(plan, state, t, ws);
-  add_joint_springs(plan, state, t, ws);
-  add_plane_torsions(plan, state, t, ws);
+  if (!plan.busy_loads.empty()) add_loads(plan, ws);
+  if (!plan.point_springs.empty()) add_point_springs(plan, state, t, ws);
+  if (!plan.joint_springs.empty()) add_joint_springs(plan, state, t, ws);
+  if (!plan.plane_torsions.empty()) add_plane_torsions(plan, state, t, ws);
+  if (plan.rigid) return;
   add_varying_forces(plan, ws);
   add_flexible_forces(plan, ws);
 }

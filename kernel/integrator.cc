@@ -23,13 +23,13 @@ int project(const Plan& plan, const State& state, Workspace& ws) {
   update_joints(plan, state, BiasKind::kPosition, ws);
   if (const int node = factor_and_solve(plan, state, ws, kCorrection); node != kNone) return node;
   plan.kernels->add_displacements(plan, ws);
-  add_modal_displacements(plan, ws);
+  if (!plan.rigid) add_modal_displacements(plan, ws);
 
   update_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kVelocity, ws);
   solve(plan, ws, kCorrection);
   plan.kernels->add_velocities(plan, ws);
-  add_modal_velocities(plan, ws);
+  if (!plan.rigid) add_modal_velocities(plan, ws);
   update_rates(plan, ws);
   return kNone;
 }
@@ -42,7 +42,7 @@ int solve_dynamics(const Plan& plan, const Inputs& inputs, const State& state, d
   update_coordinates(plan, state, outputs, ws);
   update_forces(plan, state, t, ws);
   if (const int node = factor_and_solve(plan, state, ws, {Source::kForces, true, outputs}); node != kNone) return node;
-  update_modal_rates(plan, ws);
+  if (!plan.rigid) update_modal_rates(plan, ws);
   return kNone;
 }
 
@@ -59,7 +59,9 @@ int finish(const Plan& plan, const State& from, double end, Workspace& ws) {
 }
 
 // ROS2, see compliance.h.
-int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, Workspace& ws) {
+int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& from, double t, double end,
+                         Workspace& ws) {
+  const double h = end - t;
   const LaneKernels& kernels = *plan.kernels;
   begin_compliance(plan, from, t, h, ws);
   const double lead = ws.implicit.lead;
@@ -70,11 +72,11 @@ int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& fr
   lead_modal_rates(plan, ws);
   begin_second_extras(ws, h);
   keep_first_stage(plan, ws);
-  if (const int node = evaluate_stage(plan, inputs, from, t + h, ws); node != kNone) return node;
+  if (const int node = evaluate_stage(plan, inputs, from, end, ws); node != kNone) return node;
   kernels.finish_second_stage(plan, ws, h, lead);
   lead_modal_rates(plan, ws);
   finish_extras(ws, 0.5, h);
-  return finish(plan, from, t + h, ws);
+  return finish(plan, from, end, ws);
 }
 
 }  // namespace
@@ -101,7 +103,7 @@ void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state,
   update_loads(plan, inputs, state, t, ws);
   update_forces(plan, state, t, ws);
   solve(plan, ws, {Source::kForces, true, true});
-  update_modal_rates(plan, ws);
+  if (!plan.rigid) update_modal_rates(plan, ws);
 }
 
 void keep_start(const Plan& plan, Workspace& ws) noexcept {
@@ -109,8 +111,9 @@ void keep_start(const Plan& plan, Workspace& ws) noexcept {
   keep_extras(ws);
 }
 
-int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, Workspace& ws) noexcept {
-  if (is_stiff(plan, from, t + 0.5 * h)) return integrate_implicitly(plan, inputs, from, t, h, ws);
+int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double end, Workspace& ws) noexcept {
+  const double h = end - t;
+  if (is_stiff(plan, from, t + 0.5 * h)) return integrate_implicitly(plan, inputs, from, t, end, ws);
   const LaneKernels& kernels = *plan.kernels;
   constexpr double kOuter = 1.0 / 6.0, kInner = 1.0 / 3.0;
   kernels.begin_stages(plan, ws, kOuter, 0.5 * h);
@@ -121,10 +124,10 @@ int integrate(const Plan& plan, const Inputs& inputs, const State& from, double 
   if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, ws); node != kNone) return node;
   kernels.advance_stage(plan, ws, kInner, h);
   advance_extras(ws, kInner, h);
-  if (const int node = evaluate_stage(plan, inputs, from, t + h, ws); node != kNone) return node;
+  if (const int node = evaluate_stage(plan, inputs, from, end, ws); node != kNone) return node;
   kernels.finish_stages(plan, ws, kOuter, h);
   finish_extras(ws, kOuter, h);
-  return finish(plan, from, t + h, ws);
+  return finish(plan, from, end, ws);
 }
 
 int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
@@ -132,7 +135,7 @@ int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
   ws.loop_most = kAllRows;
   if (const int node = factor_and_solve(plan, state, ws, {Source::kNothing, true, true}); node != kNone) return node;
   plan.kernels->add_velocities(plan, ws);
-  add_modal_velocities(plan, ws);
+  if (!plan.rigid) add_modal_velocities(plan, ws);
   update_markers(plan, ws);
   store_motion(plan, ws, state);
   return kNone;

@@ -24,10 +24,10 @@ void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state,
 // What the latest evaluation was of is where the next sub-steps begin.
 void keep_start(const Plan& plan, Workspace& ws) noexcept;
 
-// `from` after h seconds, in the lanes; markers follow at the next evaluation. `from` is what keep_start() kept, and it
-// stays kept. Needs the latest evaluation to be of `from`, or of a state in the same modes on its rows. Returns as
-// evaluate().
-int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double h, Workspace& ws) noexcept;
+// `from`, which is at time t, at time `end`, s, in the lanes; markers follow at the next evaluation. `from` is what
+// keep_start() kept, and it stays kept. Needs the latest evaluation to be of `from`, or of a state in the same modes on
+// its rows. Returns as evaluate().
+int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double end, Workspace& ws) noexcept;
 
 // Poses and velocities out of the lanes into the bodies of `state`, and the coordinates beyond the bodies.
 void store_motion(const Plan& plan, const Workspace& ws, State& state) noexcept;

@@ -85,6 +85,26 @@ void turn_into_angles(const Plan& plan, std::size_t count, Workspace& ws) {
   plan.kernels->calc_angles(ws.turn_sines.data(), ws.turn_cosines.data(), count);
 }
 
+// Joints that are no edge of the tree.
+void update_loose_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) {
+  for (const std::int32_t j : plan.loose_joints) {
+    const PlanJoint& joint = plan.joints[at(j)];
+    const BodyFrame base = get_body_frame(ws, joint.base), follower = get_body_frame(ws, joint.follower);
+    JointFrame& f = ws.loose_frames[at(joint.loose)];
+    f.r_follower = follower.R * joint.point_follower;
+    f.r_base = (follower.p - base.p) + f.r_follower;
+    f.n = base.R * joint.axes;
+    f.m = joint.shared_axes ? f.n : base.R * joint.rotation_base;
+    f.w_rel = follower.w - base.w;
+    f.v_rel = (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base));
+    f.displacement = transpose_times(f.n, f.r_base - base.R * joint.point_base);
+    f.crossed = is_crossed(joint, get_active_rows(plan, state, j));
+    if (f.crossed) f.m = universal_frame(f.m, follower.R * joint.rotation_follower);
+  }
+  for (const std::int32_t j : plan.loops)
+    ws.loose_bias[at(plan.joints[at(j)].loose)] = calc_bias(plan, state, ws, j, kind);
+}
+
 }  // namespace
 
 double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept {
@@ -145,6 +165,7 @@ Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower)
 }
 
 void update_kinematics(const Plan& plan, Workspace& ws) noexcept {
+  if (plan.rigid) return plan.kernels->update_kinematics(plan, ws);
   update_markers(plan, ws);
   plan.kernels->update_kinematics(plan, ws);
   update_varying_kinematics(plan, ws);
@@ -152,29 +173,14 @@ void update_kinematics(const Plan& plan, Workspace& ws) noexcept {
 }
 
 void update_rates(const Plan& plan, Workspace& ws) noexcept {
-  update_markers(plan, ws);
+  if (!plan.rigid) update_markers(plan, ws);
   plan.kernels->update_rates(plan, ws);
 }
 
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept {
   plan.kernels->update_joints(plan, ws, kind);
-  update_marker_biases(plan, kind, ws);
-  for (const std::int32_t j : plan.loose_joints) {
-    const PlanJoint& joint = plan.joints[at(j)];
-    const BodyFrame base = get_body_frame(ws, joint.base), follower = get_body_frame(ws, joint.follower);
-    JointFrame& f = ws.loose_frames[at(joint.loose)];
-    f.r_follower = follower.R * joint.point_follower;
-    f.r_base = (follower.p - base.p) + f.r_follower;
-    f.n = base.R * joint.axes;
-    f.m = joint.shared_axes ? f.n : base.R * joint.rotation_base;
-    f.w_rel = follower.w - base.w;
-    f.v_rel = (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base));
-    f.displacement = transpose_times(f.n, f.r_base - base.R * joint.point_base);
-    f.crossed = is_crossed(joint, get_active_rows(plan, state, j));
-    if (f.crossed) f.m = universal_frame(f.m, follower.R * joint.rotation_follower);
-  }
-  for (const std::int32_t j : plan.loops)
-    ws.loose_bias[at(plan.joints[at(j)].loose)] = calc_bias(plan, state, ws, j, kind);
+  if (!plan.rigid) update_marker_biases(plan, kind, ws);
+  if (!plan.loose_joints.empty()) update_loose_joints(plan, state, kind, ws);
 }
 
 void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept {

@@ -197,7 +197,7 @@ template <int kWidest, bool kFactor>
 UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep) {
   FanSums fan;
   init_blocks<kWidest, kFactor>(plan, ws, sweep);
-  if (kFactor) add_varying_blocks(plan, ws);
+  if (kFactor && !plan.rigid) add_varying_blocks(plan, ws);
   const bool far = is_far(plan);
   for (std::size_t g = plan.groups.size(); g-- > 0;) {
     const LaneGroup& group = plan.groups[g];

@@ -276,6 +276,7 @@ void compile_elements(const Model& model, Plan& plan, Coordinates& coordinates) 
          l.kind == Load::Kind::kTorque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
          l.direction.norm(), l.consumption, plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
     if (world || l.consumption != 0) plan.busy_loads.push_back(static_cast<std::int32_t>(plan.loads.size()) - 1);
+    if (l.channel != kNone) plan.commanded_loads = true;
   }
   for (const PointSpring& s : model.point_springs)
     plan.point_springs.push_back({s.base, s.follower, next(s.on), s.push_only, to_vec(s.point_base),
@@ -300,6 +301,7 @@ std::int32_t compile_condition(const Condition& c, Plan& plan) {
   return depth;
 }
 
+bool is_command(const PlanCondition& c) { return c.kind == Condition::Kind::kCommand; }
 bool is_elementary(const Condition& c) { return c.parts.empty(); }
 bool is_switch(const Condition& c) { return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal; }
 
@@ -315,7 +317,11 @@ void compile_events(const Model& model, Plan& plan) {
                   static_cast<std::int32_t>(event.then.size()),
                   all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
                   event.delay,
-                  event.repeat};
+                  event.repeat,
+                  when.kind == Condition::Kind::kTime && !when.below};
+    const std::int32_t place = static_cast<std::int32_t>(plan.events.size());
+    if (event.repeat) plan.repeating_events.push_back(place);
+    if (event.delay > 0 || out.by_time) plan.timed_events.push_back(place);
     plan.guard_depth = std::max(plan.guard_depth, compile_condition(when, plan));
     out.condition_count = static_cast<std::int32_t>(plan.conditions.size()) - out.first_condition;
     plan.actions.insert(plan.actions.end(), event.then.begin(), event.then.end());
@@ -366,6 +372,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   plan.initial_extras.assign(plan.varying.size(), 0.0);
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
     if (model.bodies[at(b)].flexible) compile_flexible(model, b, plan);
+  plan.rigid = plan.flexible.empty() && plan.varying.empty();
   place_flexible(plan);
   mark_blocks(model, plan);
   compile_events(model, plan);
@@ -376,6 +383,8 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   Coordinates coordinates(plan);
   compile_elements(model, plan, coordinates);
   link_conditions(plan, coordinates);
+  plan.commanded_events =
+      plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);
   compile_sensors(model, plan, coordinates);
   init_angles(model, plan);
   compile_lanes(model, plan);

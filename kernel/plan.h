@@ -174,6 +174,7 @@ struct PlanEvent {
   std::int32_t flat_parts;  // the first conditions that must all hold, where the guard is nothing else; otherwise 0
   double delay;
   bool repeat;
+  bool by_time;  // the whole guard is "t ≥ T", which needs no search
 };
 
 struct PlanSensor {
@@ -227,11 +228,13 @@ class Plan {
   std::int32_t modal_work = 0;         // size of Workspace::modal
   std::vector<double> initial_extras;  // coordinates beyond the bodies: burnt by each of `varying`, then modal ones
   std::vector<PlanCompliant> compliant;
+  bool rigid = true;  // no body bends or changes its mass: most of the above is empty
 
   Vec3 gravity{};
   double mu = 0;
   Vec3 mu_centre{};
   std::vector<PlanLoad> loads;
+  bool commanded_loads = false;          // some load's size is a command's
   std::vector<std::int32_t> busy_loads;  // of these, those in the world, and those that burn something
   std::vector<PlanPointSpring> point_springs;
   std::vector<PlanJointSpring> joint_springs;
@@ -244,6 +247,9 @@ class Plan {
   std::vector<PlanCondition> conditions;
   std::vector<Action> actions;
   std::vector<PlanEvent> events;
+  std::vector<std::int32_t> repeating_events;
+  std::vector<std::int32_t> timed_events;  // that are due at a known time: by their guard, or after a delay
+  bool commanded_events = false;           // a command decides some guard, itself or by what it makes of the reactions
   std::vector<PlanSensor> sensors;
   std::int32_t sensor_count = 0;  // values, all sensors' components counted
   std::int32_t signal_count = 0;

@@ -57,12 +57,12 @@ int count_crossings(const Workspace& ws) {
   return count;
 }
 
-// Tries the sub-step of h seconds from `now`: its end in the lanes, evaluated, its guards in ws.guards.
-bool try_substep(Run& run, double now, double h) {
+// Tries the sub-step from `now` to `end`: the latter in the lanes, evaluated, its guards in ws.guards.
+bool try_substep(Run& run, double now, double end) {
   ++run.report.substeps;
-  if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, h, run.ws))) return false;
-  if (!run.check(evaluate_lanes(run.plan, run.inputs, run.ws.accepted, now + h, run.ws))) return false;
-  update_guards(run.plan, run.inputs, run.ws.accepted, now + h, run.ws, run.ws.guards);
+  if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, end, run.ws))) return false;
+  if (!run.check(evaluate_lanes(run.plan, run.inputs, run.ws.accepted, end, run.ws))) return false;
+  update_guards(run.plan, run.inputs, run.ws.accepted, end, run.ws, run.ws.guards);
   return true;
 }
 
@@ -99,7 +99,7 @@ double locate(Run& run, double now, double h, std::size_t& first) {
         first = e;
       }
     }
-    if (!try_substep(run, now, x)) return -1;
+    if (!try_substep(run, now, now + x)) return -1;
     std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_middle.begin());
   }
   return x;
@@ -140,7 +140,7 @@ double advance(Run& run, double now, double end, int& splits) {
   std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_low.begin());
   std::fill(ws.tolerances.begin(), ws.tolerances.end(), 0.0);
   keep_start(run.plan, ws);
-  if (!try_substep(run, now, target - now)) return end;
+  if (!try_substep(run, now, target)) return end;
 
   double reached = target;
   std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_high.begin());
@@ -180,18 +180,21 @@ void copy(const State& from, const State& to) {
 }
 
 // The beginning of a step, evaluated with its inputs. What the workspace holds of the step before is that step's end,
-// and serves if nobody has touched the state since: only the inputs are new.
+// and serves if nobody has touched the state since: only the inputs are new, and the plan knows what they can change.
 bool begin_step(Run& run, const State& state, double begin) {
   Workspace& ws = run.ws;
   const std::span<const std::byte> now = state.get_bytes(), then = ws.accepted.get_bytes();
   const bool goes_on = ws.settled && std::memcmp(now.data(), then.data(), now.size()) == 0;
   ws.settled = false;
   if (goes_on) {
-    evaluate_forces(run.plan, run.inputs, ws.accepted, begin, ws);
-    return true;
+    if (run.plan.commanded_loads) evaluate_forces(run.plan, run.inputs, ws.accepted, begin, ws);
+    if (!run.plan.commanded_events) return true;
+  } else {
+    copy(state, ws.accepted);
+    if (!run.check(evaluate(run.plan, run.inputs, ws.accepted, begin, ws))) return false;
   }
-  copy(state, ws.accepted);
-  return run.check(evaluate(run.plan, run.inputs, ws.accepted, begin, ws));
+  update_guards(run.plan, run.inputs, ws.accepted, begin, ws, ws.guards);
+  return true;
 }
 
 StepReport finish(const Run& run) {
@@ -213,7 +216,6 @@ StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace&
 
   // What the new inputs bring about, and what the last step postponed, acts at once.
   if (!begin_step(run, state, begin)) return finish(run);
-  update_guards(plan, inputs, workspace.accepted, begin, workspace, workspace.guards);
   rearm(plan, workspace.accepted, workspace);
   if (!act_at(run, begin)) return finish(run);
 
@@ -234,6 +236,7 @@ StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace&
 StepStatus update_outputs(const Plan& plan, const Inputs& inputs, const State& state, Workspace& workspace) noexcept {
   const double now = static_cast<double>(state.header->tick) * plan.options.dt;
   if (evaluate(plan, inputs, state, now, workspace) != kNone) return StepStatus::kSingular;
+  update_guards(plan, inputs, state, now, workspace, workspace.guards);
   update_sensors(plan, state, workspace);
   copy(state, workspace.accepted);
   workspace.settled = true;
