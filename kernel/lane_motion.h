@@ -48,7 +48,7 @@ UNLATCH_INLINE QuatT<T> normalized(const QuatT<T>& q) {
 
 template <int kWidest>
 void update_kinematics(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto& v, const auto& c, const auto&) {
+  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto v, const auto c, const auto&) {
     const auto R = rotation_matrix(v.get_quat(kPose + 3));
     v.set(kRotation, R);
     v.set(kOmega, R * v.get_vec(kVelocity + 3));
@@ -58,14 +58,14 @@ void update_kinematics(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void update_rates(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto v, const auto&, const auto&) {
     v.set(kOmega, v.get_mat(kRotation) * v.get_vec(kVelocity + 3));
   });
 }
 
 template <int kWidest>
 void init_forces(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto&) {
     using T = typename V::T;
     Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
     if (plan.mu != 0) {
@@ -229,7 +229,7 @@ UNLATCH_INLINE void update_joint(const LaneGroup& group, const V& v, const C& c,
 
 template <int kWidest>
 void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto& parents) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto parents) {
     using T = typename V::T;
     if (!group.has_joint) return;
     const Frame<T> child = get_frame<T>(v);
@@ -288,7 +288,7 @@ UNLATCH_INLINE Rates<T> calc_rates(const V& v) {
 
 template <int kWidest>
 void keep_start(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     set_rates(v.from(kStart), get_rates(v.from(kPose)));
     const Rates<T> k = calc_rates(v);
@@ -299,7 +299,7 @@ void keep_start(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart));
     const Rates<T> k{start.v, quaternion_rate(start.q, start.w), v.get_vec(kFirst), v.get_vec(kFirst + 3)};
@@ -310,7 +310,7 @@ void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
 
 template <int kWidest>
 void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     const Rates<T> k = calc_rates(v);
     set_rates(v.from(kSum), add(get_rates(v.from(kSum)), T(weight), k));
@@ -320,7 +320,7 @@ void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
 
 template <int kWidest>
 void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     const Rates<T> sum = add(get_rates(v.from(kSum)), T(weight), calc_rates(v));
     Rates<T> end = add(get_rates(v.from(kStart)), T(h), sum);
@@ -334,7 +334,7 @@ void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
 // To the beginning.
 template <int kWidest>
 void restart(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     set_rates(v.from(kPose), get_rates(v.from(kStart)));
   });
 }
@@ -342,7 +342,7 @@ void restart(const Plan& plan, Workspace& ws) {
 // x' = v + lead a, v' = a
 template <int kWidest>
 void finish_first_stage(const Plan& plan, Workspace& ws, double h, double lead) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart));
     Rates<T> k = calc_rates(v);
@@ -357,7 +357,7 @@ void finish_first_stage(const Plan& plan, Workspace& ws, double h, double lead) 
 // stages.
 template <int kWidest>
 void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart)), first = get_rates(v.from(kSum));
     Rates<T> k = calc_rates(v);
@@ -374,7 +374,7 @@ void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead)
 
 template <int kWidest>
 void add_displacements(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     const Vec3T<T> half = T(0.5) * v.get_vec(kAcceleration + 3);
     const QuatT<T> q = v.get_quat(kPose + 3);
@@ -386,7 +386,7 @@ void add_displacements(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void add_velocities(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V& v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
     const Vec3T<T> turn = transpose_times(v.get_mat(kRotation), v.get_vec(kAcceleration + 3));
     v.set(kVelocity, v.get_vec(kVelocity) + v.get_vec(kAcceleration));

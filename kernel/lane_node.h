@@ -12,6 +12,8 @@ inline constexpr double kSingular = 1e-13;
 // What one group is worked on with: its lanes from `lane` on.
 template <class T, int kWidth>
 struct Part {
+  const Plan& plan;
+  Workspace& ws;
   const LaneGroup& group;
   const LanePhase& phase;
   double* lanes;
@@ -20,8 +22,10 @@ struct Part {
   View<T, kWidth> v;
   View<T, kWidth, const double> c;
 
-  UNLATCH_INLINE Part(const Plan& plan, Workspace& ws, std::size_t g, int first)
-      : group(plan.groups[g]),
+  UNLATCH_INLINE Part(const Plan& of, Workspace& in, std::size_t g, int first)
+      : plan(of),
+        ws(in),
+        group(plan.groups[g]),
         phase(ws.phases[g]),
         lanes(ws.lanes.data()),
         lane(first),

@@ -18,21 +18,19 @@ struct FanSums {
   double numbers[kBlockFields * 8];
 };
 
-// Adds to 27 rows, `kStride` numbers apart, or writes them: block and load as the parent sees them.
-template <bool kFactor, bool kAdd, int kStride, class T>
-// NOLINTNEXTLINE(readability-non-const-parameter): it is written to, through the view
-UNLATCH_INLINE void accumulate(double* rows, const Passed<T>& passed, const Vec3T<T>& offset) {
-  const View<T, kStride> sum{rows, nullptr};
-  const auto put = [&](int row, const Vec3T<T>& a) {
-    if constexpr (kAdd)
-      sum.set(row, sum.get_vec(row) + a);
-    else
-      sum.set(row, a);
-  };
+// What a body begins with, on the right and on the left: its own.
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE Passed<T> get_own(const V& v, const C& c, Source source) {
+  return {get_body_block(c.get(kMass), v.get_sym(kInertia)), get_source(v, source)};
+}
+
+// Hands 27 rows, or the last six of them, to put(row, three numbers).
+template <bool kFactor, class T, class Put>
+UNLATCH_INLINE void put_rows(const Passed<T>& passed, const Put& put) {
   put(21, passed.load.lin);
-  put(24, passed.load.ang + cross(offset, passed.load.lin));
+  put(24, passed.load.ang);
   if constexpr (kFactor) {
-    const ArticulatedT<T> A = shift(passed.A, offset);
+    const ArticulatedT<T>& A = passed.A;
     put(0, {A.M.xx, A.M.yy, A.M.zz});
     put(3, {A.M.xy, A.M.xz, A.M.yz});
     put(6, A.H.x);
@@ -42,18 +40,54 @@ UNLATCH_INLINE void accumulate(double* rows, const Passed<T>& passed, const Vec3
     put(18, {A.I.xy, A.I.xz, A.I.yz});
   }
 }
+template <bool kFactor, int kStride, class T>
+// NOLINTNEXTLINE(readability-non-const-parameter): it is written to, through the view
+UNLATCH_INLINE void write(double* rows, const Passed<T>& passed) {
+  const View<T, kStride> to{rows, nullptr};
+  put_rows<kFactor>(passed, [&](int row, const Vec3T<T>& a) { to.set(row, a); });
+}
+template <bool kFactor, int kStride, class T>
+// NOLINTNEXTLINE(readability-non-const-parameter)
+UNLATCH_INLINE void add(double* rows, const Passed<T>& passed) {
+  const View<T, kStride> to{rows, nullptr};
+  put_rows<kFactor>(passed, [&](int row, const Vec3T<T>& a) { to.set(row, to.get_vec(row) + a); });
+}
+
+// As the parent sees it.
+template <bool kFactor, class T>
+UNLATCH_INLINE Passed<T> move(const Passed<T>& passed, const Vec3T<T>& offset) {
+  Passed<T> out;
+  if constexpr (kFactor) out.A = shift(passed.A, offset);
+  out.load = {passed.load.lin, passed.load.ang + cross(offset, passed.load.lin)};
+  return out;
+}
+
+// The parents are the lanes of one group. Whoever comes first begins with what is their own.
+template <bool kFactor, class T, int kWidth>
+UNLATCH_INLINE void add_to_lanes(const Part<T, kWidth>& part, const Passed<T>& passed, Source source) {
+  double* const block = part.lanes + part.parents[0].offset + kBlock * kWidth;
+  if (part.group.begins == kNone) return add<kFactor, kWidth>(block, passed);
+  const Part<T, kWidth> parent(part.plan, part.ws, static_cast<std::size_t>(part.group.begins), part.lane);
+  const Passed<T> own = get_own(parent.v, parent.c, source);
+  Passed<T> sum{{}, own.load + passed.load};
+  if constexpr (kFactor) {
+    sum.A = own.A;
+    sum.A += passed.A;
+  }
+  write<kFactor, kWidth>(block, sum);
+}
 
 template <bool kFactor, class T, int kWidth>
-UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>& passed, FanSums& fan) {
-  const Vec3T<T> offset = part.v.get_vec(kOffset);
+UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>& at_child, Source source,
+                                   FanSums& fan) {
+  const Passed<T> passed = move<kFactor>(at_child, part.v.get_vec(kOffset));
   if (part.group.link == LaneLink::kFan) {
-    if (part.group.fan_begins) return accumulate<kFactor, false, kWidth>(fan.numbers + part.lane, passed, offset);
-    return accumulate<kFactor, true, 8>(fan.numbers + part.lane, passed, offset);
+    if (part.group.fan_begins) return write<kFactor, kWidth>(fan.numbers + part.lane, passed);
+    return add<kFactor, 8>(fan.numbers + part.lane, passed);
   }
-  if (part.group.link == LaneLink::kContiguous)
-    return accumulate<kFactor, true, kWidth>(part.lanes + part.parents[0].offset + kBlock * kWidth, passed, offset);
+  if (part.group.link == LaneLink::kContiguous) return add_to_lanes<kFactor>(part, passed, source);
   double each[kBlockFields * T::kWidth];
-  accumulate<kFactor, false, T::kWidth>(each, passed, offset);
+  write<kFactor, T::kWidth>(each, passed);
   for (int i = 0; i < T::kWidth; ++i) {
     const std::ptrdiff_t stride = part.parents[i].stride;
     double* sum = part.lanes + part.parents[i].offset + (kFactor ? kBlock : kBlock + 21) * stride;
@@ -61,12 +95,16 @@ UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>&
   }
 }
 
-// A block of width 1 is written, and a fan added to it, four rows at a time: what is written in other parts than it is
-// read in must reach the cache first. The three rows between these are zero at first, and go one by one.
-inline constexpr int kFours[] = {0, 4, 8, 15, 19, 23}, kBetween = 12;
+// --- The end of a fan: its partial sums in a fixed tree -------------------------------------------------------------
 
-// Of four rows of four partial sums: (s0 + s1) + (s2 + s3) of each.
-UNLATCH_INLINE Pack<4> sum_four_rows(const double* s, int width) {
+// Of one row.
+UNLATCH_INLINE double sum_row(const double* s, int width) {
+  const double four = (s[0] + s[1]) + (s[2] + s[3]);
+  return width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
+}
+
+// Of four rows: (s0 + s1) + (s2 + s3) of each, the eight alike.
+UNLATCH_INLINE Pack<4> sum_halves(const double* s, int width) {
   const auto add_pairs = [](const Pack<4>& a, const Pack<4>& b) {
     return Pack<4>(__builtin_shufflevector(a.v, b.v, 0, 4, 2, 6)) +
            Pack<4>(__builtin_shufflevector(a.v, b.v, 1, 5, 3, 7));
@@ -76,63 +114,70 @@ UNLATCH_INLINE Pack<4> sum_four_rows(const double* s, int width) {
   return Pack<4>(__builtin_shufflevector(first.v, last.v, 0, 1, 4, 5)) +
          Pack<4>(__builtin_shufflevector(first.v, last.v, 2, 3, 6, 7));
 }
+UNLATCH_INLINE Pack<4> sum_four_rows(const double* s, int width) {
+  const Pack<4> half = sum_halves(s, width);
+  return width == 4 ? half : half + sum_halves(s + 4, width);
+}
 
-// The partial sums in a fixed tree, added to the parent. A fan is as wide as its first group, which is full.
+// A block of width 1, begun with the parent's own. Four rows at a time where that is one instruction, since what is
+// written in other parts than it is read in must reach the cache first; the last four overlap those before them.
 template <int kWidest, bool kFactor>
-UNLATCH_INLINE void close_fan(double* lanes, const LaneSlot& parent, int width, const FanSums& fan) {
-  double* const block = lanes + parent.offset + kBlock * parent.stride;
-  const auto add_rows = [&](int begin, int end) {
-    double* to = block + begin * parent.stride;
-    const double* s = fan.numbers + begin * width;
-    for (int row = begin; row < end; ++row, to += parent.stride, s += width) {
-      const double four = (s[0] + s[1]) + (s[2] + s[3]);
-      *to += width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
-    }
-  };
-  if constexpr (kWidest >= 4 && kFactor) {
-    for (const int row : kFours) {
-      const double* s = fan.numbers + row * width;
-      Pack<4> sum = sum_four_rows(s, width);
-      if (width == 8) sum = sum + sum_four_rows(s + 4, width);
-      double* to = block + row * parent.stride;
-      if (parent.stride == 1)
-        store(to, load<Pack<4>>(to) + sum);
-      else
-        for (int i = 0; i < 4; ++i) to[i * parent.stride] += sum.v[i];
-    }
-    add_rows(kBetween, kBetween + 3);
+UNLATCH_INLINE void begin_with_fan(const Part<Pack<1>, 1>& parent, Source source, int width, const FanSums& fan) {
+  const Passed<Pack<1>> own = get_own(parent.v, parent.c, source);
+  double* const block = parent.v.find(kBlock);
+  if constexpr (kWidest < 4) {
+    write<kFactor, 1>(block, own);
+    for (int row = kFactor ? 0 : 21; row < kBlockFields; ++row) block[row] += sum_row(fan.numbers + row * width, width);
   } else {
-    add_rows(kFactor ? 0 : 21, kBlockFields);
+    using Four = Pack<4>::Numbers;
+    const auto put = [&](int row, const Four& begin) {
+      store(block + row, Pack<4>(begin) + sum_four_rows(fan.numbers + row * width, width));
+    };
+    const Vec3T<Pack<1>>&force = own.load.lin, &torque = own.load.ang;
+    if constexpr (kFactor) {
+      const double mass = own.A.M.xx.v;
+      const Sym3T<Pack<1>>& I = own.A.I;
+      put(0, Four{mass, mass, mass, 0});
+      put(4, Four{0, 0, 0, 0});
+      put(8, Four{0, 0, 0, 0});
+      put(12, Four{0, 0, 0, I.xx.v});
+      put(16, Four{I.yy.v, I.zz.v, I.xy.v, I.xz.v});
+      put(20, Four{I.yz.v, force.x.v, force.y.v, force.z.v});
+    } else {
+      put(21, Four{force.x.v, force.y.v, force.z.v, torque.x.v});
+    }
+    put(23, Four{force.z.v, torque.x.v, torque.y.v, torque.z.v});
   }
 }
 
-template <class V>
-UNLATCH_INLINE void init_in_fours(const V& v, double mass, const SpatialT<Pack<1>>& own) {
-  using Four = Pack<4>::Numbers;
-  double* to = v.find(kBlock);
-  const auto put = [&](int row, const Four& numbers) { store(to + row, Pack<4>(numbers)); };
-  put(0, Four{mass, mass, mass, 0});
-  put(4, Four{0, 0, 0, 0});
-  put(8, Four{0, 0, 0, 0});
-  for (int row = kBetween; row < kBetween + 3; ++row) to[row] = 0;
-  put(15, load<Pack<4>>(v.find(kInertia)).v);
-  put(19, Four{v.get(kInertia + 4).v, v.get(kInertia + 5).v, own.lin.x.v, own.lin.y.v});
-  put(23, Four{own.lin.z.v, own.ang.x.v, own.ang.y.v, own.ang.z.v});
+// A fan is as wide as its first group, which is full.
+template <int kWidest, bool kFactor>
+UNLATCH_INLINE void close_fan(const Plan& plan, Workspace& ws, const LaneGroup& group, Source source,
+                              const FanSums& fan) {
+  const int width = group.fan_begins ? group.width : 8;
+  if (group.begins != kNone)
+    return begin_with_fan<kWidest, kFactor>({plan, ws, static_cast<std::size_t>(group.begins), 0}, source, width, fan);
+  const LaneSlot& parent = plan.lane_parents[static_cast<std::size_t>(group.first)];
+  int row = kFactor ? 0 : 21;
+  double* to = ws.lanes.data() + parent.offset + (kBlock + row) * parent.stride;
+  if constexpr (kWidest >= 4)
+    for (; row + 4 <= kBlockFields; row += 4) {
+      const Pack<4> sum = sum_four_rows(fan.numbers + row * width, width);
+      for (int i = 0; i < 4; ++i, to += parent.stride) *to += sum.v[i];
+    }
+  for (; row < kBlockFields; ++row, to += parent.stride) *to += sum_row(fan.numbers + row * width, width);
 }
 
-// Bodies with something beyond them begin with what is their own.
+// Blocks that no child begins.
 template <int kWidest, bool kFactor>
-UNLATCH_INLINE void init_blocks(const Plan& plan, Workspace& ws, const Sweep& sweep) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V& v, const auto& c, const auto&) {
-    if (group.leaf) return;
-    const auto own = get_source(v, sweep.source);
-    if constexpr (kWidest >= 4 && kFactor && V::kStride == 1) {
-      init_in_fours(v, c.get(kMass).v, own);
-    } else {
-      if (kFactor) set_block(v.from(kBlock), get_body_block(c.get(kMass), v.get_sym(kInertia)));
-      v.set(kBlock + 21, own);
-    }
-  });
+UNLATCH_INLINE void begin_blocks(const Plan& plan, Workspace& ws, const Sweep& sweep) {
+  for (const std::int32_t g : plan.own_beginnings)
+    for_width<kWidest>(plan.groups[static_cast<std::size_t>(g)], [&]<class T, int kWidth>() {
+      for (int lane = 0; lane < kWidth; lane += T::kWidth) {
+        const Part<T, kWidth> part(plan, ws, static_cast<std::size_t>(g), lane);
+        write<kFactor, kWidth>(part.v.find(kBlock), get_own(part.v, part.c, sweep.source));
+      }
+    });
 }
 
 }  // namespace unlatch::UNLATCH_ISA

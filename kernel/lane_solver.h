@@ -32,22 +32,30 @@ UNLATCH_INLINE void prefetch_block(const Plan& plan, const Workspace& ws, std::s
   for (int i = first; i < end; i += 8) __builtin_prefetch(block + (kDirection > 0 ? i : first + end - 1 - i), 1);
 }
 
-// Lanes held by one or two rows or by none: factors A itself; each row in turn, made A⁻¹-orthogonal to those before it,
-// is an update of rank one. Adds what the rows pass on.
+// What nothing holds, or what one or two rows are to hold: factors A itself, and keeps A⁻¹ b.
+template <bool kFactor, class P, class N, class T>
+UNLATCH_INLINE FreeFactorT<T> eliminate_free(const P& part, const N& node, T& bad) {
+  const auto own = part.v.from(part.group.free);
+  FreeFactorT<T> f;
+  if constexpr (kFactor) {
+    f = factor_free(node.get_block(), bad);
+    set_factor(own, f);
+  } else {
+    f = get_factor(own);
+  }
+  own.set(21, solve_free(f, node.load));
+  return f;
+}
+
+// Lanes held by one or two rows or by none: each row in turn, made A⁻¹-orthogonal to those before it, is an update of
+// rank one. Adds what the rows pass on.
 template <bool kFactor, class P, class N, class T>
 UNLATCH_INLINE void eliminate_rows(const P& part, const N& node, const SpatialT<T>& bias, Passed<T>& passed, T& bad) {
   const auto& v = part.v;
-  FreeFactorT<T> f;
-  if constexpr (kFactor) {
-    T singular(0.0);
-    f = factor_free(node.get_block(), singular);
-    bad = bad | (part.group.has_joint ? ~v.get(kHeld) & singular : singular);
-    set_factor(v.from(part.group.free), f);
-  } else {
-    f = get_factor(v.from(part.group.free));
-  }
-  const SpatialT<T> free = solve_free(f, node.load);
-  v.set(part.group.free + 21, free);
+  T singular(0.0);
+  const FreeFactorT<T> f = eliminate_free<kFactor>(part, node, singular);
+  if (kFactor) bad = bad | (~v.get(kHeld) & singular);
+  const SpatialT<T> free = v.get_spatial(part.group.free + 21);
   for (int r = 0; r < kRows; ++r) {
     if (!has_row(part.phase.rows, r)) continue;
     const auto own = v.from(part.group.row_parts[r]);
@@ -139,8 +147,9 @@ UNLATCH_INLINE void eliminate(const Part<T, kWidth>& part, const Sweep& sweep, F
     passed = {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
   }
   if (part.phase.loose) eliminate_rows<kFactor>(part, node, bias, passed, bad);
-  const bool passes = part.phase.held || part.phase.rows != 0 || part.group.link == LaneLink::kFan;
-  if (part.group.link != LaneLink::kRoot && passes) add_to_parents<kFactor>(part, passed, fan);
+  const bool passes =
+      part.phase.held || part.phase.rows != 0 || part.group.link == LaneLink::kFan || part.group.begins != kNone;
+  if (part.group.link != LaneLink::kRoot && passes) add_to_parents<kFactor>(part, passed, sweep.source, fan);
 }
 
 // The first lane whose pivot vanished, as a node.
@@ -176,7 +185,7 @@ template <bool kLeaf, class T, int kWidth>
     own.set(kBeta, beta);
     load = load - (beta * inverse) * U;
     if (part.group.link == LaneLink::kRoot) continue;
-    add_to_parents<true>(part, Passed<T>{node.downdated(inverse, U), load}, fan);
+    add_to_parents<true>(part, Passed<T>{node.downdated(inverse, U), load}, sweep.source, fan);
   }
   return kNone;
 }
@@ -187,7 +196,10 @@ template <bool kLeaf, bool kFactor, class T, int kWidth>
   for (int lane = 0; lane < kWidth; lane += T::kWidth) {
     const Part<T, kWidth> part(plan, ws, g, lane);
     T bad(0.0);
-    eliminate<kLeaf, kFactor>(part, sweep, fan, bad);
+    if (part.group.has_joint)
+      eliminate<kLeaf, kFactor>(part, sweep, fan, bad);
+    else
+      (void)eliminate_free<kFactor>(part, Node<T, kLeaf>(part, sweep.source), bad);
     if (kFactor && any(bad)) return find_bad_node(plan, part.group, lane, bad);
   }
   return kNone;
@@ -196,7 +208,7 @@ template <bool kLeaf, bool kFactor, class T, int kWidth>
 template <int kWidest, bool kFactor>
 UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep) {
   FanSums fan;
-  init_blocks<kWidest, kFactor>(plan, ws, sweep);
+  begin_blocks<kWidest, kFactor>(plan, ws, sweep);
   if (kFactor && !plan.rigid) add_varying_blocks(plan, ws);
   const bool far = is_far(plan);
   for (std::size_t g = plan.groups.size(); g-- > 0;) {
@@ -217,9 +229,7 @@ UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep)
                           : eliminate_group<false, kFactor, T, kWidth>(plan, ws, sweep, g, fan);
     });
     if (kFactor && node != kNone) return node;
-    if (group.fan_ends)
-      close_fan<kWidest, kFactor>(ws.lanes.data(), plan.lane_parents[static_cast<std::size_t>(group.first)],
-                                  group.fan_begins ? group.width : 8, fan);
+    if (group.fan_ends) close_fan<kWidest, kFactor>(plan, ws, group, sweep.source, fan);
   }
   return kNone;
 }

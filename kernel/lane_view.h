@@ -92,17 +92,17 @@ struct View {
   }
 };
 
-// One number of the parent for all lanes.
-template <class Pack>
+// One number of the parent for all lanes. The parent is mostly alone in its group, and its rows side by side.
+template <class Pack, bool kAlone>
 struct FanParent {
   using T = Pack;
-  const double* lanes;
-  LaneSlot slot;
+  const double *data, *motion;
+  std::ptrdiff_t stride;
 
-  template <class Row>
-  UNLATCH_INLINE T get(Row row) const {
-    return T(lanes[find(slot, row)]);
-  }
+  UNLATCH_INLINE FanParent(const double* lanes, const LaneSlot& slot)
+      : data(lanes + slot.offset), motion(lanes + slot.motion), stride(kAlone ? 1 : slot.stride) {}
+  UNLATCH_INLINE T get(int row) const { return T(data[row * (kAlone ? 1 : stride)]); }
+  UNLATCH_INLINE T get(MotionField row) const { return T(motion[row * (kAlone ? 1 : stride)]); }
 };
 // Parents wherever they are.
 template <class Pack>
@@ -135,7 +135,8 @@ struct Parents {
   UNLATCH_INLINE auto visit(const Read& read) const {
     if (link == LaneLink::kContiguous)
       return read(View<Pack, kWidth, const double>{lanes + slots[0].offset, lanes + slots[0].motion});
-    if (link == LaneLink::kFan) return read(FanParent<Pack>{lanes, slots[0]});
+    if (link == LaneLink::kFan && slots[0].stride == 1) return read(FanParent<Pack, true>(lanes, slots[0]));
+    if (link == LaneLink::kFan) return read(FanParent<Pack, false>(lanes, slots[0]));
     return read(GatheredParents<Pack>{lanes, slots});
   }
 };

@@ -100,6 +100,7 @@ class Layout {
       begin = end;
     }
     join_blocks();
+    find_beginnings();
     place_joints();
     place_springs();
     place_loads();
@@ -204,6 +205,7 @@ class Layout {
     group.width = static_cast<std::uint8_t>(get_width(count));
     group.count = static_cast<std::uint8_t>(count);
     group.link = link;
+    group.begins = kNone;
     group.leaf = kind.leaf;
     group.has_joint = kind.has_joint;
     group.sides = find_sides(members, count);
@@ -313,6 +315,34 @@ class Layout {
     for (LaneGroup& group : plan_.groups) group.data += moved_;
     for (LaneSlot& slot : plan_.lane_parents) slot.offset += moved_;
     used_ += moved_;
+  }
+
+  // Which groups are the first to add to all blocks of their parents' group, on the way to the root. Blocks of flexible
+  // bodies and of such that lose mass are begun with what is their own.
+  void find_beginnings() {
+    std::vector<bool> added(plan_.groups.size(), false), begun(plan_.groups.size(), false);
+    for (std::size_t g = plan_.groups.size(); g-- > 0;) {
+      LaneGroup& group = plan_.groups[g];
+      if (group.link == LaneLink::kRoot || (group.link == LaneLink::kFan && !group.fan_ends)) continue;
+      const int parent = places_[at(plan_.nodes[at(plan_.lane_nodes[at(group.first)])].parent)].group;
+      const LaneGroup& parents = plan_.groups[at(parent)];
+      const bool all = group.link == LaneLink::kContiguous || (group.link == LaneLink::kFan && parents.width == 1);
+      if (all && !added[at(parent)] && group.special == LaneSpecial::kOrdinary && is_plain(parents)) {
+        group.begins = parent;
+        begun[at(parent)] = true;
+      }
+      for (int lane = 0; lane < group.count; ++lane)
+        added[at(places_[at(plan_.nodes[at(plan_.lane_nodes[at(group.first + lane)])].parent)].group)] = true;
+    }
+    for (std::size_t g = 0; g < plan_.groups.size(); ++g)
+      if (!plan_.groups[g].leaf && !begun[g]) plan_.own_beginnings.push_back(static_cast<std::int32_t>(g));
+  }
+  bool is_plain(const LaneGroup& group) const {
+    if (group.special != LaneSpecial::kOrdinary) return false;
+    for (int lane = 0; lane < group.count; ++lane)
+      if (plan_.bodies[at(plan_.nodes[at(plan_.lane_nodes[at(group.first + lane)])].body)].varying != kNone)
+        return false;
+    return true;
   }
 
   void place_joints() {

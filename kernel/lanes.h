@@ -123,19 +123,20 @@ struct alignas(64) LaneGroup {
   std::int32_t data;
   std::int32_t size;       // of the second, in rows from LaneField 0 on
   std::int32_t constants;  // its block in Plan::lane_constants
+  std::int32_t begins;     // group whose blocks it is the first to add to, all of them; or kNone
   std::uint8_t width;      // 1, 2, 4 or 8
   std::uint8_t count;      // lanes in use
   LaneLink link;
-  bool fan_begins, fan_ends;  // first and last group of a fan as the sums go, from the leaves to the root
-  bool leaf;                  // nothing is beyond any of its bodies
-  bool has_joint;             // to the parent or the ground
-  LaneSides sides;            // what the children are to their joints
-  bool shared_axes;           // one frame for point–plane and rotation rows
-  bool universal;
-  bool may_be_loose;  // some mode leaves fewer than three rows, or a lane is empty
-  RowSet freedoms;    // that some mode of three rows or more leaves
-  RowSet rows;        // that some mode of one or two rows holds
-  RowSet compliant;   // freedoms with springs that are integrated implicitly
+  bool fan_begins : 1, fan_ends : 1;  // first and last group of a fan as the sums go, from the leaves to the root
+  bool leaf : 1;                      // nothing is beyond any of its bodies
+  bool has_joint : 1;                 // to the parent or the ground
+  bool shared_axes : 1;               // one frame for point–plane and rotation rows
+  bool universal : 1;
+  bool may_be_loose : 1;  // some mode leaves fewer than three rows, or a lane is empty
+  LaneSides sides;        // what the children are to their joints
+  RowSet freedoms;        // that some mode of three rows or more leaves
+  RowSet rows;            // that some mode of one or two rows holds
+  RowSet compliant;       // freedoms with springs that are integrated implicitly
   LaneSpecial special;
   std::uint8_t carried;  // bit a: some mode's orientation is measured by where axis a has gone
   // where the optional parts begin, in rows

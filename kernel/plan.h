@@ -209,16 +209,17 @@ class Plan {
   std::vector<std::int32_t> loose_joints;        // joints that are no edge of the tree: those, and ones that never hold
 
   // lanes, see lanes.h
-  std::vector<LaneGroup> groups;           // parents before children
-  std::vector<std::int32_t> lane_nodes;    // per lane: its node, or kNone
-  std::vector<LaneSlot> lane_parents;      // per lane: where its parent is
-  std::vector<RowSet> compliant_axes;      // per joint: axes with implicit springs
-  std::vector<double> lane_constants;      // blocks of MotionConstant rows
-  std::vector<double> solver_constants;    // blocks of SolverConstant rows
-  std::vector<LaneSlot> body_slots;        // per body
-  std::vector<LaneSlot> multiplier_slots;  // per joint: the six multipliers
-  std::int32_t lane_numbers = 0;           // size of Workspace::lanes
-  const LaneKernels* kernels = nullptr;    // the stages of the step, compiled for this processor
+  std::vector<LaneGroup> groups;             // parents before children
+  std::vector<std::int32_t> own_beginnings;  // those whose blocks no child begins, see LaneGroup::begins
+  std::vector<std::int32_t> lane_nodes;      // per lane: its node, or kNone
+  std::vector<LaneSlot> lane_parents;        // per lane: where its parent is
+  std::vector<RowSet> compliant_axes;        // per joint: axes with implicit springs
+  std::vector<double> lane_constants;        // blocks of MotionConstant rows
+  std::vector<double> solver_constants;      // blocks of SolverConstant rows
+  std::vector<LaneSlot> body_slots;          // per body
+  std::vector<LaneSlot> multiplier_slots;    // per joint: the six multipliers
+  std::int32_t lane_numbers = 0;             // size of Workspace::lanes
+  const LaneKernels* kernels = nullptr;      // the stages of the step, compiled for this processor
 
   std::vector<PlanVarying> varying;
   std::vector<MassKnot> mass_knots;
