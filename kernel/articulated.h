@@ -23,6 +23,7 @@ struct ArticulatedT {
 using Articulated = ArticulatedT<double>;
 
 #define UNLATCH_INLINE __attribute__((always_inline)) inline
+#define UNLATCH_INLINE_LAMBDA __attribute__((always_inline))
 
 template <class T>
 UNLATCH_INLINE SpatialT<T> operator+(const SpatialT<T>& a, const SpatialT<T>& b) {

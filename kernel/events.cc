@@ -20,8 +20,16 @@ bool is_due(const Plan& plan, std::size_t e, double now, const State& state, con
   const EventState& event = state.events[e];
   if (event.phase == EventPhase::kPending) return event.due <= now + slack;
   if (event.phase != EventPhase::kArmed) return false;
-  const double tolerance = plan.events[e].by_time ? slack : ws.tolerances[e];
-  return ws.guards[e] >= -tolerance;
+  return ws.guards[e] >= -(plan.events[e].by_time ? slack : ws.tolerances[e]);
+}
+
+bool is_any_due(const Plan& plan, double now, const State& state, const Workspace& ws) {
+  const double *guards = ws.guards.data(), *tolerances = ws.tolerances.data();
+  for (const std::int32_t e : plan.timed_events)
+    if (is_due(plan, at(e), now, state, ws)) return true;
+  for (std::size_t e = 0; e < plan.events.size(); ++e)
+    if (guards[e] >= -tolerances[e] && is_due(plan, e, now, state, ws)) return true;
+  return false;
 }
 
 // Rows that the new mode adds hold from now on where they are.
@@ -108,9 +116,7 @@ double calc_next_due(const Plan& plan, const State& state, double now) noexcept 
 StepStatus act(const Plan& plan, const Inputs& inputs, double now, State& state, Workspace& ws, int& node) noexcept {
   // Every event acts or becomes pending at most once, so there are at most twice as many rounds as events.
   for (std::size_t round = 0; round <= 2 * plan.events.size(); ++round) {
-    bool due = false;
-    for (std::size_t e = 0; e < plan.events.size() && !due; ++e) due = is_due(plan, e, now, state, ws);
-    if (!due) return StepStatus::kOk;
+    if (!is_any_due(plan, now, state, ws)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ws);
     RowSet added = 0;
     const int count = act_once(plan, now, state, ws, added);

@@ -34,11 +34,10 @@ int project(const Plan& plan, const State& state, Workspace& ws) {
   return kNone;
 }
 
-// At the present kinematics. Without outputs it does without multipliers, and coordinates that no spring reads. Takes
+// At the present joint frames. Without outputs it does without multipliers, and coordinates that no spring reads. Takes
 // as many rows of loops for independent as the latest evaluation has found.
 int solve_dynamics(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs, Workspace& ws) {
   update_loads(plan, inputs, state, t, ws);
-  update_joints(plan, state, BiasKind::kAcceleration, ws);
   update_coordinates(plan, state, outputs, ws);
   update_forces(plan, state, t, ws);
   if (const int node = factor_and_solve(plan, state, ws, {Source::kForces, true, outputs}); node != kNone) return node;
@@ -49,6 +48,7 @@ int solve_dynamics(const Plan& plan, const Inputs& inputs, const State& state, d
 int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
   update_masses(plan, t, ws);
   update_kinematics(plan, ws);
+  update_joints(plan, state, BiasKind::kAcceleration, ws);
   return solve_dynamics(plan, inputs, state, t, false, ws);
 }
 
@@ -79,9 +79,7 @@ int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& fr
   return finish(plan, from, end, ws);
 }
 
-}  // namespace
-
-int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+int solve_outputs(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
   end_compliance(plan, ws);
   ws.loop_most = kAllRows;
   if (const int node = solve_dynamics(plan, inputs, state, t, true, ws); node != kNone) return node;
@@ -89,10 +87,22 @@ int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, d
   return kNone;
 }
 
+}  // namespace
+
+int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+  update_joints(plan, state, BiasKind::kAcceleration, ws);
+  return solve_outputs(plan, inputs, state, t, ws);
+}
+
+int evaluate_end(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+  renew_biases(plan, state, ws);
+  return solve_outputs(plan, inputs, state, t, ws);
+}
+
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   load_state(plan, state, ws);
   load_extras(state, ws);
-  forget_loads(ws);
+  forget_loads(plan, ws);
   update_masses(plan, t, ws);
   update_kinematics(plan, ws);
   return evaluate_lanes(plan, inputs, state, t, ws);

@@ -18,6 +18,9 @@ int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double 
 // The same for what stands in the lanes already, kinematics included; `state` for its joints, elements and signals.
 int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 
+// The same for what integrate() has left, joint frames included.
+int evaluate_end(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
+
 // The same again with other inputs, after an evaluation of `state` at time t: only forces differ.
 void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
 

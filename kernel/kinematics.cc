@@ -183,6 +183,12 @@ void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspac
   if (!plan.loose_joints.empty()) update_loose_joints(plan, state, kind, ws);
 }
 
+void renew_biases(const Plan& plan, const State& state, Workspace& ws) noexcept {
+  plan.kernels->renew_biases(plan, ws);
+  if (!plan.rigid) update_marker_biases(plan, BiasKind::kAcceleration, ws);
+  if (!plan.loose_joints.empty()) update_loose_joints(plan, state, BiasKind::kAcceleration, ws);
+}
+
 void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept {
   const std::span read = std::span(plan.coordinates).first(all ? plan.coordinates.size() : at(plan.driven_coordinates));
   std::size_t turns = 0;

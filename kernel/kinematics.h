@@ -30,6 +30,9 @@ void update_rates(const Plan& plan, Workspace& ws) noexcept;
 // Frames of all joints and the right-hand sides of their rows; needs kinematics.
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept;
 
+// The same for accelerations, where neither poses nor modes have changed since: only velocities have.
+void renew_biases(const Plan& plan, const State& state, Workspace& ws) noexcept;
+
 // ws.coordinates and ws.speeds that springs, or all that springs, guards and sensors, read; needs the joints' frames.
 // Angles are counted on from those in the state's joints.
 void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept;

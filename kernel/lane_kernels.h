@@ -37,6 +37,8 @@ struct LaneKernels {
   void (*init_forces)(const Plan&, Workspace&);
   // Arms, axes, slips and what the joint imposes, for joints of the tree; needs kinematics.
   void (*update_joints)(const Plan&, Workspace&, BiasKind);
+  // The slips and what the joints impose on accelerations, where neither poses nor modes have changed since.
+  void (*renew_biases)(const Plan&, Workspace&);
   // Sines and cosines to angles, see lane_angles.h.
   void (*calc_angles)(double* sines, const double* cosines, std::size_t count);
   // Leaves to root. Returns kNone, or the node whose pivot vanished.

@@ -108,6 +108,11 @@ struct JointMotion {
   const Frame<T>&base, &follower;
   Vec3T<T> r_base, r_follower, arm_child, gap, v_rel, w_rel;
   Mat3T<T> n, m;
+
+  UNLATCH_INLINE void update_slip() {
+    v_rel = (follower.v + cross(follower.w, r_follower)) - (base.v + cross(base.w, r_base));
+    w_rel = follower.w - base.w;
+  }
 };
 
 // In its modes with rot_z as the only rotation row a universal joint's rotation frame follows the cross: x of the base,
@@ -121,6 +126,13 @@ UNLATCH_INLINE void cross_axes(const V& v, const C& c, const LaneGroup& group, J
   j.m.z = select(crossed, z, j.m.z);
 }
 
+// The mask of no lane at all, known to the compiler.
+struct Nowhere {};
+template <class A>
+UNLATCH_INLINE const A& select(Nowhere, const A&, const A& otherwise) {
+  return otherwise;
+}
+
 template <class T>
 UNLATCH_INLINE Frame<T> select(const T& mask, const Frame<T>& a, const Frame<T>& b) {
   return {{select(mask, a.R.x, b.R.x), select(mask, a.R.y, b.R.y), select(mask, a.R.z, b.R.z)},
@@ -129,9 +141,9 @@ UNLATCH_INLINE Frame<T> select(const T& mask, const Frame<T>& a, const Frame<T>&
           select(mask, a.w, b.w)};
 }
 
-template <class V, class C, class T = typename V::T>
+template <class V, class C, class Side, class T = typename V::T>
 UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const V& v, const C& c, const Frame<T>& base,
-                                         const Frame<T>& follower, const T& child_is_base) {
+                                         const Frame<T>& follower, const Side& child_is_base) {
   const Vec3T<T> r_follower = follower.R * c.get_vec(kPointFollower);
   const Vec3T<T> r_base = (follower.p - base.p) + r_follower;
   const Mat3T<T> n = base.R * c.get_mat(kBaseAxes);
@@ -141,18 +153,38 @@ UNLATCH_INLINE JointMotion<T> calc_joint(const LaneGroup& group, const V& v, con
                    r_follower,
                    select(child_is_base, r_base, r_follower),
                    transpose_times(n, r_base - base.R * c.get_vec(kPointBase)),
-                   (follower.v + cross(follower.w, r_follower)) - (base.v + cross(base.w, r_base)),
-                   follower.w - base.w,
+                   {},
+                   {},
                    n,
                    group.shared_axes ? n : base.R * c.get_mat(kRotationAxes)};
+  j.update_slip();
   if (group.universal) cross_axes(v, c, group, j);
   v.set(kArmChild, j.arm_child);
   v.set(kArmParent, select(child_is_base, r_follower, r_base));
   v.set(kAxes, n);
   if (!group.shared_axes) v.set(group.rotation_axes, j.m);
   v.set(kGap, j.gap);
-  v.set(kSlip, j.v_rel);
-  v.set(kSlip + 3, j.w_rel);
+  return j;
+}
+
+// The same where neither poses nor modes have changed since: without the gap, and axes only where a cross has turned
+// them.
+template <class V, class Side, class T = typename V::T>
+UNLATCH_INLINE JointMotion<T> read_joint(const LaneGroup& group, const V& v, const Frame<T>& base,
+                                         const Frame<T>& follower, const Side& child_is_base) {
+  const Vec3T<T> arm_child = v.get_vec(kArmChild), arm_parent = v.get_vec(kArmParent);
+  JointMotion<T> j{base,
+                   follower,
+                   select(child_is_base, arm_child, arm_parent),
+                   select(child_is_base, arm_parent, arm_child),
+                   arm_child,
+                   {},
+                   {},
+                   {},
+                   {},
+                   {}};
+  if (group.universal) j.m = v.get_mat(group.rotation_axes);
+  j.update_slip();
   return j;
 }
 
@@ -210,9 +242,19 @@ UNLATCH_INLINE void remove_freedoms(const LaneGroup& group, const V& v, const Jo
   }
 }
 
+// From the joint's point to the child's origin, with the child's sign.
 template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE void set_bias(const V& v, const C& c, const JointMotion<T>& j, SpatialT<T> bias) {
+  v.set(kSlip, j.v_rel);
+  v.set(kSlip + 3, j.w_rel);
+  bias = c.get(kSide) * bias;
+  bias.lin -= cross(bias.ang, j.arm_child);
+  v.set(kBias, bias);
+}
+
+template <class V, class C, class Side, class T = typename V::T>
 UNLATCH_INLINE void update_joint(const LaneGroup& group, const V& v, const C& c, const Frame<T>& base,
-                                 const Frame<T>& follower, const T& child_is_base, BiasKind kind) {
+                                 const Frame<T>& follower, const Side& child_is_base, BiasKind kind) {
   const JointMotion<T> j = calc_joint(group, v, c, base, follower, child_is_base);
   SpatialT<T> bias;
   if (kind == BiasKind::kAcceleration) {
@@ -221,14 +263,13 @@ UNLATCH_INLINE void update_joint(const LaneGroup& group, const V& v, const C& c,
     bias = kind == BiasKind::kVelocity ? SpatialT<T>{-j.v_rel, -j.w_rel} : calc_position_bias(group, v, c, j);
     remove_freedoms(group, v, j, bias);
   }
-  // From the joint's point to the child's origin, with the child's sign.
-  bias = c.get(kSide) * bias;
-  bias.lin -= cross(bias.ang, j.arm_child);
-  v.set(kBias, bias);
+  v.set(kOffset, select(child_is_base, base.p - follower.p, follower.p - base.p));
+  set_bias(v, c, j, bias);
 }
 
-template <int kWidest>
-void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
+// Calls update(group, block, constants, base, follower, where the child is the base) for every joint.
+template <int kWidest, class Update>
+UNLATCH_INLINE void for_joints(const Plan& plan, Workspace& ws, const Update& update) {
   for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto parents) {
     using T = typename V::T;
     if (!group.has_joint) return;
@@ -236,14 +277,26 @@ void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
     const Frame<T> parent = group.link == LaneLink::kRoot
                                 ? get_ground<T>()
                                 : parents.visit([](const auto& from) { return get_frame<T>(from); });
-    v.set(kOffset, child.p - parent.p);
-    const T none(0.0), child_is_base = none > c.get(kSide);
-    if (group.sides == LaneSides::kFollowers)
-      update_joint(group, v, c, parent, child, none, kind);
-    else
-      update_joint(group, v, c, select(child_is_base, child, parent), select(child_is_base, parent, child),
-                   child_is_base, kind);
+    if (group.sides == LaneSides::kFollowers) return update(group, v, c, parent, child, Nowhere{});
+    const T child_is_base = T(0.0) > c.get(kSide);
+    update(group, v, c, select(child_is_base, child, parent), select(child_is_base, parent, child), child_is_base);
   });
+}
+
+template <int kWidest>
+void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
+  for_joints<kWidest>(plan, ws, [&](const LaneGroup& group, const auto&... joint) UNLATCH_INLINE_LAMBDA {
+    update_joint(group, joint..., kind);
+  });
+}
+
+template <int kWidest>
+void renew_biases(const Plan& plan, Workspace& ws) {
+  for_joints<kWidest>(
+      plan, ws, [](const LaneGroup& group, const auto& v, const auto& c, const auto&... joint) UNLATCH_INLINE_LAMBDA {
+        const auto j = read_joint(group, v, joint...);
+        set_bias(v, c, j, calc_acceleration_bias(group, v, c, j));
+      });
 }
 
 // --- Runge–Kutta ----------------------------------------------------------------------------------------------------

@@ -262,11 +262,14 @@ class Layout {
   void place_loads() {
     std::vector<int> node_of(model_.bodies.size(), kNone);
     for (std::size_t k = 0; k < plan_.nodes.size(); ++k) node_of[at(plan_.nodes[k].body)] = static_cast<int>(k);
+    std::vector<bool> placed(model_.bodies.size(), false);
     for (PlanLoad& load : plan_.loads) {
       const Place place = places_[at(node_of[at(load.body)])];
       const LaneSlot slot = get_slot(place);
       load.applied = find(slot, plan_.groups[at(place.group)].applied);
       load.stride = slot.stride;
+      load.first = !load.world && !placed[at(load.body)];
+      if (!load.world) placed[at(load.body)] = true;
     }
   }
 

@@ -32,6 +32,18 @@ double find_profile(const Plan& plan, int profile, double s, Workspace& ws) {
   return kept.value;
 }
 
+// The wrench of a load that is fixed in its body, added to those before it or in their place.
+template <bool kAdd>
+UNLATCH_INLINE void apply(const PlanLoad& load, double size, double* lanes) {
+  const Vec3 force = size * load.wrench.lin, torque = size * load.wrench.ang;
+  double* to = lanes + load.applied;
+  for (const double number : {force.x, force.y, force.z, torque.x, torque.y, torque.z}) {
+    *to = kAdd ? *to + number : number;
+    to += load.stride;
+  }
+}
+
+// Bodies without loads in groups that have some.
 void clear_wrenches(const Plan& plan, Workspace& ws) {
   for (const LaneGroup& group : plan.groups)
     if (group.applied != kPose)
@@ -61,33 +73,29 @@ double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noex
 void update_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   if (plan.loads.empty() || ws.loads_time == t) return;
   ws.loads_time = t;
-  clear_wrenches(plan, ws);
-  double* lanes = ws.lanes.data();
-  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
-    const PlanLoad& load = plan.loads[i];
-    const ElementState& element = state.elements[at(load.element)];
+  const ElementState* elements = state.elements.data();
+  double *sizes = ws.load_sizes.data(), *lanes = ws.lanes.data();
+  for (const PlanLoad& load : plan.loads) {
+    const ElementState& element = elements[load.element];
     const double scale = calc_scale(element, t);
-    ws.load_sizes[i] = 0;
-    if (scale == 0) continue;
-    const double value = find_profile(plan, load.profile, t - element.switched_on, ws);
-    const double size = value * scale * (load.channel == kNone ? 1.0 : inputs.commands[at(load.channel)]);
-    ws.load_sizes[i] = size;
-    if (load.world) continue;
-    double* applied = lanes + load.applied;
-    const std::ptrdiff_t stride = load.stride;
-    applied[0] += size * load.wrench.lin.x;
-    applied[stride] += size * load.wrench.lin.y;
-    applied[2 * stride] += size * load.wrench.lin.z;
-    applied[3 * stride] += size * load.wrench.ang.x;
-    applied[4 * stride] += size * load.wrench.ang.y;
-    applied[5 * stride] += size * load.wrench.ang.z;
+    double size = 0;
+    if (scale != 0) {
+      size = find_profile(plan, load.profile, t - element.switched_on, ws) * scale;
+      if (load.channel != kNone) size *= inputs.commands[at(load.channel)];
+    }
+    *sizes++ = size;
+    if (load.first)
+      apply<false>(load, size, lanes);
+    else if (!load.world && size != 0)
+      apply<true>(load, size, lanes);
   }
 }
 
 void forget_sizes(Workspace& ws) noexcept { ws.loads_time = kNever; }
 
-void forget_loads(Workspace& ws) noexcept {
+void forget_loads(const Plan& plan, Workspace& ws) noexcept {
   forget_sizes(ws);
+  clear_wrenches(plan, ws);
   for (KeptProfile& kept : ws.profiles) kept.s = kNever;
 }
 

@@ -25,6 +25,6 @@ void update_loads(const Plan& plan, const Inputs& inputs, const State& state, do
 // The sizes count no more: other elements are on, or commands are others. What laws of time gave still holds.
 void forget_sizes(Workspace& ws) noexcept;
 // Nothing of loads counts any more: the workspace is another.
-void forget_loads(Workspace& ws) noexcept;
+void forget_loads(const Plan& plan, Workspace& ws) noexcept;
 
 }  // namespace unlatch

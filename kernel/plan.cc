@@ -272,7 +272,7 @@ void compile_elements(const Model& model, Plan& plan, Coordinates& coordinates) 
     const Vec3 none{0, 0, 0}, point = l.kind == Load::Kind::kTorque ? none : to_vec(l.point),
                               size = to_vec(l.direction);
     plan.loads.push_back(
-        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, 0, 1, point,
+        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, false, 0, 1, point,
          l.kind == Load::Kind::kTorque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
          l.direction.norm(), l.consumption, plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
     if (world || l.consumption != 0) plan.busy_loads.push_back(static_cast<std::int32_t>(plan.loads.size()) - 1);

@@ -133,7 +133,8 @@ struct PlanProfile {
 struct PlanLoad {
   std::int32_t body, element, profile, channel;
   bool world;                    // it keeps its direction in the world, else in the body
-  std::int32_t applied, stride;  // otherwise: where Workspace::lanes sums such loads on its body
+  bool first;                    // otherwise: whether it is the first such load on its body,
+  std::int32_t applied, stride;  // and where Workspace::lanes sums them
   Vec3 point;                    // of a force in the world, body axes
   Spatial wrench;                // of size 1, in its axes; in the body at the origin, in the world at the point
   double length;                 // of the direction

@@ -254,7 +254,7 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     store_bodies(sim.plan, ws, sim.state);  // markers move with the mast
     update_joints(sim.plan, sim.state, BiasKind::kAcceleration, ws);
     update_coordinates(sim.plan, sim.state, true, ws);
-    forget_loads(ws);
+    forget_loads(sim.plan, ws);
     update_loads(sim.plan, {sim.commands}, sim.state, 0, ws);
     update_forces(sim.plan, sim.state, 0, ws);
     ws.loop_most = kAllRows;
