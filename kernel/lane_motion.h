@@ -273,10 +273,10 @@ UNLATCH_INLINE void for_joints(const Plan& plan, Workspace& ws, const Update& up
   for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto parents) {
     using T = typename V::T;
     if (!group.has_joint) return;
-    const Frame<T> child = get_frame<T>(v);
     const Frame<T> parent = group.link == LaneLink::kRoot
                                 ? get_ground<T>()
                                 : parents.visit([](const auto& from) { return get_frame<T>(from); });
+    const Frame<T> child = get_frame<T>(v);  // after the parent's: only one of them need survive the branches there
     if (group.sides == LaneSides::kFollowers) return update(group, v, c, parent, child, Nowhere{});
     const T child_is_base = T(0.0) > c.get(kSide);
     update(group, v, c, select(child_is_base, child, parent), select(child_is_base, parent, child), child_is_base);

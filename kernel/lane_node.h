@@ -81,53 +81,6 @@ UNLATCH_INLINE ArticulatedT<T> get_body_block(const T& mass, const Sym3T<T>& ine
   return {{mass, mass, mass, o, o, o}, {{o, o, o}, {o, o, o}, {o, o, o}}, inertia};
 }
 
-// The body's block and load, with what its children have added. A leaf's block is diag(mass, I).
-template <class T, bool kLeaf>
-struct Node;
-
-template <class T>
-struct Node<T, true> {
-  T mass;
-  Sym3T<T> I;
-  SpatialT<T> load;
-
-  template <int kWidth>
-  UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source source)
-      : mass(part.c.get(kMass)), I(part.v.get_sym(kInertia)), load(get_source(part.v, source)) {}
-  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return {mass * a.lin, I * a.ang}; }
-  UNLATCH_INLINE ArticulatedT<T> get_block() const { return get_body_block(mass, I); }
-  // A − k U Uᵀ
-  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
-    const Vec3T<T> kl = k * U.lin, ka = k * U.ang;
-    return {{mass - kl.x * U.lin.x, mass - kl.y * U.lin.y, mass - kl.z * U.lin.z, -(kl.x * U.lin.y), -(kl.x * U.lin.z),
-             -(kl.y * U.lin.z)},
-            {(-ka.x) * U.lin, (-ka.y) * U.lin, (-ka.z) * U.lin},
-            downdate(I, ka, U.ang)};
-  }
-  // False only where something is not finite: nothing has been taken out of it.
-  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>&) const { return pivot > T(0.0); }
-};
-
-template <class T>
-struct Node<T, false> {
-  ArticulatedT<T> A;
-  SpatialT<T> load;
-
-  template <int kWidth>
-  UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source)
-      : A(unlatch::UNLATCH_ISA::get_block(part.v.from(kBlock))), load(part.v.get_spatial(kBlock + 21)) {}
-  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return A * a; }
-  UNLATCH_INLINE const ArticulatedT<T>& get_block() const { return A; }
-  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
-    ArticulatedT<T> out = A;
-    downdate(out, k, U);
-    return out;
-  }
-  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>& s) const {
-    return pivot > T(kSingular) * calc_pivot_scale(A, s);
-  }
-};
-
 // --- The block of a body that nothing, or little, holds -------------------------------------------------------------
 
 // LDLᵀ of a symmetric 3×3, from its minors, so that its divisions do not wait for each other. As accurate as one pivot
@@ -176,5 +129,64 @@ UNLATCH_INLINE SpatialT<T> solve_free(const FreeFactorT<T>& f, const SpatialT<T>
   const Vec3T<T> ang = solve(f.K, b.ang - transpose_times(f.W, b.lin));
   return {solve(f.M, b.lin) - f.W * ang, ang};
 }
+
+// --- The body's block and load --------------------------------------------------------------------------------------
+
+// With what its children have added. A leaf's block is diag(mass, I).
+template <class T, bool kLeaf>
+struct Node;
+
+template <class T>
+struct Node<T, true> {
+  T mass;
+  Sym3T<T> I;
+  SpatialT<T> load;
+
+  template <int kWidth>
+  UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source source)
+      : mass(part.c.get(kMass)), I(part.v.get_sym(kInertia)), load(get_source(part.v, source)) {}
+  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return {mass * a.lin, I * a.ang}; }
+  UNLATCH_INLINE ArticulatedT<T> get_block() const { return get_body_block(mass, I); }
+  // A − k U Uᵀ
+  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
+    const Vec3T<T> kl = k * U.lin, ka = k * U.ang;
+    return {{mass - kl.x * U.lin.x, mass - kl.y * U.lin.y, mass - kl.z * U.lin.z, -(kl.x * U.lin.y), -(kl.x * U.lin.z),
+             -(kl.y * U.lin.z)},
+            {(-ka.x) * U.lin, (-ka.y) * U.lin, (-ka.z) * U.lin},
+            downdate(I, ka, U.ang)};
+  }
+  // A⁻¹ by parts, if nothing holds the body.
+  UNLATCH_INLINE FreeFactorT<T> factor(T& bad) const {
+    const T o(0.0), inverse = T(1) / mass;
+    return {{o, o, o, inverse, inverse, inverse}, {{o, o, o}, {o, o, o}, {o, o, o}}, factor3(I, I, bad)};
+  }
+  UNLATCH_INLINE SpatialT<T> solve(const FreeFactorT<T>& f, const SpatialT<T>& b) const {
+    return {f.M.i0 * b.lin, unlatch::solve(f.K, b.ang)};
+  }
+  // False only where something is not finite: nothing has been taken out of it.
+  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>&) const { return pivot > T(0.0); }
+};
+
+template <class T>
+struct Node<T, false> {
+  ArticulatedT<T> A;
+  SpatialT<T> load;
+
+  template <int kWidth>
+  UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source)
+      : A(unlatch::UNLATCH_ISA::get_block(part.v.from(kBlock))), load(part.v.get_spatial(kBlock + 21)) {}
+  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return A * a; }
+  UNLATCH_INLINE const ArticulatedT<T>& get_block() const { return A; }
+  UNLATCH_INLINE FreeFactorT<T> factor(T& bad) const { return factor_free(A, bad); }
+  UNLATCH_INLINE SpatialT<T> solve(const FreeFactorT<T>& f, const SpatialT<T>& b) const { return solve_free(f, b); }
+  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
+    ArticulatedT<T> out = A;
+    downdate(out, k, U);
+    return out;
+  }
+  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>& s) const {
+    return pivot > T(kSingular) * calc_pivot_scale(A, s);
+  }
+};
 
 }  // namespace unlatch::UNLATCH_ISA

@@ -95,6 +95,18 @@ UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>&
   }
 }
 
+// Where nothing holds, only what begins sums is to be done.
+template <bool kFactor, class T, int kWidth>
+UNLATCH_INLINE void add_nothing(const Part<T, kWidth>& part, Source source, FanSums& fan) {
+  const T o(0.0);
+  const Vec3T<T> zero{o, o, o};
+  const Passed<T> nothing{{{o, o, o, o, o, o}, {zero, zero, zero}, {o, o, o, o, o, o}}, {zero, zero}};
+  if (part.group.link == LaneLink::kFan && part.group.fan_begins)
+    write<kFactor, kWidth>(fan.numbers + part.lane, nothing);
+  if (part.group.link == LaneLink::kContiguous && part.group.begins != kNone)
+    add_to_lanes<kFactor>(part, nothing, source);
+}
+
 // --- The end of a fan: its partial sums in a fixed tree -------------------------------------------------------------
 
 // Of one row.

@@ -38,12 +38,12 @@ UNLATCH_INLINE FreeFactorT<T> eliminate_free(const P& part, const N& node, T& ba
   const auto own = part.v.from(part.group.free);
   FreeFactorT<T> f;
   if constexpr (kFactor) {
-    f = factor_free(node.get_block(), bad);
+    f = node.factor(bad);
     set_factor(own, f);
   } else {
     f = get_factor(own);
   }
-  own.set(21, solve_free(f, node.load));
+  own.set(21, node.solve(f, node.load));
   return f;
 }
 
@@ -61,7 +61,7 @@ UNLATCH_INLINE void eliminate_rows(const P& part, const N& node, const SpatialT<
     const auto own = v.from(part.group.row_parts[r]);
     if constexpr (kFactor) {
       const T mask = own.get(kRowMask);
-      SpatialT<T> w = part.get_wrench(r), y = solve_free(f, w);
+      SpatialT<T> w = part.get_wrench(r), y = node.solve(f, w);
       for (int p = 0; p < r; ++p) {
         if (!has_row(part.phase.rows, p)) continue;
         const auto other = v.from(part.group.row_parts[p]);
@@ -137,7 +137,7 @@ UNLATCH_INLINE void eliminate(const Part<T, kWidth>& part, const Sweep& sweep, F
   Passed<T> passed;
   if (part.phase.held) {
     eliminate_freedoms<kFactor>(part, node, node.load - node.times(bias), passed, bad);
-    if (part.group.may_be_loose) {
+    if (part.phase.loose) {
       const T held = part.v.get(kHeld);
       passed.load = held & passed.load;
       if constexpr (kFactor) passed.A = held & passed.A;
@@ -147,9 +147,11 @@ UNLATCH_INLINE void eliminate(const Part<T, kWidth>& part, const Sweep& sweep, F
     passed = {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
   }
   if (part.phase.loose) eliminate_rows<kFactor>(part, node, bias, passed, bad);
-  const bool passes =
-      part.phase.held || part.phase.rows != 0 || part.group.link == LaneLink::kFan || part.group.begins != kNone;
-  if (part.group.link != LaneLink::kRoot && passes) add_to_parents<kFactor>(part, passed, sweep.source, fan);
+  if (part.group.link == LaneLink::kRoot) return;
+  if (part.phase.held || part.phase.rows != 0)
+    add_to_parents<kFactor>(part, passed, sweep.source, fan);
+  else
+    add_nothing<kFactor>(part, sweep.source, fan);
 }
 
 // The first lane whose pivot vanished, as a node.
