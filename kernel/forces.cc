@@ -107,8 +107,7 @@ Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept {
   return plan.gravity - (plan.mu / (r2 * std::sqrt(r2))) * r;
 }
 
-void update_forces(const Plan& plan, const State& state, double t, Workspace& ws) noexcept {
-  plan.kernels->init_forces(plan, ws);
+void add_forces(const Plan& plan, const State& state, double t, Workspace& ws) noexcept {
   std::fill(ws.extras.rate.begin(), ws.extras.rate.end(), 0.0);
   if (!plan.busy_loads.empty()) add_loads(plan, ws);
   if (!plan.point_springs.empty()) add_point_springs(plan, state, t, ws);

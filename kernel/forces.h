@@ -6,8 +6,9 @@
 
 namespace unlatch {
 
-// The forces in the lanes at time t, s; needs the kinematics, joint frames, coordinates and loads of this stage.
-void update_forces(const Plan& plan, const State& state, double t, Workspace& ws) noexcept;
+// What acts beside the forces that the lanes sum (init_forces() in lane_kernels.h), at time t, s; needs kinematics,
+// joint frames, coordinates and loads of this stage.
+void add_forces(const Plan& plan, const State& state, double t, Workspace& ws) noexcept;
 
 // Acceleration of free fall at a point of W, m/s².
 Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept;

@@ -17,29 +17,34 @@ namespace {
 
 constexpr Sweep kCorrection{Source::kNothing, true, false};
 
+// Kernels that move bodies leave the kinematics of rigid ones.
+void complete_kinematics(const Plan& plan, Workspace& ws) {
+  if (!plan.rigid) update_kinematics(plan, ws);
+}
+
 // One position and one velocity projection onto the rows, with one factorisation.
 int project(const Plan& plan, const State& state, Workspace& ws) {
-  update_kinematics(plan, ws);
+  complete_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kPosition, ws);
   if (const int node = factor_and_solve(plan, state, ws, kCorrection); node != kNone) return node;
   plan.kernels->add_displacements(plan, ws);
   if (!plan.rigid) add_modal_displacements(plan, ws);
 
-  update_kinematics(plan, ws);
+  complete_kinematics(plan, ws);
   update_joints(plan, state, BiasKind::kVelocity, ws);
   solve(plan, ws, kCorrection);
   plan.kernels->add_velocities(plan, ws);
-  if (!plan.rigid) add_modal_velocities(plan, ws);
+  if (plan.rigid) return kNone;
+  add_modal_velocities(plan, ws);
   update_rates(plan, ws);
   return kNone;
 }
 
 // At the present joint frames. Without outputs it does without multipliers, and coordinates that no spring reads. Takes
 // as many rows of loops for independent as the latest evaluation has found.
-int solve_dynamics(const Plan& plan, const Inputs& inputs, const State& state, double t, bool outputs, Workspace& ws) {
-  update_loads(plan, inputs, state, t, ws);
+int solve_dynamics(const Plan& plan, const State& state, double t, bool outputs, Workspace& ws) {
   update_coordinates(plan, state, outputs, ws);
-  update_forces(plan, state, t, ws);
+  add_forces(plan, state, t, ws);
   if (const int node = factor_and_solve(plan, state, ws, {Source::kForces, true, outputs}); node != kNone) return node;
   if (!plan.rigid) update_modal_rates(plan, ws);
   return kNone;
@@ -47,9 +52,10 @@ int solve_dynamics(const Plan& plan, const Inputs& inputs, const State& state, d
 
 int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
   update_masses(plan, t, ws);
-  update_kinematics(plan, ws);
+  complete_kinematics(plan, ws);
+  update_loads(plan, inputs, state, t, ws);
   update_joints(plan, state, BiasKind::kAcceleration, ws);
-  return solve_dynamics(plan, inputs, state, t, false, ws);
+  return solve_dynamics(plan, state, t, false, ws);
 }
 
 // The end of a sub-step, on its rows.
@@ -79,10 +85,10 @@ int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& fr
   return finish(plan, from, end, ws);
 }
 
-int solve_outputs(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
+int solve_outputs(const Plan& plan, const State& state, double t, Workspace& ws) {
   end_compliance(plan, ws);
   ws.loop_most = kAllRows;
-  if (const int node = solve_dynamics(plan, inputs, state, t, true, ws); node != kNone) return node;
+  if (const int node = solve_dynamics(plan, state, t, true, ws); node != kNone) return node;
   ws.loop_most = ws.loop_count - ws.loop_redundant;
   return kNone;
 }
@@ -90,13 +96,15 @@ int solve_outputs(const Plan& plan, const Inputs& inputs, const State& state, do
 }  // namespace
 
 int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
+  update_loads(plan, inputs, state, t, ws);
   update_joints(plan, state, BiasKind::kAcceleration, ws);
-  return solve_outputs(plan, inputs, state, t, ws);
+  return solve_outputs(plan, state, t, ws);
 }
 
 int evaluate_end(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  renew_biases(plan, state, ws);
-  return solve_outputs(plan, inputs, state, t, ws);
+  update_loads(plan, inputs, state, t, ws);
+  renew_joints(plan, state, ws);
+  return solve_outputs(plan, state, t, ws);
 }
 
 int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
@@ -111,7 +119,8 @@ int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double 
 void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
   forget_sizes(ws);
   update_loads(plan, inputs, state, t, ws);
-  update_forces(plan, state, t, ws);
+  plan.kernels->init_forces(plan, ws);
+  add_forces(plan, state, t, ws);
   solve(plan, ws, {Source::kForces, true, true});
   if (!plan.rigid) update_modal_rates(plan, ws);
 }

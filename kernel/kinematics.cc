@@ -165,7 +165,6 @@ Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower)
 }
 
 void update_kinematics(const Plan& plan, Workspace& ws) noexcept {
-  if (plan.rigid) return plan.kernels->update_kinematics(plan, ws);
   update_markers(plan, ws);
   plan.kernels->update_kinematics(plan, ws);
   update_varying_kinematics(plan, ws);
@@ -173,7 +172,7 @@ void update_kinematics(const Plan& plan, Workspace& ws) noexcept {
 }
 
 void update_rates(const Plan& plan, Workspace& ws) noexcept {
-  if (!plan.rigid) update_markers(plan, ws);
+  update_markers(plan, ws);
   plan.kernels->update_rates(plan, ws);
 }
 
@@ -183,8 +182,8 @@ void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspac
   if (!plan.loose_joints.empty()) update_loose_joints(plan, state, kind, ws);
 }
 
-void renew_biases(const Plan& plan, const State& state, Workspace& ws) noexcept {
-  plan.kernels->renew_biases(plan, ws);
+void renew_joints(const Plan& plan, const State& state, Workspace& ws) noexcept {
+  plan.kernels->renew_joints(plan, ws);
   if (!plan.rigid) update_marker_biases(plan, BiasKind::kAcceleration, ws);
   if (!plan.loose_joints.empty()) update_loose_joints(plan, state, BiasKind::kAcceleration, ws);
 }

@@ -27,11 +27,12 @@ void update_kinematics(const Plan& plan, Workspace& ws) noexcept;
 // The same where only velocities have changed since.
 void update_rates(const Plan& plan, Workspace& ws) noexcept;
 
-// Frames of all joints and the right-hand sides of their rows; needs kinematics.
+// Frames of all joints and the right-hand sides of their rows; needs kinematics. For accelerations also the forces that
+// the lanes sum (init_forces() in lane_kernels.h); needs loads.
 void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept;
 
 // The same for accelerations, where neither poses nor modes have changed since: only velocities have.
-void renew_biases(const Plan& plan, const State& state, Workspace& ws) noexcept;
+void renew_joints(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
 // ws.coordinates and ws.speeds that springs, or all that springs, guards and sensors, read; needs the joints' frames.
 // Angles are counted on from those in the state's joints.

@@ -35,10 +35,11 @@ struct LaneKernels {
   void (*update_rates)(const Plan&, Workspace&);
   // Weight, gyroscopic torque and loads fixed in the bodies, from poses and kinematics.
   void (*init_forces)(const Plan&, Workspace&);
-  // Arms, axes, slips and what the joint imposes, for joints of the tree; needs kinematics.
+  // Arms, axes, slips and what the joint imposes, for joints of the tree; needs kinematics. For accelerations also what
+  // init_forces() does.
   void (*update_joints)(const Plan&, Workspace&, BiasKind);
-  // The slips and what the joints impose on accelerations, where neither poses nor modes have changed since.
-  void (*renew_biases)(const Plan&, Workspace&);
+  // The same for accelerations, where neither poses nor modes have changed since.
+  void (*renew_joints)(const Plan&, Workspace&);
   // Sines and cosines to angles, see lane_angles.h.
   void (*calc_angles)(double* sines, const double* cosines, std::size_t count);
   // Leaves to root. Returns kNone, or the node whose pivot vanished.
@@ -51,6 +52,7 @@ struct LaneKernels {
   // the rows after it.
   void (*reduce_loops)(const Plan&, Workspace&);
   void (*downdate_loops)(const Plan&, Workspace&, int pivot);
+  // What moves bodies leaves their kinematics as well, except add_velocities() their inertia, which stays.
   // Runge–Kutta: keeps pose, velocity and their rates as the beginning of a sub-step.
   void (*keep_start)(const Plan&, Workspace&);
   // From the beginning: the sum starts with `weight` of its rates, the pose goes `h` seconds along them.

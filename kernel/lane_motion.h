@@ -46,13 +46,18 @@ UNLATCH_INLINE QuatT<T> normalized(const QuatT<T>& q) {
 
 // --- Kinematics and forces ------------------------------------------------------------------------------------------
 
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE void set_kinematics(const V& v, const C& c, const QuatT<T>& q, const Vec3T<T>& w) {
+  const Mat3T<T> R = rotation_matrix(q);
+  v.set(kRotation, R);
+  v.set(kOmega, R * w);
+  v.set(kInertia, rotate(R, c.get_sym(kBodyInertia)));
+}
+
 template <int kWidest>
 void update_kinematics(const Plan& plan, Workspace& ws) {
   for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto v, const auto c, const auto&) {
-    const auto R = rotation_matrix(v.get_quat(kPose + 3));
-    v.set(kRotation, R);
-    v.set(kOmega, R * v.get_vec(kVelocity + 3));
-    v.set(kInertia, rotate(R, c.get_sym(kBodyInertia)));
+    set_kinematics(v, c, v.get_quat(kPose + 3), v.get_vec(kVelocity + 3));
   });
 }
 
@@ -62,28 +67,6 @@ void update_rates(const Plan& plan, Workspace& ws) {
     v.set(kOmega, v.get_mat(kRotation) * v.get_vec(kVelocity + 3));
   });
 }
-
-template <int kWidest>
-void init_forces(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto&) {
-    using T = typename V::T;
-    Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
-    if (plan.mu != 0) {
-      const Vec3T<T> r = v.get_vec(kPose) - Vec3T<T>{T(plan.mu_centre.x), T(plan.mu_centre.y), T(plan.mu_centre.z)};
-      const T r2 = dot(r, r);
-      g = g - (T(plan.mu) / (r2 * sqrt(r2))) * r;
-    }
-    const Vec3T<T> w = v.get_vec(kOmega);
-    SpatialT<T> force{c.get(kMass) * g, -cross(w, v.get_sym(kInertia) * w)};
-    if (group.applied != kPose) {
-      const Mat3T<T> R = v.get_mat(kRotation);
-      force = force + SpatialT<T>{R * v.get_vec(group.applied), R * v.get_vec(group.applied + 3)};
-    }
-    v.set(kForce, force);
-  });
-}
-
-// --- Joints ---------------------------------------------------------------------------------------------------------
 
 template <class T>
 struct Frame {
@@ -95,6 +78,30 @@ template <class T, class Source>
 UNLATCH_INLINE Frame<T> get_frame(const Source& from) {
   return {get_mat(from, kRotation), get_vec(from, kPose), get_vec(from, kVelocity), get_vec(from, kOmega)};
 }
+
+// Weight, gyroscopic torque, and loads that are fixed in the body.
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE void init_force(const Plan& plan, const LaneGroup& group, const V& v, const C& c, const Frame<T>& body) {
+  Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
+  if (plan.mu != 0) {
+    const Vec3T<T> r = body.p - Vec3T<T>{T(plan.mu_centre.x), T(plan.mu_centre.y), T(plan.mu_centre.z)};
+    const T r2 = dot(r, r);
+    g = g - (T(plan.mu) / (r2 * sqrt(r2))) * r;
+  }
+  SpatialT<T> force{c.get(kMass) * g, -cross(body.w, v.get_sym(kInertia) * body.w)};
+  if (group.applied != kPose)
+    force = force + SpatialT<T>{body.R * v.get_vec(group.applied), body.R * v.get_vec(group.applied + 3)};
+  v.set(kForce, force);
+}
+
+template <int kWidest>
+void init_forces(const Plan& plan, Workspace& ws) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto&) {
+    init_force(plan, group, v, c, get_frame<typename V::T>(v));
+  });
+}
+
+// --- Joints ---------------------------------------------------------------------------------------------------------
 
 template <class T>
 UNLATCH_INLINE Frame<T> get_ground() {
@@ -267,16 +274,18 @@ UNLATCH_INLINE void update_joint(const LaneGroup& group, const V& v, const C& c,
   set_bias(v, c, j, bias);
 }
 
-// Calls update(group, block, constants, base, follower, where the child is the base) for every joint.
+// Calls update(group, block, constants, base, follower, where the child is the base) for every joint; with forces if
+// they are to be.
 template <int kWidest, class Update>
-UNLATCH_INLINE void for_joints(const Plan& plan, Workspace& ws, const Update& update) {
+UNLATCH_INLINE void for_joints(const Plan& plan, Workspace& ws, bool forces, const Update& update) {
   for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto parents) {
     using T = typename V::T;
+    const Frame<T> child = get_frame<T>(v);
+    if (forces) init_force(plan, group, v, c, child);
     if (!group.has_joint) return;
     const Frame<T> parent = group.link == LaneLink::kRoot
                                 ? get_ground<T>()
                                 : parents.visit([](const auto& from) { return get_frame<T>(from); });
-    const Frame<T> child = get_frame<T>(v);  // after the parent's: only one of them need survive the branches there
     if (group.sides == LaneSides::kFollowers) return update(group, v, c, parent, child, Nowhere{});
     const T child_is_base = T(0.0) > c.get(kSide);
     update(group, v, c, select(child_is_base, child, parent), select(child_is_base, parent, child), child_is_base);
@@ -285,18 +294,19 @@ UNLATCH_INLINE void for_joints(const Plan& plan, Workspace& ws, const Update& up
 
 template <int kWidest>
 void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
-  for_joints<kWidest>(plan, ws, [&](const LaneGroup& group, const auto&... joint) UNLATCH_INLINE_LAMBDA {
-    update_joint(group, joint..., kind);
-  });
+  for_joints<kWidest>(plan, ws, kind == BiasKind::kAcceleration,
+                      [&](const LaneGroup& group, const auto&... joint)
+                          UNLATCH_INLINE_LAMBDA { update_joint(group, joint..., kind); });
 }
 
 template <int kWidest>
-void renew_biases(const Plan& plan, Workspace& ws) {
-  for_joints<kWidest>(
-      plan, ws, [](const LaneGroup& group, const auto& v, const auto& c, const auto&... joint) UNLATCH_INLINE_LAMBDA {
-        const auto j = read_joint(group, v, joint...);
-        set_bias(v, c, j, calc_acceleration_bias(group, v, c, j));
-      });
+void renew_joints(const Plan& plan, Workspace& ws) {
+  for_joints<kWidest>(plan, ws, true,
+                      [](const LaneGroup& group, const auto& v, const auto& c, const auto&... joint)
+                          UNLATCH_INLINE_LAMBDA {
+                            const auto j = read_joint(group, v, joint...);
+                            set_bias(v, c, j, calc_acceleration_bias(group, v, c, j));
+                          });
 }
 
 // --- Runge–Kutta ----------------------------------------------------------------------------------------------------
@@ -332,6 +342,13 @@ UNLATCH_INLINE Rates<T> scale(const T& s, const Rates<T>& b) {
   return {s * b.p, {s * b.q.w, s * b.q.x, s * b.q.y, s * b.q.z}, s * b.v, s * b.w};
 }
 
+// Where a body is now, with its kinematics.
+template <class V, class C, class T = typename V::T>
+UNLATCH_INLINE void place(const V& v, const C& c, const Rates<T>& at) {
+  set_rates(v.from(kPose), at);
+  set_kinematics(v, c, at.q, at.w);
+}
+
 // Of the present pose and velocity.
 template <class V, class T = typename V::T>
 UNLATCH_INLINE Rates<T> calc_rates(const V& v) {
@@ -352,33 +369,33 @@ void keep_start(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart));
     const Rates<T> k{start.v, quaternion_rate(start.q, start.w), v.get_vec(kFirst), v.get_vec(kFirst + 3)};
     set_rates(v.from(kSum), scale(T(weight), k));
-    set_rates(v.from(kPose), add(start, T(h), k));
+    place(v, c, add(start, T(h), k));
   });
 }
 
 template <int kWidest>
 void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
     using T = typename V::T;
     const Rates<T> k = calc_rates(v);
     set_rates(v.from(kSum), add(get_rates(v.from(kSum)), T(weight), k));
-    set_rates(v.from(kPose), add(get_rates(v.from(kStart)), T(h), k));
+    place(v, c, add(get_rates(v.from(kStart)), T(h), k));
   });
 }
 
 template <int kWidest>
 void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
     using T = typename V::T;
     const Rates<T> sum = add(get_rates(v.from(kSum)), T(weight), calc_rates(v));
     Rates<T> end = add(get_rates(v.from(kStart)), T(h), sum);
     end.q = normalized(end.q);
-    set_rates(v.from(kPose), end);
+    place(v, c, end);
   });
 }
 
@@ -387,22 +404,22 @@ void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
 // To the beginning.
 template <int kWidest>
 void restart(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
-    set_rates(v.from(kPose), get_rates(v.from(kStart)));
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
+    place(v, c, get_rates(v.from(kStart)));
   });
 }
 
 // x' = v + lead a, v' = a
 template <int kWidest>
 void finish_first_stage(const Plan& plan, Workspace& ws, double h, double lead) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart));
     Rates<T> k = calc_rates(v);
     k.p = start.v + T(lead) * k.v;
     k.q = quaternion_rate(start.q, start.w + T(lead) * k.w);
     set_rates(v.from(kSum), k);
-    set_rates(v.from(kPose), add(start, T(h), k));
+    place(v, c, add(start, T(h), k));
   });
 }
 
@@ -410,7 +427,7 @@ void finish_first_stage(const Plan& plan, Workspace& ws, double h, double lead) 
 // stages.
 template <int kWidest>
 void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart)), first = get_rates(v.from(kSum));
     Rates<T> k = calc_rates(v);
@@ -419,7 +436,7 @@ void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead)
     k.q = {k.q.w + turn.w, k.q.x + turn.x, k.q.y + turn.y, k.q.z + turn.z};
     Rates<T> end = add(start, T(0.5 * h), add(first, T(1), k));
     end.q = normalized(end.q);
-    set_rates(v.from(kPose), end);
+    place(v, c, end);
   });
 }
 
@@ -427,13 +444,15 @@ void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead)
 
 template <int kWidest>
 void add_displacements(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
     using T = typename V::T;
     const Vec3T<T> half = T(0.5) * v.get_vec(kAcceleration + 3);
     const QuatT<T> q = v.get_quat(kPose + 3);
     const QuatT<T> turn = QuatT<T>{T(0.0), half.x, half.y, half.z} * q;
-    v.set(kPose, v.get_vec(kPose) + v.get_vec(kAcceleration));
-    v.set(kPose + 3, normalized(QuatT<T>{q.w + turn.w, q.x + turn.x, q.y + turn.y, q.z + turn.z}));
+    place(v, c,
+          Rates<T>{v.get_vec(kPose) + v.get_vec(kAcceleration),
+                   normalized(QuatT<T>{q.w + turn.w, q.x + turn.x, q.y + turn.y, q.z + turn.z}), v.get_vec(kVelocity),
+                   v.get_vec(kVelocity + 3)});
   });
 }
 
@@ -441,9 +460,11 @@ template <int kWidest>
 void add_velocities(const Plan& plan, Workspace& ws) {
   for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
     using T = typename V::T;
-    const Vec3T<T> turn = transpose_times(v.get_mat(kRotation), v.get_vec(kAcceleration + 3));
+    const Mat3T<T> R = v.get_mat(kRotation);
+    const Vec3T<T> w = v.get_vec(kVelocity + 3) + transpose_times(R, v.get_vec(kAcceleration + 3));
     v.set(kVelocity, v.get_vec(kVelocity) + v.get_vec(kAcceleration));
-    v.set(kVelocity + 3, v.get_vec(kVelocity + 3) + turn);
+    v.set(kVelocity + 3, w);
+    v.set(kOmega, R * w);
   });
 }
 

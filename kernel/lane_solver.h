@@ -363,7 +363,7 @@ constexpr LaneKernels build_kernels(Lanes lanes) {
           update_rates<kWidest>,
           init_forces<kWidest>,
           update_joints<kWidest>,
-          renew_biases<kWidest>,
+          renew_joints<kWidest>,
           calc_angles<kWidest>,
           factor_and_reduce<kWidest>,
           reduce<kWidest>,

@@ -252,11 +252,11 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     update_kinematics(sim.plan, ws);
     update_markers(sim.plan, ws);
     store_bodies(sim.plan, ws, sim.state);  // markers move with the mast
-    update_joints(sim.plan, sim.state, BiasKind::kAcceleration, ws);
-    update_coordinates(sim.plan, sim.state, true, ws);
     forget_loads(sim.plan, ws);
     update_loads(sim.plan, {sim.commands}, sim.state, 0, ws);
-    update_forces(sim.plan, sim.state, 0, ws);
+    update_joints(sim.plan, sim.state, BiasKind::kAcceleration, ws);
+    update_coordinates(sim.plan, sim.state, true, ws);
+    add_forces(sim.plan, sim.state, 0, ws);
     ws.loop_most = kAllRows;
     ASSERT_EQ(factor_and_solve(sim.plan, sim.state, ws, {Source::kForces, true, true}), kNone) << seed;
 
