@@ -25,7 +25,7 @@ UNLATCH_INLINE double calc_elementary(const Plan& plan, const Inputs& inputs, co
       break;
     case Condition::Kind::kReaction:
       if (!has_row(get_active_rows(plan, state, c.subject), c.axis)) return kNo;
-      value = ws.multipliers[subject * kRows + at(c.axis)];
+      value = ws.multipliers.get(subject, at(c.axis));
       break;
     case Condition::Kind::kDisplacement:
     case Condition::Kind::kAngle:

@@ -91,7 +91,10 @@ UNLATCH_INLINE Factor3T<T> factor3(const Sym3T<T>& s, const Sym3T<T>& whole, T& 
   const T minor = s.xx * s.yy - s.xy * s.xy, e = s.xx * s.yz - s.xy * s.xz, last = s.xx * s.zz - s.xz * s.xz;
   const T scale = s.xx * minor, rest = last * minor - e * e;
   const T tiny(kSingular), i0 = T(1) / s.xx, by_minor = T(1) / minor;
-  bad = bad | ~(s.xx > tiny * whole.xx) | ~(minor > tiny * (s.xx * whole.yy)) | ~(rest > tiny * (scale * whole.zz));
+  // The least of what is left over; the last of them is no number if one of the others is not.
+  const T first = s.xx - tiny * whole.xx, second = minor - tiny * (s.xx * whole.yy),
+          third = rest - tiny * (scale * whole.zz);
+  bad = bad | ~(min(min(first, second), third) > T(0.0));
   const T l10 = s.xy * i0, l21 = e * by_minor;
   return {l10, l10 * l21 - s.xz * i0, l21, i0, s.xx * by_minor, scale / rest};
 }

@@ -77,11 +77,105 @@ UNLATCH_INLINE void add_to_lanes(const Part<T, kWidth>& part, const Passed<T>& p
   write<kFactor, kWidth>(block, sum);
 }
 
+// --- A fan: its partial sums in a fixed tree ------------------------------------------------------------------------
+
+// Of one row.
+UNLATCH_INLINE double sum_row(const double* s, int width) {
+  const double four = (s[0] + s[1]) + (s[2] + s[3]);
+  return width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
+}
+
+// Of four rows: (s0 + s1) + (s2 + s3) of each.
+UNLATCH_INLINE Pack<4> sum_rows(const Pack<4>& r0, const Pack<4>& r1, const Pack<4>& r2, const Pack<4>& r3) {
+  const auto add_pairs = [](const Pack<4>& a, const Pack<4>& b) {
+    return Pack<4>(__builtin_shufflevector(a.v, b.v, 0, 4, 2, 6)) +
+           Pack<4>(__builtin_shufflevector(a.v, b.v, 1, 5, 3, 7));
+  };
+  const Pack<4> first = add_pairs(r0, r1), last = add_pairs(r2, r3);
+  return Pack<4>(__builtin_shufflevector(first.v, last.v, 0, 1, 4, 5)) +
+         Pack<4>(__builtin_shufflevector(first.v, last.v, 2, 3, 6, 7));
+}
+UNLATCH_INLINE Pack<4> sum_four_rows(const double* s, int width) {
+  const auto sum_half = [&](const double* h) {
+    return sum_rows(load<Pack<4>>(h), load<Pack<4>>(h + width), load<Pack<4>>(h + 2 * width),
+                    load<Pack<4>>(h + 3 * width));
+  };
+  return width == 4 ? sum_half(s) : sum_half(s) + sum_half(s + 4);
+}
+
+// A block of width 1, begun with the parent's own; sum(row) has four rows of the fan from this one on. Four at a time,
+// since what is written in other parts than it is read in must reach the cache first; the last four overlap those
+// before them.
+template <bool kFactor, class Sum>
+UNLATCH_INLINE void begin_in_fours(const Part<Pack<1>, 1>& parent, Source source, const Sum& sum) {
+  using Four = Pack<4>::Numbers;
+  const Passed<Pack<1>> own = get_own(parent.v, parent.c, source);
+  const Vec3T<Pack<1>>&force = own.load.lin, &torque = own.load.ang;
+  const auto put = [&](int row, const Four& begin) { store(parent.v.find(kBlock + row), Pack<4>(begin) + sum(row)); };
+  if constexpr (kFactor) {
+    const double mass = own.A.M.xx.v;
+    const Sym3T<Pack<1>>& I = own.A.I;
+    put(0, Four{mass, mass, mass, 0});
+    put(4, Four{0, 0, 0, 0});
+    put(8, Four{0, 0, 0, 0});
+    put(12, Four{0, 0, 0, I.xx.v});
+    put(16, Four{I.yy.v, I.zz.v, I.xy.v, I.xz.v});
+    put(20, Four{I.yz.v, force.x.v, force.y.v, force.z.v});
+  } else {
+    put(21, Four{force.x.v, force.y.v, force.z.v, torque.x.v});
+  }
+  put(23, Four{force.z.v, torque.x.v, torque.y.v, torque.z.v});
+}
+
+// Whether the fan is one group of four, and need not go through memory.
+template <int kWidest>
+UNLATCH_INLINE bool is_four(const LaneGroup& group) {
+  return kWidest >= 4 && group.width == 4 && group.fan_begins && group.fan_ends && group.begins != kNone;
+}
+template <bool kFactor, class T, int kWidth>
+UNLATCH_INLINE void add_four(const Part<T, kWidth>& part, const Passed<T>& passed, Source source) {
+  Pack<4> rows[kBlockFields];
+  put_rows<kFactor>(passed, [&](int row, const Vec3T<T>& a) {
+    rows[row] = a.x;
+    rows[row + 1] = a.y;
+    rows[row + 2] = a.z;
+  });
+  begin_in_fours<kFactor>({part.plan, part.ws, static_cast<std::size_t>(part.group.begins), 0}, source,
+                          [&](int row) { return sum_rows(rows[row], rows[row + 1], rows[row + 2], rows[row + 3]); });
+}
+
+// Any other fan is as wide as its first group, which is full.
+template <int kWidest, bool kFactor>
+UNLATCH_INLINE void close_fan(const Plan& plan, Workspace& ws, const LaneGroup& group, Source source,
+                              const FanSums& fan) {
+  const int width = group.fan_begins ? group.width : 8;
+  int row = kFactor ? 0 : 21;
+  if (group.begins != kNone) {
+    const Part<Pack<1>, 1> parent(plan, ws, static_cast<std::size_t>(group.begins), 0);
+    if constexpr (kWidest >= 4)
+      return begin_in_fours<kFactor>(parent, source,
+                                     [&](int r) { return sum_four_rows(fan.numbers + r * width, width); });
+    write<kFactor, 1>(parent.v.find(kBlock), get_own(parent.v, parent.c, source));
+  }
+  const LaneSlot& parent = plan.lane_parents[static_cast<std::size_t>(group.first)];
+  double* to = ws.lanes.data() + parent.offset + (kBlock + row) * parent.stride;
+  if constexpr (kWidest >= 4)
+    for (; row + 4 <= kBlockFields; row += 4) {
+      const Pack<4> sum = sum_four_rows(fan.numbers + row * width, width);
+      for (int i = 0; i < 4; ++i, to += parent.stride) *to += sum.v[i];
+    }
+  for (; row < kBlockFields; ++row, to += parent.stride) *to += sum_row(fan.numbers + row * width, width);
+}
+
+// --- Whatever the parents are ---------------------------------------------------------------------------------------
+
 template <bool kFactor, class T, int kWidth>
 UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>& at_child, Source source,
                                    FanSums& fan) {
   const Passed<T> passed = move<kFactor>(at_child, part.v.get_vec(kOffset));
   if (part.group.link == LaneLink::kFan) {
+    if constexpr (T::kWidth == 4 && kWidth == 4)
+      if (is_four<4>(part.group)) return add_four<kFactor>(part, passed, source);
     if (part.group.fan_begins) return write<kFactor, kWidth>(fan.numbers + part.lane, passed);
     return add<kFactor, 8>(fan.numbers + part.lane, passed);
   }
@@ -101,83 +195,13 @@ UNLATCH_INLINE void add_nothing(const Part<T, kWidth>& part, Source source, FanS
   const T o(0.0);
   const Vec3T<T> zero{o, o, o};
   const Passed<T> nothing{{{o, o, o, o, o, o}, {zero, zero, zero}, {o, o, o, o, o, o}}, {zero, zero}};
-  if (part.group.link == LaneLink::kFan && part.group.fan_begins)
-    write<kFactor, kWidth>(fan.numbers + part.lane, nothing);
+  if (part.group.link == LaneLink::kFan) {
+    if constexpr (T::kWidth == 4 && kWidth == 4)
+      if (is_four<4>(part.group)) return add_four<kFactor>(part, nothing, source);
+    if (part.group.fan_begins) write<kFactor, kWidth>(fan.numbers + part.lane, nothing);
+  }
   if (part.group.link == LaneLink::kContiguous && part.group.begins != kNone)
     add_to_lanes<kFactor>(part, nothing, source);
-}
-
-// --- The end of a fan: its partial sums in a fixed tree -------------------------------------------------------------
-
-// Of one row.
-UNLATCH_INLINE double sum_row(const double* s, int width) {
-  const double four = (s[0] + s[1]) + (s[2] + s[3]);
-  return width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
-}
-
-// Of four rows: (s0 + s1) + (s2 + s3) of each, the eight alike.
-UNLATCH_INLINE Pack<4> sum_halves(const double* s, int width) {
-  const auto add_pairs = [](const Pack<4>& a, const Pack<4>& b) {
-    return Pack<4>(__builtin_shufflevector(a.v, b.v, 0, 4, 2, 6)) +
-           Pack<4>(__builtin_shufflevector(a.v, b.v, 1, 5, 3, 7));
-  };
-  const Pack<4> first = add_pairs(load<Pack<4>>(s), load<Pack<4>>(s + width));
-  const Pack<4> last = add_pairs(load<Pack<4>>(s + 2 * width), load<Pack<4>>(s + 3 * width));
-  return Pack<4>(__builtin_shufflevector(first.v, last.v, 0, 1, 4, 5)) +
-         Pack<4>(__builtin_shufflevector(first.v, last.v, 2, 3, 6, 7));
-}
-UNLATCH_INLINE Pack<4> sum_four_rows(const double* s, int width) {
-  const Pack<4> half = sum_halves(s, width);
-  return width == 4 ? half : half + sum_halves(s + 4, width);
-}
-
-// A block of width 1, begun with the parent's own. Four rows at a time where that is one instruction, since what is
-// written in other parts than it is read in must reach the cache first; the last four overlap those before them.
-template <int kWidest, bool kFactor>
-UNLATCH_INLINE void begin_with_fan(const Part<Pack<1>, 1>& parent, Source source, int width, const FanSums& fan) {
-  const Passed<Pack<1>> own = get_own(parent.v, parent.c, source);
-  double* const block = parent.v.find(kBlock);
-  if constexpr (kWidest < 4) {
-    write<kFactor, 1>(block, own);
-    for (int row = kFactor ? 0 : 21; row < kBlockFields; ++row) block[row] += sum_row(fan.numbers + row * width, width);
-  } else {
-    using Four = Pack<4>::Numbers;
-    const auto put = [&](int row, const Four& begin) {
-      store(block + row, Pack<4>(begin) + sum_four_rows(fan.numbers + row * width, width));
-    };
-    const Vec3T<Pack<1>>&force = own.load.lin, &torque = own.load.ang;
-    if constexpr (kFactor) {
-      const double mass = own.A.M.xx.v;
-      const Sym3T<Pack<1>>& I = own.A.I;
-      put(0, Four{mass, mass, mass, 0});
-      put(4, Four{0, 0, 0, 0});
-      put(8, Four{0, 0, 0, 0});
-      put(12, Four{0, 0, 0, I.xx.v});
-      put(16, Four{I.yy.v, I.zz.v, I.xy.v, I.xz.v});
-      put(20, Four{I.yz.v, force.x.v, force.y.v, force.z.v});
-    } else {
-      put(21, Four{force.x.v, force.y.v, force.z.v, torque.x.v});
-    }
-    put(23, Four{force.z.v, torque.x.v, torque.y.v, torque.z.v});
-  }
-}
-
-// A fan is as wide as its first group, which is full.
-template <int kWidest, bool kFactor>
-UNLATCH_INLINE void close_fan(const Plan& plan, Workspace& ws, const LaneGroup& group, Source source,
-                              const FanSums& fan) {
-  const int width = group.fan_begins ? group.width : 8;
-  if (group.begins != kNone)
-    return begin_with_fan<kWidest, kFactor>({plan, ws, static_cast<std::size_t>(group.begins), 0}, source, width, fan);
-  const LaneSlot& parent = plan.lane_parents[static_cast<std::size_t>(group.first)];
-  int row = kFactor ? 0 : 21;
-  double* to = ws.lanes.data() + parent.offset + (kBlock + row) * parent.stride;
-  if constexpr (kWidest >= 4)
-    for (; row + 4 <= kBlockFields; row += 4) {
-      const Pack<4> sum = sum_four_rows(fan.numbers + row * width, width);
-      for (int i = 0; i < 4; ++i, to += parent.stride) *to += sum.v[i];
-    }
-  for (; row < kBlockFields; ++row, to += parent.stride) *to += sum_row(fan.numbers + row * width, width);
 }
 
 // Blocks that no child begins.

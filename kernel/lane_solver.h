@@ -231,7 +231,7 @@ UNLATCH_INLINE int sweep_up(const Plan& plan, Workspace& ws, const Sweep& sweep)
                           : eliminate_group<false, kFactor, T, kWidth>(plan, ws, sweep, g, fan);
     });
     if (kFactor && node != kNone) return node;
-    if (group.fan_ends) close_fan<kWidest, kFactor>(plan, ws, group, sweep.source, fan);
+    if (group.fan_ends && !is_four<kWidest>(group)) close_fan<kWidest, kFactor>(plan, ws, group, sweep.source, fan);
   }
   return kNone;
 }

@@ -161,6 +161,23 @@ UNLATCH_INLINE T select(const T& mask, const T& a, const T& b) {
   return (mask & a) | (~mask & b);
 }
 
+// The lesser; `b` where one of them is no number.
+UNLATCH_INLINE Pack<1> min(Pack<1> a, Pack<1> b) { return a.v < b.v ? a.v : b.v; }
+template <int W>
+UNLATCH_INLINE Pack<W> min(Pack<W> a, Pack<W> b) {
+#if defined(__AVX512F__)
+  if constexpr (W == 8) return Pack<W>(_mm512_min_pd(a.v, b.v));
+#endif
+#if defined(__AVX__)
+  if constexpr (W == 4) return Pack<W>(_mm256_min_pd(a.v, b.v));
+#endif
+#if defined(__x86_64__)
+  if constexpr (W == 2) return Pack<W>(_mm_min_pd(a.v, b.v));
+#endif
+  for (int i = 0; i < W; ++i) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
+  return a;
+}
+
 // IEEE 754 rounds a root correctly, whichever instruction takes it.
 UNLATCH_INLINE Pack<1> sqrt(Pack<1> a) { return __builtin_sqrt(a.v); }
 template <int W>
