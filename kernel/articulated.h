@@ -50,11 +50,46 @@ UNLATCH_INLINE Sym3T<T> operator+(const Sym3T<T>& a, const Sym3T<T>& b) {
   return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
 }
 
+// The direction of a freedom that slides, or a force alone: what of a spatial vector is linear, the rest zero.
+template <class T>
+struct SlideT {
+  Vec3T<T> lin;
+};
+template <class T>
+UNLATCH_INLINE SlideT<T> operator*(const T& s, const SlideT<T>& a) {
+  return {s * a.lin};
+}
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator+(const SpatialT<T>& a, const SlideT<T>& b) {
+  return {a.lin + b.lin, a.ang};
+}
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator-(const SpatialT<T>& a, const SlideT<T>& b) {
+  return {a.lin - b.lin, a.ang};
+}
+template <class T>
+UNLATCH_INLINE T dot(const SlideT<T>& a, const SlideT<T>& b) {
+  return dot(a.lin, b.lin);
+}
+template <class T>
+UNLATCH_INLINE T dot(const SlideT<T>& a, const SpatialT<T>& b) {
+  return dot(a.lin, b.lin);
+}
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator*(const ArticulatedT<T>& A, const SlideT<T>& s) {
+  return {A.M * s.lin, transpose_times(A.H, s.lin)};
+}
+
 // Σ s_i² A_ii: how large sᵀ A s is before cancellation, within a factor of six.
 template <class T>
 UNLATCH_INLINE T calc_pivot_scale(const ArticulatedT<T>& A, const SpatialT<T>& s) {
   return ((A.M.xx * (s.lin.x * s.lin.x) + A.M.yy * (s.lin.y * s.lin.y)) + A.M.zz * (s.lin.z * s.lin.z)) +
          ((A.I.xx * (s.ang.x * s.ang.x) + A.I.yy * (s.ang.y * s.ang.y)) + A.I.zz * (s.ang.z * s.ang.z));
+}
+
+template <class T>
+UNLATCH_INLINE T calc_pivot_scale(const ArticulatedT<T>& A, const SlideT<T>& s) {
+  return (A.M.xx * (s.lin.x * s.lin.x) + A.M.yy * (s.lin.y * s.lin.y)) + A.M.zz * (s.lin.z * s.lin.z);
 }
 
 // s − (k a) aᵀ

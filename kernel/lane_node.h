@@ -36,12 +36,12 @@ struct Part {
   UNLATCH_INLINE Vec3T<T> get_axis(int r) const {
     return v.get_vec(r < kRotX ? kAxes + 3 * r : group.rotation_axes + 3 * (r - kRotX));
   }
-  // Direction of freedom r at the child's origin.
-  UNLATCH_INLINE SpatialT<T> get_freedom(int r) const {
+  // Direction of freedom r at the child's origin, by what it is. Hands it to use(direction).
+  template <class Use>
+  UNLATCH_INLINE auto with_freedom(int r, const Use& use) const {
     const Vec3T<T> axis = get_axis(r);
-    const T o(0.0);
-    if (r < kRotX) return {axis, {o, o, o}};
-    return {cross(v.get_vec(kArmChild), axis), axis};
+    if (r < kRotX) return use(SlideT<T>{axis});
+    return use(SpatialT<T>{cross(v.get_vec(kArmChild), axis), axis});
   }
   // Wrench of row r on the child, at its origin.
   UNLATCH_INLINE SpatialT<T> get_wrench(int r) const {
@@ -149,6 +149,7 @@ struct Node<T, true> {
   UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source source)
       : mass(part.c.get(kMass)), I(part.v.get_sym(kInertia)), load(get_source(part.v, source)) {}
   UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return {mass * a.lin, I * a.ang}; }
+  UNLATCH_INLINE SlideT<T> times(const SlideT<T>& a) const { return {mass * a.lin}; }
   UNLATCH_INLINE ArticulatedT<T> get_block() const { return get_body_block(mass, I); }
   // A − k U Uᵀ
   UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
@@ -157,6 +158,14 @@ struct Node<T, true> {
              -(kl.y * U.lin.z)},
             {(-ka.x) * U.lin, (-ka.y) * U.lin, (-ka.z) * U.lin},
             downdate(I, ka, U.ang)};
+  }
+  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SlideT<T>& U) const {
+    const T o(0.0);
+    const Vec3T<T> kl = k * U.lin, zero{o, o, o};
+    return {{mass - kl.x * U.lin.x, mass - kl.y * U.lin.y, mass - kl.z * U.lin.z, -(kl.x * U.lin.y), -(kl.x * U.lin.z),
+             -(kl.y * U.lin.z)},
+            {zero, zero, zero},
+            I};
   }
   // A⁻¹ by parts, if nothing holds the body.
   UNLATCH_INLINE FreeFactorT<T> factor(T& bad) const {
@@ -167,7 +176,10 @@ struct Node<T, true> {
     return {f.M.i0 * b.lin, unlatch::solve(f.K, b.ang)};
   }
   // False only where something is not finite: nothing has been taken out of it.
-  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>&) const { return pivot > T(0.0); }
+  template <class S>
+  UNLATCH_INLINE T is_pivot(const T& pivot, const S&) const {
+    return pivot > T(0.0);
+  }
 };
 
 template <class T>
@@ -178,7 +190,10 @@ struct Node<T, false> {
   template <int kWidth>
   UNLATCH_INLINE Node(const Part<T, kWidth>& part, Source)
       : A(unlatch::UNLATCH_ISA::get_block(part.v.from(kBlock))), load(part.v.get_spatial(kBlock + 21)) {}
-  UNLATCH_INLINE SpatialT<T> times(const SpatialT<T>& a) const { return A * a; }
+  template <class S>
+  UNLATCH_INLINE SpatialT<T> times(const S& a) const {
+    return A * a;
+  }
   UNLATCH_INLINE const ArticulatedT<T>& get_block() const { return A; }
   UNLATCH_INLINE FreeFactorT<T> factor(T& bad) const { return factor_free(A, bad); }
   UNLATCH_INLINE SpatialT<T> solve(const FreeFactorT<T>& f, const SpatialT<T>& b) const { return solve_free(f, b); }
@@ -187,7 +202,8 @@ struct Node<T, false> {
     downdate(out, k, U);
     return out;
   }
-  UNLATCH_INLINE T is_pivot(const T& pivot, const SpatialT<T>& s) const {
+  template <class S>
+  UNLATCH_INLINE T is_pivot(const T& pivot, const S& s) const {
     return pivot > T(kSingular) * calc_pivot_scale(A, s);
   }
 };

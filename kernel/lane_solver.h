@@ -86,39 +86,72 @@ UNLATCH_INLINE void eliminate_rows(const P& part, const N& node, const SpatialT<
   }
 }
 
+template <class T>
+UNLATCH_INLINE SpatialT<T> to_spatial(const SlideT<T>& a) {
+  const T o(0.0);
+  return {a.lin, {o, o, o}};
+}
+template <class T>
+UNLATCH_INLINE const SpatialT<T>& to_spatial(const SpatialT<T>& a) {
+  return a;
+}
+
+// Takes freedom r out, whose direction is s and whose U = A s. Returns its inverse pivot; both are zero in lanes where
+// it is no freedom.
+template <class P, class N, class S, class U, class T>
+UNLATCH_INLINE T take_freedom(const P& part, const N& node, int r, const S& s, U& u, SpatialT<T>& load, T& bad) {
+  const auto own = part.v.from(part.group.freedom_parts[r]);
+  const T mask = own.get(kMask), beta = dot(s, load);
+  T pivot = dot(s, u);
+  bad = bad | (mask & ~node.is_pivot(pivot, s));
+  if (has_row(part.group.compliant, r)) pivot = pivot + part.v.get(part.group.pivots[r]);
+  const T inverse = mask & (T(1) / pivot);
+  u = mask & u;
+  own.set(kBeta, beta);
+  own.set(kU, to_spatial(u));
+  own.set(kInverse, inverse);
+  load = load - (beta * inverse) * u;
+  return inverse;
+}
+// Out of a whole block, which may be sparse, and out of what others have left of it.
+template <class P, class N, class S, class T>
+UNLATCH_INLINE void take_first(const P& part, const N& node, int r, const S& s, Passed<T>& passed, T& bad) {
+  auto u = node.times(s);
+  const T inverse = take_freedom(part, node, r, s, u, passed.load, bad);
+  passed.A = node.downdated(inverse, u);
+}
+template <class P, class N, class S, class T>
+UNLATCH_INLINE void take_next(const P& part, const N& node, int r, const S& s, Passed<T>& passed, T& bad) {
+  auto u = passed.A * s;
+  const T inverse = take_freedom(part, node, r, s, u, passed.load, bad);
+  downdate(passed.A, inverse, u);
+}
+
 // Lanes held by three rows or more: takes their freedoms out one by one.
-template <bool kFactor, class P, class N, class T>
-UNLATCH_INLINE void eliminate_freedoms(const P& part, const N& node, const SpatialT<T>& load, Passed<T>& passed,
-                                       T& bad) {
-  passed.load = load;
-  bool whole = true;  // nothing has been taken out yet
-  for (int r = 0; r < kRows; ++r) {
-    if (!has_row(part.phase.freedoms, r)) continue;
-    const auto own = part.v.from(part.group.freedom_parts[r]);
-    const SpatialT<T> s = part.get_freedom(r);
-    const T beta = dot(s, passed.load);
-    own.set(kBeta, beta);
-    if constexpr (kFactor) {
-      const T mask = own.get(kMask);
-      SpatialT<T> U = whole ? node.times(s) : passed.A * s;
-      T pivot = dot(s, U);
-      bad = bad | (mask & ~node.is_pivot(pivot, s));
-      if (has_row(part.group.compliant, r)) pivot = pivot + part.v.get(part.group.pivots[r]);
-      const T inverse = mask & (T(1) / pivot);
-      U = mask & U;
-      own.set(kU, U);
-      own.set(kInverse, inverse);
-      passed.load = passed.load - (beta * inverse) * U;
-      if (whole)
-        passed.A = node.downdated(inverse, U);
-      else
-        downdate(passed.A, inverse, U);
-      whole = false;
-    } else {
-      passed.load = passed.load - (beta * own.get(kInverse)) * own.get_spatial(kU);
-    }
+template <class P, class N, class T>
+UNLATCH_INLINE void factor_freedoms(const P& part, const N& node, Passed<T>& passed, T& bad) {
+  unsigned left = part.phase.freedoms;
+  if (left == 0) {
+    passed.A = node.get_block();
+    return;
   }
-  if (kFactor && whole) passed.A = node.get_block();
+  const int first = std::countr_zero(left);
+  part.with_freedom(first, [&](const auto& s) UNLATCH_INLINE_LAMBDA { take_first(part, node, first, s, passed, bad); });
+  while ((left &= left - 1) != 0) {
+    const int r = std::countr_zero(left);
+    part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { take_next(part, node, r, s, passed, bad); });
+  }
+}
+// The same for another load.
+template <class P, class T>
+UNLATCH_INLINE void reduce_freedoms(const P& part, SpatialT<T>& load) {
+  for (unsigned left = part.phase.freedoms; left != 0; left &= left - 1) {
+    const int r = std::countr_zero(left);
+    const auto own = part.v.from(part.group.freedom_parts[r]);
+    const T beta = part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { return dot(s, load); });
+    own.set(kBeta, beta);
+    load = load - (beta * own.get(kInverse)) * own.get_spatial(kU);
+  }
 }
 
 // --- Leaves to root -------------------------------------------------------------------------------------------------
@@ -136,7 +169,11 @@ UNLATCH_INLINE void eliminate(const Part<T, kWidth>& part, const Sweep& sweep, F
   const SpatialT<T> bias = part.get_bias(sweep.biased);
   Passed<T> passed;
   if (part.phase.held) {
-    eliminate_freedoms<kFactor>(part, node, node.load - node.times(bias), passed, bad);
+    passed.load = node.load - node.times(bias);
+    if constexpr (kFactor)
+      factor_freedoms(part, node, passed, bad);
+    else
+      reduce_freedoms(part, passed.load);
     if (part.phase.loose) {
       const T held = part.v.get(kHeld);
       passed.load = held & passed.load;
@@ -170,24 +207,13 @@ template <bool kLeaf, class T, int kWidth>
   const int r = std::countr_zero(ws.phases[g].freedoms);
   for (int lane = 0; lane < kWidth; lane += T::kWidth) {
     const Part<T, kWidth> part(plan, ws, g, lane);
-    const auto own = part.v.from(part.group.freedom_parts[r]);
-    const SpatialT<T> s = part.get_freedom(r);
     const Node<T, kLeaf> node(part, sweep.source);
-    const T mask = own.get(kMask);
-    SpatialT<T> U = node.times(s);
-    const T pivot = dot(s, U);
-    const T bad = mask & ~node.is_pivot(pivot, s);
+    T bad(0.0);
+    Passed<T> passed;
+    passed.load = node.load - node.times(part.get_bias(sweep.biased));
+    part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { take_first(part, node, r, s, passed, bad); });
     if (any(bad)) return find_bad_node(plan, part.group, lane, bad);
-    const T inverse = mask & (T(1) / pivot);
-    U = mask & U;
-    own.set(kU, U);
-    own.set(kInverse, inverse);
-    SpatialT<T> load = node.load - node.times(part.get_bias(sweep.biased));
-    const T beta = dot(s, load);
-    own.set(kBeta, beta);
-    load = load - (beta * inverse) * U;
-    if (part.group.link == LaneLink::kRoot) continue;
-    add_to_parents<true>(part, Passed<T>{node.downdated(inverse, U), load}, sweep.source, fan);
+    if (part.group.link != LaneLink::kRoot) add_to_parents<true>(part, passed, sweep.source, fan);
   }
   return kNone;
 }
@@ -278,7 +304,8 @@ UNLATCH_INLINE SpatialT<T> substitute_freedom(const P& part, int r, const Spatia
   const auto own = part.v.from(part.group.freedom_parts[r]);
   const T q = own.get(kInverse) * (own.get(kBeta) - dot(own.get_spatial(kU), a));
   own.set(kBeta, q);
-  return a + (own.get(kMask) & q) * part.get_freedom(r);
+  const T free = own.get(kMask) & q;
+  return part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { return a + free * s; });
 }
 template <class P, class T>
 UNLATCH_INLINE SpatialT<T> substitute_freedoms(const P& part, const SpatialT<T>& carried, bool biased) {

@@ -204,6 +204,10 @@ UNLATCH_INLINE SpatialT<T> operator&(const T& mask, const SpatialT<T>& a) {
   return {mask & a.lin, mask & a.ang};
 }
 template <class T>
+UNLATCH_INLINE SlideT<T> operator&(const T& mask, const SlideT<T>& a) {
+  return {mask & a.lin};
+}
+template <class T>
 UNLATCH_INLINE Vec3T<T> select(const T& mask, const Vec3T<T>& a, const Vec3T<T>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
