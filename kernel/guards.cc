@@ -24,8 +24,9 @@ UNLATCH_INLINE double calc_elementary(const Plan& plan, const Inputs& inputs, co
       value = t;
       break;
     case Condition::Kind::kReaction:
-      if (!has_row(get_active_rows(plan, state, c.subject), c.axis)) return kNo;
-      value = ws.multipliers.get(subject, at(c.axis));
+      if (!has_row(plan.modes[at(c.first_mode) + static_cast<std::size_t>(state.joints[subject].mode)], c.axis))
+        return kNo;
+      value = ws.lanes[at(c.multiplier)];
       break;
     case Condition::Kind::kDisplacement:
     case Condition::Kind::kAngle:

@@ -53,9 +53,8 @@ struct JointNumbers {
     if (loose != nullptr) return turning ? loose->w_rel : loose->v_rel;
     return read_vec(lanes, slot, turning ? kSlip + 3 : kSlip);
   }
-  // Along an axis of the joint frame.
+  // Along an axis of the joint frame; a joint of the tree has its coordinates' places in the plan.
   UNLATCH_INLINE double get_displacement(int row) const {
-    if (loose == nullptr) return lanes[find(slot, kGap + row)];
     const Vec3& d = loose->displacement;
     return row == kX ? d.x : (row == kY ? d.y : d.z);
   }
@@ -193,6 +192,13 @@ void update_coordinates(const Plan& plan, const State& state, bool all, Workspac
   std::size_t turns = 0;
   for (std::size_t i = 0; i < read.size(); ++i) {
     const PlanCoordinate& c = read[i];
+    if (c.gap != kNone) {
+      const double *axis = ws.lanes.data() + c.axis, *slip = ws.lanes.data() + c.slip;
+      const std::int32_t y = c.stride, z = 2 * y;
+      ws.speeds[i] = dot(Vec3{axis[0], axis[y], axis[z]}, Vec3{slip[0], slip[y], slip[z]});
+      ws.coordinates[i] = ws.lanes[at(c.gap)];
+      continue;
+    }
     const JointNumbers numbers(plan, ws, c.joint);
     ws.speeds[i] = dot(numbers.get_axis(c.row), numbers.get_slip(c.row >= kRotX));
     if (c.row < kRotX) {

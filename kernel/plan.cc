@@ -5,6 +5,7 @@
 
 #include "kernel/flexible.h"
 #include "kernel/kinematics.h"
+#include "kernel/lane_access.h"
 #include "kernel/lane_kernels.h"
 #include "kernel/loop_nodes.h"
 #include "kernel/model_hash.h"
@@ -128,7 +129,7 @@ class Coordinates {
     const auto next = static_cast<std::int32_t>(plan_.coordinates.size());
     const auto [found, is_new] = known_.emplace(std::pair(joint, axis), next);
     if (is_new) {
-      plan_.coordinates.push_back({joint, axis});
+      plan_.coordinates.push_back({.joint = joint, .row = axis});
       if (axis >= kRotX) ++plan_.turn_count;
     }
     return found->second;
@@ -144,6 +145,25 @@ void link_conditions(Plan& plan, Coordinates& coordinates) {
     if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
         c.kind == Condition::Kind::kSpeed)
       c.subject = coordinates.find(c.subject, c.axis);
+}
+
+// Where the lanes have what guards and coordinates read.
+void place_reads(Plan& plan) {
+  for (PlanCondition& c : plan.conditions) {
+    if (c.kind != Condition::Kind::kReaction) continue;
+    const LaneSlot slot = plan.multiplier_slots[at(c.subject)];
+    c.first_mode = plan.joints[at(c.subject)].first_mode;
+    c.multiplier = slot.offset + c.axis * slot.stride;
+  }
+  for (PlanCoordinate& c : plan.coordinates) {
+    const PlanJoint& joint = plan.joints[at(c.joint)];
+    if (joint.loose != kNone || c.row >= kRotX) continue;
+    const LaneSlot slot = plan.body_slots[at(joint.child)];
+    c.gap = find(slot, kGap + c.row);
+    c.axis = find(slot, kAxes + 3 * c.row);
+    c.slip = find(slot, kSlip);
+    c.stride = slot.stride;
+  }
 }
 
 PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) {
@@ -297,7 +317,7 @@ std::int32_t compile_condition(const Condition& c, Plan& plan) {
   for (std::size_t i = 0; i < c.parts.size(); ++i)
     depth = std::max(depth, static_cast<std::int32_t>(i) + compile_condition(c.parts[i], plan));
   plan.conditions.push_back(
-      {c.kind, c.subject, c.axis, static_cast<std::int32_t>(c.parts.size()), c.threshold, c.below});
+      {c.kind, c.subject, c.axis, static_cast<std::int32_t>(c.parts.size()), c.threshold, c.below, kNone, kNone});
   return depth;
 }
 
@@ -389,6 +409,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   init_angles(model, plan);
   compile_lanes(model, plan);
   compile_loops(model, plan);
+  place_reads(plan);
   plan.kernels = &get_kernels(options.lanes);
   plan.gravity = to_vec(model.gravity.uniform);
   plan.mu = model.gravity.mu;

@@ -122,6 +122,9 @@ struct PlanJoint {
 
 struct PlanCoordinate {
   std::int32_t joint, row;
+  // of a displacement in a joint of the tree: where Workspace::lanes has it, its axis, and the velocity that it changes
+  // by; numbers of a vector are `stride` apart
+  std::int32_t gap = kNone, axis = kNone, slip = kNone, stride = 1;
 };
 
 struct PlanProfile {
@@ -168,6 +171,7 @@ struct PlanCondition {
   std::int32_t subject, axis, part_count;  // subject: of one that reads a coordinate, into Plan::coordinates
   double threshold;
   bool below;
+  std::int32_t first_mode, multiplier;  // of a reaction: of its joint in Plan::modes; where Workspace::lanes has it
 };
 
 struct PlanEvent {
