@@ -18,6 +18,13 @@ namespace {
 constexpr int kWindow = 80;  // ticks
 
 Simulation build_boosters() { return Simulation(build_soyuz(load_reference("soyuz_nominal"))); }
+// The same with a command for every thrust, so that each step begins by solving for its forces again.
+Simulation build_throttled_boosters() {
+  Model model = build_soyuz(load_reference("soyuz_nominal"));
+  model.channels.push_back({.name = "throttle", .initial = 1});
+  for (Load& load : model.loads) load.channel = 0;
+  return Simulation(model);
+}
 Simulation build_array() { return Simulation(build_solar(load_reference("solar_elastic"))); }
 
 void step_or_skip(benchmark::State& bench, Simulation& simulation) {
@@ -53,6 +60,9 @@ BENCHMARK_CAPTURE(repeat_steps, slider, build_boosters(), 680, kWindow)
     ->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(repeat_steps, free, build_boosters(), 1000, kWindow)
     ->Name("step/boosters/free")
+    ->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_steps, throttled, build_throttled_boosters(), 300, kWindow)
+    ->Name("step/boosters/hinge_throttled")
     ->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(repeat_steps, event, build_boosters(), 665, 1)->Name("step/boosters/event")->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(run_whole, boosters, build_boosters(), 2000)->Name("step/boosters")->Apply(bench::keep_least);

@@ -113,9 +113,9 @@ UNLATCH_INLINE void begin_in_fours(const Part<Pack<1>, 1>& parent, Source source
   const Vec3T<Pack<1>>&force = own.load.lin, &torque = own.load.ang;
   const auto put = [&](int row, const Four& begin) { store(parent.v.find(kBlock + row), Pack<4>(begin) + sum(row)); };
   if constexpr (kFactor) {
-    const double mass = own.A.M.xx.v;
+    const Pack<4> mass(own.A.M.xx.v), first_three = Pack<4>(Four{1, 1, 1, 0}) > Pack<4>(0.0);
     const Sym3T<Pack<1>>& I = own.A.I;
-    put(0, Four{mass, mass, mass, 0});
+    put(0, (first_three & mass).v);  // not put together: g++ would use an instruction that valgrind 3.19 does not know
     put(4, Four{0, 0, 0, 0});
     put(8, Four{0, 0, 0, 0});
     put(12, Four{0, 0, 0, I.xx.v});

@@ -15,6 +15,7 @@
 #include "kernel/lane_loops.h"
 #include "kernel/lane_node.h"
 #include "kernel/lane_parents.h"
+#include "kernel/lane_stages.h"
 #include "kernel/varying.h"
 
 namespace unlatch::UNLATCH_ISA {
