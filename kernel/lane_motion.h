@@ -85,6 +85,8 @@ UNLATCH_INLINE void init_force(const Plan& plan, const LaneGroup& group, const V
   SpatialT<T> force{c.get(kMass) * g, -cross(body.w, v.get_sym(kInertia) * body.w)};
   if (group.applied != kPose)
     force = force + SpatialT<T>{body.R * v.get_vec(group.applied), body.R * v.get_vec(group.applied + 3)};
+  // Empty lanes stay where they are: into a centre of gravity they would fall until they are no numbers.
+  if (group.count < group.width) force = (c.get(kSide) * c.get(kSide) > T(0.0)) & force;
   v.set(kForce, force);
 }
 

@@ -417,7 +417,7 @@ void fill_constants(Plan& plan) {
       const int node = plan.lane_nodes[at(group.first + lane)];
       const PlanBody* body = node == kNone ? nullptr : &plan.bodies[at(plan.nodes[at(node)].body)];
       out.set(kMass, body == nullptr ? 1 : body->mass);
-      out.set(kSide, node == kNone ? 1 : plan.nodes[at(node)].side);
+      out.set(kSide, node == kNone ? 0 : plan.nodes[at(node)].side);
       out.set(kBodyInertia, body == nullptr ? Sym3{1, 1, 1, 0, 0, 0} : body->inertia);
       if (!group.has_joint) continue;
       const PlanJoint* joint = node == kNone ? nullptr : &plan.joints[at(plan.nodes[at(node)].joint)];

@@ -89,7 +89,7 @@ constexpr MotionConstant operator+(MotionConstant row, int rows) {
 // and in Plan::solver_constants, from kSolverConstants · LaneGroup::first on.
 enum SolverConstant : std::int32_t {
   kMass = 0,
-  kSide = 1,  // +1: the child is the joint's follower; −1: its base
+  kSide = 1,  // +1: the child is the joint's follower; −1: its base; 0: the lane is empty
   kSolverConstants = 2,
 };
 

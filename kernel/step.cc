@@ -83,11 +83,12 @@ double interpolate(double low, double x, double middle, double h, double high) {
   return parabola > left && parabola < right ? parabola : chord;
 }
 
-// Locates the first crossing within the sub-step of h seconds whose ends are in guards_low and guards_high. Leaves the
-// lanes there and returns its distance from `now`, or a negative number on failure. `first`: the event.
-double locate(Run& run, double now, double h, std::size_t& first) {
+// Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the lanes there
+// and returns its time, or a negative number on failure. `first`: the event.
+double locate(Run& run, double now, double end, std::size_t& first) {
   Workspace& ws = run.ws;
-  double x = h;
+  const double h = end - now;
+  double x = h, reached = end;
   for (int iteration = 0; iteration < 2; ++iteration) {
     const double previous = x;
     x = h;
@@ -101,10 +102,11 @@ double locate(Run& run, double now, double h, std::size_t& first) {
         first = e;
       }
     }
-    if (!try_substep(run, now, now + x)) return -1;
+    reached = std::min(now + x, end);  // h may be rounded up
+    if (!try_substep(run, now, reached)) return -1;
     std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_middle.begin());
   }
-  return x;
+  return reached;
 }
 
 // After locate(): which events have reached their guards, rounding and simultaneity granted.
@@ -149,9 +151,8 @@ double advance(Run& run, double now, double end, int& splits) {
   const int crossings = count_crossings(ws);
   if (crossings > 0 && may_split) {
     std::size_t first = ws.guards.size();
-    const double x = locate(run, now, target - now, first);
-    if (x < 0) return end;
-    reached = now + x;
+    reached = locate(run, now, target, first);
+    if (reached < 0) return end;
     update_tolerances(ws, first);
   } else {
     run.report.postponed += crossings;

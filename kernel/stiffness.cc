@@ -151,7 +151,7 @@ std::vector<ElementFrequency> calc_frequencies(const Plan& plan, const State& st
   std::vector<ElementFrequency> out;
   load_state(plan, state, ws);
   update_kinematics(plan, ws);
-  update_joints(plan, state, BiasKind::kAcceleration, ws);
+  update_joints(plan, state, BiasKind::kVelocity, ws);
   ws.loop_most = kAllRows;
   if (factor_and_solve(plan, state, ws, {Source::kNothing, false, false}) != kNone) return out;
   const auto add = [&](int element, double stiffness, double damping, const Effort& effort, bool implicit = false) {

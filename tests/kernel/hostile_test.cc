@@ -305,6 +305,23 @@ TEST(Hostile, AFallThroughTheCentreOfGravityEndsInAStatus) {
   }
 }
 
+// Groups of lanes have empty places, and those are where such a field has its centre.
+TEST(Hostile, SystemsInOrbitDoNotMindTheCentreOfGravity) {
+  constexpr std::uint64_t kFirstSeed = 700, kModels = 200;
+  std::cout << "seeds from " << kFirstSeed << '\n';
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kModels; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomModelOptions options;
+    options.bodies = 2 + static_cast<int>(seed % 20);
+    options.grounded_chance = 0;
+    Model model = build_random_model(seed, options);
+    model.gravity = {};
+    model.gravity.mu = 3.986e14;
+    for (Body& body : model.bodies) body.p_WB.x() += 7e6;
+    EXPECT_EQ(survive(model, 50).status, StepStatus::kOk);
+  }
+}
+
 // --- All of it ------------------------------------------------------------------------------------------------------
 
 // Random systems with a few of their numbers made absurd: validate() refuses them, or they step or stop.

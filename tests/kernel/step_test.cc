@@ -88,6 +88,30 @@ TEST(Step, AChangedStateCounts) {
   EXPECT_NE(calc_hash(changed.state), calc_hash(same.state));
 }
 
+// An event within some roundings of a tick leaves the step at the tick's own time, where the next one goes on from.
+TEST(Step, EventsNextToATickEndTheStepAtTheTick) {
+  const int tick = 700;  // of the sliding phase
+  Simulation before(build_boosters());
+  while (before.state.header->tick < tick) ASSERT_EQ(before.advance().status, StepStatus::kOk);
+  const double place = before.workspace.coordinates[find_coordinate(before.plan, 0, kX)];
+  for (int ulps = -40; ulps <= 40; ++ulps) {
+    Model model = build_soyuz(load_reference("soyuz_nominal"));
+    for (Event& event : model.events)
+      if (event.when.kind == Condition::Kind::kDisplacement) event.when.threshold = place * (1 + ulps * 0x1p-52);
+    Simulation follows(model), anew(model);
+    int events = 0;
+    while (follows.state.header->tick < tick + 5) {
+      const StepReport report = follows.advance();
+      ASSERT_EQ(report.status, StepStatus::kOk);
+      if (follows.state.header->tick >= tick - 1) events += static_cast<int>(report.events.size());
+      anew.workspace.settled = false;
+      ASSERT_EQ(anew.advance().status, StepStatus::kOk);
+      ASSERT_EQ(calc_hash(follows.state), calc_hash(anew.state)) << ulps << " at " << follows.state.header->tick;
+    }
+    EXPECT_GE(events, 1) << ulps;
+  }
+}
+
 TEST(Step, ARestoredStateGoesTheSameWayAgain) {
   Simulation simulation(build_boosters());
   std::vector<std::byte> saved;
