@@ -18,7 +18,7 @@ struct FanSums {
   double numbers[kBlockFields * 8];
 };
 
-// What a body begins with, on the right and on the left: its own.
+// Its own inertia and load: what the sums at a body begin with.
 template <class V, class C, class T = typename V::T>
 UNLATCH_INLINE Passed<T> get_own(const V& v, const C& c, Source source) {
   return {get_body_block(c.get(kMass), v.get_sym(kInertia)), get_source(v, source)};
