@@ -53,11 +53,6 @@ struct JointNumbers {
     if (loose != nullptr) return turning ? loose->w_rel : loose->v_rel;
     return read_vec(lanes, slot, turning ? kSlip + 3 : kSlip);
   }
-  // Along an axis of the joint frame; a joint of the tree has its coordinates' places in the plan.
-  UNLATCH_INLINE double get_displacement(int row) const {
-    const Vec3& d = loose->displacement;
-    return row == kX ? d.x : (row == kY ? d.y : d.z);
-  }
 };
 
 // The turn about axis k of the rotation frame, from the two axes of each side that it takes.
@@ -202,7 +197,8 @@ void update_coordinates(const Plan& plan, const State& state, bool all, Workspac
     const JointNumbers numbers(plan, ws, c.joint);
     ws.speeds[i] = dot(numbers.get_axis(c.row), numbers.get_slip(c.row >= kRotX));
     if (c.row < kRotX) {
-      ws.coordinates[i] = numbers.get_displacement(c.row);
+      const Vec3& d = ws.loose_frames[at(numbers.joint.loose)].displacement;
+      ws.coordinates[i] = c.row == kX ? d.x : (c.row == kY ? d.y : d.z);
       continue;
     }
     const Turn turn = measure_turn(plan, state, ws, c, numbers);
