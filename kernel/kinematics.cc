@@ -55,18 +55,19 @@ struct JointNumbers {
   }
 };
 
-// The turn about axis k of the rotation frame, from the two axes of each side that it takes.
+// The turn about a rotation's axis, from the two axes of each side across it.
 UNLATCH_INLINE Turn measure_turn(const Plan& plan, const State& state, const Workspace& ws, const PlanCoordinate& c,
                                  const JointNumbers& numbers) {
   const PlanJoint& j = numbers.joint;
-  const int k = c.row - kRotX;
-  const int first = k == 2 ? 0 : k + 1, second = k == 0 ? 2 : k - 1;
   const Mat3 follower = read_mat(ws.lanes.data(), ws.slots[at(j.follower)], kRotation);
-  const Vec3 fi = follower * column(j.rotation_follower, first), fj = follower * column(j.rotation_follower, second);
-  if (!j.universal || !is_crossed(j, get_active_rows(plan, state, c.joint)))
+  const Vec3 fi = follower * c.across_follower[0], fj = follower * c.across_follower[1];
+  if (!j.universal || !is_crossed(j, get_active_rows(plan, state, c.joint))) {
+    const int k = c.row - kRotX;
+    const int first = k == 2 ? 0 : k + 1, second = k == 0 ? 2 : k - 1;
     return calc_turn(numbers.get_axis(kRotX + first), numbers.get_axis(kRotX + second), fi, fj);
+  }
   const Mat3 base = get_body_frame(ws, j.base).R;  // the cross has turned the joint's own
-  return calc_turn(base * column(j.rotation_base, first), base * column(j.rotation_base, second), fi, fj);
+  return calc_turn(base * c.across_base[0], base * c.across_base[1], fi, fj);
 }
 
 // The sines of the turns that are read become angles, all at once.
@@ -81,19 +82,20 @@ void turn_into_angles(const Plan& plan, std::size_t count, Workspace& ws) {
 
 // Joints that are no edge of the tree.
 void update_loose_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) {
-  for (const std::int32_t j : plan.loose_joints) {
-    const PlanJoint& joint = plan.joints[at(j)];
+  for (std::size_t i = 0; i < plan.loose_joints.size(); ++i) {
+    const PlanLooseJoint& loose = plan.loose_joints[i];
+    const PlanJoint& joint = plan.joints[at(loose.joint)];
     const BodyFrame base = get_body_frame(ws, joint.base), follower = get_body_frame(ws, joint.follower);
-    JointFrame& f = ws.loose_frames[at(joint.loose)];
-    f.r_follower = follower.R * joint.point_follower;
+    JointFrame& f = ws.loose_frames[i];
+    f.r_follower = follower.R * loose.point_follower;
     f.r_base = (follower.p - base.p) + f.r_follower;
-    f.n = base.R * joint.axes;
-    f.m = joint.shared_axes ? f.n : base.R * joint.rotation_base;
+    f.n = base.R * loose.axes;
+    f.m = base.R * loose.rotation_axes;
     f.w_rel = follower.w - base.w;
     f.v_rel = (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base));
-    f.displacement = transpose_times(f.n, f.r_base - base.R * joint.point_base);
-    f.crossed = is_crossed(joint, get_active_rows(plan, state, j));
-    if (f.crossed) f.m = universal_frame(f.m, follower.R * joint.rotation_follower);
+    f.displacement = transpose_times(f.n, f.r_base - base.R * loose.point_base);
+    f.crossed = is_crossed(joint, get_active_rows(plan, state, loose.joint));
+    if (f.crossed) f.m = universal_frame(f.m, follower.R * rotation_matrix(joint.rotation_follower));
   }
   for (const std::int32_t j : plan.loops)
     ws.loose_bias[at(plan.joints[at(j)].loose)] = calc_bias(plan, state, ws, j, kind);
@@ -110,8 +112,8 @@ double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept {
 Quat calc_relative_attitude(const Plan& plan, const Workspace& ws, int joint) noexcept {
   const PlanJoint& j = plan.joints[at(joint)];
   const auto get_attitude = [&](int body) { return read_quat(ws.lanes.data(), ws.slots[at(body)], kPose + 3); };
-  const Quat base = j.base == kGround ? j.quat_base : get_attitude(j.base) * j.quat_base;
-  return conjugate(base) * (get_attitude(j.follower) * j.quat_follower);
+  const Quat base = j.base == kGround ? j.rotation_base : get_attitude(j.base) * j.rotation_base;
+  return conjugate(base) * (get_attitude(j.follower) * j.rotation_follower);
 }
 
 BodyFrame get_body_frame(const Workspace& ws, int body) noexcept {
@@ -124,7 +126,7 @@ BodyFrame get_body_frame(const Workspace& ws, int body) noexcept {
 
 Mat3 calc_follower_axes(const Plan& plan, const Workspace& ws, int joint) noexcept {
   const PlanJoint& j = plan.joints[at(joint)];
-  return get_body_frame(ws, j.follower).R * j.rotation_follower;
+  return get_body_frame(ws, j.follower).R * rotation_matrix(j.rotation_follower);
 }
 
 JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace& ws, int joint) noexcept {

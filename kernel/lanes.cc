@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "kernel/from_eigen.h"
 #include "kernel/lane_access.h"
 #include "kernel/plan.h"
 
@@ -363,7 +364,10 @@ class Layout {
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
       if (plan_.joints[j].child != kNone) continue;
       plan_.joints[j].loose = static_cast<std::int32_t>(plan_.loose_joints.size());
-      plan_.loose_joints.push_back(static_cast<std::int32_t>(j));
+      const Joint& joint = model_.joints[j];
+      plan_.loose_joints.push_back({static_cast<std::int32_t>(j), to_vec(joint.point_base),
+                                    to_vec(joint.point_follower), to_mat(joint.axes),
+                                    to_mat(joint.rotation_axes.value_or(joint.axes))});
       plan_.multiplier_slots[j] = {kNone, used_, 1};
       used_ += kRows;
     }
@@ -410,23 +414,41 @@ class Constants {
   int stride_;
 };
 
-void fill_constants(Plan& plan) {
+// An empty lane has a body that nothing holds, at rest; it and its joint's frame are not to be singular.
+void fill_empty(const LaneGroup& group, const Constants& out) {
+  out.set(kMass, 1);
+  out.set(kBodyInertia, Sym3{1, 1, 1, 0, 0, 0});
+  if (!group.has_joint) return;
+  out.set(kBaseAxes, kIdentity3);
+  if (group.shared_axes) return;
+  out.set(kRotationAxes, kIdentity3);
+  out.set(kFollowerY, Vec3{0, 1, 0});
+}
+
+void fill_joint(const Model& model, const Joint& joint, const LaneGroup& group, const Constants& out) {
+  out.set(kPointBase, to_vec(joint.point_base));
+  out.set(kPointFollower, to_vec(joint.point_follower));
+  out.set(kBaseAxes, to_mat(joint.axes));
+  if (group.shared_axes) return;
+  const RotationFrame frame = get_rotation_frame(model, joint);
+  out.set(kRotationAxes, to_mat(frame.base));
+  out.set(kFollowerY, to_vec(frame.follower.col(1)));
+}
+
+void fill_constants(const Model& model, Plan& plan) {
   for (const LaneGroup& group : plan.groups)
     for (int lane = 0; lane < group.width; ++lane) {
       const Constants out(plan, group, lane);
-      const int node = plan.lane_nodes[at(group.first + lane)];
-      const PlanBody* body = node == kNone ? nullptr : &plan.bodies[at(plan.nodes[at(node)].body)];
-      out.set(kMass, body == nullptr ? 1 : body->mass);
-      out.set(kSide, node == kNone ? 0 : plan.nodes[at(node)].side);
-      out.set(kBodyInertia, body == nullptr ? Sym3{1, 1, 1, 0, 0, 0} : body->inertia);
-      if (!group.has_joint) continue;
-      const PlanJoint* joint = node == kNone ? nullptr : &plan.joints[at(plan.nodes[at(node)].joint)];
-      out.set(kPointBase, joint == nullptr ? Vec3{0, 0, 0} : joint->point_base);
-      out.set(kPointFollower, joint == nullptr ? Vec3{0, 0, 0} : joint->point_follower);
-      out.set(kBaseAxes, joint == nullptr ? kIdentity3 : joint->axes);
-      if (group.shared_axes) continue;
-      out.set(kRotationAxes, joint == nullptr ? kIdentity3 : joint->rotation_base);
-      out.set(kFollowerY, joint == nullptr ? Vec3{0, 1, 0} : joint->rotation_follower.y);
+      if (plan.lane_nodes[at(group.first + lane)] == kNone) {
+        fill_empty(group, out);
+        continue;
+      }
+      const PlanNode& node = plan.nodes[at(plan.lane_nodes[at(group.first + lane)])];
+      const double mass = plan.bodies[at(node.body)].mass;
+      out.set(kMass, mass);
+      out.set(kSide, node.side);
+      if (mass != 0) out.set(kBodyInertia, to_sym(model.bodies[at(node.body)].inertia));
+      if (group.has_joint) fill_joint(model, model.joints[at(node.joint)], group, out);
     }
 }
 
@@ -434,7 +456,7 @@ void fill_constants(Plan& plan) {
 
 void compile_lanes(const Model& model, Plan& plan) {
   Layout(model, plan).compile();
-  fill_constants(plan);
+  fill_constants(model, plan);
 }
 
 }  // namespace unlatch

@@ -176,8 +176,8 @@ void factor_loops(const Plan& plan, const State& state, Workspace& ws) noexcept 
 
 void substitute_with_loops(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept {
   plan.kernels->substitute(plan, ws, {sweep.source, sweep.biased, sweep.multipliers && ws.loop_count == 0});
-  for (const std::int32_t joint : plan.loose_joints)
-    for (std::size_t r = 0; r < kRows; ++r) ws.multipliers.get(at(joint), r) = 0;
+  for (const PlanLooseJoint& loose : plan.loose_joints)
+    for (std::size_t r = 0; r < kRows; ++r) ws.multipliers.get(at(loose.joint), r) = 0;
   if (ws.loop_count == 0) return;
   for (int r = 0; r < ws.loop_count; ++r) {
     const LoopRow& row = get_pivot_row(ws, r);

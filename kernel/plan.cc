@@ -4,6 +4,7 @@
 #include <map>
 
 #include "kernel/flexible.h"
+#include "kernel/from_eigen.h"
 #include "kernel/kinematics.h"
 #include "kernel/lane_access.h"
 #include "kernel/lane_kernels.h"
@@ -16,16 +17,6 @@ namespace unlatch {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-Vec3 to_vec(const Eigen::Vector3d& a) { return {a.x(), a.y(), a.z()}; }
-Mat3 to_mat(const Eigen::Matrix3d& m) { return {to_vec(m.col(0)), to_vec(m.col(1)), to_vec(m.col(2))}; }
-Sym3 to_sym(const Eigen::Matrix3d& m) { return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)}; }
-Quat to_quat(const Eigen::Quaterniond& q) { return normalized({q.w(), q.x(), q.y(), q.z()}); }
-Quat to_quat(const Eigen::Matrix3d& m) { return to_quat(Eigen::Quaterniond(m)); }
-
-Eigen::Matrix3d get_attitude(const Model& model, int body) {
-  return body == kGround ? Eigen::Matrix3d::Identity() : model.bodies[at(body)].q_WB.normalized().toRotationMatrix();
-}
 
 void append(std::vector<double>& to, const Eigen::Matrix3Xd& columns) {
   for (Eigen::Index k = 0; k < columns.cols(); ++k)
@@ -97,11 +88,9 @@ void place_flexible(Plan& plan) {
 }
 
 PlanBody compile_body(const Body& body, Plan& plan) {
-  PlanBody out{
-      body.mass, to_sym(body.inertia), {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
+  PlanBody out{body.mass, {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
   if (!body.law && !body.flexible && !body.marker) return out;
   out.mass = 0;  // what these have beyond a constant diag(mass, inertia) is added where it is known
-  out.inertia = {};
   if (!body.law) return out;
   out.varying = static_cast<std::int32_t>(plan.varying.size());
   plan.varying.push_back({static_cast<std::int32_t>(plan.bodies.size()),
@@ -167,34 +156,30 @@ void place_reads(Plan& plan) {
 }
 
 PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) {
-  const Eigen::Matrix3d base = get_attitude(model, joint.base), follower = get_attitude(model, joint.follower);
-  const Eigen::Matrix3d rotation_base = joint.rotation_axes.value_or(joint.axes);
-  const Eigen::Matrix3d rotation_follower = joint.follower_axes.value_or(follower.transpose() * base * rotation_base);
-  PlanJoint out{joint.base,
-                joint.follower,
-                to_vec(joint.point_base),
-                to_vec(joint.point_follower),
-                to_mat(joint.axes),
-                to_mat(rotation_base),
-                to_mat(rotation_follower),
-                to_quat(rotation_base),
-                to_quat(rotation_follower),
-                !joint.rotation_axes.has_value(),
-                joint.universal,
-                first_mode,
-                static_cast<std::int32_t>(joint.mode),
-                {0, 0, 0}};
-  return out;
+  const RotationFrame frame = get_rotation_frame(model, joint);
+  return {to_quat(Eigen::Quaterniond(frame.base)),
+          to_quat(Eigen::Quaterniond(frame.follower)),
+          joint.base,
+          joint.follower,
+          first_mode,
+          static_cast<std::int32_t>(joint.mode),
+          joint.universal};
 }
 
-// The angles that are counted on from step to step.
+// What rotations are measured by, and where they start: they are counted on from step to step.
 void init_angles(const Model& model, Plan& plan) {
-  for (const PlanCoordinate& c : plan.coordinates) {
+  for (PlanCoordinate& c : plan.coordinates) {
     if (c.row < kRotX) continue;
-    PlanJoint& joint = plan.joints[at(c.joint)];
-    const Mat3 base = to_mat(get_attitude(model, joint.base)), follower = to_mat(get_attitude(model, joint.follower));
-    joint.angle[c.row - kRotX] =
-        calc_twist(base * joint.rotation_base, follower * joint.rotation_follower, c.row - kRotX);
+    const Joint& joint = model.joints[at(c.joint)];
+    const RotationFrame frame = get_rotation_frame(model, joint);
+    const Mat3 base = to_mat(frame.base), follower = to_mat(frame.follower);
+    const int own = c.row - kRotX;
+    for (int k = 0; k < 2; ++k) {
+      c.across_base[k] = column(base, (own + 1 + k) % 3);
+      c.across_follower[k] = column(follower, (own + 1 + k) % 3);
+    }
+    c.initial = calc_twist(to_mat(get_attitude(model, joint.base)) * base,
+                           to_mat(get_attitude(model, joint.follower)) * follower, own);
   }
 }
 

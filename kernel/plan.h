@@ -37,13 +37,12 @@ struct PlanNode {
   std::int32_t body;
   std::int32_t parent;  // node, or kNone for the root of a tree
   std::int32_t joint;   // to the parent, or to the ground for a root that is held; kNone for a root that is not
-  double side;          // +1: this body is the joint's follower; −1: its base
+  std::int8_t side;     // +1: this body is the joint's follower; −1: its base
   bool leaf;            // nothing is beyond it, and its mass is constant: its block is diag(mass, inertia)
 };
 
 struct PlanBody {
-  double mass;   // kg; of a body with a mass law 0, the law adds it
-  Sym3 inertia;  // body axes, kg m²
+  double mass;  // kg; of a body with a mass law 0, the law adds it
   BodyState initial;
   std::int32_t varying = kNone;   // into Plan::varying
   std::int32_t flexible = kNone;  // into Plan::flexible: of a flexible body, and of its markers
@@ -104,24 +103,30 @@ struct PlanVarying {
   Vec3 exit;
 };
 
+// Points and axes of a joint of the tree are in the constants of its lane.
 struct PlanJoint {
-  std::int32_t base, follower;  // bodies; base may be kGround
-  Vec3 point_base, point_follower;
-  Mat3 axes;                              // joint frame in base axes
-  Mat3 rotation_base, rotation_follower;  // rotation frame in each body's axes
-  Quat quat_base, quat_follower;          // the same as quaternions
-  bool shared_axes;                       // the two frames coincide
+  Quat rotation_base, rotation_follower;  // rotation frame in each body's axes
+  std::int32_t base, follower;            // bodies; base may be kGround
+  std::int32_t first_mode;                // into Plan::modes
+  std::int32_t mode;                      // at first
   bool universal;
-  std::int32_t first_mode;            // into Plan::modes
-  std::int32_t mode;                  // at first
-  double angle[3];                    // likewise, see JointState
-  std::int32_t child = kNone;         // of a joint of the tree: the body that it holds to its parent
+  std::uint8_t rotation_row = kAxes;  // of a joint of the tree: where the rotation rows' axes are in the child's lane
+  std::int32_t child = kNone;         // likewise: the body that it holds to its parent
   std::int32_t loose = kNone;         // of any other joint: its place in Plan::loose_joints
-  std::int32_t rotation_row = kAxes;  // of a joint of the tree: where the rotation rows' axes are in the child's lane
+};
+
+// A joint that is no edge of the tree.
+struct PlanLooseJoint {
+  std::int32_t joint;
+  Vec3 point_base, point_follower;
+  Mat3 axes, rotation_axes;  // joint frame and rotation frame, base axes
 };
 
 struct PlanCoordinate {
   std::int32_t joint, row;
+  // of a rotation: its initial value, and the two axes of the rotation frame across its own, in each body's axes
+  double initial = 0;
+  Vec3 across_base[2]{}, across_follower[2]{};
   // of a displacement in a joint of the tree: where Workspace::lanes has it, its axis, and the velocity that it changes
   // by; numbers of a vector are `stride` apart
   std::int32_t gap = kNone, axis = kNone, slip = kNone, stride = 1;
@@ -211,7 +216,7 @@ class Plan {
   std::vector<PlanCoordinate> coordinates;       // that somebody reads, or their rates
   std::int32_t driven_coordinates = 0;           // of these, the first, springs do, so that every stage needs them
   std::int32_t turn_count = 0;                   // rotations among them all
-  std::vector<std::int32_t> loose_joints;        // joints that are no edge of the tree: those, and ones that never hold
+  std::vector<PlanLooseJoint> loose_joints;      // joints that are no edge of the tree: those, and ones that never hold
 
   // lanes, see lanes.h
   std::vector<LaneGroup> groups;             // parents before children

@@ -53,7 +53,7 @@ Vec3 calc_orientation_gap(const Plan& plan, const State& state, const Workspace&
 
 Vec3 calc_carried_axis(const PlanJoint& joint, const JointState& memory, RowSet rows, int a) noexcept {
   const RowSet rotation = rows & kRotationRows;
-  const Vec3 carried = joint.rotation_follower * turn(conjugate(memory.locked), column(kIdentity3, a));
+  const Vec3 carried = turn(joint.rotation_follower, turn(conjugate(memory.locked), column(kIdentity3, a)));
   if (rotation == (kRotationRows & static_cast<RowSet>(~row_bit(kRotX + a)))) return carried;
   if (rotation == kRotationRows) return 0.5 * carried;
   return {0, 0, 0};

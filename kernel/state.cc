@@ -41,9 +41,10 @@ void init_state(const Plan& plan, State& state) noexcept {
   *state.header = {0, plan.hash};
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) state.bodies[b] = plan.bodies[b].initial;
   for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-    const PlanJoint& joint = plan.joints[j];
-    state.joints[j] = {joint.mode, {joint.angle[0], joint.angle[1], joint.angle[2]}, {0, 0, 0}, {1, 0, 0, 0}};
+    state.joints[j] = {plan.joints[j].mode, {0, 0, 0}, {0, 0, 0}, {1, 0, 0, 0}};
   }
+  for (const PlanCoordinate& c : plan.coordinates)
+    if (c.row >= kRotX) state.joints[static_cast<std::size_t>(c.joint)].angle[c.row - kRotX] = c.initial;
   for (std::size_t e = 0; e < plan.element_scales.size(); ++e) {
     const double scale = plan.element_scales[e];
     state.elements[e] = {0, scale, scale, 0, 0};

@@ -191,14 +191,14 @@ Topology compile_topology(const Model& model, const std::vector<RowSet>& complia
         chosen = member;
     }
     if (chosen == kNone) chosen = find_middle(graph, b, reached_from);
-    topology.nodes.push_back({chosen, kNone, graph.ground[at(chosen)], 1.0, true});
+    topology.nodes.push_back({chosen, kNone, graph.ground[at(chosen)], 1, true});
   }
   for (std::size_t k = 0; k < topology.nodes.size(); ++k) {
     const PlanNode node = topology.nodes[k];
     for (const Edge& edge : graph.edges[at(node.body)]) {
       if (node.parent != kNone && edge.neighbour == topology.nodes[at(node.parent)].body) continue;
       const bool follows = edge.joint == kNone || model.joints[at(edge.joint)].follower == edge.neighbour;
-      const double side = follows ? 1.0 : -1.0;
+      const std::int8_t side = follows ? 1 : -1;
       topology.nodes[k].leaf = false;
       topology.nodes.push_back({edge.neighbour, static_cast<std::int32_t>(k), edge.joint, side, true});
     }

@@ -31,10 +31,9 @@ class Arena {
 
 std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
   Arena arena(memory);
-  const std::size_t bodies = plan.bodies.size(), joints = plan.joints.size(), events = plan.events.size();
+  const std::size_t events = plan.events.size();
   arena.take(ws.lanes, static_cast<std::size_t>(plan.lane_numbers));
   arena.take(ws.phases, plan.groups.size());
-  arena.take(ws.slots, bodies + joints);
   Extras& e = ws.extras;
   for (std::span<double>* extras : {&e.now, &e.rate, &e.start, &e.first, &e.sum})
     arena.take(*extras, plan.initial_extras.size());
@@ -75,14 +74,12 @@ std::size_t lay_out(const Plan& plan, std::byte* memory, Workspace& ws) {
 
 Workspace::Workspace(const Plan& plan, std::span<std::byte> memory) noexcept {
   lay_out(plan, memory.data(), *this);
-  std::copy(plan.body_slots.begin(), plan.body_slots.end(), slots.begin());
-  std::copy(plan.multiplier_slots.begin(), plan.multiplier_slots.end(),
-            slots.begin() + static_cast<std::ptrdiff_t>(plan.body_slots.size()));
-  kinematics = {lanes.data(), slots.first(plan.body_slots.size())};
-  accelerations = {lanes.data(), slots.first(plan.body_slots.size())};
-  multipliers = {lanes.data(), slots.subspan(plan.body_slots.size())};
-  for (const std::int32_t joint : plan.loose_joints)  // of one that never holds nobody else writes them
-    for (std::size_t r = 0; r < kRows; ++r) multipliers.get(static_cast<std::size_t>(joint), r) = 0;
+  slots = plan.body_slots;
+  kinematics = {lanes.data(), slots};
+  accelerations = {lanes.data(), slots};
+  multipliers = {lanes.data(), plan.multiplier_slots};
+  for (const PlanLooseJoint& loose : plan.loose_joints)  // of one that never holds nobody else writes them
+    for (std::size_t r = 0; r < kRows; ++r) multipliers.get(static_cast<std::size_t>(loose.joint), r) = 0;
 }
 
 Spatial read_acceleration(const double* lanes, LaneSlot slot) noexcept {

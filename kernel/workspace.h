@@ -110,13 +110,13 @@ struct CompliantSpring {
 
 struct Workspace {
   Workspace() = default;
-  // `memory`: at least plan.get_workspace_bytes(), aligned to 64.
+  // `memory`: at least plan.get_workspace_bytes(), aligned to 64. Refers to arrays of the plan.
   Workspace(const Plan& plan, std::span<std::byte> memory) noexcept;
 
   // the bodies and the joints of the tree, see lanes.h
   std::span<double> lanes;
-  std::span<LanePhase> phases;  // per group
-  std::span<LaneSlot> slots;    // per body, then per joint: where it is in the lanes
+  std::span<LanePhase> phases;      // per group
+  std::span<const LaneSlot> slots;  // Plan::body_slots
   BodyView<BodyKinematics, read_kinematics> kinematics;
   BodyView<Spatial, read_acceleration> accelerations;  // of the latest solve; m/s², rad/s², world axes
   MultiplierView multipliers;
