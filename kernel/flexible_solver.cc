@@ -24,8 +24,9 @@ constexpr double kSingular = 1e-13;  // as the lanes have it: a pivot this small
 
 using Six = double[6];
 
-void read_six(const double* lanes, LaneSlot slot, int row, Six& out) {
-  for (int i = 0; i < 6; ++i) out[i] = lanes[slot.offset + (row + i) * slot.stride];
+template <class Row>
+void read_six(const double* lanes, LaneSlot slot, Row row, Six& out) {
+  for (int i = 0; i < 6; ++i) out[i] = lanes[find(slot, row + i)];
 }
 
 // (lin, ang) → (lin + ang × arm, ang), and its transpose for wrenches: (lin, ang + arm × lin).
@@ -66,18 +67,17 @@ constexpr int kPlaces[21][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}, 
                                 {2, 4}, {0, 5}, {1, 5}, {2, 5}, {3, 3}, {4, 4}, {5, 5}, {3, 4}, {3, 5}, {4, 5}};
 void read_block(const double* lanes, LaneSlot slot, double* A) {
   for (int i = 0; i < 21; ++i)
-    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] =
-        lanes[slot.offset + (kBlock + i) * slot.stride];
+    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = lanes[find(slot, kBlock + i)];
 }
 
 void add_block(double* lanes, LaneSlot slot, const double* A) {
-  for (int i = 0; i < 21; ++i) lanes[slot.offset + (kBlock + i) * slot.stride] += A[6 * kPlaces[i][0] + kPlaces[i][1]];
+  for (int i = 0; i < 21; ++i) lanes[find(slot, kBlock + i)] += A[6 * kPlaces[i][0] + kPlaces[i][1]];
 }
 void add_six(double* lanes, LaneSlot slot, int row, const Six& a) {
-  for (int i = 0; i < 6; ++i) lanes[slot.offset + (row + i) * slot.stride] += a[i];
+  for (int i = 0; i < 6; ++i) lanes[find(slot, row + i)] += a[i];
 }
 void write_six(double* lanes, LaneSlot slot, const Six& a) {
-  for (int i = 0; i < 6; ++i) lanes[slot.offset + (kAcceleration + i) * slot.stride] = a[i];
+  for (int i = 0; i < 6; ++i) lanes[find(slot, kAcceleration + i)] = a[i];
 }
 
 // LDLᵀ in place of a symmetric n × n: pivots on the diagonal, the unit lower triangle below it. Row by row: first L D
@@ -134,9 +134,9 @@ void init_node(const Node& node, Workspace& ws, const Sweep& sweep, bool with_bl
   double* A = node.work.A;
   for (int i = 0; i < 36; ++i) A[i] = 0;
   A[0] = A[7] = A[14] = body.mass;
-  const double* J = lanes + node.slot.offset + kInertia * node.slot.stride;  // xx yy zz xy xz yz
+  const double* J = lanes + find(node.slot, kInertia);  // xx yy zz xy xz yz
   for (int i = 15; i < 21; ++i)
-    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = J[(i - 15) * node.slot.stride];
+    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = J[(i - 15) * kOctet];
   // −(m c)~: a turn about the origin accelerates the centre of mass
   const double skew[3][3] = {{0, moment.z, -moment.y}, {-moment.z, 0, moment.x}, {moment.y, -moment.x, 0}};
   for (int i = 0; i < 3; ++i)

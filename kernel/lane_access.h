@@ -2,14 +2,24 @@
 // it too, see pack.h.
 #pragma once
 
+#include <type_traits>
+
 #include "kernel/articulated.h"
 #include "kernel/lanes.h"
 
 namespace unlatch {
 
 // Of the number of a row, in Workspace::lanes.
-UNLATCH_INLINE std::int32_t find(LaneSlot slot, int row) { return slot.offset + row * slot.stride; }
-UNLATCH_INLINE std::int32_t find(LaneSlot slot, MotionField row) { return slot.motion + row * slot.stride; }
+UNLATCH_INLINE std::int32_t find(LaneSlot slot, int row) { return slot.data + row * slot.stride; }
+UNLATCH_INLINE std::int32_t find(LaneSlot slot, JointField row) { return slot.joint + row * slot.stride; }
+UNLATCH_INLINE std::int32_t find(LaneSlot slot, BodyField row) { return slot.body + row * kOctet; }
+UNLATCH_INLINE std::int32_t find(LaneSlot slot, SharedField row) { return slot.shared + row * kOctet; }
+
+// From one row to the next.
+template <class Row>
+UNLATCH_INLINE std::int32_t get_stride(LaneSlot slot, Row) {
+  return std::is_same_v<Row, BodyField> || std::is_same_v<Row, SharedField> ? kOctet : slot.stride;
+}
 
 template <class Row>
 // NOLINTNEXTLINE(readability-non-const-parameter): what it returns is written to
@@ -20,12 +30,14 @@ UNLATCH_INLINE double& get_number(double* lanes, LaneSlot slot, Row row) {
 template <class Row>
 UNLATCH_INLINE Vec3 read_vec(const double* lanes, LaneSlot slot, Row row) {
   const double* from = lanes + find(slot, row);
-  return {from[0], from[slot.stride], from[2 * slot.stride]};
+  const std::int32_t stride = get_stride(slot, row);
+  return {from[0], from[stride], from[2 * stride]};
 }
 template <class Row>
 UNLATCH_INLINE Quat read_quat(const double* lanes, LaneSlot slot, Row row) {
   const double* from = lanes + find(slot, row);
-  return {from[0], from[slot.stride], from[2 * slot.stride], from[3 * slot.stride]};
+  const std::int32_t stride = get_stride(slot, row);
+  return {from[0], from[stride], from[2 * stride], from[3 * stride]};
 }
 template <class Row>
 UNLATCH_INLINE Spatial read_spatial(const double* lanes, LaneSlot slot, Row row) {
@@ -39,17 +51,19 @@ UNLATCH_INLINE Mat3 read_mat(const double* lanes, LaneSlot slot, Row row) {
 template <class Row>
 UNLATCH_INLINE void write_vec(double* lanes, LaneSlot slot, Row row, const Vec3& a) {
   double* to = lanes + find(slot, row);
+  const std::int32_t stride = get_stride(slot, row);
   to[0] = a.x;
-  to[slot.stride] = a.y;
-  to[2 * slot.stride] = a.z;
+  to[stride] = a.y;
+  to[2 * stride] = a.z;
 }
 template <class Row>
 UNLATCH_INLINE void write_quat(double* lanes, LaneSlot slot, Row row, const Quat& a) {
   double* to = lanes + find(slot, row);
+  const std::int32_t stride = get_stride(slot, row);
   to[0] = a.w;
-  to[slot.stride] = a.x;
-  to[2 * slot.stride] = a.y;
-  to[3 * slot.stride] = a.z;
+  to[stride] = a.x;
+  to[2 * stride] = a.y;
+  to[3 * stride] = a.z;
 }
 template <class Row>
 UNLATCH_INLINE void write_spatial(double* lanes, LaneSlot slot, Row row, const Spatial& a) {
@@ -59,9 +73,10 @@ UNLATCH_INLINE void write_spatial(double* lanes, LaneSlot slot, Row row, const S
 template <class Row>
 UNLATCH_INLINE void add_vec(double* lanes, LaneSlot slot, Row row, const Vec3& a) {
   double* to = lanes + find(slot, row);
+  const std::int32_t stride = get_stride(slot, row);
   to[0] += a.x;
-  to[slot.stride] += a.y;
-  to[2 * slot.stride] += a.z;
+  to[stride] += a.y;
+  to[2 * stride] += a.z;
 }
 
 }  // namespace unlatch

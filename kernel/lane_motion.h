@@ -24,17 +24,28 @@ UNLATCH_INLINE void for_width(const LaneGroup& group, const Run& run) {
   }
 }
 
-// Calls stage(group, view of the block, view of the constants, parents) for every group, part by part.
+// The same for an octet, as wide as its lanes are in use.
+template <int kWidest, class Run>
+UNLATCH_INLINE void for_lanes(const LaneOctet& octet, const Run& run) {
+  // NOLINTNEXTLINE(bugprone-branch-clone)
+  constexpr int kFour = kWidest < 4 ? kWidest : 4, kTwo = kWidest < 2 ? kWidest : 2;
+  if (octet.lanes > 0xf) return run.template operator()<Pack<kWidest>>();
+  if (octet.lanes > 3) return run.template operator()<Pack<kFour>>();
+  if (octet.lanes > 1) return run.template operator()<Pack<kTwo>>();
+  return run.template operator()<Pack<1>>();
+}
+
+// Calls stage(octet, view of its blocks, view of its constants) for every octet, part by part.
 template <int kWidest, class Stage>
-UNLATCH_INLINE void for_groups(const Plan& plan, Workspace& ws, const Stage& stage) {
+UNLATCH_INLINE void for_octets(const Plan& plan, Workspace& ws, const Stage& stage) {
   double* lanes = ws.lanes.data();
-  const LaneGroup* end = plan.groups.data() + plan.groups.size();
-  for (const LaneGroup* group = plan.groups.data(); group != end; ++group)
-    for_width<kWidest>(*group, [&]<class T, int kWidth>() {
-      for (int lane = 0; lane < kWidth; lane += T::kWidth)
-        stage(*group, View<T, kWidth>{lanes + group->data + lane, lanes + group->motion + lane},
-              get_constants<T, kWidth>(plan, *group, lane),
-              Parents<T, kWidth>{group->link, lanes, plan.lane_parents.data() + group->first + lane});
+  const double* constants = plan.body_constants.data();
+  const LaneOctet* end = plan.octets.data() + plan.octets.size();
+  for (const LaneOctet* octet = plan.octets.data(); octet != end; ++octet)
+    for_lanes<kWidest>(*octet, [&]<class T>() {
+      for (int lane = 0; octet->lanes >> lane != 0; lane += T::kWidth)
+        stage(*octet, View<T, kOctet>{nullptr, nullptr, lanes + octet->body + lane, lanes + octet->shared + lane},
+              View<T, kOctet, const double>{nullptr, nullptr, constants + octet->constants + lane});
     });
 }
 
@@ -50,14 +61,14 @@ UNLATCH_INLINE void set_kinematics(const V& v, const C& c, const QuatT<T>& q, co
 
 template <int kWidest>
 void update_kinematics(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto v, const auto c, const auto&) {
+  for_octets<kWidest>(plan, ws, [](const LaneOctet&, const auto v, const auto c) {
     set_kinematics(v, c, v.get_quat(kPose + 3), v.get_vec(kVelocity + 3));
   });
 }
 
 template <int kWidest>
 void update_rates(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [](const LaneGroup&, const auto v, const auto&, const auto&) {
+  for_octets<kWidest>(plan, ws, [](const LaneOctet&, const auto v, const auto&) {
     v.set(kOmega, v.get_mat(kRotation) * v.get_vec(kVelocity + 3));
   });
 }
@@ -73,27 +84,25 @@ UNLATCH_INLINE Frame<T> get_frame(const Source& from) {
   return {get_mat(from, kRotation), get_vec(from, kPose), get_vec(from, kVelocity), get_vec(from, kOmega)};
 }
 
-// Weight, gyroscopic torque, and loads that are fixed in the body.
-template <class V, class C, class T = typename V::T>
-UNLATCH_INLINE void init_force(const Plan& plan, const LaneGroup& group, const V& v, const C& c, const Frame<T>& body) {
-  Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
-  if (plan.mu != 0) {
-    const Vec3T<T> r = body.p - Vec3T<T>{T(plan.mu_centre.x), T(plan.mu_centre.y), T(plan.mu_centre.z)};
-    const T r2 = dot(r, r);
-    g = g - (T(plan.mu) / (r2 * sqrt(r2))) * r;
-  }
-  SpatialT<T> force{c.get(kMass) * g, -cross(body.w, v.get_sym(kInertia) * body.w)};
-  if (group.applied != kPose)
-    force = force + SpatialT<T>{body.R * v.get_vec(group.applied), body.R * v.get_vec(group.applied + 3)};
-  // Empty lanes stay where they are: into a centre of gravity they would fall until they are no numbers.
-  if (group.count < group.width) force = (c.get(kSide) * c.get(kSide) > T(0.0)) & force;
-  v.set(kForce, force);
-}
-
+// Weight, gyroscopic torque, and loads that are fixed in the body. Empty lanes have no mass and are away from the
+// centre of gravity, see lane_state.cc.
 template <int kWidest>
 void init_forces(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto&) {
-    init_force(plan, group, v, c, get_frame<typename V::T>(v));
+  for_octets<kWidest>(plan, ws, [&]<class V>(const LaneOctet& octet, const V v, const auto c) {
+    using T = typename V::T;
+    Vec3T<T> g{T(plan.gravity.x), T(plan.gravity.y), T(plan.gravity.z)};
+    if (plan.mu != 0) {
+      const Vec3T<T> r = v.get_vec(kPose) - Vec3T<T>{T(plan.mu_centre.x), T(plan.mu_centre.y), T(plan.mu_centre.z)};
+      const T r2 = dot(r, r);
+      g = g - (T(plan.mu) / (r2 * sqrt(r2))) * r;
+    }
+    const Vec3T<T> w = v.get_vec(kOmega);
+    SpatialT<T> force{c.get(kBodyMass) * g, -cross(w, v.get_sym(kInertia) * w)};
+    if (octet.loaded) {
+      const Mat3T<T> R = v.get_mat(kRotation);
+      force = force + SpatialT<T>{R * v.get_vec(kApplied), R * v.get_vec(kApplied + 3)};
+    }
+    v.set(kForce, force);
   });
 }
 
@@ -217,7 +226,7 @@ template <class V, class C, class T = typename V::T>
 UNLATCH_INLINE SpatialT<T> calc_position_bias(const LaneGroup& group, const V& v, const C& c, const JointMotion<T>& j) {
   const T o(0.0);
   SpatialT<T> bias{-(j.n * (j.gap - v.get_vec(group.carried_axes))), {o, o, o}};
-  MotionField part = group.carried_axes + kOffsetFields;
+  JointField part = group.carried_axes + kOffsetFields;
   for (int a = 0; a < 3; ++a) {
     if ((group.carried >> a & 1) == 0) continue;
     const Vec3T<T>& axis = a == 0 ? j.m.x : (a == 1 ? j.m.y : j.m.z);
@@ -270,39 +279,50 @@ UNLATCH_INLINE void update_joint(const LaneGroup& group, const V& v, const C& c,
   set_bias(v, c, j, bias);
 }
 
-// Calls update(group, block, constants, base, follower, where the child is the base) for every joint; with forces if
-// they are to be.
+// Calls update(group, block, constants, base, follower, where the child is the base) for every group of joints, part by
+// part.
 template <int kWidest, class Update>
-UNLATCH_INLINE void for_joints(const Plan& plan, Workspace& ws, bool forces, const Update& update) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup& group, const V v, const auto c, const auto parents) {
-    using T = typename V::T;
-    const Frame<T> child = get_frame<T>(v);
-    if (forces) init_force(plan, group, v, c, child);
-    if (!group.has_joint) return;
-    const Frame<T> parent = group.link == LaneLink::kRoot
-                                ? get_ground<T>()
-                                : parents.visit([](const auto& from) { return get_frame<T>(from); });
-    if (group.sides == LaneSides::kFollowers) return update(group, v, c, parent, child, Nowhere{});
-    const T child_is_base = T(0.0) > c.get(kSide);
-    update(group, v, c, select(child_is_base, child, parent), select(child_is_base, parent, child), child_is_base);
-  });
+UNLATCH_INLINE void for_joints(const Plan& plan, Workspace& ws, const Update& update) {
+  double* lanes = ws.lanes.data();
+  const LaneGroup* end = plan.groups.data() + plan.groups.size();
+  for (const LaneGroup* group = plan.groups.data(); group != end; ++group) {
+    if (!group->has_joint) continue;
+    for_width<kWidest>(*group, [&]<class T, int kWidth>() {
+      for (int lane = 0; lane < kWidth; lane += T::kWidth) {
+        const auto v = get_view<T, kWidth>(*group, lanes, lane);
+        const auto c = get_constants<T, kWidth>(plan, *group, lane);
+        const Parents<T> parents{group->link, lanes, plan.lane_parents.data() + group->first + lane};
+        const Frame<T> child = get_frame<T>(v);
+        const Frame<T> parent = group->link == LaneLink::kRoot
+                                    ? get_ground<T>()
+                                    : parents.visit([](const auto& from) { return get_frame<T>(from); });
+        if (group->sides == LaneSides::kFollowers) {
+          update(*group, v, c, parent, child, Nowhere{});
+          continue;
+        }
+        const T child_is_base = T(0.0) > c.get(kSide);
+        update(*group, v, c, select(child_is_base, child, parent), select(child_is_base, parent, child), child_is_base);
+      }
+    });
+  }
 }
 
 template <int kWidest>
 void update_joints(const Plan& plan, Workspace& ws, BiasKind kind) {
-  for_joints<kWidest>(plan, ws, kind == BiasKind::kAcceleration,
-                      [&](const LaneGroup& group, const auto&... joint)
-                          UNLATCH_INLINE_LAMBDA { update_joint(group, joint..., kind); });
+  if (kind == BiasKind::kAcceleration) init_forces<kWidest>(plan, ws);
+  for_joints<kWidest>(plan, ws, [&](const LaneGroup& group, const auto&... joint) UNLATCH_INLINE_LAMBDA {
+    update_joint(group, joint..., kind);
+  });
 }
 
 template <int kWidest>
 void renew_joints(const Plan& plan, Workspace& ws) {
-  for_joints<kWidest>(plan, ws, true,
-                      [](const LaneGroup& group, const auto& v, const auto& c, const auto&... joint)
-                          UNLATCH_INLINE_LAMBDA {
-                            const auto j = read_joint(group, v, joint...);
-                            set_bias(v, c, j, calc_acceleration_bias(group, v, c, j));
-                          });
+  init_forces<kWidest>(plan, ws);
+  for_joints<kWidest>(
+      plan, ws, [](const LaneGroup& group, const auto& v, const auto& c, const auto&... joint) UNLATCH_INLINE_LAMBDA {
+        const auto j = read_joint(group, v, joint...);
+        set_bias(v, c, j, calc_acceleration_bias(group, v, c, j));
+      });
 }
 
 }  // namespace unlatch::UNLATCH_ISA

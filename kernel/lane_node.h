@@ -30,7 +30,7 @@ struct Part {
         lanes(ws.lanes.data()),
         lane(first),
         parents(plan.lane_parents.data() + group.first + first),
-        v{lanes + group.data + first, lanes + group.motion + first},
+        v(get_view<T, kWidth>(group, lanes, first)),
         c(get_constants<T, kWidth>(plan, group, first)) {}
 
   UNLATCH_INLINE Vec3T<T> get_axis(int r) const {

@@ -43,13 +43,13 @@ UNLATCH_INLINE void put_rows(const Passed<T>& passed, const Put& put) {
 template <bool kFactor, int kStride, class T>
 // NOLINTNEXTLINE(readability-non-const-parameter): it is written to, through the view
 UNLATCH_INLINE void write(double* rows, const Passed<T>& passed) {
-  const View<T, kStride> to{rows, nullptr};
+  const View<T, kStride> to{rows};
   put_rows<kFactor>(passed, [&](int row, const Vec3T<T>& a) { to.set(row, a); });
 }
 template <bool kFactor, int kStride, class T>
 // NOLINTNEXTLINE(readability-non-const-parameter)
 UNLATCH_INLINE void add(double* rows, const Passed<T>& passed) {
-  const View<T, kStride> to{rows, nullptr};
+  const View<T, kStride> to{rows};
   put_rows<kFactor>(passed, [&](int row, const Vec3T<T>& a) { to.set(row, to.get_vec(row) + a); });
 }
 
@@ -65,7 +65,7 @@ UNLATCH_INLINE Passed<T> move(const Passed<T>& passed, const Vec3T<T>& offset) {
 // The parents are the lanes of one group. Whoever comes first begins with what is their own.
 template <bool kFactor, class T, int kWidth>
 UNLATCH_INLINE void add_to_lanes(const Part<T, kWidth>& part, const Passed<T>& passed, Source source) {
-  double* const block = part.lanes + part.parents[0].offset + kBlock * kWidth;
+  double* const block = part.lanes + part.parents[0].data + kBlock * kWidth;
   if (part.group.begins == kNone) return add<kFactor, kWidth>(block, passed);
   const Part<T, kWidth> parent(part.plan, part.ws, static_cast<std::size_t>(part.group.begins), part.lane);
   const Passed<T> own = get_own(parent.v, parent.c, source);
@@ -158,7 +158,7 @@ UNLATCH_INLINE void close_fan(const Plan& plan, Workspace& ws, const LaneGroup& 
     write<kFactor, 1>(parent.v.find(kBlock), get_own(parent.v, parent.c, source));
   }
   const LaneSlot& parent = plan.lane_parents[static_cast<std::size_t>(group.first)];
-  double* to = ws.lanes.data() + parent.offset + (kBlock + row) * parent.stride;
+  double* to = ws.lanes.data() + parent.data + (kBlock + row) * parent.stride;
   if constexpr (kWidest >= 4)
     for (; row + 4 <= kBlockFields; row += 4) {
       const Pack<4> sum = sum_four_rows(fan.numbers + row * width, width);
@@ -184,7 +184,7 @@ UNLATCH_INLINE void add_to_parents(const Part<T, kWidth>& part, const Passed<T>&
   write<kFactor, T::kWidth>(each, passed);
   for (int i = 0; i < T::kWidth; ++i) {
     const std::ptrdiff_t stride = part.parents[i].stride;
-    double* sum = part.lanes + part.parents[i].offset + (kFactor ? kBlock : kBlock + 21) * stride;
+    double* sum = part.lanes + part.parents[i].data + (kFactor ? kBlock : kBlock + 21) * stride;
     for (int row = kFactor ? 0 : 21; row < kBlockFields; ++row, sum += stride) *sum += each[row * T::kWidth + i];
   }
 }

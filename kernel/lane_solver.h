@@ -29,7 +29,10 @@ template <int kDirection>
 UNLATCH_INLINE void prefetch_block(const Plan& plan, const Workspace& ws, std::size_t g) {
   const LaneGroup& group = plan.groups[g];
   const double* block = ws.lanes.data() + group.data;
-  const int first = group.leaf ? 0 : kBlock * group.width, end = group.size * group.width;
+  // The first group of an octet has what they share with the bodies before its own.
+  const bool first_of_octet = g == 0 || plan.groups[g - 1].shared / kOctet != group.shared / kOctet;
+  const int first = (group.leaf ? 0 : kBlock * group.width) - (first_of_octet ? kSharedEnd * kOctet : 0);
+  const int end = group.size * group.width;
   for (int i = first; i < end; i += 8) __builtin_prefetch(block + (kDirection > 0 ? i : first + end - 1 - i), 1);
 }
 
@@ -338,7 +341,7 @@ UNLATCH_INLINE void substitute_part(const Part<T, kWidth>& part, const Sweep& sw
   const T o(0.0);
   SpatialT<T> carried{{o, o, o}, {o, o, o}};
   if (part.group.link != LaneLink::kRoot) {
-    carried = Parents<T, kWidth>{part.group.link, part.lanes, part.parents}.visit(
+    carried = Parents<T>{part.group.link, part.lanes, part.parents}.visit(
         [](const auto& from) { return get_spatial(from, kAcceleration); });
     carried.lin += cross(carried.ang, part.v.get_vec(kOffset));
   }

@@ -1,5 +1,5 @@
-// What moves bodies, on lanes: the stages of Runge–Kutta and of a step with implicit elements, and corrections.
-// Compiled once per instruction set, see pack.h.
+// What moves bodies, on octets of lanes: the stages of Runge–Kutta and of a step with implicit elements, and
+// corrections. Compiled once per instruction set, see pack.h.
 #pragma once
 
 #include "kernel/lane_motion.h"
@@ -61,7 +61,7 @@ UNLATCH_INLINE Rates<T> calc_rates(const V& v) {
 
 template <int kWidest>
 void keep_start(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_octets<kWidest>(plan, ws, []<class V>(const LaneOctet&, const V v, const auto&) {
     using T = typename V::T;
     set_rates(v.from(kStart), get_rates(v.from(kPose)));
     const Rates<T> k = calc_rates(v);
@@ -72,7 +72,7 @@ void keep_start(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
+  for_octets<kWidest>(plan, ws, [&]<class V>(const LaneOctet&, const V v, const auto c) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart));
     const Rates<T> k{start.v, quaternion_rate(start.q, start.w), v.get_vec(kFirst), v.get_vec(kFirst + 3)};
@@ -83,7 +83,7 @@ void begin_stages(const Plan& plan, Workspace& ws, double weight, double h) {
 
 template <int kWidest>
 void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
+  for_octets<kWidest>(plan, ws, [&]<class V>(const LaneOctet&, const V v, const auto c) {
     using T = typename V::T;
     const Rates<T> k = calc_rates(v);
     set_rates(v.from(kSum), add(get_rates(v.from(kSum)), T(weight), k));
@@ -93,7 +93,7 @@ void advance_stage(const Plan& plan, Workspace& ws, double weight, double h) {
 
 template <int kWidest>
 void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
+  for_octets<kWidest>(plan, ws, [&]<class V>(const LaneOctet&, const V v, const auto c) {
     using T = typename V::T;
     const Rates<T> sum = add(get_rates(v.from(kSum)), T(weight), calc_rates(v));
     Rates<T> end = add(get_rates(v.from(kStart)), T(h), sum);
@@ -107,15 +107,14 @@ void finish_stages(const Plan& plan, Workspace& ws, double weight, double h) {
 // To the beginning.
 template <int kWidest>
 void restart(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
-    place(v, c, get_rates(v.from(kStart)));
-  });
+  for_octets<kWidest>(
+      plan, ws, []<class V>(const LaneOctet&, const V v, const auto c) { place(v, c, get_rates(v.from(kStart))); });
 }
 
 // x' = v + lead a, v' = a
 template <int kWidest>
 void finish_first_stage(const Plan& plan, Workspace& ws, double h, double lead) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
+  for_octets<kWidest>(plan, ws, [&]<class V>(const LaneOctet&, const V v, const auto c) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart));
     Rates<T> k = calc_rates(v);
@@ -130,7 +129,7 @@ void finish_first_stage(const Plan& plan, Workspace& ws, double h, double lead) 
 // stages.
 template <int kWidest>
 void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead) {
-  for_groups<kWidest>(plan, ws, [&]<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
+  for_octets<kWidest>(plan, ws, [&]<class V>(const LaneOctet&, const V v, const auto c) {
     using T = typename V::T;
     const Rates<T> start = get_rates(v.from(kStart)), first = get_rates(v.from(kSum));
     Rates<T> k = calc_rates(v);
@@ -147,7 +146,7 @@ void finish_second_stage(const Plan& plan, Workspace& ws, double h, double lead)
 
 template <int kWidest>
 void add_displacements(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto c, const auto&) {
+  for_octets<kWidest>(plan, ws, []<class V>(const LaneOctet&, const V v, const auto c) {
     using T = typename V::T;
     const Vec3T<T> half = T(0.5) * v.get_vec(kAcceleration + 3);
     const QuatT<T> q = v.get_quat(kPose + 3);
@@ -161,7 +160,7 @@ void add_displacements(const Plan& plan, Workspace& ws) {
 
 template <int kWidest>
 void add_velocities(const Plan& plan, Workspace& ws) {
-  for_groups<kWidest>(plan, ws, []<class V>(const LaneGroup&, const V v, const auto&, const auto&) {
+  for_octets<kWidest>(plan, ws, []<class V>(const LaneOctet&, const V v, const auto&) {
     using T = typename V::T;
     const Mat3T<T> R = v.get_mat(kRotation);
     const Vec3T<T> w = v.get_vec(kVelocity + 3) + transpose_times(R, v.get_vec(kAcceleration + 3));

@@ -11,7 +11,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr BodyState kAtRest{{0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 static_assert(sizeof(BodyState) == (kStart - kPose) * sizeof(double));
 
 // All bits or none: what the kernels' masks are made of.
@@ -27,12 +26,22 @@ void for_rows(RowSet rows, const Do& act) {
   for (unsigned left = rows; left != 0; left &= left - 1) act(std::countr_zero(left));
 }
 
-void load_body(const BodyState& body, double* lanes, std::int32_t stride) {
+void load_body(const BodyState& body, double* lanes) {
   const double numbers[] = {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
                             body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
   for (const double number : numbers) {
     *lanes = number;
-    lanes += stride;
+    lanes += kOctet;
+  }
+}
+
+// Lanes without a body. Not in the centre of gravity, where nothing could be computed.
+void load_nobody(const Plan& plan, const LaneOctet& octet, double* lanes) {
+  const Vec3 away = plan.mu_centre + Vec3{1, 0, 0};
+  for (int lane = 0; lane < kOctet; ++lane) {
+    if ((octet.bodies >> lane & 1) != 0) continue;
+    load_body({away, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, lanes + octet.body + kPose * kOctet + lane);
+    for (int row = 0; row < 6; ++row) lanes[octet.shared + (kAcceleration + row) * kOctet + lane] = 0;
   }
 }
 
@@ -53,7 +62,7 @@ void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int
            [&](int r) { get_number(lanes, slot, group.row_parts[r] + kRowMask) = get_mask(has_row(holding, r)); });
   const JointState* memory = joint == kNone ? nullptr : &state.joints[at(joint)];
   write_vec(lanes, slot, group.carried_axes, memory == nullptr ? Vec3{0, 0, 0} : memory->offset);
-  MotionField part = group.carried_axes + kOffsetFields;
+  JointField part = group.carried_axes + kOffsetFields;
   for (int a = 0; a < 3; ++a) {
     if ((group.carried >> a & 1) == 0) continue;
     write_vec(lanes, slot, part,
@@ -69,12 +78,10 @@ void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int
 void load_state(const Plan& plan, const State& state, Workspace& ws) noexcept {
   ws.settled = false;
   double* lanes = ws.lanes.data();
-  for (const LaneGroup& group : plan.groups)
-    for (int lane = 0; lane < group.width; ++lane) {
-      const int node = plan.lane_nodes[at(group.first + lane)];
-      load_body(node == kNone ? kAtRest : state.bodies[at(plan.nodes[at(node)].body)],
-                lanes + group.motion + kPose * group.width + lane, group.width);
-    }
+  for (const LaneOctet& octet : plan.octets)
+    if (octet.bodies != 0xff) load_nobody(plan, octet, lanes);
+  for (std::size_t b = 0; b < plan.body_slots.size(); ++b)
+    load_body(state.bodies[b], lanes + find(plan.body_slots[b], kPose));
   load_modes(plan, state, ws);
 }
 
@@ -91,7 +98,7 @@ void load_modes(const Plan& plan, const State& state, Workspace& ws) noexcept {
       const int node = plan.lane_nodes[at(group.first + lane)];
       const int joint = node == kNone ? kNone : plan.nodes[at(node)].joint;
       const RowSet rows = joint == kNone ? RowSet{0} : get_active_rows(plan, state, joint);
-      load_lane(plan, state, group, joint, rows, lanes, {group.motion + lane, group.data + lane, group.width}, phase);
+      load_lane(plan, state, group, joint, rows, lanes, get_slot(group, lane), phase);
     }
     phase.hinged = !phase.loose && group.compliant == 0 && std::has_single_bit(phase.freedoms);
   }

@@ -8,25 +8,26 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// Rows of a group's blocks, or of its constants, at some lanes of it.
+// Rows of a group's or an octet's blocks, or of its constants, at some lanes of it.
 template <class Pack, int kWidth, class Number = double>
 struct View {
   using T = Pack;
-  static constexpr int kStride = kWidth;  // of the group: known to the compiler, so that rows are plain displacements
+  static constexpr int kStride = kWidth;  // known to the compiler, so that rows are plain displacements
   using Vec = Vec3T<T>;
   using Mat = Mat3T<T>;
   using Sym = Sym3T<T>;
   using Spa = SpatialT<T>;
-  Number *data, *motion;
+  Number *data = nullptr, *joint = nullptr, *body = nullptr, *shared = nullptr;
 
   UNLATCH_INLINE Number* find(int row) const { return data + row * kStride; }
-  UNLATCH_INLINE Number* find(MotionField row) const { return motion + row * kStride; }
-  UNLATCH_INLINE Number* find(MotionConstant row) const { return motion + row * kStride; }
+  UNLATCH_INLINE Number* find(JointField row) const { return joint + row * kStride; }
+  UNLATCH_INLINE Number* find(JointConstant row) const { return joint + row * kStride; }
+  UNLATCH_INLINE Number* find(BodyField row) const { return body + row * kOctet; }
+  UNLATCH_INLINE Number* find(BodyConstant row) const { return body + row * kOctet; }
+  UNLATCH_INLINE Number* find(SharedField row) const { return shared + row * kOctet; }
   // Its rows counted from this one on.
-  template <class Row>
-  UNLATCH_INLINE View from(Row row) const {
-    return {find(row), nullptr};
-  }
+  UNLATCH_INLINE View from(int row) const { return {find(row)}; }
+  UNLATCH_INLINE View<T, kOctet, Number> from(BodyField row) const { return {find(row)}; }
 
   template <class Row>
   UNLATCH_INLINE T get(Row row) const {
@@ -92,17 +93,14 @@ struct View {
   }
 };
 
-// One number of the parent for all lanes. The parent is mostly alone in its group, and its rows side by side.
-template <class Pack, bool kAlone>
+// One number of the parent for all lanes.
+template <class Pack>
 struct FanParent {
   using T = Pack;
-  const double *data, *motion;
-  std::ptrdiff_t stride;
+  const double *body, *shared;
 
-  UNLATCH_INLINE FanParent(const double* lanes, const LaneSlot& slot)
-      : data(lanes + slot.offset), motion(lanes + slot.motion), stride(kAlone ? 1 : slot.stride) {}
-  UNLATCH_INLINE T get(int row) const { return T(data[row * (kAlone ? 1 : stride)]); }
-  UNLATCH_INLINE T get(MotionField row) const { return T(motion[row * (kAlone ? 1 : stride)]); }
+  UNLATCH_INLINE T get(BodyField row) const { return T(body[row * kOctet]); }
+  UNLATCH_INLINE T get(SharedField row) const { return T(shared[row * kOctet]); }
 };
 // Parents wherever they are.
 template <class Pack>
@@ -118,13 +116,18 @@ struct GatheredParents {
 };
 
 template <class T, int kWidth>
+UNLATCH_INLINE View<T, kWidth> get_view(const LaneGroup& group, double* lanes, int lane) {
+  return {lanes + group.data + lane, lanes + group.joint + lane, lanes + group.body + lane,
+          lanes + group.shared + lane};
+}
+template <class T, int kWidth>
 UNLATCH_INLINE View<T, kWidth, const double> get_constants(const Plan& plan, const LaneGroup& group, int lane) {
   return {plan.solver_constants.data() + kSolverConstants * group.first + lane,
-          plan.lane_constants.data() + group.constants + lane};
+          plan.joint_constants.data() + group.constants + lane};
 }
 
-// Rows of the parents, lane by lane. Neighbouring parents are in a group of the same width.
-template <class Pack, int kWidth>
+// Rows of the parents' bodies, lane by lane. Neighbouring parents are neighbours in their octet.
+template <class Pack>
 struct Parents {
   LaneLink link;
   const double* lanes;
@@ -133,10 +136,9 @@ struct Parents {
   // read(source of rows): the way to them is chosen once.
   template <class Read>
   UNLATCH_INLINE auto visit(const Read& read) const {
-    if (link == LaneLink::kContiguous)
-      return read(View<Pack, kWidth, const double>{lanes + slots[0].offset, lanes + slots[0].motion});
-    if (link == LaneLink::kFan && slots[0].stride == 1) return read(FanParent<Pack, true>(lanes, slots[0]));
-    if (link == LaneLink::kFan) return read(FanParent<Pack, false>(lanes, slots[0]));
+    const double *body = lanes + slots[0].body, *shared = lanes + slots[0].shared;
+    if (link == LaneLink::kContiguous) return read(View<Pack, kOctet, const double>{nullptr, nullptr, body, shared});
+    if (link == LaneLink::kFan) return read(FanParent<Pack>{body, shared});
     return read(GatheredParents<Pack>{lanes, slots});
   }
 };

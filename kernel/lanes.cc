@@ -101,7 +101,9 @@ class Layout {
       begin = end;
     }
     join_blocks();
+    place_parents();
     find_beginnings();
+    fill_bodies();
     place_joints();
     place_springs();
     place_loads();
@@ -218,13 +220,14 @@ class Layout {
     group.carried = kind.carried;
     group.compliant = kind.compliant;
     group.special = kind.special;
-    lay_out(group, std::any_of(members, members + count,
-                               [&](const Candidate& c) { return loaded_[at(old_[at(c.node)].body)]; }));
+    const bool loaded =
+        std::any_of(members, members + count, [&](const Candidate& c) { return loaded_[at(old_[at(c.node)].body)]; });
+    place_bodies(group, loaded);
+    lay_out(group);
     for (std::size_t lane = 0; lane < group.width; ++lane) {
-      const Candidate& member = members[std::min(lane, count - 1)];
-      plan_.lane_parents.push_back(member.parent == kNone ? LaneSlot{0, 0, 0} : get_slot(places_[at(member.parent)]));
       plan_.lane_nodes.push_back(kNone);
       if (lane >= count) continue;
+      const Candidate& member = members[lane];
       placed[at(member.node)] = plan_.lane_nodes.back() = static_cast<std::int32_t>(plan_.nodes.size());
       plan_.nodes.push_back(old_[at(member.node)]);
       plan_.nodes.back().parent = member.parent;
@@ -253,8 +256,8 @@ class Layout {
       const int node = node_of[at(spring.joint)];
       const LaneSlot slot = get_slot(places_[at(node)]);
       const LaneGroup& group = plan_.groups[at(places_[at(node)].group)];
-      c.pivot = slot.offset + group.pivots[spring.axis] * slot.stride;
-      c.acceleration = slot.offset + (group.freedom_parts[spring.axis] + kBeta) * slot.stride;
+      c.pivot = find(slot, group.pivots[spring.axis]);
+      c.acceleration = find(slot, group.freedom_parts[spring.axis] + kBeta);
       c.side = plan_.nodes[at(node)].side;
     }
   }
@@ -265,18 +268,41 @@ class Layout {
     for (std::size_t k = 0; k < plan_.nodes.size(); ++k) node_of[at(plan_.nodes[k].body)] = static_cast<int>(k);
     std::vector<bool> placed(model_.bodies.size(), false);
     for (PlanLoad& load : plan_.loads) {
-      const Place place = places_[at(node_of[at(load.body)])];
-      const LaneSlot slot = get_slot(place);
-      load.applied = find(slot, plan_.groups[at(place.group)].applied);
-      load.stride = slot.stride;
+      load.applied = find(get_slot(places_[at(node_of[at(load.body)])]), kApplied);
       load.first = !load.world && !placed[at(load.body)];
       if (!load.world) placed[at(load.body)] = true;
     }
   }
 
+  // Neighbouring lanes for the group's bodies, in the latest octet that is not full of wide groups or in a new one.
+  // What the octet shares with the solver lies before the blocks of its first group.
+  void place_bodies(LaneGroup& group, bool loaded) {
+    const auto find_lane = [&](const LaneOctet& octet) {
+      for (int lane = 0; lane < kOctet; lane += group.width)
+        if ((octet.lanes >> lane & ((1 << group.width) - 1)) == 0) return lane;
+      return kNone;
+    };
+    int lane = group.width < kOctet && open_ != kNone ? find_lane(plan_.octets[at(open_)]) : kNone;
+    int place = open_;
+    if (lane == kNone) {
+      lane = 0;
+      place = static_cast<int>(plan_.octets.size());
+      plan_.octets.push_back({0, used_, place * kBodyConstants * kOctet, 0, 0, false});
+      used_ += kSharedEnd * kOctet;
+      if (group.width < kOctet) open_ = place;
+    }
+    LaneOctet& octet = plan_.octets[at(place)];
+    octet.lanes = static_cast<std::uint8_t>(octet.lanes | ((1 << group.width) - 1) << lane);
+    octet.bodies = static_cast<std::uint8_t>(octet.bodies | ((1 << group.count) - 1) << lane);
+    octet.loaded = octet.loaded || loaded;
+    octet_of_.push_back(place);
+    group.body = lane;  // the rest once the octets' blocks are laid out
+    group.shared = octet.shared + lane;
+  }
+
   // Where the optional parts of the group's block begin, in rows, and where the block lies.
-  void lay_out(LaneGroup& group, bool loaded) {
-    int rows = group.has_joint ? kJointEnd : kBodyEnd;
+  void lay_out(LaneGroup& group) {
+    int rows = group.has_joint ? kJointEnd : 0;
     const auto take = [&](std::uint8_t& part, int count) {
       part = static_cast<std::uint8_t>(rows);
       rows += count;
@@ -291,34 +317,50 @@ class Layout {
       if (has_row(group.rows, r)) take(group.row_parts[r], kRowEnd);
       if (has_row(group.compliant, r)) take(group.pivots[r], 1);
     }
-    group.size = rows;
+    group.size = static_cast<std::uint8_t>(rows);
     const int before = group.leaf ? 0 : kBlockFields;
     group.data = used_ + before * group.width;
     used_ += align((before + rows) * group.width);
-    group.motion = moved_;
-    group.crossed = group.has_joint ? kMotionEnd : kBodyMotionEnd;
+    group.joint = joined_;
+    group.crossed = kJointMotionEnd;
     group.carried_axes = group.crossed + (group.universal ? 1 : 0);
-    const int carried = group.has_joint ? kOffsetFields + 3 * std::popcount(group.carried) : 0;
-    const MotionField end = group.carried_axes + carried;
-    group.applied = loaded ? end : kPose;
-    moved_ += align((end + (loaded ? 6 : 0)) * group.width);
     group.constants = constants_;
-    const MotionConstant joint = group.shared_axes ? kSharedConstants : kAllConstants;
-    constants_ += align((group.has_joint ? joint : kBodyConstants) * group.width);
+    if (!group.has_joint) return;
+    joined_ += align((group.carried_axes + kOffsetFields + 3 * std::popcount(group.carried)) * group.width);
+    constants_ += align((group.shared_axes ? kSharedConstants : kAllConstants) * group.width);
   }
   // Blocks begin at cache lines.
   static std::int32_t align(int numbers) { return (numbers + 7) / 8 * 8; }
 
-  LaneSlot get_slot(const Place& place) const {
-    const LaneGroup& group = plan_.groups[at(place.group)];
-    return {group.motion + place.lane, group.data + place.lane, group.width};
+  LaneSlot get_slot(const Place& place) const { return unlatch::get_slot(plan_.groups[at(place.group)], place.lane); }
+
+  // Bodies come first, then joints, then all that the solver reads.
+  void join_blocks() {
+    std::int32_t bodies = 0;
+    for (LaneOctet& octet : plan_.octets) {
+      octet.body = bodies;
+      bodies += (octet.loaded ? kLoadedEnd : kBodyEnd) * kOctet;
+    }
+    const std::int32_t solver = bodies + joined_;
+    for (LaneOctet& octet : plan_.octets) octet.shared += solver;
+    for (std::size_t g = 0; g < plan_.groups.size(); ++g) {
+      LaneGroup& group = plan_.groups[g];
+      group.body += plan_.octets[at(octet_of_[g])].body;
+      group.shared += solver;
+      group.joint += bodies;
+      group.data += solver;
+    }
+    used_ += solver;
   }
 
-  // All of the solver's blocks come behind all of the others.
-  void join_blocks() {
-    for (LaneGroup& group : plan_.groups) group.data += moved_;
-    for (LaneSlot& slot : plan_.lane_parents) slot.offset += moved_;
-    used_ += moved_;
+  // Where each lane's parent is; an empty lane has its neighbour's.
+  void place_parents() {
+    for (const LaneGroup& group : plan_.groups)
+      for (int lane = 0; lane < group.width; ++lane) {
+        const int node = plan_.lane_nodes[at(group.first + std::min<int>(lane, group.count - 1))];
+        const int parent = plan_.nodes[at(node)].parent;
+        plan_.lane_parents.push_back(parent == kNone ? LaneSlot{} : get_slot(places_[at(parent)]));
+      }
   }
 
   // Which groups are the first to add to all blocks of their parents' group, on the way to the root. Blocks of flexible
@@ -349,14 +391,33 @@ class Layout {
     return true;
   }
 
+  // Bodies with mass laws and flexible ones have no mass and inertia of their own. Nor has an empty lane a mass, but an
+  // inertia that is not singular.
+  void fill_bodies() {
+    plan_.body_constants.assign(kBodyConstants * kOctet * plan_.octets.size(), 0.0);
+    for (const LaneOctet& octet : plan_.octets)
+      std::fill_n(plan_.body_constants.data() + octet.constants + kBodyInertia * kOctet, 3 * kOctet, 1.0);
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
+      const LaneOctet& octet = plan_.octets[at(octet_of_[at(places_[k].group)])];
+      const int body = plan_.nodes[k].body;
+      const double mass = plan_.bodies[at(body)].mass;
+      const Sym3 J = mass == 0 ? Sym3{0, 0, 0, 0, 0, 0} : to_sym(model_.bodies[at(body)].inertia);
+      double* to = plan_.body_constants.data() + octet.constants + (get_slot(places_[k]).body - octet.body);
+      for (const double number : {J.xx, J.yy, J.zz, J.xy, J.xz, J.yz, mass}) {
+        *to = number;
+        to += kOctet;
+      }
+    }
+  }
+
   void place_joints() {
     plan_.body_slots.resize(model_.bodies.size());
-    plan_.multiplier_slots.assign(model_.joints.size(), {kNone, kNone, 1});
+    plan_.multipliers.assign(model_.joints.size(), {kNone, 1});
     for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
       const PlanNode& node = plan_.nodes[k];
       const LaneSlot slot = plan_.body_slots[at(node.body)] = get_slot(places_[k]);
       if (node.joint == kNone) continue;
-      plan_.multiplier_slots[at(node.joint)] = {kNone, slot.offset + kMultipliers * slot.stride, slot.stride};
+      plan_.multipliers[at(node.joint)] = {find(slot, kMultipliers), slot.stride};
       plan_.joints[at(node.joint)].child = node.body;
       plan_.joints[at(node.joint)].rotation_row = plan_.groups[at(places_[k].group)].rotation_axes;
     }
@@ -368,95 +429,77 @@ class Layout {
       plan_.loose_joints.push_back({static_cast<std::int32_t>(j), to_vec(joint.point_base),
                                     to_vec(joint.point_follower), to_mat(joint.axes),
                                     to_mat(joint.rotation_axes.value_or(joint.axes))});
-      plan_.multiplier_slots[j] = {kNone, used_, 1};
+      plan_.multipliers[j] = {used_, 1};
       used_ += kRows;
     }
     plan_.lane_numbers = used_;
-    plan_.lane_constants.assign(at(constants_), 0.0);
+    plan_.joint_constants.assign(at(constants_), 0.0);
     plan_.solver_constants.assign(kSolverConstants * plan_.lane_nodes.size(), 0.0);
   }
 
   const Model& model_;
   Plan& plan_;
   std::vector<PlanNode> old_;
-  std::vector<bool> loaded_;                           // per body
-  std::vector<Place> places_;                          // of the nodes in their new order
-  std::int32_t used_ = 0, moved_ = 0, constants_ = 0;  // used_: by the solver's blocks
+  std::vector<bool> loaded_;                            // per body
+  std::vector<Place> places_;                           // of the nodes in their new order
+  std::vector<int> octet_of_;                           // per group
+  int open_ = kNone;                                    // octet that narrow groups go to
+  std::int32_t used_ = 0, joined_ = 0, constants_ = 0;  // used_: by the solver's blocks
 };
 
-// Writes the constants of one lane.
-class Constants {
+// Writes the constants of one lane of a group's joints.
+class JointConstants {
  public:
-  Constants(Plan& plan, const LaneGroup& group, int lane)
-      : motion_(plan.lane_constants.data() + group.constants + lane),
-        solver_(plan.solver_constants.data() + kSolverConstants * group.first + lane),
-        stride_(group.width) {}
+  JointConstants(Plan& plan, const LaneGroup& group, int lane)
+      : to_(plan.joint_constants.data() + group.constants + lane), stride_(group.width) {}
 
-  void set(SolverConstant row, double value) const { solver_[row * stride_] = value; }
-  void set(MotionConstant row, double value) const { motion_[row * stride_] = value; }
-  void set(MotionConstant row, const Vec3& a) const {
-    set(row, a.x);
-    set(row + 1, a.y);
-    set(row + 2, a.z);
+  void set(JointConstant row, const Vec3& a) const {
+    double* to = to_ + row * stride_;
+    to[0] = a.x;
+    to[stride_] = a.y;
+    to[2 * stride_] = a.z;
   }
-  void set(MotionConstant row, const Mat3& m) const {
+  void set(JointConstant row, const Mat3& m) const {
     set(row, m.x);
     set(row + 3, m.y);
     set(row + 6, m.z);
   }
-  void set(MotionConstant row, const Sym3& J) const {
-    set(row, Vec3{J.xx, J.yy, J.zz});
-    set(row + 3, Vec3{J.xy, J.xz, J.yz});
-  }
 
  private:
-  double *motion_, *solver_;
+  double* to_;
   int stride_;
 };
 
-// An empty lane has a body that nothing holds, at rest; it and its joint's frame are not to be singular.
-void fill_empty(const LaneGroup& group, const Constants& out) {
-  out.set(kMass, 1);
-  out.set(kBodyInertia, Sym3{1, 1, 1, 0, 0, 0});
-  if (!group.has_joint) return;
-  out.set(kBaseAxes, kIdentity3);
+// An empty lane's joint has a frame that is not singular.
+void fill_joint(const Model& model, int joint, const LaneGroup& group, const JointConstants& out) {
+  const Joint* j = joint == kNone ? nullptr : &model.joints[at(joint)];
+  out.set(kPointBase, j == nullptr ? Vec3{0, 0, 0} : to_vec(j->point_base));
+  out.set(kPointFollower, j == nullptr ? Vec3{0, 0, 0} : to_vec(j->point_follower));
+  out.set(kBaseAxes, j == nullptr ? kIdentity3 : to_mat(j->axes));
   if (group.shared_axes) return;
-  out.set(kRotationAxes, kIdentity3);
-  out.set(kFollowerY, Vec3{0, 1, 0});
-}
-
-void fill_joint(const Model& model, const Joint& joint, const LaneGroup& group, const Constants& out) {
-  out.set(kPointBase, to_vec(joint.point_base));
-  out.set(kPointFollower, to_vec(joint.point_follower));
-  out.set(kBaseAxes, to_mat(joint.axes));
-  if (group.shared_axes) return;
-  const RotationFrame frame = get_rotation_frame(model, joint);
+  const RotationFrame frame = j == nullptr ? RotationFrame{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity()}
+                                           : get_rotation_frame(model, *j);
   out.set(kRotationAxes, to_mat(frame.base));
   out.set(kFollowerY, to_vec(frame.follower.col(1)));
 }
 
-void fill_constants(const Model& model, Plan& plan) {
-  for (const LaneGroup& group : plan.groups)
-    for (int lane = 0; lane < group.width; ++lane) {
-      const Constants out(plan, group, lane);
-      if (plan.lane_nodes[at(group.first + lane)] == kNone) {
-        fill_empty(group, out);
-        continue;
-      }
-      const PlanNode& node = plan.nodes[at(plan.lane_nodes[at(group.first + lane)])];
-      const double mass = plan.bodies[at(node.body)].mass;
-      out.set(kMass, mass);
-      out.set(kSide, node.side);
-      if (mass != 0) out.set(kBodyInertia, to_sym(model.bodies[at(node.body)].inertia));
-      if (group.has_joint) fill_joint(model, model.joints[at(node.joint)], group, out);
-    }
+// Of a group's joints and of the solver. An empty lane has a body that nothing holds.
+void fill_group(const Model& model, const LaneGroup& group, Plan& plan) {
+  for (int lane = 0; lane < group.width; ++lane) {
+    double* solver = plan.solver_constants.data() + kSolverConstants * group.first + lane;
+    const int node = plan.lane_nodes[at(group.first + lane)];
+    const PlanNode* n = node == kNone ? nullptr : &plan.nodes[at(node)];
+    solver[kMass * group.width] = n == nullptr ? 1 : plan.bodies[at(n->body)].mass;
+    solver[kSide * group.width] = n == nullptr ? 0 : n->side;
+    if (group.has_joint) fill_joint(model, n == nullptr ? kNone : n->joint, group, {plan, group, lane});
+  }
 }
 
 }  // namespace
 
 void compile_lanes(const Model& model, Plan& plan) {
   Layout(model, plan).compile();
-  fill_constants(model, plan);
+  for (const LaneGroup& group : plan.groups) fill_group(model, group, plan);
 }
 
 }  // namespace unlatch

@@ -39,15 +39,15 @@ UNLATCH_INLINE void apply(const PlanLoad& load, double size, double* lanes) {
   double* to = lanes + load.applied;
   for (const double number : {force.x, force.y, force.z, torque.x, torque.y, torque.z}) {
     *to = kAdd ? *to + number : number;
-    to += load.stride;
+    to += kOctet;
   }
 }
 
-// Bodies without loads in groups that have some.
+// Bodies without loads in octets that have some.
 void clear_wrenches(const Plan& plan, Workspace& ws) {
-  for (const LaneGroup& group : plan.groups)
-    if (group.applied != kPose)
-      std::fill_n(ws.lanes.data() + group.motion + group.applied * group.width, 6 * group.width, 0.0);
+  for (const LaneOctet& octet : plan.octets)
+    if (octet.loaded)
+      std::fill_n(ws.lanes.data() + octet.body + kApplied * kOctet, (kLoadedEnd - kApplied) * kOctet, 0.0);
 }
 
 }  // namespace

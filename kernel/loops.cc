@@ -49,10 +49,10 @@ double apply_row(const LoopRow& row, const Workspace& ws) {
 
 // The loads of a sweep: those of `source`, or none, in the rows of the accelerations.
 void init_loads(const Plan& plan, Workspace& ws, Source source) {
-  for (const LaneGroup& group : plan.groups) {
-    double* loads = ws.lanes.data() + group.data + kAcceleration * group.width;
-    const double* forces = ws.lanes.data() + group.data + kForce * group.width;
-    for (int i = 0; i < 6 * group.width; ++i) loads[i] = source == Source::kForces ? forces[i] : 0;
+  for (const LaneOctet& octet : plan.octets) {
+    double* loads = ws.lanes.data() + octet.shared + kAcceleration * kOctet;
+    const double* forces = ws.lanes.data() + octet.shared + kForce * kOctet;
+    for (int i = 0; i < 6 * kOctet; ++i) loads[i] = source == Source::kForces ? forces[i] : 0;
   }
   for (const PlanFlexible& body : plan.flexible) {
     const ModalWork work = get_work(plan, body, ws);

@@ -140,9 +140,9 @@ void link_conditions(Plan& plan, Coordinates& coordinates) {
 void place_reads(Plan& plan) {
   for (PlanCondition& c : plan.conditions) {
     if (c.kind != Condition::Kind::kReaction) continue;
-    const LaneSlot slot = plan.multiplier_slots[at(c.subject)];
+    const LaneColumn multipliers = plan.multipliers[at(c.subject)];
     c.first_mode = plan.joints[at(c.subject)].first_mode;
-    c.multiplier = slot.offset + c.axis * slot.stride;
+    c.multiplier = multipliers.first + c.axis * multipliers.stride;
   }
   for (PlanCoordinate& c : plan.coordinates) {
     const PlanJoint& joint = plan.joints[at(c.joint)];
@@ -277,7 +277,7 @@ void compile_elements(const Model& model, Plan& plan, Coordinates& coordinates) 
     const Vec3 none{0, 0, 0}, point = l.kind == Load::Kind::kTorque ? none : to_vec(l.point),
                               size = to_vec(l.direction);
     plan.loads.push_back(
-        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, false, 0, 1, point,
+        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, false, 0, point,
          l.kind == Load::Kind::kTorque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
          l.direction.norm(), l.consumption, plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
     if (world || l.consumption != 0) plan.busy_loads.push_back(static_cast<std::int32_t>(plan.loads.size()) - 1);

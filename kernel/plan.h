@@ -140,14 +140,14 @@ struct PlanProfile {
 
 struct PlanLoad {
   std::int32_t body, element, profile, channel;
-  bool world;                    // it keeps its direction in the world, else in the body
-  bool first;                    // otherwise: whether it is the first such load on its body,
-  std::int32_t applied, stride;  // and where Workspace::lanes sums them
-  Vec3 point;                    // of a force in the world, body axes
-  Spatial wrench;                // of size 1, in its axes; in the body at the origin, in the world at the point
-  double length;                 // of the direction
-  double consumption;            // kg per N s
-  std::int32_t varying;          // into Plan::varying: what burns it
+  bool world;            // it keeps its direction in the world, else in the body
+  bool first;            // otherwise: whether it is the first such load on its body,
+  std::int32_t applied;  // and where Workspace::lanes sums them, kOctet apart
+  Vec3 point;            // of a force in the world, body axes
+  Spatial wrench;        // of size 1, in its axes; in the body at the origin, in the world at the point
+  double length;         // of the direction
+  double consumption;    // kg per N s
+  std::int32_t varying;  // into Plan::varying: what burns it
 };
 
 struct PlanPointSpring {
@@ -219,15 +219,17 @@ class Plan {
   std::vector<PlanLooseJoint> loose_joints;      // joints that are no edge of the tree: those, and ones that never hold
 
   // lanes, see lanes.h
+  std::vector<LaneOctet> octets;
   std::vector<LaneGroup> groups;             // parents before children
   std::vector<std::int32_t> own_beginnings;  // those whose blocks no child begins, see LaneGroup::begins
   std::vector<std::int32_t> lane_nodes;      // per lane: its node, or kNone
   std::vector<LaneSlot> lane_parents;        // per lane: where its parent is
   std::vector<RowSet> compliant_axes;        // per joint: axes with implicit springs
-  std::vector<double> lane_constants;        // blocks of MotionConstant rows
-  std::vector<double> solver_constants;      // blocks of SolverConstant rows
-  std::vector<LaneSlot> body_slots;          // per body
-  std::vector<LaneSlot> multiplier_slots;    // per joint: the six multipliers
+  std::vector<double> body_constants;        // blocks of BodyConstant rows,
+  std::vector<double> joint_constants;       // of JointConstant rows,
+  std::vector<double> solver_constants;      // and of SolverConstant rows
+  std::vector<LaneSlot> body_slots;          // per body: its place and its joint's
+  std::vector<LaneColumn> multipliers;       // per joint: the six of them
   std::int32_t lane_numbers = 0;             // size of Workspace::lanes
   const LaneKernels* kernels = nullptr;      // the stages of the step, compiled for this processor
 

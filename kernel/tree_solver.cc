@@ -30,9 +30,9 @@ void solve(const Plan& plan, Workspace& ws, const Sweep& sweep) noexcept {
 bool has_finite_block(const Plan& plan, const Workspace& ws, int node) noexcept {
   const PlanNode& n = plan.nodes[static_cast<std::size_t>(node)];
   const LaneSlot slot = plan.body_slots[static_cast<std::size_t>(n.body)];
-  const auto sum_rows = [&](int first, int count) {
+  const auto sum_rows = [&](auto first, int count) {
     double sum = 0;
-    for (int row = first; row < first + count; ++row) sum += ws.lanes[static_cast<std::size_t>(find(slot, row))];
+    for (int row = 0; row < count; ++row) sum += ws.lanes[static_cast<std::size_t>(find(slot, first + row))];
     return sum;
   };
   double sum = sum_rows(kInertia, 6);

@@ -77,7 +77,7 @@ Workspace::Workspace(const Plan& plan, std::span<std::byte> memory) noexcept {
   slots = plan.body_slots;
   kinematics = {lanes.data(), slots};
   accelerations = {lanes.data(), slots};
-  multipliers = {lanes.data(), plan.multiplier_slots};
+  multipliers = {lanes.data(), plan.multipliers};
   for (const PlanLooseJoint& loose : plan.loose_joints)  // of one that never holds nobody else writes them
     for (std::size_t r = 0; r < kRows; ++r) multipliers.get(static_cast<std::size_t>(loose.joint), r) = 0;
 }
@@ -87,9 +87,10 @@ Spatial read_acceleration(const double* lanes, LaneSlot slot) noexcept {
 }
 
 BodyKinematics read_kinematics(const double* lanes, LaneSlot slot) noexcept {
-  const double* from = lanes + slot.offset + kInertia * slot.stride;
-  const auto J = [&](int row) { return from[row * slot.stride]; };
-  return {read_mat(lanes, slot, kRotation), read_vec(lanes, slot, kOmega), {J(0), J(1), J(2), J(3), J(4), J(5)}};
+  const Vec3 moments = read_vec(lanes, slot, kInertia), products = read_vec(lanes, slot, kInertia + 3);
+  return {read_mat(lanes, slot, kRotation),
+          read_vec(lanes, slot, kOmega),
+          {moments.x, moments.y, moments.z, products.x, products.y, products.z}};
 }
 
 std::size_t Plan::get_workspace_bytes() const {

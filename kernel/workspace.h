@@ -55,16 +55,16 @@ BodyKinematics read_kinematics(const double* lanes, LaneSlot slot) noexcept;
 class MultiplierView {
  public:
   MultiplierView() = default;
-  MultiplierView(double* lanes, std::span<const LaneSlot> slots) : lanes_(lanes), slots_(slots) {}
-  std::size_t size() const { return slots_.size() * kRows; }
+  MultiplierView(double* lanes, std::span<const LaneColumn> joints) : lanes_(lanes), joints_(joints) {}
+  std::size_t size() const { return joints_.size() * kRows; }
   double operator[](std::size_t i) const { return get(i / kRows, i % kRows); }
   double& get(std::size_t joint, std::size_t row) const {
-    return lanes_[slots_[joint].offset + static_cast<std::ptrdiff_t>(row) * slots_[joint].stride];
+    return lanes_[joints_[joint].first + static_cast<std::ptrdiff_t>(row) * joints_[joint].stride];
   }
 
  private:
   double* lanes_ = nullptr;
-  std::span<const LaneSlot> slots_;
+  std::span<const LaneColumn> joints_;
 };
 
 // One row of a joint that closes a loop. Computed by factor_loops().

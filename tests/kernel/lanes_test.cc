@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstring>
+#include <set>
 #include <vector>
 
 #include "kernel/step.h"
@@ -101,6 +103,38 @@ TEST(Lanes, EightCopiesOfAChainMoveAsOneDoes) {
     EXPECT_EQ(theirs.w.y, ours.w.y) << b;
   }
   for (const LaneGroup& group : together.plan.groups) EXPECT_EQ(group.width, 8);
+}
+
+TEST(Lanes, BodiesOfAChainLieEightSideBySideWhereverTheyAreInIt) {
+  RandomModelOptions options;
+  options.shape = RandomModelOptions::Shape::kChain;
+  options.bodies = 64;
+  options.grounded_chance = 0;
+  const Simulation chain(build_random_model(11, options));
+  ASSERT_EQ(chain.plan.octets.size(), 8u);
+  for (const LaneOctet& octet : chain.plan.octets) EXPECT_EQ(octet.bodies, 0xff);
+}
+
+TEST(Lanes, EveryBodyHasALaneOfItsOwn) {
+  constexpr std::uint64_t kFirstSeed = 5100;
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 200; ++seed) {
+    const Simulation s(build_random_model(seed));
+    std::set<std::int32_t> places, shared, data;
+    for (const LaneSlot& slot : s.plan.body_slots) {
+      places.insert(slot.body);
+      shared.insert(slot.shared);
+      data.insert(slot.data);
+      EXPECT_EQ(slot.body % kOctet, slot.shared % kOctet) << "seed " << seed;
+    }
+    for (const std::set<std::int32_t>& all : {places, shared, data})
+      EXPECT_EQ(all.size(), s.plan.bodies.size()) << "seed " << seed;
+    std::size_t bodies = 0;
+    for (const LaneOctet& octet : s.plan.octets) {
+      bodies += static_cast<std::size_t>(std::popcount(octet.bodies));
+      EXPECT_EQ(octet.bodies & ~octet.lanes, 0) << "seed " << seed;
+    }
+    EXPECT_EQ(bodies, s.plan.bodies.size()) << "seed " << seed;
+  }
 }
 
 TEST(Lanes, AWidthThatTheProcessorLacksIsRefused) {
