@@ -19,8 +19,8 @@ namespace {
 constexpr int kLastDomain = 230;  // the last whose ports fit into 16 bits
 
 // Loopback has no multicast: without a peer and automatic participant indices the processes of one machine never meet.
-// Every index up to the largest is greeted at start. A writer whose reader was killed lingers for a second by default,
-// one after the other; the last messages cross a loopback in far less.
+// Every index up to the largest is greeted at start. A port that closes waits for its readers itself, for all writers
+// together (dds_port.cc): that they linger besides, one after the other, is for nothing.
 // A refusal by the security plugins is explained nowhere but in the trace.
 std::string write_configuration(const DdsOptions& options) {
   const std::string& interface = options.interface;
@@ -33,7 +33,7 @@ std::string write_configuration(const DdsOptions& options) {
          (loopback ? "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99"
                      "</MaxAutoParticipantIndex><Peers><Peer Address=\"127.0.0.1\"/></Peers></Discovery>"
                    : "") +
-         "<Internal><WriterLingerDuration>100ms</WriterLingerDuration><WriteBatch>true</WriteBatch></Internal>" +
+         "<Internal><WriterLingerDuration>0s</WriterLingerDuration><WriteBatch>true</WriteBatch></Internal>" +
          (options.security.empty()
               ? ""
               : "<Tracing><Verbosity>warning</Verbosity><OutputFile>stderr</OutputFile></Tracing>") +

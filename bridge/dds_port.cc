@@ -49,6 +49,12 @@ constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
 }};
 
 constexpr std::int64_t kMaxBlocking = DDS_MSECS(10);
+
+// How long a port that closes waits, for all its writers together, until everybody has what was said. A reader may miss
+// the first message that a writer says after they have met, and gets none of those behind it before that one was said
+// again: some tenths of a second later, when a heartbeat has told the reader to ask for it, fragment by fragment.
+constexpr auto kFarewell = std::chrono::seconds(1);
+
 constexpr std::size_t kBatch = 128;  // messages taken from a reader at a time
 
 struct DeleteQos {
@@ -79,6 +85,7 @@ class DdsPort final : public Port {
         waitset_(check("creating a waitset", dds_create_waitset(participant_.get()))) {
     for (std::size_t i = 0; i < kMessageKinds; ++i) open_topic(role, i);
   }
+  ~DdsPort() override { wait_for_readers(); }
 
  private:
   // Messages taken from one reader, delivered one by one. Cyclone writes them into our memory: the types have no
@@ -126,6 +133,16 @@ class DdsPort final : public Port {
     batch.reader = check("creating a reader", dds_create_reader(participant_.get(), topic, qos.get(), nullptr));
     const dds_entity_t any = check("creating a condition", dds_create_readcondition(batch.reader, DDS_ANY_STATE));
     check("attaching a condition", dds_waitset_attach(waitset_.get(), any, 0));
+  }
+
+  void wait_for_readers() const {
+    using Clock = std::chrono::steady_clock;
+    const auto deadline = Clock::now() + kFarewell;
+    for (const dds_entity_t writer : writers_) {
+      if (writer == 0) continue;
+      const std::chrono::nanoseconds left = deadline - Clock::now();
+      dds_wait_for_acks(writer, std::max(left, std::chrono::nanoseconds::zero()).count());
+    }
   }
 
   // The structs have one layout in C and C++ (schema/dds_layout.h), and all members of the union one address.

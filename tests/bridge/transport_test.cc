@@ -305,6 +305,25 @@ TEST(Dds, CommandsOfTheFirstMomentArrive) {
   }
 }
 
+// The first packets of the last message are lost; it is said again before the port is gone.
+TEST(Dds, WhatIsSaidLastIsHeard) {
+  constexpr auto kMute = 200ms;
+  auto simulator = bridge::open_dds_port(Role::kSimulator);
+  Party watcher("dds watch 1");
+  hil::State state{};
+  state.parts = 1;
+  for (auto waited = 0ms; waited < kPatience && watcher.get_output().empty(); waited += kRepeatAfter) {
+    ASSERT_TRUE(simulator->publish(state));
+    ASSERT_TRUE(watcher.read(kRepeatAfter));
+  }
+  dds_entity_t participant = 0;
+  ASSERT_EQ(dds_lookup_participant(0, &participant, 1), 1);
+  ASSERT_EQ(dds_domain_set_deafmute(participant, false, true, std::chrono::nanoseconds(kMute).count()), DDS_RETCODE_OK);
+  ASSERT_TRUE(simulator->publish(hil::Health{}));
+  simulator.reset();
+  EXPECT_EQ(watcher.close(), 0);
+}
+
 TEST(Dds, LateJoinersGetHelloCatalogAndEvents) {
   constexpr std::int32_t kItems = 300;
   const auto simulator = bridge::open_dds_port(Role::kSimulator);
