@@ -95,6 +95,7 @@ class Executive {
   void say_hello();
   void announce(std::int64_t now_ns) noexcept;
   void announce_source() noexcept;
+  void tell_rest_of_source();
   void send_until_taken(const Message& message);
   void say(const Message& message) noexcept;
   void publish_state(RunStatus status) noexcept;

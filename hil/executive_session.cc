@@ -119,6 +119,15 @@ void Executive::announce_source() noexcept {
   source_next_ = (source_next_ + 1) % source_.size();
 }
 
+// A run may be over before each part has had its turn.
+void Executive::tell_rest_of_source() {
+  for (; source_sequence_ < static_cast<std::int64_t>(source_.size()); ++source_sequence_) {
+    Source& part = source_[static_cast<std::size_t>(source_sequence_)];
+    part.sequence = source_sequence_;
+    send_until_taken(part);
+  }
+}
+
 // --- What is said while it runs -------------------------------------------------------------------------------------
 
 void Executive::publish_state(RunStatus status) noexcept {
@@ -262,6 +271,7 @@ std::int64_t Executive::calc_dropped() const noexcept {
 LogEnd Executive::conclude(RunStatus status, std::string message) {
   if (options_.faults != nullptr) tell_faults();
   beat(Place::kEnding);
+  tell_rest_of_source();
   for (int i = 0; i < kFarewells; ++i) {
     resend_state(status);
     sleep_until_ns(get_monotonic_ns() + kFarewellInterval_ns);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "hil/pacer.h"
+#include "hil/source_text.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"
 
@@ -80,6 +81,29 @@ TEST(Executive, RefusesAndCountsWhatIsWrong) {
   EXPECT_EQ(count(Reject::kUnknownChannel), 2);
   EXPECT_EQ(count(Reject::kMalformed), 1);
   EXPECT_EQ(result.end.hash, run_session(Pace::kLockstep, {}).end.hash);
+}
+
+TEST(Executive, ARunTooShortForItTellsTheWholeScenarioAllTheSame) {
+  const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
+  const auto simulation = hil::build_simulation(scenario);
+  hil::ExecutiveOptions options;
+  options.pace = Pace::kFast;
+  options.last_tick = 1;
+  options.source = hil::build_source(std::string(5 * hil::kSourcePerPart, 'x'), {}, 0);
+  hil::Link link(256, 64);
+  hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 1));
+  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  hil::LogEnd end = executive.run();
+  recorder.close(end);
+  hil::SourceText heard;
+  std::int64_t next = 0;
+  hil::Message message;
+  while (link.take(message)) {
+    if (message.kind != hil::MessageKind::kSource) continue;
+    EXPECT_EQ(message.source.sequence, next++);
+    heard.hear(message.source);
+  }
+  EXPECT_TRUE(heard.is_complete());
 }
 
 TEST(Realtime, KeepsItsPaceOverTheWholeRun) {
