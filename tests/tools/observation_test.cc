@@ -81,6 +81,28 @@ TEST_F(Watching, ASessionThatHasEndedMakesWayAtOnce) {
   EXPECT_EQ(look().session, 8);
 }
 
+TEST_F(Watching, WhatComesBeforeHelloIsNotForgotten) {
+  hil::Catalog item;
+  item.session = 7;
+  item.kind = static_cast<std::int32_t>(hil::CatalogKind::kJoint);
+  hil::set_name(item.name, "nose");
+  hear(item);
+  hil::Reactions reactions;
+  reactions.session = 7;
+  reactions.parts = 1;
+  reactions.tick = 3;
+  reactions.count = 6;
+  reactions.multipliers[5] = 42;
+  hear(reactions);
+  for (const hil::Source& part : hil::build_source(std::string(5000, 'x'), {}, 7)) hear(part);
+  hear_hello(7);
+  ASSERT_EQ(look().joints.size(), 1U);
+  EXPECT_EQ(look().joints[0].name, "nose");
+  EXPECT_EQ(look().joints[0].reaction[5], 42);
+  EXPECT_EQ(look().reactions_tick, 3);
+  EXPECT_NE(look().scenario_note.find("cannot be read"), std::string::npos) << look().scenario_note;
+}
+
 TEST_F(Watching, ParticipantsMakeNoSession) {
   hil::Command command;
   command.session = 9;

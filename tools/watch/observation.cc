@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "hil/executive_notices.h"
 #include "hil/run.h"
@@ -14,6 +15,7 @@ using hil::RunStatus;
 
 constexpr std::size_t kNotices = 200;          // kept
 constexpr std::size_t kMostParticipants = 64;  // told apart; a stranger may invent any number
+constexpr std::size_t kMostEarly = 1024;       // messages kept until Hello comes; more will be said again
 constexpr double kRateWindow_s = 1;
 
 double to_seconds(std::chrono::steady_clock::duration duration) {
@@ -24,6 +26,11 @@ std::string to_hex(std::int64_t number) {
   char text[17];
   std::snprintf(text, sizeof text, "%llx", static_cast<unsigned long long>(number));
   return text;
+}
+
+// Hello says how many there are of what these speak of; but between topics there is no order.
+bool depends_on_hello(MessageKind kind) {
+  return kind == MessageKind::kCatalog || kind == MessageKind::kReactions || kind == MessageKind::kSource;
 }
 
 bool has_ended(RunStatus status) { return status >= RunStatus::kDone; }
@@ -67,6 +74,14 @@ void Observation::hear(const hil::Message& message, Time now) {
   if (!follow(message, now)) return;
   ++view_.counts[static_cast<std::size_t>(message.kind)];
   if (is_from_simulator(message.kind)) heard_ = now;
+  if (!view_.has_hello && depends_on_hello(message.kind)) {
+    if (early_.size() < kMostEarly) early_.push_back(message);
+    return;
+  }
+  take(message);
+}
+
+void Observation::take(const hil::Message& message) {
   switch (message.kind) {
     case MessageKind::kHello:
       return hear_hello(message.hello);
@@ -117,6 +132,7 @@ void Observation::begin(std::int64_t session) {
   view_ = View{};
   view_.session = session;
   view_.notices = std::move(notices);
+  early_.clear();
   source_ = hil::SourceText{};
   scenario_.reset();
   clearances_.reset();
@@ -153,6 +169,7 @@ void Observation::hear_hello(const hil::Hello& hello) {
   if (hello.schema_hash != hil::kSchemaHash) {
     tell("the simulator was built for another version of the message schema", true);
   }
+  for (const hil::Message& message : std::exchange(early_, {})) take(message);
 }
 
 void Observation::hear_catalog(const hil::Catalog& item) {
@@ -180,7 +197,7 @@ void Observation::hear_catalog(const hil::Catalog& item) {
 }
 
 void Observation::hear_source(const hil::Source& part) {
-  if (scenario_ || !view_.has_hello) return;
+  if (scenario_) return;
   const bool was_complete = source_.is_complete();
   source_.hear(part);
   if (source_.is_complete()) {

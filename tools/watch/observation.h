@@ -30,6 +30,7 @@ class Observation {
  private:
   bool follow(const hil::Message& message, Time now);
   void begin(std::int64_t session);
+  void take(const hil::Message& message);
   void hear_hello(const hil::Hello& hello);
   void hear_catalog(const hil::Catalog& item);
   void hear_state(const hil::State& state);
@@ -47,6 +48,7 @@ class Observation {
   WatchedParticipant& find_participant(std::int32_t id);
 
   View view_;
+  std::vector<hil::Message> early_;  // came before the Hello on which they depend
   hil::SourceText source_;
   std::unique_ptr<hil::Scenario> scenario_;
   std::optional<hil::ClearanceMonitor> clearances_;
