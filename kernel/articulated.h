@@ -80,6 +80,20 @@ UNLATCH_INLINE SpatialT<T> operator*(const ArticulatedT<T>& A, const SlideT<T>& 
   return {A.M * s.lin, transpose_times(A.H, s.lin)};
 }
 
+// A block without coupling, H = 0: of a body alone, and of what sliding freedoms leave of it.
+template <class T>
+struct UncoupledT {
+  Sym3T<T> M, I;
+};
+template <class T>
+UNLATCH_INLINE SpatialT<T> operator*(const UncoupledT<T>& A, const SpatialT<T>& s) {
+  return {A.M * s.lin, A.I * s.ang};
+}
+template <class T>
+UNLATCH_INLINE SlideT<T> operator*(const UncoupledT<T>& A, const SlideT<T>& s) {
+  return {A.M * s.lin};
+}
+
 // Σ s_i² A_ii: how large sᵀ A s is before cancellation, within a factor of six.
 template <class T>
 UNLATCH_INLINE T calc_pivot_scale(const ArticulatedT<T>& A, const SpatialT<T>& s) {
@@ -101,13 +115,20 @@ UNLATCH_INLINE Sym3T<T> downdate(const Sym3T<T>& s, const Vec3T<T>& ka, const Ve
 
 // A − k U Uᵀ
 template <class T>
-UNLATCH_INLINE void downdate(ArticulatedT<T>& A, const T& k, const SpatialT<T>& U) {
+UNLATCH_INLINE ArticulatedT<T> downdated(const ArticulatedT<T>& A, const T& k, const SpatialT<T>& U) {
   const Vec3T<T> kl = k * U.lin, ka = k * U.ang;
-  A.M = downdate(A.M, kl, U.lin);
-  A.I = downdate(A.I, ka, U.ang);
-  A.H.x -= ka.x * U.lin;
-  A.H.y -= ka.y * U.lin;
-  A.H.z -= ka.z * U.lin;
+  return {downdate(A.M, kl, U.lin),
+          {A.H.x - ka.x * U.lin, A.H.y - ka.y * U.lin, A.H.z - ka.z * U.lin},
+          downdate(A.I, ka, U.ang)};
+}
+template <class T>
+UNLATCH_INLINE ArticulatedT<T> downdated(const UncoupledT<T>& A, const T& k, const SpatialT<T>& U) {
+  const Vec3T<T> kl = k * U.lin, ka = k * U.ang;
+  return {downdate(A.M, kl, U.lin), {(-ka.x) * U.lin, (-ka.y) * U.lin, (-ka.z) * U.lin}, downdate(A.I, ka, U.ang)};
+}
+template <class T>
+UNLATCH_INLINE UncoupledT<T> downdated(const UncoupledT<T>& A, const T& k, const SlideT<T>& U) {
+  return {downdate(A.M, k * U.lin, U.lin), A.I};
 }
 
 // A, given at a point `r` away from the parent's origin, as the parent sees it: Xᵀ A X with a_point = a + α × r.

@@ -76,6 +76,15 @@ UNLATCH_INLINE void set_block(const V& v, const ArticulatedT<T>& A) {
 }
 
 template <class T>
+UNLATCH_INLINE const ArticulatedT<T>& get_whole(const ArticulatedT<T>& A) {
+  return A;
+}
+template <class T>
+UNLATCH_INLINE ArticulatedT<T> get_whole(const UncoupledT<T>& A) {
+  const T o(0.0);
+  return {A.M, {{o, o, o}, {o, o, o}, {o, o, o}}, A.I};
+}
+template <class T>
 UNLATCH_INLINE ArticulatedT<T> get_body_block(const T& mass, const Sym3T<T>& inertia) {
   const T o(0.0);
   return {{mass, mass, mass, o, o, o}, {{o, o, o}, {o, o, o}, {o, o, o}}, inertia};
@@ -159,12 +168,10 @@ struct Node<T, true> {
             {(-ka.x) * U.lin, (-ka.y) * U.lin, (-ka.z) * U.lin},
             downdate(I, ka, U.ang)};
   }
-  UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SlideT<T>& U) const {
-    const T o(0.0);
-    const Vec3T<T> kl = k * U.lin, zero{o, o, o};
+  UNLATCH_INLINE UncoupledT<T> downdated(const T& k, const SlideT<T>& U) const {
+    const Vec3T<T> kl = k * U.lin;
     return {{mass - kl.x * U.lin.x, mass - kl.y * U.lin.y, mass - kl.z * U.lin.z, -(kl.x * U.lin.y), -(kl.x * U.lin.z),
              -(kl.y * U.lin.z)},
-            {zero, zero, zero},
             I};
   }
   // A⁻¹ by parts, if nothing holds the body.
@@ -198,9 +205,7 @@ struct Node<T, false> {
   UNLATCH_INLINE FreeFactorT<T> factor(T& bad) const { return factor_free(A, bad); }
   UNLATCH_INLINE SpatialT<T> solve(const FreeFactorT<T>& f, const SpatialT<T>& b) const { return solve_free(f, b); }
   UNLATCH_INLINE ArticulatedT<T> downdated(const T& k, const SpatialT<T>& U) const {
-    ArticulatedT<T> out = A;
-    downdate(out, k, U);
-    return out;
+    return unlatch::downdated(A, k, U);
   }
   template <class S>
   UNLATCH_INLINE T is_pivot(const T& pivot, const S& s) const {

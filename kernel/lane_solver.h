@@ -81,7 +81,7 @@ UNLATCH_INLINE void eliminate_rows(const P& part, const N& node, const SpatialT<
       own.set(kWrench, w);
       own.set(kReply, y);
       own.set(kRowInverse, inverse);
-      downdate(passed.A, -inverse, w);
+      passed.A = downdated(passed.A, -inverse, w);
     }
     const SpatialT<T> w = own.get_spatial(kWrench);
     const T mu = own.get(kRowInverse) * dot(w, free - bias);
@@ -100,51 +100,64 @@ UNLATCH_INLINE const SpatialT<T>& to_spatial(const SpatialT<T>& a) {
   return a;
 }
 
-// Takes freedom r out, whose direction is s and whose U = A s. Returns its inverse pivot; both are zero in lanes where
-// it is no freedom.
+// Takes freedom r out, whose direction is s and whose U = A s. Returns its inverse pivot: zero in lanes where it is no
+// freedom, so that they lose nothing.
 template <class P, class N, class S, class U, class T>
-UNLATCH_INLINE T take_freedom(const P& part, const N& node, int r, const S& s, U& u, SpatialT<T>& load, T& bad) {
+UNLATCH_INLINE T take_freedom(const P& part, const N& node, int r, const S& s, const U& u, SpatialT<T>& load, T& bad) {
   const auto own = part.v.from(part.group.freedom_parts[r]);
   const T mask = own.get(kMask), beta = dot(s, load);
   T pivot = dot(s, u);
   bad = bad | (mask & ~node.is_pivot(pivot, s));
   if (has_row(part.group.compliant, r)) pivot = pivot + part.v.get(part.group.pivots[r]);
   const T inverse = mask & (T(1) / pivot);
-  u = mask & u;
   own.set(kBeta, beta);
   own.set(kU, to_spatial(u));
   own.set(kInverse, inverse);
   load = load - (beta * inverse) * u;
   return inverse;
 }
-// Out of a whole block, which may be sparse, and out of what others have left of it.
+// Out of a whole block, which may be sparse; returns what is left of it, which may be so as well.
 template <class P, class N, class S, class T>
-UNLATCH_INLINE void take_first(const P& part, const N& node, int r, const S& s, Passed<T>& passed, T& bad) {
-  auto u = node.times(s);
-  const T inverse = take_freedom(part, node, r, s, u, passed.load, bad);
-  passed.A = node.downdated(inverse, u);
+UNLATCH_INLINE auto take_first(const P& part, const N& node, int r, const S& s, SpatialT<T>& load, T& bad) {
+  const auto u = node.times(s);
+  return node.downdated(take_freedom(part, node, r, s, u, load, bad), u);
 }
-template <class P, class N, class S, class T>
-UNLATCH_INLINE void take_next(const P& part, const N& node, int r, const S& s, Passed<T>& passed, T& bad) {
-  auto u = passed.A * s;
-  const T inverse = take_freedom(part, node, r, s, u, passed.load, bad);
-  downdate(passed.A, inverse, u);
+// Out of what others have left, and those after it in turn, until none is left.
+template <class P, class N, class A, class T>
+UNLATCH_INLINE void take_others(const P& part, const N& node, unsigned left, const A& rest, Passed<T>& passed, T& bad) {
+  if (left == 0) {
+    passed.A = get_whole(rest);
+    return;
+  }
+  const int r = std::countr_zero(left);
+  part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA {
+    const auto u = rest * s;
+    const T inverse = take_freedom(part, node, r, s, u, passed.load, bad);
+    passed.A = get_whole(downdated(rest, inverse, u));
+  });
+  while ((left &= left - 1) != 0) {
+    const int next = std::countr_zero(left);
+    part.with_freedom(next, [&](const auto& s) UNLATCH_INLINE_LAMBDA {
+      const auto u = passed.A * s;
+      const T inverse = take_freedom(part, node, next, s, u, passed.load, bad);
+      passed.A = downdated(passed.A, inverse, u);
+    });
+  }
 }
 
 // Lanes held by three rows or more: takes their freedoms out one by one.
 template <class P, class N, class T>
 UNLATCH_INLINE void factor_freedoms(const P& part, const N& node, Passed<T>& passed, T& bad) {
-  unsigned left = part.phase.freedoms;
+  const unsigned left = part.phase.freedoms;
   if (left == 0) {
     passed.A = node.get_block();
     return;
   }
-  const int first = std::countr_zero(left);
-  part.with_freedom(first, [&](const auto& s) UNLATCH_INLINE_LAMBDA { take_first(part, node, first, s, passed, bad); });
-  while ((left &= left - 1) != 0) {
-    const int r = std::countr_zero(left);
-    part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { take_next(part, node, r, s, passed, bad); });
-  }
+  const int r = std::countr_zero(left);
+  part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA {
+    const auto rest = take_first(part, node, r, s, passed.load, bad);
+    take_others(part, node, left & (left - 1), rest, passed, bad);
+  });
 }
 // The same for another load.
 template <class P, class T>
@@ -215,7 +228,9 @@ template <bool kLeaf, class T, int kWidth>
     T bad(0.0);
     Passed<T> passed;
     passed.load = node.load - node.times(part.get_bias(sweep.biased));
-    part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { take_first(part, node, r, s, passed, bad); });
+    part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA {
+      passed.A = get_whole(take_first(part, node, r, s, passed.load, bad));
+    });
     if (any(bad)) return find_bad_node(plan, part.group, lane, bad);
     if (part.group.link != LaneLink::kRoot) add_to_parents<true>(part, passed, sweep.source, fan);
   }
@@ -308,8 +323,7 @@ UNLATCH_INLINE SpatialT<T> substitute_freedom(const P& part, int r, const Spatia
   const auto own = part.v.from(part.group.freedom_parts[r]);
   const T q = own.get(kInverse) * (own.get(kBeta) - dot(own.get_spatial(kU), a));
   own.set(kBeta, q);
-  const T free = own.get(kMask) & q;
-  return part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { return a + free * s; });
+  return part.with_freedom(r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { return a + q * s; });
 }
 template <class P, class T>
 UNLATCH_INLINE SpatialT<T> substitute_freedoms(const P& part, const SpatialT<T>& carried, bool biased) {
