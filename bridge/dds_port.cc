@@ -1,6 +1,8 @@
 // The Cyclone DDS transport: one topic per message, unlatch_State and so on, types from schema/unlatch.idl.
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -141,7 +143,7 @@ class DdsPort final : public Port {
     for (const dds_entity_t writer : writers_) {
       if (writer == 0) continue;
       const std::chrono::nanoseconds left = deadline - Clock::now();
-      dds_wait_for_acks(writer, std::max(left, std::chrono::nanoseconds::zero()).count());
+      (void)dds_wait_for_acks(writer, std::max(left, std::chrono::nanoseconds::zero()).count());
     }
   }
 

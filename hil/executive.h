@@ -96,7 +96,7 @@ class Executive {
   void announce(std::int64_t now_ns) noexcept;
   void announce_source() noexcept;
   void tell_rest_of_source();
-  void send_until_taken(const Message& message);
+  bool send_until_taken(const Message& message);
   void say(const Message& message) noexcept;
   void publish_state(RunStatus status) noexcept;
   void resend_state(RunStatus status) noexcept;

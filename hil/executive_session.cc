@@ -79,20 +79,26 @@ bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
 }
 
 void Executive::say_hello() {
-  send_until_taken(hello_);
+  (void)send_until_taken(hello_);
   ++hello_.sequence;
   for (Catalog& item : catalog_) {
     item.sequence = catalog_sequence_++;
-    send_until_taken(item);
+    (void)send_until_taken(item);
   }
 }
 
 // A large catalog does not fit the ring at once; without anybody at its other end we do not wait for ever.
-void Executive::send_until_taken(const Message& message) {
-  if (options_.faults != nullptr) return say(message);
-  for (int attempt = 0; attempt < 100 && !link_.send(message); ++attempt) {
+// Returns whether it went.
+bool Executive::send_until_taken(const Message& message) {
+  if (options_.faults != nullptr) {
+    say(message);
+    return true;
+  }
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    if (link_.send(message)) return true;
     sleep_until_ns(get_monotonic_ns() + kLook_ns);
   }
+  return false;
 }
 
 // For those who come later, or come back: one message now and then, so that no tick is burdened with a whole catalog.
@@ -119,12 +125,13 @@ void Executive::announce_source() noexcept {
   source_next_ = (source_next_ + 1) % source_.size();
 }
 
-// A run may be over before each part has had its turn.
+// A run may be over before each part has had its turn. Nobody waits for it if nobody takes it.
 void Executive::tell_rest_of_source() {
   for (; source_sequence_ < static_cast<std::int64_t>(source_.size()); ++source_sequence_) {
+    beat(Place::kEnding);
     Source& part = source_[static_cast<std::size_t>(source_sequence_)];
     part.sequence = source_sequence_;
-    send_until_taken(part);
+    if (!send_until_taken(part)) return;
   }
 }
 

@@ -26,7 +26,7 @@ UNLATCH_INLINE void for_width(const LaneGroup& group, const Run& run) {
 
 // The same for an octet, as wide as its lanes are in use.
 template <int kWidest, class Run>
-UNLATCH_INLINE void for_lanes(const LaneOctet& octet, const Run& run) {
+UNLATCH_INLINE void for_octet_width(const LaneOctet& octet, const Run& run) {
   // NOLINTNEXTLINE(bugprone-branch-clone)
   constexpr int kFour = kWidest < 4 ? kWidest : 4, kTwo = kWidest < 2 ? kWidest : 2;
   if (octet.lanes > 0xf) return run.template operator()<Pack<kWidest>>();
@@ -42,7 +42,7 @@ UNLATCH_INLINE void for_octets(const Plan& plan, Workspace& ws, const Stage& sta
   const double* constants = plan.body_constants.data();
   const LaneOctet* end = plan.octets.data() + plan.octets.size();
   for (const LaneOctet* octet = plan.octets.data(); octet != end; ++octet)
-    for_lanes<kWidest>(*octet, [&]<class T>() {
+    for_octet_width<kWidest>(*octet, [&]<class T>() {
       for (int lane = 0; octet->lanes >> lane != 0; lane += T::kWidth)
         stage(*octet, View<T, kOctet>{nullptr, nullptr, lanes + octet->body + lane, lanes + octet->shared + lane},
               View<T, kOctet, const double>{nullptr, nullptr, constants + octet->constants + lane});

@@ -30,7 +30,7 @@ UNLATCH_INLINE void prefetch_block(const Plan& plan, const Workspace& ws, std::s
   const LaneGroup& group = plan.groups[g];
   const double* block = ws.lanes.data() + group.data;
   // The first group of an octet has what they share with the bodies before its own.
-  const bool first_of_octet = g == 0 || plan.groups[g - 1].shared / kOctet != group.shared / kOctet;
+  const bool first_of_octet = group.shared % kOctet == 0;
   const int first = (group.leaf ? 0 : kBlock * group.width) - (first_of_octet ? kSharedEnd * kOctet : 0);
   const int end = group.size * group.width;
   for (int i = first; i < end; i += 8) __builtin_prefetch(block + (kDirection > 0 ? i : first + end - 1 - i), 1);

@@ -1,6 +1,7 @@
 #include "kernel/lane_state.h"
 
 #include <bit>
+#include <cmath>
 
 #include "kernel/kinematics.h"
 #include "kernel/lane_access.h"
@@ -35,9 +36,11 @@ void load_body(const BodyState& body, double* lanes) {
   }
 }
 
-// Lanes without a body. Not in the centre of gravity, where nothing could be computed.
-void load_nobody(const Plan& plan, const LaneOctet& octet, double* lanes) {
-  const Vec3 away = plan.mu_centre + Vec3{1, 0, 0};
+// Lanes without a body rest, away from the centre of gravity, where nothing could be computed. No solve gives those of
+// them that belong to no group an acceleration.
+void load_empty_lanes(const Plan& plan, const LaneOctet& octet, double* lanes) {
+  const Vec3& c = plan.mu_centre;
+  const Vec3 away{std::abs(c.x) < 1 ? c.x + 1 : 0, c.y, c.z};
   for (int lane = 0; lane < kOctet; ++lane) {
     if ((octet.bodies >> lane & 1) != 0) continue;
     load_body({away, {1, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, lanes + octet.body + kPose * kOctet + lane);
@@ -55,7 +58,10 @@ void load_lane(const Plan& plan, const State& state, const LaneGroup& group, int
   const RowSet holding = held ? RowSet{0} : static_cast<RowSet>(group.rows & rows);
   phase.freedoms = static_cast<RowSet>(phase.freedoms | freedoms);
   phase.rows = static_cast<RowSet>(phase.rows | holding);
-  for_rows(group.compliant, [&](int r) { get_number(lanes, slot, group.pivots[r]) = 0; });
+  for_rows(group.compliant, [&](int r) {
+    get_number(lanes, slot, group.pivots[r]) = 0;
+    get_number(lanes, slot, group.freedom_parts[r] + kBeta) = 0;  // where the mode holds it, nobody else writes it
+  });
   for_rows(group.freedoms,
            [&](int r) { get_number(lanes, slot, group.freedom_parts[r] + kMask) = get_mask(has_row(freedoms, r)); });
   for_rows(group.rows,
@@ -79,7 +85,7 @@ void load_state(const Plan& plan, const State& state, Workspace& ws) noexcept {
   ws.settled = false;
   double* lanes = ws.lanes.data();
   for (const LaneOctet& octet : plan.octets)
-    if (octet.bodies != 0xff) load_nobody(plan, octet, lanes);
+    if (octet.bodies != 0xff) load_empty_lanes(plan, octet, lanes);
   for (std::size_t b = 0; b < plan.body_slots.size(); ++b)
     load_body(state.bodies[b], lanes + find(plan.body_slots[b], kPose));
   load_modes(plan, state, ws);

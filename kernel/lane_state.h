@@ -6,7 +6,7 @@
 
 namespace unlatch {
 
-// Poses and velocities into the lanes, and what the joints' modes make of the groups.
+// Poses and velocities into the lanes, rest into empty ones, and what the joints' modes make of the groups.
 void load_state(const Plan& plan, const State& state, Workspace& ws) noexcept;
 
 // The joints' modes alone: masks of freedoms and rows, offsets, carried axes; ws.phases.

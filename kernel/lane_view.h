@@ -8,7 +8,8 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// Rows of a group's or an octet's blocks, or of its constants, at some lanes of it.
+// Rows of a group's and its octet's blocks, or of their constants in the same places, at some lanes of them. Those of
+// bodies are kOctet apart, whatever the group's width.
 template <class Pack, int kWidth, class Number = double>
 struct View {
   using T = Pack;

@@ -268,14 +268,15 @@ class Layout {
     for (std::size_t k = 0; k < plan_.nodes.size(); ++k) node_of[at(plan_.nodes[k].body)] = static_cast<int>(k);
     std::vector<bool> placed(model_.bodies.size(), false);
     for (PlanLoad& load : plan_.loads) {
+      if (load.world) continue;
       load.applied = find(get_slot(places_[at(node_of[at(load.body)])]), kApplied);
-      load.first = !load.world && !placed[at(load.body)];
-      if (!load.world) placed[at(load.body)] = true;
+      load.first = !placed[at(load.body)];
+      placed[at(load.body)] = true;
     }
   }
 
-  // Neighbouring lanes for the group's bodies, in the latest octet that is not full of wide groups or in a new one.
-  // What the octet shares with the solver lies before the blocks of its first group.
+  // Neighbouring lanes for the group's bodies, in the latest octet of narrow groups or, if none are left there, in a
+  // new one. What the octet shares with the solver lies before the blocks of its first group.
   void place_bodies(LaneGroup& group, bool loaded) {
     const auto find_lane = [&](const LaneOctet& octet) {
       for (int lane = 0; lane < kOctet; lane += group.width)

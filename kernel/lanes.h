@@ -167,8 +167,9 @@ struct alignas(64) LaneGroup {
   RowSet rows;            // that some mode of one or two rows holds
   RowSet compliant;       // freedoms with springs that are integrated implicitly
   std::uint8_t carried;   // bit a: some mode's orientation is measured by where axis a has gone
-  // where the optional parts begin, in rows
+  // where the optional parts begin, in rows: of its joints' block
   JointField crossed, carried_axes;
+  // and of its block in the solver
   std::uint8_t rotation_axes, free;
   std::uint8_t freedom_parts[kRows], row_parts[kRows];  // per row, of those in `freedoms` and in `rows`
   std::uint8_t pivots[kRows];                           // of those in `compliant`: what is added to the pivot
@@ -180,13 +181,13 @@ static_assert(kFreedomEnd + int{kRowEnd} + 1 == 25);
 // Where one body's and its joint's numbers are in Workspace::lanes: row r is at the block's place + r · kOctet, or
 // + r · stride for what goes by groups.
 struct LaneSlot {
+  std::int32_t data, joint;
   std::int32_t body, shared;
-  std::int32_t joint, data;
   std::int32_t stride;
 };
 
 constexpr LaneSlot get_slot(const LaneGroup& group, int lane) {
-  return {group.body + lane, group.shared + lane, group.joint + lane, group.data + lane, group.width};
+  return {group.data + lane, group.joint + lane, group.body + lane, group.shared + lane, group.width};
 }
 
 // Numbers of Workspace::lanes that are a stride apart.

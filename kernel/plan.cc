@@ -31,7 +31,8 @@ void append(std::vector<double>& to, const std::vector<Eigen::Matrix3d>& matrice
 // Whether some mode swings faster than the step resolves.
 bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
 
-void compile_flexible(const Model& model, int body, Plan& plan) {
+// `markers`: bodies that are markers on it.
+void compile_flexible(const Model& model, int body, const std::vector<int>& markers, Plan& plan) {
   const FlexibleBody& shape = *model.bodies[at(body)].flexible;
   const auto m = static_cast<std::int32_t>(shape.frequencies.size());
   PlanFlexible out{body,
@@ -52,9 +53,8 @@ void compile_flexible(const Model& model, int body, Plan& plan) {
   for (Eigen::Index k = 0; k < m; ++k) plan.modal.push_back(2 * shape.damping[k] * shape.frequencies[k]);
   for (const Eigen::VectorXd* start : {&shape.initial, &shape.initial_rate})
     for (Eigen::Index k = 0; k < m; ++k) plan.initial_extras.push_back(start->size() == 0 ? 0 : (*start)[k]);
-  for (int i = 0; i < static_cast<int>(model.bodies.size()); ++i) {
+  for (const int i : markers) {
     const std::optional<Marker>& marker = model.bodies[at(i)].marker;
-    if (!marker || marker->body != body) continue;
     plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
                             static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
     append(plan.modal, marker->shape);
@@ -222,10 +222,12 @@ class Profiles {
   std::map<std::vector<double>, std::int32_t> known_;
 };
 
-std::int32_t find_compliant(const Plan& plan, std::ptrdiff_t spring) {
-  const auto found = std::find_if(plan.compliant.begin(), plan.compliant.end(),
-                                  [&](const PlanCompliant& c) { return c.spring == spring; });
-  return found == plan.compliant.end() ? kNone : static_cast<std::int32_t>(found - plan.compliant.begin());
+// Per joint spring, its place in Plan::compliant; kNone if it is integrated explicitly.
+std::vector<std::int32_t> list_compliant(const Model& model, const Plan& plan) {
+  std::vector<std::int32_t> places(model.joint_springs.size(), kNone);
+  for (std::size_t i = 0; i < plan.compliant.size(); ++i)
+    places[at(plan.compliant[i].spring)] = static_cast<std::int32_t>(i);
+  return places;
 }
 
 // Per joint, the axes of the springs in `chosen`.
@@ -277,7 +279,7 @@ void compile_elements(const Model& model, Plan& plan, Coordinates& coordinates) 
     const Vec3 none{0, 0, 0}, point = l.kind == Load::Kind::kTorque ? none : to_vec(l.point),
                               size = to_vec(l.direction);
     plan.loads.push_back(
-        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, false, 0, point,
+        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, false, kNone, point,
          l.kind == Load::Kind::kTorque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
          l.direction.norm(), l.consumption, plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
     if (world || l.consumption != 0) plan.busy_loads.push_back(static_cast<std::int32_t>(plan.loads.size()) - 1);
@@ -286,10 +288,11 @@ void compile_elements(const Model& model, Plan& plan, Coordinates& coordinates) 
   for (const PointSpring& s : model.point_springs)
     plan.point_springs.push_back({s.base, s.follower, next(s.on), s.push_only, to_vec(s.point_base),
                                   to_vec(s.point_follower), s.stiffness, s.damping, s.free_length});
+  const std::vector<std::int32_t> compliant = list_compliant(model, plan);
   const JointSpring* first = model.joint_springs.data();
   for (const JointSpring& s : model.joint_springs)
     plan.joint_springs.push_back({s.joint, s.axis, next(s.on), coordinates.find(s.joint, s.axis), s.effort, s.stiffness,
-                                  s.damping, s.rest, find_compliant(plan, &s - first)});
+                                  s.damping, s.rest, compliant[static_cast<std::size_t>(&s - first)]});
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
   for (const PlaneTorsion& s : model.plane_torsions)
     plan.plane_torsions.push_back(
@@ -375,8 +378,11 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
 
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
   plan.initial_extras.assign(plan.varying.size(), 0.0);
+  std::vector<std::vector<int>> markers(model.bodies.size());
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (model.bodies[b].marker) markers[at(model.bodies[b].marker->body)].push_back(static_cast<int>(b));
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
-    if (model.bodies[at(b)].flexible) compile_flexible(model, b, plan);
+    if (model.bodies[at(b)].flexible) compile_flexible(model, b, markers[at(b)], plan);
   plan.rigid = plan.flexible.empty() && plan.varying.empty();
   place_flexible(plan);
   mark_blocks(model, plan);

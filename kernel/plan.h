@@ -141,8 +141,8 @@ struct PlanProfile {
 struct PlanLoad {
   std::int32_t body, element, profile, channel;
   bool world;            // it keeps its direction in the world, else in the body
-  bool first;            // otherwise: whether it is the first such load on its body,
-  std::int32_t applied;  // and where Workspace::lanes sums them, kOctet apart
+  bool first;            // of the latter: the first on its body
+  std::int32_t applied;  // likewise: where Workspace::lanes sums them, kOctet apart; kNone for one in the world
   Vec3 point;            // of a force in the world, body axes
   Spatial wrench;        // of size 1, in its axes; in the body at the origin, in the world at the point
   double length;         // of the direction
@@ -281,7 +281,7 @@ struct PlanResult {
   std::vector<ModelError> errors;
 };
 
-// Validates and compiles; O(n). Allocates; nothing after it does.
+// Validates and compiles; O(n log n), for sorting. Allocates; nothing after it does.
 PlanResult compile_plan(const Model& model, const PlanOptions& options);
 
 }  // namespace unlatch

@@ -30,9 +30,10 @@ struct BodyState {
 // What a joint remembers.
 struct JointState {
   std::int64_t mode;  // index into the joint's modes
-  double angle[3];    // about the axes of the rotation frame, turns counted, at the start of the step
-  Vec3 offset;        // where the point–plane rows hold, along x, y, z of the joint frame, m
-  Quat locked;        // relative attitude at which three rotation rows hold: rotation frame, follower to base
+  double
+      angle[3];  // about the axes of the rotation frame, turns counted, at the start of the step; 0 if nobody reads it
+  Vec3 offset;   // where the point–plane rows hold, along x, y, z of the joint frame, m
+  Quat locked;   // relative attitude at which three rotation rows hold: rotation frame, follower to base
 };
 
 // An element's switch scale runs linearly from `from` at `start` to `to` at `start + duration` and stays there.

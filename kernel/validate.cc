@@ -7,6 +7,8 @@
 namespace unlatch {
 namespace {
 
+constexpr std::size_t kMostBodies = 2'000'000;  // some 700 numbers each at most, in places of 32 bits
+
 constexpr double kRelative = 1e-9;  // inertias: rounding of what was typed or computed elsewhere
 
 struct Named {
@@ -172,6 +174,9 @@ void validate_attachments(const Model& model, ModelErrors& errors) {
 void validate_bodies(const Model& model, ModelErrors& errors) {
   constexpr double kShortest = 1e-6;  // a quaternion shorter than this has no direction worth trusting
   if (model.bodies.empty()) errors.push_back({"model", "it has no bodies", "give at least one", "bodies"});
+  if (model.bodies.size() > kMostBodies)
+    errors.push_back({"model", "it has " + std::to_string(model.bodies.size()) + " bodies",
+                      "give at most " + std::to_string(kMostBodies) + ": places are numbers of 32 bits", "bodies"});
   for (const Body& body : model.bodies) {
     const std::string where = quoted("body", body.name);
     if (body.law.has_value() + body.flexible.has_value() + body.marker.has_value() > 1)

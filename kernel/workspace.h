@@ -110,7 +110,8 @@ struct CompliantSpring {
 
 struct Workspace {
   Workspace() = default;
-  // `memory`: at least plan.get_workspace_bytes(), aligned to 64. Refers to arrays of the plan.
+  // `memory`: at least plan.get_workspace_bytes(), aligned to 64. Keeps spans of the plan's arrays: the plan, or what
+  // it has been moved to, must outlive it.
   Workspace(const Plan& plan, std::span<std::byte> memory) noexcept;
 
   // the bodies and the joints of the tree, see lanes.h

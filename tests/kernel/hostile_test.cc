@@ -322,6 +322,24 @@ TEST(Hostile, SystemsInOrbitDoNotMindTheCentreOfGravity) {
   }
 }
 
+TEST(Hostile, EmptyLanesKeepAwayFromAnyCentreOfGravity) {
+  constexpr std::uint64_t kFirstSeed = 700, kModels = 20;
+  std::cout << "seeds from " << kFirstSeed << '\n';
+  for (const double x : {-1.0, 0.5, 7e6, 2e16, 1e100})
+    for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kModels; ++seed) {
+      SCOPED_TRACE(std::to_string(seed) + ", centre at " + std::to_string(x));
+      RandomModelOptions options;
+      options.bodies = 2 + static_cast<int>(seed % 20);
+      options.grounded_chance = 0;
+      Model model = build_random_model(seed, options);
+      model.gravity = {};
+      model.gravity.mu = x < 1e10 ? 1.0 : 4e14;
+      model.gravity.centre = {x, 0, 0};
+      for (Body& body : model.bodies) body.p_WB.y() += 1e6;
+      EXPECT_EQ(survive(model, 5).status, StepStatus::kOk);
+    }
+}
+
 // --- All of it ------------------------------------------------------------------------------------------------------
 
 // Random systems with a few of their numbers made absurd: validate() refuses them, or they step or stop.
