@@ -40,7 +40,7 @@ TARGETS = [
     ("textbook", "unlatch_factor_solve", "bintree", 1024, 26),
     ("textbook", "unlatch_factor_solve", "random", 1000, 12),
 ]
-FITTED = (8, 2048)  # n
+FITTED = ((8, 2048), (64, 2048))  # n: from a few bodies on, and from where all lanes are filled
 # shape, n, ns per body at most
 PER_BODY = [("star", 100000, 60), ("bintree", 100000, 160), ("welded_chain", 512, 90)]
 
@@ -60,9 +60,11 @@ def read_times():
     return times
 
 
-def calc_exponent(curve):
-    """Slope of log cost over log n, least squares."""
-    points = [(math.log(n), math.log(t)) for n, t in curve.items() if FITTED[0] <= n <= FITTED[1]]
+def calc_exponent(curve, first, last):
+    """Slope of log cost over log n from `first` to `last`, least squares; None for fewer than three points."""
+    points = [(math.log(n), math.log(t)) for n, t in curve.items() if first <= n <= last]
+    if len(points) < 3:
+        return None
     mean_x = sum(x for x, _ in points) / len(points)
     mean_y = sum(y for _, y in points) / len(points)
     return sum((x - mean_x) * (y - mean_y) for x, y in points) / sum((x - mean_x) ** 2 for x, _ in points)
@@ -113,13 +115,13 @@ def write_ratios(times):
             cells = [times.get((who, shape), {}).get(n) for who in ("unlatch", "unlatch_factor_solve")]
             if None not in cells:
                 out.write(f"| {shape} {n} | " + " | ".join(f"{t / n:.0f}" for t in cells) + f" | {limit} |\n")
-        out.write(f"\n| exponent of cost in n, {FITTED[0]}…{FITTED[1]} | " + " | ".join(SHAPES) + " |\n"
-                  + "|---" * (len(SHAPES) + 1) + "|\n")
-        for who in STYLES:
-            curves = [times.get((who, shape), {}) for shape in SHAPES]
-            cells = [f"{calc_exponent(c):.2f}" if sum(FITTED[0] <= n <= FITTED[1] for n in c) > 2 else "–" for c in curves]
-            if any(cell != "–" for cell in cells):
-                out.write(f"| {who} | " + " | ".join(cells) + " |\n")
+        for first, last in FITTED:
+            out.write(f"\n| exponent of cost in n, {first}…{last} | " + " | ".join(SHAPES) + " |\n"
+                      + "|---" * (len(SHAPES) + 1) + "|\n")
+            for who in STYLES:
+                exponents = [calc_exponent(times.get((who, shape), {}), first, last) for shape in SHAPES]
+                if any(exponents):
+                    out.write(f"| {who} | " + " | ".join(f"{e:.2f}" if e else "–" for e in exponents) + " |\n")
         sizes = (5, 64, 512, 1000, 1024, 4096, 16384, 100000)
         out.write("\n| ns per body | " + " | ".join(map(str, sizes)) + " |\n" + "|---" * (len(sizes) + 1) + "|\n")
         for who in ("unlatch", "unlatch_factor_solve", "textbook"):
