@@ -1,5 +1,5 @@
 // The cyclic executive in real time, without flight software: how late it is woken, how long its steps take, and beside
-// it, on the same CPU, the yardsticks of hil/yardsticks.h and reading
+// it, on the same CPU, the yardsticks of hil/realtime/yardsticks.h and reading
 // 128 KiB, once when others have had the caches, and once
 // again. Prints one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
 #include <CLI/CLI.hpp>
@@ -11,13 +11,13 @@
 #include <thread>
 
 #include "bench/panel_array.h"
-#include "hil/executive.h"
-#include "hil/histogram.h"
-#include "hil/link.h"
-#include "hil/pacer.h"
-#include "hil/real_time.h"
-#include "hil/run.h"
-#include "hil/yardsticks.h"
+#include "hil/executive/executive.h"
+#include "hil/messages/link.h"
+#include "hil/realtime/histogram.h"
+#include "hil/realtime/pacer.h"
+#include "hil/realtime/real_time.h"
+#include "hil/realtime/yardsticks.h"
+#include "hil/run/run.h"
 
 namespace unlatch::bench {
 namespace {

@@ -1,7 +1,7 @@
 // A solar array of many panels, folded like a concertina on a free bus.
 #pragma once
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::bench {
 

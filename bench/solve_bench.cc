@@ -14,7 +14,7 @@
 
 #include "bench/least.h"
 #include "bench/solve_solver.h"
-#include "kernel/plan.h"
+#include "unlatch/plan.h"
 
 namespace unlatch::bench {
 namespace {

@@ -1,7 +1,7 @@
 // The systems on which solvers are compared: n bodies with random masses, joints, attitudes and speeds, under gravity.
 #pragma once
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::bench {
 

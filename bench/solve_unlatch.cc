@@ -1,8 +1,8 @@
 #include <stdexcept>
 
 #include "bench/solve_solver.h"
-#include "kernel/integrator.h"
-#include "kernel/tree_solver.h"
+#include "kernel/solver/tree_solver.h"
+#include "kernel/step/integrator.h"
 #include "tests/support/solve_comparison.h"
 
 namespace unlatch::bench {

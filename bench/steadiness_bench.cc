@@ -10,10 +10,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "hil/pacer.h"
-#include "hil/real_time.h"
-#include "hil/run.h"
-#include "hil/yardsticks.h"
+#include "hil/realtime/pacer.h"
+#include "hil/realtime/real_time.h"
+#include "hil/realtime/yardsticks.h"
+#include "hil/run/run.h"
 
 namespace unlatch::bench {
 namespace {

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hil/messages.h"
+#include "hil/messages/messages.h"
 
 namespace unlatch::bridge {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bridge/port.h"
-#include "hil/line.h"
+#include "hil/messages/line.h"
 
 namespace unlatch::bridge {
 

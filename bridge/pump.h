@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "bridge/port.h"
-#include "hil/link.h"
+#include "hil/messages/link.h"
 
 namespace unlatch::bridge {
 

@@ -1,11 +1,11 @@
 # cmake --install: the kernel as a library that find_package(unlatch) finds, in component `kernel`; and, in a full build,
-# the executables, in component `tools`. Headers keep their spelling: #include "kernel/model.h".
+# the executables, in component `tools`. Headers keep their spelling: #include "unlatch/model.h".
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set_target_properties(unlatch_kernel PROPERTIES EXPORT_NAME kernel)
 install(TARGETS unlatch_kernel EXPORT unlatch COMPONENT kernel
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/unlatch)
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/unlatch ${CMAKE_INSTALL_INCLUDEDIR}/unlatch/kernel/include)
 install(DIRECTORY kernel DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/unlatch COMPONENT kernel FILES_MATCHING PATTERN "*.h")
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/unlatch)

@@ -12,7 +12,7 @@
 #include "bridge/port.h"
 #include "bridge/port_line.h"
 #include "bridge/pump.h"
-#include "hil/link.h"
+#include "hil/messages/link.h"
 
 namespace unlatch::bench {
 namespace {

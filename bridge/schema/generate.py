@@ -31,8 +31,8 @@ def main(arguments):
         print(f"messages.yaml: {error}", file=sys.stderr)
         return 2
     files = {
-        ROOT / "hil/messages.h": emit_cpp.header(definition),
-        ROOT / "hil/messages.cc": emit_cpp.source(definition),
+        ROOT / "hil/messages/messages.h": emit_cpp.header(definition),
+        ROOT / "hil/messages/messages.cc": emit_cpp.source(definition),
         HERE / "unlatch.idl": emit_idl.idl(definition),
         HERE / "dds_layout.h": emit_layout.header(definition),
         HERE / "README.md": emit_docs.readme(definition),

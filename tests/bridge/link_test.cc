@@ -1,4 +1,4 @@
-// The rings of hil/link.h, and the pump that serves them. Meant for ThreadSanitizer as well.
+// The rings of hil/messages/link.h, and the pump that serves them. Meant for ThreadSanitizer as well.
 #include <gtest/gtest.h>
 
 #include <array>

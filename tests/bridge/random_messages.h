@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "hil/messages.h"
+#include "hil/messages/messages.h"
 
 namespace unlatch::test {
 

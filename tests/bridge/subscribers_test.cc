@@ -15,10 +15,10 @@
 
 #include "bridge/port.h"
 #include "bridge/pump.h"
-#include "hil/histogram.h"
-#include "hil/pacer.h"
-#include "hil/real_time.h"
-#include "hil/run.h"
+#include "hil/realtime/histogram.h"
+#include "hil/realtime/pacer.h"
+#include "hil/realtime/real_time.h"
+#include "hil/run/run.h"
 
 namespace unlatch::test {
 namespace {

@@ -95,7 +95,8 @@ TEST_P(Transports, EveryMessageArrivesBitForBit) {
       const Message message = make_random_message(kind, random_);
       ASSERT_TRUE((down ? simulator_ : participant_)->publish(message));
       std::vector<Port*> listeners{observer_.get()};
-      if (!down || receives(Role::kParticipant, kind)) listeners.push_back(down ? participant_.get() : simulator_.get());
+      if (!down || receives(Role::kParticipant, kind))
+        listeners.push_back(down ? participant_.get() : simulator_.get());
       for (Port* port : listeners) {
         ASSERT_TRUE(port->poll(heard, kPatience)) << hil::get_kind_name(kind);
         ASSERT_TRUE(is_same(heard, message)) << hil::get_kind_name(kind) << " in round " << round;
@@ -170,7 +171,8 @@ TEST_P(Transports, CountsOutOfRangeAreMalformed) {
 INSTANTIATE_TEST_SUITE_P(All, Transports, testing::Values("inproc", "dds", "lcm"),
                          [](const auto& test) { return test.param; });
 
-// A property: whatever bits a message has, a gateway from DDS to LCM and another one back to DDS leave them as they are.
+// A property: whatever bits a message has, a gateway from DDS to LCM and another one back to DDS leave them as they
+// are.
 TEST(Gateway, DdsToLcmAndBackIsBitExact) {
   constexpr int kRounds = 100;
   std::cout << "seed " << kSeed << '\n';

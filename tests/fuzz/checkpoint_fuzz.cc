@@ -2,7 +2,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "hil/checkpoint.h"
+#include "hil/run/checkpoint.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/reseal.h"
 

@@ -1,6 +1,6 @@
 // The reader of fault scripts, and the injector that makes happen what they say.
-#include "hil/fault_injector.h"
-#include "hil/fault_script.h"
+#include "hil/faults/fault_injector.h"
+#include "hil/faults/fault_script.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

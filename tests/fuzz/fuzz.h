@@ -11,9 +11,9 @@
 #include <span>
 #include <string>
 
-#include "hil/run.h"
-#include "hil/scenario.h"
-#include "hil/simulation.h"
+#include "hil/run/run.h"
+#include "hil/scenario/scenario.h"
+#include "hil/simulation/simulation.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

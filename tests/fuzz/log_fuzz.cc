@@ -1,5 +1,5 @@
 // The reader of recordings, and what `unlatch replay` does with what it read.
-#include "hil/replay.h"
+#include "hil/run/replay.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/reseal.h"
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/checkpoint.h"
-#include "hil/flexible_body.h"
-#include "hil/modes_file.h"
+#include "hil/flexible/flexible_body.h"
+#include "hil/flexible/modes_file.h"
+#include "hil/run/checkpoint.h"
 #include "tests/bridge/random_messages.h"
 #include "tests/fuzz/fuzz.h"
 

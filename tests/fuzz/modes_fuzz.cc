@@ -1,8 +1,8 @@
 // The reader of modes files, and the flexible bodies that are made of what it read.
 #include <stdexcept>
 
-#include "hil/flexible_body.h"
-#include "hil/modes_file.h"
+#include "hil/flexible/flexible_body.h"
+#include "hil/flexible/modes_file.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

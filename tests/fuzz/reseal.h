@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/log_bytes.h"
-#include "hil/log_file.h"
+#include "hil/messages/bytes.h"
+#include "hil/recording/log_file.h"
 
 namespace unlatch::fuzz {
 

@@ -1,5 +1,5 @@
 // The scenario loader: a text gives a scenario, or a ScenarioError; what loads compiles and steps, or says why not.
-#include "hil/clearance.h"
+#include "hil/analysis/clearance.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

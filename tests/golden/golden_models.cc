@@ -1,9 +1,9 @@
 #include "tests/golden/golden_models.h"
 
-#include "kernel/elementary.h"
 #include "tests/support/random.h"
 #include "tests/support/random_model.h"
 #include "tests/support/small_models.h"
+#include "unlatch/elementary.h"
 
 namespace unlatch::test {
 namespace {

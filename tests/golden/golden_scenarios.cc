@@ -4,7 +4,7 @@
 #include <exception>
 #include <filesystem>
 
-#include "hil/scenario.h"
+#include "hil/scenario/scenario.h"
 #include "tests/golden/golden_run.h"
 
 int main(int argc, char** argv) {

@@ -1,11 +1,11 @@
 // Checkpoints: a run taken up again is the same bits; what is damaged or foreign is refused by name.
-#include "hil/checkpoint.h"
+#include "hil/run/checkpoint.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "hil/replay_reader.h"
+#include "hil/recording/replay_reader.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

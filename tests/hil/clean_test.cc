@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/executive_timing.h"
-#include "hil/pacer.h"
-#include "hil/real_time.h"
+#include "hil/realtime/executive_timing.h"
+#include "hil/realtime/pacer.h"
+#include "hil/realtime/real_time.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"
 

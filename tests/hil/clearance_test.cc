@@ -1,5 +1,5 @@
 // Distances between shapes, against geometry done by hand.
-#include "hil/clearance.h"
+#include "hil/analysis/clearance.h"
 
 #include <gtest/gtest.h>
 

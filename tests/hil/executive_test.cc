@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "hil/pacer.h"
-#include "hil/source_text.h"
+#include "hil/realtime/pacer.h"
+#include "hil/simulation/source_text.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"
 

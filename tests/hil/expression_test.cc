@@ -1,11 +1,11 @@
 // Quantities with units: what is right has the nearest bits, what is wrong says why.
-#include "hil/expression.h"
+#include "hil/language/expression.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kernel/elementary.h"
 #include "tests/hil/scenario_support.h"
+#include "unlatch/elementary.h"
 
 namespace unlatch::test {
 namespace {

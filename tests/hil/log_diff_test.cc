@@ -1,5 +1,5 @@
 // Comparing recordings: the first tick, body and field that differ, by how much, and what the step was told.
-#include "hil/log_diff.h"
+#include "hil/recording/log_diff.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <set>
 
-#include "hil/checkpoint.h"
+#include "hil/run/checkpoint.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {
@@ -277,7 +277,8 @@ TEST(StateFields, DistanceCountsTheNumbersBetween) {
   EXPECT_EQ((hil::FieldDifference{"", "mode", false, 1, 2}.calc_ulps()), std::nullopt);
 }
 
-// A word of the state that has no name here was added to kernel/state.h and not to hil/state_fields.cc.
+// A word of the state that has no name here was added to kernel/include/unlatch/state.h and not to
+// hil/simulation/state_fields.cc.
 TEST(StateFields, EveryWordOfTheStateHasANameOfItsOwn) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
   const auto a = hil::build_simulation(scenario), b = hil::build_simulation(scenario);

@@ -10,8 +10,8 @@
 #include <set>
 #include <thread>
 
-#include "hil/executive_notices.h"
-#include "hil/pacer.h"
+#include "hil/messages/notices.h"
+#include "hil/realtime/pacer.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

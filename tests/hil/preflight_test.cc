@@ -1,5 +1,5 @@
 // Preflight: what is found on a machine that is written down as files, and what that is judged to cost.
-#include "hil/preflight.h"
+#include "hil/realtime/preflight.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/pacer.h"
-#include "hil/real_time.h"
-#include "hil/watchdog.h"
+#include "hil/realtime/pacer.h"
+#include "hil/realtime/real_time.h"
+#include "hil/realtime/watchdog.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

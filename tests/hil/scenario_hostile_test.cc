@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "hil/yaml_document.h"
+#include "hil/language/yaml_document.h"
 #include "tests/hil/scenario_support.h"
 
 namespace unlatch::test {

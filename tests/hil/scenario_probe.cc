@@ -3,8 +3,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "hil/scenario.h"
-#include "kernel/model_hash.h"
+#include "hil/scenario/scenario.h"
+#include "kernel/model/model_hash.h"
 
 namespace {
 

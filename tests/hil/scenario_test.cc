@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "kernel/plan.h"
 #include "tests/hil/scenario_support.h"
+#include "unlatch/plan.h"
 
 namespace unlatch::test {
 namespace {

@@ -15,10 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "hil/executive.h"
-#include "hil/link.h"
-#include "hil/replay.h"
-#include "hil/run.h"
+#include "hil/executive/executive.h"
+#include "hil/messages/link.h"
+#include "hil/run/replay.h"
+#include "hil/run/run.h"
 
 namespace unlatch::test {
 

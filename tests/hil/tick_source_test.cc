@@ -1,12 +1,12 @@
 // What paces the cyclic thread: the clock, and descriptors from outside. No fact is about how late something came.
-#include "hil/tick_source.h"
+#include "hil/realtime/tick_source.h"
 
 #include <gtest/gtest.h>
 #include <sys/eventfd.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include "hil/pacer.h"
+#include "hil/realtime/pacer.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "kernel/step.h"
+#include "unlatch/step.h"
 
 int main() {
   unlatch::Model model;
@@ -31,7 +31,8 @@ int main() {
   struct alignas(64) Line {
     std::byte bytes[64];
   };
-  std::vector<Line> state_memory(plan.get_state_bytes() / 64 + 1), workspace_memory(plan.get_workspace_bytes() / 64 + 1);
+  std::vector<Line> state_memory(plan.get_state_bytes() / 64 + 1),
+      workspace_memory(plan.get_workspace_bytes() / 64 + 1);
   unlatch::State state(plan, std::as_writable_bytes(std::span(state_memory)));
   unlatch::Workspace workspace(plan, std::as_writable_bytes(std::span(workspace_memory)));
   unlatch::init_state(plan, state);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/balance.h"
-#include "kernel/integrator.h"
+#include "kernel/dynamics/balance.h"
+#include "kernel/step/integrator.h"
 #include "tests/support/implicit_springs.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"

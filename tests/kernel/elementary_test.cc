@@ -1,4 +1,4 @@
-#include "kernel/elementary.h"
+#include "unlatch/elementary.h"
 
 #include <gtest/gtest.h>
 #include <mpfr.h>
@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "kernel/lane_kernels.h"
+#include "kernel/dispatch/lane_kernels.h"
 #include "tests/support/random.h"
 
 namespace unlatch::elementary {
@@ -250,7 +250,7 @@ TEST(Elementary, ArctangentIsWithinAnUlpAtEveryMagnitude) {
   expect_within_promise("atan2 at every magnitude", worst);
 }
 
-// Angles of joints are computed several at once, see kernel/lane_angles.h.
+// Angles of joints are computed several at once, see kernel/simd/arctangent_packs.h.
 TEST(Elementary, ArctangentsOfEveryWidthHaveTheSameBits) {
   test::Random random(kSeed);
   std::vector<double> y, x;

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "kernel/kinematics.h"
-#include "kernel/rows.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/dynamics/rows.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 

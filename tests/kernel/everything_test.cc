@@ -11,14 +11,14 @@
 
 #include <Eigen/Dense>
 
-#include "kernel/compliance.h"
-#include "kernel/extras.h"
-#include "kernel/flexible.h"
-#include "kernel/forces.h"
-#include "kernel/loads.h"
-#include "kernel/loops.h"
-#include "kernel/tree_solver.h"
-#include "kernel/varying.h"
+#include "kernel/dynamics/auxiliary.h"
+#include "kernel/dynamics/compliance.h"
+#include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/forces.h"
+#include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/varying.h"
+#include "kernel/solver/loops.h"
+#include "kernel/solver/tree_solver.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"
 #include "tests/support/random_model.h"

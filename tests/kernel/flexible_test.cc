@@ -1,13 +1,13 @@
 // Bodies with modal coordinates against the lumped masses that the modes come from, summed without inertia invariants.
-#include "kernel/flexible.h"
+#include "kernel/dynamics/flexible.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
-#include "kernel/balance.h"
-#include "kernel/integrator.h"
-#include "kernel/rows.h"
+#include "kernel/dynamics/balance.h"
+#include "kernel/dynamics/rows.h"
+#include "kernel/step/integrator.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"
 #include "tests/support/simulation.h"

@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-#include "kernel/balance.h"
-#include "kernel/elementary.h"
-#include "kernel/kinematics.h"
+#include "kernel/dynamics/balance.h"
+#include "kernel/dynamics/kinematics.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
+#include "unlatch/elementary.h"
 
 namespace unlatch::test {
 namespace {

@@ -1,5 +1,5 @@
 // Lanes: whatever the width, the same bits; what lies beside a body does not matter to it.
-#include "kernel/lanes.h"
+#include "kernel/plan/lanes.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <set>
 #include <vector>
 
-#include "kernel/step.h"
 #include "tests/support/random_model.h"
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
+#include "unlatch/step.h"
 
 namespace unlatch::test {
 namespace {

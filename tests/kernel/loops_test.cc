@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/balance.h"
-#include "kernel/integrator.h"
-#include "kernel/kinematics.h"
-#include "kernel/rows.h"
+#include "kernel/dynamics/balance.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/dynamics/rows.h"
+#include "kernel/step/integrator.h"
 #include "tests/support/linkages.h"
 #include "tests/support/random_model.h"
 #include "tests/support/small_models.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernel/rows.h"
+#include "kernel/dynamics/rows.h"
 #include "tests/support/linkages.h"
 #include "tests/support/simulation.h"
 

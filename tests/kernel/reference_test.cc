@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "kernel/kinematics.h"
-#include "kernel/rows.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/dynamics/rows.h"
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 

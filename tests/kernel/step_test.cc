@@ -7,10 +7,10 @@
 #include <limits>
 #include <thread>
 
-#include "kernel/balance.h"
-#include "kernel/kinematics.h"
-#include "kernel/rows.h"
-#include "kernel/stiffness.h"
+#include "kernel/dynamics/balance.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/dynamics/rows.h"
+#include "kernel/step/stiffness.h"
 #include "tests/golden/golden_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/random_model.h"

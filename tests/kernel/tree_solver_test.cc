@@ -1,13 +1,13 @@
 // The tree solver against a dense solve of the same equations that knows nothing of trees.
-#include "kernel/tree_solver.h"
+#include "kernel/solver/tree_solver.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/integrator.h"
-#include "kernel/kinematics.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/step/integrator.h"
 #include "tests/support/random_model.h"
 #include "tests/support/solve_comparison.h"
 

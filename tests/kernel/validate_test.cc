@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 namespace {

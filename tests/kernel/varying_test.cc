@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "kernel/balance.h"
+#include "kernel/dynamics/balance.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 

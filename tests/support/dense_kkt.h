@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 

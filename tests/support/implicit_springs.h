@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "kernel/model.h"
 #include "tests/support/lumped_flexible.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 

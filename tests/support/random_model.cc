@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "kernel/elementary.h"
 #include "tests/support/random.h"
+#include "unlatch/elementary.h"
 
 namespace unlatch::test {
 namespace {

@@ -100,7 +100,8 @@ void add_booster(Model& model, const json& parameters, const json& p, int k) {
   joint.point_base = p["hinge_axial"].get<double>() * ex + p["hinge_radius"].get<double>() * er;
   joint.point_follower = to_vector(p["r_nose"]);
   const Eigen::Vector3d nx = std::cos(beta) * ex + std::sin(beta) * er, nz = -std::sin(beta) * ex + std::cos(beta) * er;
-  joint.axes << nx, nz.cross(nx), nz;  // the reference's n_y points the other way, which changes no row but the sign of y
+  joint.axes << nx, nz.cross(nx),
+      nz;  // the reference's n_y points the other way, which changes no row but the sign of y
   const RowSet slider = row_bit(kY) | row_bit(kZ) | row_bit(kRotX) | row_bit(kRotZ);
   joint.modes = {{"hinge", static_cast<RowSet>(slider | row_bit(kX))}, {"slider", slider}, {"free", 0}};
   model.joints.push_back(joint);

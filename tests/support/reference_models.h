@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "kernel/kinematics.h"
-#include "kernel/lane_state.h"
-#include "kernel/step.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/step/lane_state.h"
+#include "unlatch/step.h"
 
 namespace unlatch::test {
 

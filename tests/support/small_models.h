@@ -1,7 +1,7 @@
 // Models of a few lines each, for tests of single facts.
 #pragma once
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "kernel/model.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "hil/source_text.h"
+#include "hil/simulation/source_text.h"
 #include "tools/watch/screen.h"
 
 namespace unlatch::test {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "hil/clearance.h"
-#include "hil/run_analysis.h"
-#include "hil/scenario.h"
-#include "hil/simulation.h"
+#include "hil/analysis/clearance.h"
+#include "hil/analysis/run_analysis.h"
+#include "hil/scenario/scenario.h"
+#include "hil/simulation/simulation.h"
 
 namespace unlatch::tools {
 

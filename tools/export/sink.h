@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "hil/log_format.h"
+#include "hil/recording/log_format.h"
 #include "tools/export/selection.h"
 
 namespace unlatch::tools {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/messages.h"
+#include "hil/messages/messages.h"
 
 namespace unlatch::fsw {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/shapes.h"
+#include "hil/scenario/shapes.h"
 
 namespace unlatch::tools {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <span>
 
-#include "kernel/loads.h"
+#include "kernel/dynamics/loads.h"
 #include "tools/report/base64.h"
 
 namespace unlatch::tools {

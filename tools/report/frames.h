@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "hil/run_analysis.h"
+#include "hil/analysis/run_analysis.h"
 
 namespace unlatch::tools {
 

@@ -1,6 +1,6 @@
 #include "tools/unlatch/check_json.h"
 
-#include "kernel/stiffness.h"
+#include "kernel/step/stiffness.h"
 #include "tools/unlatch/commands.h"
 
 namespace unlatch::tools {

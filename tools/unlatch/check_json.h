@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hil/scenario.h"
-#include "hil/simulation.h"
+#include "hil/scenario/scenario.h"
+#include "hil/simulation/simulation.h"
 
 namespace unlatch::tools {
 

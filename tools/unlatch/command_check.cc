@@ -1,8 +1,8 @@
 // unlatch check: validates a scenario and prints its plan.
 #include <cmath>
 
-#include "hil/run.h"
-#include "kernel/stiffness.h"
+#include "hil/run/run.h"
+#include "kernel/step/stiffness.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"

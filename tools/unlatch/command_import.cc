@@ -1,7 +1,7 @@
 // unlatch import: another tool's description as a starting point for a scenario.
 #include <filesystem>
 
-#include "hil/run.h"
+#include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/import/guard.h"
 #include "tools/import/imported.h"

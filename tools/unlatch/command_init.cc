@@ -8,7 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "hil/yaml_reader.h"
+#include "hil/language/yaml_reader.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/starters.h"

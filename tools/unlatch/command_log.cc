@@ -2,7 +2,7 @@
 #include <array>
 #include <chrono>
 
-#include "hil/log_file.h"
+#include "hil/recording/log_file.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"

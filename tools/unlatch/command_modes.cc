@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "hil/flexible_body.h"
+#include "hil/flexible/flexible_body.h"
 #include "tools/exit_codes.h"
 #include "tools/modes/mesh_modes.h"
 #include "tools/modes/shell_beams.h"

@@ -1,7 +1,7 @@
 // unlatch preflight: what this machine costs a hard-real-time run, and how to mend it.
 #include <algorithm>
 
-#include "hil/preflight.h"
+#include "hil/realtime/preflight.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/report.h"

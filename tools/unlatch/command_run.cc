@@ -5,8 +5,8 @@
 #include <thread>
 #include <utility>
 
-#include "hil/checkpoint.h"
-#include "hil/run.h"
+#include "hil/run/checkpoint.h"
+#include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
 #include "tools/unlatch/commands.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/scenario.h"
-#include "hil/simulation.h"
+#include "hil/scenario/scenario.h"
+#include "hil/simulation/simulation.h"
 #include "tools/unlatch/verb.h"
 
 namespace unlatch::tools {

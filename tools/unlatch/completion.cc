@@ -1,7 +1,7 @@
 #include "tools/unlatch/completion.h"
 
-#include "hil/scenario.h"
-#include "hil/yaml_document.h"
+#include "hil/language/yaml_document.h"
+#include "hil/scenario/scenario.h"
 #include "tools/unlatch/verb.h"
 
 namespace unlatch::tools {

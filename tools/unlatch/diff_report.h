@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "hil/log_diff.h"
+#include "hil/recording/log_diff.h"
 #include "tools/unlatch/replayed_log.h"
 
 namespace unlatch::tools {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "kernel/plan.h"
+#include "unlatch/plan.h"
 
 namespace unlatch::tools {
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "bridge/port.h"
-#include "hil/log_file.h"
-#include "hil/simulation.h"
+#include "hil/recording/log_file.h"
+#include "hil/simulation/simulation.h"
 #include "tools/exit_codes.h"
 #include "tools/modes/calculix.h"
 #include "tools/unlatch/commands.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/real_time.h"
-#include "hil/tick_source.h"
+#include "hil/realtime/real_time.h"
+#include "hil/realtime/tick_source.h"
 
 namespace unlatch::tools {
 

@@ -1,7 +1,7 @@
 // Says, once and at once, that a recording has stopped, so that nobody flies an hour for nothing.
 #pragma once
 
-#include "hil/recorder.h"
+#include "hil/recording/recorder.h"
 #include "tools/unlatch/terminal.h"
 
 namespace unlatch::tools {

@@ -9,7 +9,7 @@
 
 namespace unlatch::tools {
 
-// A recording, and a simulation at its beginning. Throws as hil/replay.h says.
+// A recording, and a simulation at its beginning. Throws as hil/run/replay.h says.
 struct OpenedLog {
   explicit OpenedLog(const std::string& path);
   hil::RecordingReader recording;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/replay.h"
-#include "hil/run_analysis.h"
+#include "hil/analysis/run_analysis.h"
+#include "hil/run/replay.h"
 
 namespace unlatch::tools {
 

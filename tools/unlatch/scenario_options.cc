@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hil/run.h"
+#include "hil/run/run.h"
 #include "tools/unlatch/commands.h"
 
 namespace unlatch::tools {

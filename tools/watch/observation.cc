@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "hil/executive_notices.h"
-#include "hil/run.h"
+#include "hil/messages/notices.h"
+#include "hil/run/run.h"
 
 namespace unlatch::tools {
 namespace {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <string_view>
 
-#include "hil/messages.h"
-#include "hil/scenario.h"
-#include "hil/source_text.h"
+#include "hil/messages/messages.h"
+#include "hil/scenario/scenario.h"
+#include "hil/simulation/source_text.h"
 #include "tools/watch/view.h"
 
 namespace unlatch::tools {

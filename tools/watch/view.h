@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bridge/port.h"
-#include "hil/clearance.h"
-#include "hil/messages.h"
+#include "hil/analysis/clearance.h"
+#include "hil/messages/messages.h"
 
 namespace unlatch::tools {
 

@@ -1,0 +1,78 @@
+// What engineers read off a run, gathered step by step off the cyclic thread: the event timeline, samples, clearances,
+// tip-off rates, peak reactions, audits. A run in the loop is analysed by replaying it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/analysis/clearance.h"
+#include "hil/scenario/scenario.h"
+#include "hil/simulation/simulation.h"
+
+namespace unlatch::hil {
+
+struct TimelineEntry {
+  double time = 0;  // s
+  std::string name, subject;
+};
+
+// A joint's reaction: multipliers of the rows that hold.
+struct ReactionSample {
+  std::string joint, mode;
+  RowSet rows = 0;
+  std::array<double, kRows> multipliers{};  // N, N m
+};
+
+struct Sample {
+  std::int64_t tick = 0;
+  double time = 0;
+  std::vector<unlatch::BodyState> bodies;
+  std::vector<std::vector<double>> modal;  // per body: its modal coordinates
+  std::vector<ReactionSample> reactions;
+};
+
+// A body let go: its state at the end of the step in which a joint to it became free.
+struct TipOff {
+  double time = 0;
+  std::string body, base, joint;  // base: what it was joined to
+  Vec3 w{};                       // body axes, rad/s
+};
+
+struct PeakReaction {
+  double value = 0, time = 0;  // signed, of the largest size so far; N or N m, s
+};
+
+class RunAnalysis {
+ public:
+  // `samples`: ticks at which to take a sample, in any order.
+  RunAnalysis(const Scenario& scenario, const Simulation& simulation, std::vector<std::int64_t> samples);
+
+  // Looks at the state as it is, and at what its last step reported (a default report for the initial state).
+  void update(const StepReport& report);
+
+  std::vector<TimelineEntry> timeline;
+  std::vector<Sample> samples;
+  std::vector<TipOff> tip_offs;
+  std::vector<EventAudit> audits;
+  std::vector<std::array<PeakReaction, kRows>> peaks;  // per joint
+  const std::vector<Clearance>& clearances() const { return clearance_.get(); }
+  std::int64_t postponed = 0;  // event instants left to a later tick
+
+ private:
+  void add_event(const FiredEvent& fired);
+  void take_sample();
+
+  const Scenario& scenario_;
+  const Simulation& simulation_;
+  std::vector<std::int64_t> sample_ticks_;  // ascending
+  std::size_t next_sample_ = 0;
+  ClearanceMonitor clearance_;
+  std::vector<Pose> poses_;
+};
+
+// The tick nearest to a time.
+std::int64_t calc_nearest_tick(double time, double dt);
+
+}  // namespace unlatch::hil

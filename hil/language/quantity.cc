@@ -1,0 +1,95 @@
+#include "hil/language/quantity.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "hil/language/expression.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr Dimension kLength{{1, 0, 0, 0}}, kMass{{0, 1, 0, 0}}, kTime{{0, 0, 1, 0}}, kAngle{{0, 0, 0, 1}},
+    kForce{{1, 1, -2, 0}}, kRate{{0, 0, -1, 1}};
+
+// The SI unit of each dimension first.
+constexpr Unit kUnits[] = {
+    {"m", 1, 1, kLength},     {"mm", 1, 1e3, kLength},   {"cm", 1, 1e2, kLength}, {"km", 1e3, 1, kLength},
+    {"kg", 1, 1, kMass},      {"g", 1, 1e3, kMass},      {"t", 1e3, 1, kMass},    {"s", 1, 1, kTime},
+    {"ms", 1, 1e3, kTime},    {"us", 1, 1e6, kTime},     {"min", 60, 1, kTime},   {"rad", 1, 1, kAngle},
+    {"mrad", 1, 1e3, kAngle}, {"deg", kPi, 180, kAngle}, {"N", 1, 1, kForce},     {"mN", 1, 1e3, kForce},
+    {"kN", 1e3, 1, kForce},   {"MN", 1e6, 1, kForce},    {"rpm", kPi, 30, kRate},
+};
+
+struct Named {
+  Dimension dimension;
+  const char *name, *si;
+};
+constexpr Named kNamed[] = {
+    {{{1, 0, 0, 0}}, "a length", "m"},
+    {{{0, 1, 0, 0}}, "a mass", "kg"},
+    {{{0, 0, 1, 0}}, "a time", "s"},
+    {{{0, 0, 0, 1}}, "an angle", "rad"},
+    {{{1, 0, -1, 0}}, "a speed", "m/s"},
+    {{{0, 0, -1, 1}}, "an angular rate", "rad/s"},
+    {{{1, 0, -2, 0}}, "an acceleration", "m/s2"},
+    {{{1, 1, -2, 0}}, "a force", "N"},
+    {{{2, 1, -2, 0}}, "a torque", "N m"},
+    {{{0, 1, -2, 0}}, "a stiffness", "N/m"},
+    {{{0, 1, -1, 0}}, "a damping", "N s/m"},
+    {{{2, 1, -2, -1}}, "a torsion stiffness", "N m/rad"},
+    {{{2, 1, -1, -1}}, "a torsion damping", "N m s/rad"},
+    {{{2, 1, 0, 0}}, "a moment of inertia", "kg m2"},
+    {{{3, 0, -2, 0}}, "a gravitational parameter", "m3/s2"},
+    {{{0, 1, -1, 0}}, "a mass flow", "kg/s"},
+};
+
+std::string compose_si(const Dimension& dimension) {
+  static constexpr const char* kBase[] = {"m", "kg", "s", "rad"};
+  std::string text;
+  for (const Dimension::Base base : {Dimension::kMass, Dimension::kLength, Dimension::kTime, Dimension::kAngle}) {
+    const int exponent = dimension.exponents[base];
+    if (exponent == 0) continue;
+    text += (text.empty() ? "" : " ") + std::string(kBase[base]) + (exponent == 1 ? "" : std::to_string(exponent));
+  }
+  return text;
+}
+
+}  // namespace
+
+bool Dimension::takes(const Dimension& other) const {
+  const int angle = exponents[kAngle], given = other.exponents[kAngle];
+  return std::equal(exponents.begin(), exponents.begin() + kAngle, other.exponents.begin()) &&
+         (given == angle || given == 0);
+}
+
+const Unit* find_unit(std::string_view name) {
+  const auto* at = std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& u) { return u.name == name; });
+  return at == std::end(kUnits) ? nullptr : at;
+}
+
+std::string describe_dimension(const Dimension& dimension) {
+  if (dimension.is_plain()) return "a plain number";
+  for (const Named& named : kNamed)
+    if (named.dimension == dimension) return std::string(named.name) + " (" + named.si + ")";
+  return "a quantity in " + compose_si(dimension);
+}
+
+Dimension dimension_of(std::string_view si) {
+  return si.empty() ? Dimension{} : evaluate_expression("1 " + std::string(si), {}).dimension;
+}
+
+// The first factor is varied: kN m, MN m.
+std::vector<std::string> list_units(std::string_view si) {
+  std::vector<std::string> names;
+  const std::size_t length = std::min(si.find_first_of(" /0123456789"), si.size());
+  const Unit* first = find_unit(si.substr(0, length));
+  if (first == nullptr) return names;
+  for (const Unit& unit : kUnits)
+    if (unit.dimension == first->dimension && unit.name != first->name)
+      names.push_back(std::string(unit.name) + std::string(si.substr(length)));
+  if (si == "rad/s") names.emplace_back("rpm");
+  return names;
+}
+
+}  // namespace unlatch::hil

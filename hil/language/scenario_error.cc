@@ -1,0 +1,120 @@
+#include "hil/language/scenario_error.h"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+namespace unlatch::hil {
+namespace {
+
+// Levenshtein distance.
+std::size_t calc_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string join_lines(const std::vector<ScenarioMistake>& mistakes) {
+  std::string text;
+  for (const ScenarioMistake& mistake : mistakes) text += (text.empty() ? "" : "\n") + mistake.to_string();
+  return text;
+}
+
+}  // namespace
+
+std::string ScenarioMistake::to_string() const {
+  std::string text = file;
+  if (!override_text.empty())
+    text += ": --set " + override_text;
+  else if (mark.line > 0)
+    text += ":" + std::to_string(mark.line) + ":" + std::to_string(mark.column);
+  return text + ": " + what + (mend.empty() ? "" : "; " + mend);
+}
+
+ScenarioError::ScenarioError(std::vector<ScenarioMistake> mistakes_in)
+    : std::runtime_error(join_lines(mistakes_in)), mistakes(std::move(mistakes_in)) {}
+
+int Mistakes::add_file(std::string name) {
+  files_.push_back(std::move(name));
+  return static_cast<int>(files_.size()) - 1;
+}
+
+int Mistakes::add_instance(std::string description) {
+  instances_.push_back(std::move(description));
+  return static_cast<int>(instances_.size()) - 1;
+}
+
+std::string Mistakes::describe(const SourceMark& mark, const SourceMark& from) const {
+  const std::string file = mark.file == from.file ? "" : "in " + files_.at(static_cast<std::size_t>(mark.file)) + " ";
+  return file + "on line " + std::to_string(mark.line);
+}
+
+void Mistakes::add(const SourceMark& mark, std::string what, std::string mend) {
+  ScenarioMistake mistake{files_.at(static_cast<std::size_t>(mark.file)), mark, "", std::move(what), std::move(mend)};
+  if (mark.override_index >= 0) mistake.override_text = overrides_.at(static_cast<std::size_t>(mark.override_index));
+  list_.push_back(std::move(mistake));
+}
+
+void Mistakes::throw_if_any() {
+  if (list_.empty()) return;
+  const auto place = [](const ScenarioMistake& m) {
+    return std::make_tuple(m.mark.override_index, m.mark.file, m.mark.line, m.mark.column);
+  };
+  std::stable_sort(list_.begin(), list_.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  fold_instances();
+  throw ScenarioError(list_);
+}
+
+// Of each place in a template the mistakes of the first instance that has some are kept; the others are counted.
+void Mistakes::fold_instances() {
+  std::vector<ScenarioMistake> kept;
+  for (std::size_t i = 0; i < list_.size();) {
+    const SourceMark first = list_[i].mark;
+    std::set<int> others;
+    const std::size_t begin = kept.size();
+    for (; i < list_.size(); ++i) {
+      const SourceMark& mark = list_[i].mark;
+      if (mark.override_index != first.override_index || mark.file != first.file || mark.line != first.line ||
+          mark.column != first.column)
+        break;
+      if (mark.instance == first.instance)
+        kept.push_back(list_[i]);
+      else
+        others.insert(mark.instance);
+    }
+    if (first.instance < 0) continue;
+    std::string where = " (" + instances_.at(static_cast<std::size_t>(first.instance));
+    if (!others.empty()) where += ", and " + std::to_string(others.size()) + " more";
+    for (std::size_t k = begin; k < kept.size(); ++k) kept[k].what += where + ")";
+  }
+  list_ = std::move(kept);
+}
+
+const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit) {
+  if (known.empty() || wrong.size() > 64) return nullptr;
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return calc_distance(wrong, a) < calc_distance(wrong, b);
+  });
+  return calc_distance(wrong, *nearest) <= limit ? &*nearest : nullptr;
+}
+
+std::string suggest(const std::string& wrong, const std::vector<std::string>& known) {
+  constexpr std::size_t kListed = 24;  // names named; the rest is counted
+  if (known.empty()) return "there are none";
+  const std::string* const nearest = find_nearest(wrong, known, std::max<std::size_t>(2, wrong.size() / 3));
+  std::string text = nearest ? "did you mean '" + *nearest + "'? known: " : "known: ";
+  for (std::size_t i = 0; i < std::min(known.size(), kListed); ++i) text += (i > 0 ? ", " : "") + known[i];
+  if (known.size() > kListed) text += " and " + std::to_string(known.size() - kListed) + " more";
+  return text;
+}
+
+}  // namespace unlatch::hil

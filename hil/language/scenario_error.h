@@ -1,0 +1,63 @@
+// Mistakes in a scenario: each with its place, what is wrong and what would be right; all of them in one exception.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/language/expression.h"
+#include "hil/language/yaml_document.h"
+
+namespace unlatch::hil {
+
+struct ScenarioMistake {
+  std::string file;
+  SourceMark mark;                // line and column 0: the file as a whole
+  std::string override_text;      // the override that brought it in, if one did
+  std::string what;               // what is wrong
+  std::string mend;               // what would be right
+  std::string to_string() const;  // "file:line:column: what; mend"
+};
+
+class ScenarioError : public std::runtime_error {
+ public:
+  explicit ScenarioError(std::vector<ScenarioMistake> mistakes_in);  // what(): one line each
+  std::vector<ScenarioMistake> mistakes;
+};
+
+// Collects mistakes while a scenario is read; knows what marks refer to, and the constants that numbers may name.
+class Mistakes {
+ public:
+  Mistakes(std::string file, std::vector<std::string> overrides)
+      : files_{std::move(file)}, overrides_(std::move(overrides)) {}
+  // Numbers for SourceMark::file and SourceMark::instance.
+  int add_file(std::string name);
+  int add_instance(std::string description);
+
+  void add(const SourceMark& mark, std::string what, std::string mend);
+  std::size_t count() const { return list_.size(); }
+  // Sorted by place. What several instances of a template get wrong at one place is told once.
+  void throw_if_any();
+
+  const std::vector<std::string>& files() const { return files_; }
+  std::string describe(const SourceMark& mark, const SourceMark& from) const;  // "on line 3", "in FILE on line 3"
+  const Constants& constants() const { return constants_; }
+  void add_constant(const std::string& name, const Quantity& value) { constants_[name] = value; }
+
+ private:
+  void fold_instances();
+
+  std::vector<std::string> files_, instances_;
+  std::vector<std::string> overrides_;
+  std::vector<ScenarioMistake> list_;
+  Constants constants_;
+};
+
+// The one of `known` that is nearest to `wrong`, by Levenshtein's distance; nullptr if that is more than `limit`.
+const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit);
+
+// "; did you mean 'mass'? known: …", from the names that would have been right.
+std::string suggest(const std::string& wrong, const std::vector<std::string>& known);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,19 @@
+// Overrides, PATH=VALUE, of the command line or a scenario's `set`, put into a YAML tree before it is read, so that
+// they are checked like the file itself. PATH goes down through mappings by `.key` and through lists by `[3]` or `.3`;
+// an entry of a list that has a name is reached by `.name`, or `.name:subject` where several share the name (events).
+// What is missing is inserted.
+#pragma once
+
+#include <string>
+
+#include "hil/language/yaml_document.h"
+
+namespace unlatch::hil {
+
+// Throws YamlError with the override's number as its place.
+void apply_override(const std::string& text, int override_index, YamlNode& root);
+
+// The same of a path and a value that stand in a file. Throws YamlError at `mark`.
+void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root);
+
+}  // namespace unlatch::hil

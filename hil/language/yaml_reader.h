@@ -1,0 +1,60 @@
+// Typed reading of YAML nodes. A value that is missing or wrong is noted in `Mistakes` and replaced by the default, so
+// that one pass finds all mistakes.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/language/scenario_error.h"
+#include "hil/language/yaml_document.h"
+
+namespace unlatch::hil {
+
+// A finite number, or an expression (hil/language/expression.h) that may name the scenario's constants. `unit` is the
+// SI unit of what is read, "" for a plain number: `4.38 t` reads as 4380 where "kg" is expected. A number alone is in
+// that unit. The same of any dimension; nothing, and a mistake, if it is none.
+std::optional<Quantity> read_quantity(const YamlNode& node, Mistakes& mistakes);
+double read_number(const YamlNode& node, const std::string& unit, double fallback, Mistakes& mistakes);
+bool read_bool(const YamlNode& node, bool fallback, Mistakes& mistakes);  // true, false, on, off
+std::string read_text(const YamlNode& node, Mistakes& mistakes);
+std::string read_name(const YamlNode& node, Mistakes& mistakes);
+Eigen::Vector3d read_vector(const YamlNode& node, const std::string& unit, const Eigen::Vector3d& fallback,
+                            Mistakes& mistakes);
+// Exactly `count` items, or any number if it is 0.
+std::vector<double> read_numbers(const YamlNode& node, std::size_t count, const std::string& unit, Mistakes& mistakes);
+// The index of one of `choices`; `kind` says what they are: "body". -1 and a mistake if it is none of them.
+int read_choice(const YamlNode& node, const std::string& kind, const std::vector<std::string>& choices,
+                Mistakes& mistakes);
+
+// Names are letters, digits, `_` and `-`, beginning with a letter, at most 40 characters (messages have room for them).
+bool is_name(const std::string& text);
+
+// One mapping. Keys that are asked for are known; finish() reports the others, duplicates, and mappings that are none.
+class YamlMap {
+ public:
+  YamlMap(const YamlNode& node, std::string what, Mistakes& mistakes);
+
+  const YamlNode* find(const std::string& key);     // null if absent
+  const YamlNode* require(const std::string& key);  // null and a mistake if absent
+  double number(const std::string& key, const std::string& unit, std::optional<double> fallback = {});
+  bool boolean(const std::string& key, bool fallback);
+  Eigen::Vector3d vector(const std::string& key, const std::string& unit,
+                         const std::optional<Eigen::Vector3d>& fallback = {});
+  int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices);  // required
+  int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices, int fallback);
+  // Of these keys, the one that is there; "" and a mistake unless it is exactly one. `need` says what for.
+  std::string only_one_of(const std::vector<std::string>& keys, const std::string& need);
+  void finish();
+
+  const YamlNode& node() const { return node_; }
+
+ private:
+  const YamlNode& node_;
+  std::string what_;
+  Mistakes& mistakes_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,44 @@
+// Reads a recording tick by tick, in bounded memory, and refuses what is none.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/recording/log_format.h"
+
+namespace unlatch::hil {
+
+// The header of a recording, or of a checkpoint: what stands first in the file, on `channel`. Throws LogError: not a
+// log, neither of the two, the other of the two, another version or schema.
+LogHeader read_header(LogFileReader& file, std::string_view channel);
+
+class RecordingReader {
+ public:
+  // Reads the header. Throws LogError, see read_header.
+  explicit RecordingReader(LogFileReader file);
+
+  // The next tick's record; false when there is none. Then `end` holds how the run ended, or `shortfall` says in a
+  // sentence why the recording does not reach its end.
+  [[nodiscard]] bool next(LogTick& tick);
+
+  [[nodiscard]] const std::string& get_name() const { return file_.get_name(); }
+
+  LogHeader header;
+  std::optional<LogEnd> end;
+  std::string shortfall;
+  bool damaged = false;        // the shortfall is damage, not a writer that was killed
+  std::vector<Event> notices;  // what the executive said of participants and policies, up to here
+  bool keeps_states = false;   // whether next() fills
+  std::vector<State> states;   // the State messages recorded for the tick that next() gave, or, at the end, for the end
+
+ private:
+  bool stop(std::string why, bool is_damage);
+  void keep_message();
+
+  LogFileReader file_;
+  LogEvent event_;
+  std::int64_t next_tick_;
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,149 @@
+#include "hil/run/run.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "hil/realtime/executive_timing.h"
+#include "hil/realtime/pacer.h"
+
+namespace unlatch::hil {
+namespace {
+
+// What the recorder is told of a run: a State now and then, events, and the hash of every tick.
+class RunRecord {
+ public:
+  RunRecord(const Simulation& simulation, Recorder* recorder)
+      : simulation_(simulation),
+        recorder_(recorder),
+        dt_ns_(std::llround(simulation.plan().options.dt * 1e9)),
+        events_(build_event_messages(simulation.model())) {}
+
+  void state(RunStatus status) {
+    if (recorder_ == nullptr || (!recorder_->wants_state(simulation_.get_tick()) && status == RunStatus::kRunning))
+      return;
+    State message;
+    message.sequence = sequence_++;
+    message.hash = simulation_.calc_hash();
+    message.status = static_cast<std::int32_t>(status);
+    for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) {
+      simulation_.fill_state(part, dt_ns_, message);
+      recorder_->state(message);
+    }
+  }
+
+  void tick() {
+    if (recorder_ != nullptr) recorder_->tick(simulation_.get_tick(), simulation_.calc_hash());
+  }
+
+  void events(const StepReport& report) {
+    if (recorder_ == nullptr) return;
+    for (const FiredEvent& fired : report.events) {
+      Event message = events_[static_cast<std::size_t>(fired.event)];
+      message.sequence = event_sequence_++;
+      message.tick = simulation_.get_tick() - 1;
+      message.time = fired.time;
+      message.time_ns = std::llround(fired.time * 1e9);
+      recorder_->event(message);
+    }
+  }
+
+ private:
+  const Simulation& simulation_;
+  Recorder* recorder_;
+  const std::int64_t dt_ns_;
+  const std::vector<Event> events_;
+  std::int64_t sequence_ = 0, event_sequence_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Simulation> build_simulation(const Scenario& scenario) {
+  PlanOptions options;
+  options.dt = scenario.dt;
+  try {
+    return std::make_unique<Simulation>(scenario.model, options, scenario.rates);
+  } catch (const SimulationError& error) {
+    std::vector<ScenarioMistake> mistakes;
+    for (const ModelError& mistake : error.errors) {
+      const auto place = scenario.marks.find(mistake.where);
+      const SourceMark mark = place == scenario.marks.end() ? SourceMark{} : place->second;
+      mistakes.push_back({scenario.files.at(static_cast<std::size_t>(mark.file)), mark, "",
+                          mistake.where + ": " + mistake.what, mistake.mend});
+    }
+    throw ScenarioError(std::move(mistakes));
+  }
+}
+
+std::int64_t draw_session() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::int64_t>(1, std::numeric_limits<std::int64_t>::max())(device);
+}
+
+LogHeader build_log_header(const Scenario& scenario, const Simulation& simulation, Pace pace, std::int64_t session,
+                           std::int64_t last_tick) {
+  LogHeader header;
+  header.pace = pace;
+  header.session = session;
+  header.model_hash = simulation.get_model_hash();
+  header.first_tick = simulation.get_tick();
+  header.last_tick = last_tick;
+  header.dt = simulation.plan().options.dt;
+  header.program = "unlatch " UNLATCH_VERSION;
+  header.compiler = get_compiler();
+  header.scenario_name = scenario.name;
+  header.scenario_path = scenario.file;
+  header.scenario_text = scenario.text;
+  header.overrides = scenario.overrides;
+  if (header.first_tick > 0) header.start = simulation.save();
+  return header;
+}
+
+LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
+                const std::atomic<bool>& stop, const std::function<void()>& look) {
+  LogEnd end;
+  Timing timing;
+  RunRecord record(simulation, recorder);
+  analysis.update(StepReport{});
+  record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
+  look();
+  while (simulation.get_tick() < last_tick && end.status == RunStatus::kDone) {
+    if (stop.load(std::memory_order_relaxed)) {
+      end.status = RunStatus::kAborted;
+      end.message = "interrupted";
+      break;
+    }
+    record.tick();
+    const std::int64_t begin_ns = get_monotonic_ns();
+    const StepReport report = simulation.step();
+    timing.step.record(get_monotonic_ns() - begin_ns);
+    if (report.status != StepStatus::kOk) {
+      end.status = RunStatus::kFaulted;
+      end.step_status = static_cast<std::int32_t>(report.status);
+      end.joint = report.joint;
+      break;
+    }
+    analysis.update(report);
+    record.events(report);
+    record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
+    look();
+  }
+  end.tick = simulation.get_tick();
+  end.hash = simulation.calc_hash();
+  end.timing = timing.summarize();
+  if (end.status == RunStatus::kFaulted) {
+    end.message = describe_fault(end, simulation.model(), simulation.plan().options.dt);
+  }
+  return end;
+}
+
+std::string describe_fault(const LogEnd& end, const Model& model, double dt) {
+  std::string text = get_status_text(static_cast<StepStatus>(end.step_status));
+  if (end.joint >= 0 && static_cast<std::size_t>(end.joint) < model.joints.size()) {
+    text += " at joint '" + model.joints[static_cast<std::size_t>(end.joint)].name + "'";
+  }
+  return text + ", tick " + std::to_string(end.tick) + " (t = " + std::to_string(static_cast<double>(end.tick) * dt) +
+         " s)";
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,222 @@
+#include "hil/scenario/scenario.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "hil/language/scenario_parts.h"
+#include "hil/scenario/scenario_reader.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr int kLanguageVersion = 1;
+constexpr double kMaxTicks = 1e12;
+constexpr double kMaxDelay = 1000;  // ticks
+
+}  // namespace
+
+// One byte beyond the bound is enough: the parser refuses it.
+std::string read_text_file(const std::string& path, const std::string& kind) {
+  const auto fail = [&](const std::string& what) -> std::string {
+    throw ScenarioError({{path, {}, "", what, "name a readable " + kind + " file (.yaml)"}});
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return fail("there is no such file");
+  if (status.type() == std::filesystem::file_type::directory) return fail("this is a folder");
+  if (error || status.type() != std::filesystem::file_type::regular) return fail("this is not a regular file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return fail("it cannot be opened");
+  constexpr std::size_t kEnough = (1u << 20) + 1;
+  std::string text(kEnough, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.bad()) return fail("it cannot be read");
+  return text;
+}
+
+const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "abort", "evict"};
+
+namespace {
+
+Scenario load_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
+  Scenario scenario;
+  scenario.file = file;
+  scenario.overrides = overrides;
+  Mistakes mistakes(file, overrides);
+  const YamlNode root = build_tree(sources, file, overrides, mistakes);
+  ScenarioReader(scenario, sources, mistakes).read(root);
+  mistakes.throw_if_any();
+  scenario.text = sources.join();
+  scenario.files = mistakes.files();
+  return scenario;
+}
+
+}  // namespace
+
+Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const std::string text = read_text_file(path, "scenario");
+  return load_sources(ScenarioSources(text, folder.empty() ? "." : folder), path, overrides);
+}
+
+Scenario load_scenario_text(const std::string& text, const std::string& file,
+                            const std::vector<std::string>& overrides) {
+  return load_sources(ScenarioSources(text, ""), file, overrides);
+}
+
+// --- The reader's top level -----------------------------------------------------------------------------------------
+
+void ScenarioReader::read(const YamlNode& root) {
+  YamlMap top(root, "the scenario", mistakes_);
+  if (!root.is_mapping()) return;
+  if (const YamlNode* version = top.require("unlatch"))
+    if (read_number(*version, "", kLanguageVersion, mistakes_) != kLanguageVersion)
+      mistakes_.add(version->mark, "a scenario language of another version", "this program reads `unlatch: 1`");
+  if (const YamlNode* name = top.require("name")) scenario_.name = read_name(*name, mistakes_);
+  if (const YamlNode* title = top.find("title")) scenario_.title = read_text(*title, mistakes_);
+  model_.name = scenario_.name;
+  read_constants(top);
+  read_step(top);
+  read_gravity(top);
+  read_bodies(top);
+  read_channels(top);
+  read_signals(top);
+  read_joints(top);
+  read_elements(top);
+  read_sensors(top);
+  read_events(top);
+  read_clearance(top);
+  read_points(top);
+  read_flight_software(top);
+  read_timing(top);
+  for (const char* worked_out : {"include", "set", "templates", "instances"}) top.find(worked_out);
+  top.finish();
+  report_physics();
+}
+
+// Each may name those before it.
+void ScenarioReader::read_constants(YamlMap& top) {
+  for_each_named(top, "constants", "constant", [&](const std::string& name, const YamlNode& node) {
+    if (name.find('-') != std::string::npos || is_reserved_name(name))
+      return mistakes_.add(node.mark, "'" + name + "' cannot be the name of a constant",
+                           name.find('-') != std::string::npos ? "in an expression - is minus: use _"
+                                                               : "it is a unit, function or constant of the language");
+    if (const auto value = read_quantity(node, mistakes_)) mistakes_.add_constant(name, *value);
+  });
+}
+
+void ScenarioReader::read_step(YamlMap& top) {
+  const YamlNode* node = top.require("step");
+  if (!node) return;
+  const std::size_t before = mistakes_.count();
+  YamlMap map(*node, "step", mistakes_);
+  const double dt = scenario_.dt = map.number("dt", "s");
+  const double until = scenario_.until = map.number("until", "s");
+  map.finish();
+  if (mistakes_.count() != before) return;
+  const auto mark = [&](const char* key) { return node->find(key)->mark; };
+  // Messages carry the step as a whole number of nanoseconds.
+  const double dt_ns = dt * 1e9;
+  if (!(dt >= 1e-6 && dt <= 1.0) || std::abs(dt_ns - std::round(dt_ns)) > 1e-6 * dt_ns)
+    mistakes_.add(mark("dt"), "this step is not usable",
+                  "dt is 1 us to 1 s, in whole nanoseconds; 0.001 is a good start");
+  else if (!(until > 0) || until / dt > kMaxTicks)
+    mistakes_.add(mark("until"), "this end is not usable", "until is beyond 0 and within 1e12 steps");
+}
+
+void ScenarioReader::read_gravity(YamlMap& top) {
+  const YamlNode* node = top.find("gravity");
+  if (!node) return;
+  read_item_at("gravity", *node, [&] {
+    YamlMap map(*node, "gravity", mistakes_);
+    model_.gravity.uniform = map.vector("uniform", "m/s2", Eigen::Vector3d::Zero());
+    model_.gravity.mu = map.number("mu", "m3/s2", 0.0);
+    model_.gravity.centre = map.vector("centre", "m", Eigen::Vector3d::Zero());
+    map.finish();
+  });
+}
+
+void ScenarioReader::read_flight_software(YamlMap& top) {
+  const YamlNode* node = top.find("flight_software");
+  if (!node) return;
+  FlightSoftware& software = scenario_.flight_software;
+  YamlMap map(*node, "flight_software", mistakes_);
+  if (const YamlNode* required = map.find("required")) {
+    if (!required->is_sequence())
+      mistakes_.add(required->mark, "required is not a list", "write the participants' names: [fsw]");
+    for (const YamlNode& item : required->items) {
+      const std::string name = read_name(item, mistakes_);
+      for (const std::string& other : software.required)
+        if (other == name) mistakes_.add(item.mark, "'" + name + "' is required twice", "name each once");
+      software.required.push_back(name);
+    }
+  }
+  software.timeout = map.number("timeout", "s", software.timeout);
+  if (!(software.timeout > 0 && software.timeout <= 3600))
+    mistakes_.add(map.node().find("timeout")->mark, "this time-out is not usable", "more than 0, at most 3600 s");
+  software.pause_limit = map.number("pause_limit", "s", software.pause_limit);
+  if (!(software.pause_limit > 0 && software.pause_limit <= 1e6))
+    mistakes_.add(map.node().find("pause_limit")->mark, "this limit is not usable", "more than 0, at most 1e6 s");
+  software.cutoff = map.number("cutoff", "", software.cutoff);
+  if (!(software.cutoff > 0 && software.cutoff <= 1))
+    mistakes_.add(map.node().find("cutoff")->mark, "this cut-off is not usable",
+                  "a fraction of the tick, more than 0, at most 1");
+  const double delay = map.number("delay", "", software.delay);
+  if (delay >= 0 && delay <= kMaxDelay && delay == std::floor(delay))
+    software.delay = static_cast<int>(delay);
+  else
+    mistakes_.add(map.node().find("delay")->mark, "this delay is not usable", "whole ticks, 0 to 1000");
+  const int policy = map.choice("policy", "policy", kPolicyNames, static_cast<int>(software.policy));
+  if (policy >= 0) software.policy = static_cast<FlightSoftware::Policy>(policy);
+  map.finish();
+}
+
+// What the kernel finds wrong with the physics, at the places where it was written.
+void ScenarioReader::report_physics() {
+  for (const Joint& joint : model_.joints)
+    for (const int body : {joint.base, joint.follower})
+      if (body >= 0 && is_flawed("body '" + bodies_.at(static_cast<std::size_t>(body)) + "'"))
+        flawed_.insert("joint '" + joint.name + "'");
+  for (const ModelError& error : validate(model_)) {
+    if (is_flawed(error.where)) continue;
+    const auto at = nodes_.find(error.where);
+    SourceMark mark;
+    if (at != nodes_.end()) mark = at->second->mark;
+    if (const YamlNode* value = at == nodes_.end() ? nullptr : at->second->find(error.key)) mark = value->mark;
+    mistakes_.add(mark, error.where + ": " + error.what, error.mend);
+  }
+}
+
+void ScenarioReader::for_each_named(YamlMap& top, const std::string& section, const std::string& kind,
+                                    const std::function<void(const std::string&, const YamlNode&)>& read_item) {
+  const YamlNode* node = top.find(section);
+  if (!node) return;
+  YamlMap map(*node, section, mistakes_);
+  for (std::size_t i = 0; i < node->keys.size(); ++i) {
+    const YamlKey& key = node->keys[i];
+    if (node->find(key.text) != &node->items[i]) continue;  // a duplicate: finish() says so
+    map.find(key.text);
+    if (!is_name(key.text) || key.text == "ground")
+      mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a " + kind,
+                    key.text == "ground" ? "ground is the inertial frame"
+                                         : "begin with a letter; letters, digits, _ and -; at most 40 characters");
+    const std::string where = kind + " '" + key.text + "'";
+    read_item_at(where, node->items[i], [&] { read_item(key.text, node->items[i]); });
+    scenario_.marks[where] = key.mark;
+  }
+  map.finish();
+}
+
+void ScenarioReader::read_item_at(const std::string& where, const YamlNode& node,
+                                  const std::function<void()>& read_item) {
+  const std::size_t before = mistakes_.count();
+  nodes_[where] = &node;
+  scenario_.marks[where] = node.mark;
+  read_item();
+  if (mistakes_.count() != before) flawed_.insert(where);
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,71 @@
+// A scenario: the model, how to step it, who must answer, what to watch, read from a YAML file. The language is
+// described in hil/scenarios/README.md.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/language/scenario_error.h"
+#include "hil/scenario/rates.h"
+#include "hil/scenario/shapes.h"
+#include "hil/scenario/timing_options.h"
+#include "unlatch/model.h"
+
+namespace unlatch::hil {
+
+// The flight software that must answer, and what happens when it does not.
+struct FlightSoftware {
+  enum class Policy {
+    kHold,   // channels keep their last values
+    kZero,   // channels go to 0, or to the nearest value of their range
+    kSafe,   // channels go to their safe values
+    kPause,  // the run waits
+    kAbort,  // the run ends
+    kEvict,  // as hold, and the participant may not come back
+  };
+  std::vector<std::string> required;  // names of participants
+  double timeout = 0.25;              // s of wall time without an answer
+  double pause_limit = 600;           // s of wall time that the policy 'pause' waits before it aborts
+  double cutoff = 1;                  // real time: fraction of a tick after which its commands are late
+  int delay = 0;                      // ticks by which the transport delays every command
+  Policy policy = Policy::kHold;
+};
+extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy
+
+// A point of a body whose path is drawn and plotted. It decides nothing.
+struct TracedPoint {
+  std::string name;
+  int body = 0;
+  Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();  // body axes, m
+  int seen_from = kGround;                         // the body in whose axes the path is told; the ground: W
+};
+
+struct Scenario {
+  std::string file;                    // as given to the loader, for messages
+  std::string text;                    // of the file and those that it includes: with `overrides` it makes this again
+  std::vector<std::string> files;      // those, by SourceMark::file
+  std::vector<std::string> overrides;  // PATH=VALUE, in the order in which they were applied
+  std::string name, title;
+  double dt = 0, until = 0;  // s; until is a whole number of steps
+  Model model;
+  FlightSoftware flight_software;
+  Rates rates;
+  TimingOptions timing;
+  std::vector<std::vector<Shape>> shapes;      // of each body
+  std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
+  std::vector<TracedPoint> points;
+  std::map<std::string, SourceMark> marks;  // places of the elements, by ModelError::where: "body 'core'"
+};
+
+// The text of a regular file; `kind` says what it should be, for messages. Throws ScenarioError.
+std::string read_text_file(const std::string& path, const std::string& kind);
+
+// Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file
+// is a ScenarioError as well. A text that includes others holds them too, as Scenario::text does.
+Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
+Scenario load_scenario_text(const std::string& text, const std::string& file,
+                            const std::vector<std::string>& overrides = {});
+
+}  // namespace unlatch::hil

@@ -1,0 +1,123 @@
+// Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
+// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc, scenario_flexible.cc and
+// scenario_shapes.cc.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hil/flexible/flexible_body.h"
+#include "hil/language/yaml_reader.h"
+#include "hil/scenario/scenario.h"
+#include "hil/scenario/scenario_sources.h"
+
+namespace unlatch::hil {
+
+class ScenarioReader {
+ public:
+  // `sources`: of files that the scenario names.
+  ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes)
+      : scenario_(scenario), model_(scenario.model), sources_(sources), mistakes_(mistakes) {}
+  void read(const YamlNode& root);
+
+ private:
+  // Top level.
+  void read_constants(YamlMap& top);
+  void read_step(YamlMap& top);
+  void read_gravity(YamlMap& top);
+  void read_flight_software(YamlMap& top);
+  void read_timing(YamlMap& top);
+  void report_physics();
+
+  // Sections, in the order in which they are read: each may name what was read before.
+  void read_bodies(YamlMap& top);
+  void read_channels(YamlMap& top);
+  void read_signals(YamlMap& top);
+  void read_joints(YamlMap& top);
+  void read_elements(YamlMap& top);
+  void read_sensors(YamlMap& top);
+  void read_events(YamlMap& top);
+  void read_clearance(YamlMap& top);
+  void read_points(YamlMap& top);
+
+  // Bodies.
+  struct Placement {
+    const YamlNode* relative_to = nullptr;
+    int parent = kNone;
+    bool placed = false;
+  };
+  void read_body(const std::string& name, const YamlNode& node);
+  void read_mass(YamlMap& map, Body& body);
+  Eigen::Vector3d read_position(YamlMap& map, const Body& body);
+  MassLaw read_law(const YamlNode& node);
+  void read_flexible(const YamlNode& node, Body& body);
+  void read_marker(const YamlNode& node, Body& body);
+  void place_bodies();
+  void report_circles();
+  Eigen::Quaterniond read_attitude(const YamlNode& node);
+  std::vector<Shape> read_shapes(const YamlNode& node);
+  Shape read_shape(const YamlNode& node);
+
+  // Joints.
+  void read_joint(const std::string& name, const YamlNode& node);
+  void read_modes(const YamlNode& node, Joint& joint);
+  RowSet read_rows(const YamlNode& node);
+  RowSet read_joint_kind(YamlMap& mode, Joint& joint);
+  void read_between(YamlMap& map, int& base, int& follower);
+  Eigen::Matrix3d read_frame(const YamlNode& node);
+
+  // Elements. They are numbered by type, so they are read into their lists first and numbered afterwards.
+  void read_element(const std::string& name, const YamlNode& node);
+  void read_load(YamlMap& map, Load load);
+  void read_point_spring(YamlMap& map, PointSpring spring);
+  void read_joint_spring(YamlMap& map, JointSpring spring);
+  void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
+  Profile read_profile(const YamlNode& node, const std::string& unit);
+
+  // Timing.
+  void read_overruns(const YamlNode& node);
+  void read_watchdog(const YamlNode& node);
+  Rate read_rate(YamlMap& map);
+  void read_rate_groups(const YamlNode& node);
+  void read_group_channels(const YamlNode& node, RateGroup& group);
+  void read_group_sensors(const YamlNode& node, RateGroup& group);
+  void check_channels_belong_to_one_group(const YamlNode& node);
+
+  // Sensors and events.
+  void read_sensor(const std::string& name, const YamlNode& node);
+  void read_event(const YamlNode& node);
+  Condition read_condition(const YamlNode& node);
+  void read_parts(const YamlNode& node, const std::string& kind, Condition& condition);
+  void read_joint_condition(const YamlNode& node, const std::string& kind, Condition& condition);
+  void read_threshold(YamlMap& map, const std::string& unit, Condition& condition);
+  void collect_signals(const YamlNode& events);
+  Action read_action(const YamlNode& node);
+  int read_mode_of(YamlMap& map, const std::string& key, int joint);
+
+  // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and remembers its place.
+  void for_each_named(YamlMap& top, const std::string& section, const std::string& kind,
+                      const std::function<void(const std::string&, const YamlNode&)>& read_item);
+  // Runs `read_item`, remembers where `where` was written, and whether it had mistakes: then what validate() finds
+  // there is a mere consequence.
+  void read_item_at(const std::string& where, const YamlNode& node, const std::function<void()>& read_item);
+  bool is_flawed(const std::string& where) const { return flawed_.count(where) > 0; }
+
+  Scenario& scenario_;
+  Model& model_;
+  ScenarioSources& sources_;
+  Mistakes& mistakes_;
+  std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
+  std::vector<Placement> placements_;
+  std::map<std::string, FlexibleStructure> structures_;  // by flexible body
+  std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where
+  std::set<std::string> flawed_;
+};
+
+std::string get_si(const Channel& channel);    // the unit of its numbers, "" if it is none of SI's
+const std::vector<std::string>& axis_names();  // x y z
+const std::vector<std::string>& row_names();   // x … rot_z
+
+}  // namespace unlatch::hil

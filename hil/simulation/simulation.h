@@ -1,0 +1,103 @@
+// One run of a model: the plan, the memory that the kernel steps in, and the channels' values. The constructor
+// allocates, nothing after it does.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "hil/messages/messages.h"
+#include "hil/realtime/nonblocking.h"
+#include "hil/scenario/rates.h"
+#include "kernel/step/stiffness.h"
+#include "unlatch/model.h"
+#include "unlatch/plan.h"
+#include "unlatch/step.h"
+
+namespace unlatch::hil {
+
+// The model does not compile; what() has one line an error.
+class SimulationError : public std::runtime_error {
+ public:
+  explicit SimulationError(std::vector<ModelError> errors_in);
+  std::vector<ModelError> errors;
+};
+
+class Simulation {
+ public:
+  Simulation(const Model& model, const PlanOptions& options, const Rates& rates = {});  // throws SimulationError
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  // One tick with the channels' present values, those that are latched now (hil/scenario/rates.h). On any status but
+  // kOk nothing has changed but what is latched.
+  StepReport step() noexcept UNLATCH_NONBLOCKING;
+
+  // The same step, thrown away: what remains is in the processor's caches.
+  void rehearse() noexcept UNLATCH_NONBLOCKING;
+
+  // All that decides how the run goes on, as 8-byte words: the state block; the channels' values, commanded and held;
+  // the sensor values held.
+  [[nodiscard]] std::vector<std::uint64_t> save() const;
+  // Goes back, or on, to what save() gave. False, and nothing changed, if it is not of this plan.
+  [[nodiscard]] bool restore(std::span<const std::uint64_t> saved);
+
+  // The commanded value of each channel, what the next step will read unless it holds.
+  std::span<double> channels() noexcept { return channels_; }
+  std::span<const double> channels() const noexcept { return channels_; }
+
+  // The value of each channel that the last step read, and the next reads unless it latches another.
+  std::span<const double> get_inputs() const noexcept { return held_.get_channels(); }
+
+  // h·ω and so on of the springs at the present state; overwrites the workspace.
+  std::vector<ElementFrequency> calc_frequencies() { return unlatch::calc_frequencies(plan_, state_, workspace_); }
+
+  // Of everything that decides a state, but the inputs (hil/scenario/rates.h).
+  std::int64_t get_model_hash() const noexcept { return model_hash_; }
+  const Model& model() const noexcept { return model_; }
+  const Plan& plan() const noexcept { return plan_; }
+  const unlatch::State& state() const noexcept { return state_; }
+  const Workspace& workspace() const noexcept { return workspace_; }
+
+  std::int64_t get_tick() const noexcept { return state_.header->tick; }
+  double get_time() const noexcept { return static_cast<double>(get_tick()) * plan_.options.dt; }  // s
+  std::int64_t calc_hash() const noexcept { return static_cast<std::int64_t>(unlatch::calc_hash(state_)); }
+
+  // The State of this tick is to be sent.
+  bool is_state_due() const noexcept { return held_.is_state_due(get_tick()); }
+  // State messages that one tick takes.
+  std::int32_t get_part_count() const noexcept;
+  // Writes bodies, sensors (held ones as last sampled) and joint modes of one part, and its counts; session, sequence,
+  // status and hash are the caller's.
+  void fill_state(std::int32_t part, std::int64_t dt_ns, State& message) const noexcept;
+
+ private:
+  struct Free {
+    void operator()(std::byte* memory) const noexcept;
+  };
+  using Memory = std::unique_ptr<std::byte, Free>;
+  static Memory allocate(std::size_t bytes);
+  std::span<const double> begin();  // the initial state; gives its sensor values
+  [[nodiscard]] bool is_possible(const unlatch::State& state) const noexcept;
+  [[nodiscard]] bool take(std::span<const std::uint64_t> saved);
+
+  Model model_;
+  Plan plan_;
+  Memory state_memory_, workspace_memory_, rehearsal_memory_;
+  unlatch::State state_, rehearsal_;
+  Workspace workspace_;
+  std::vector<double> channels_;
+  SampleAndHold held_;  // after all these: it begins with the channels and sensors of the initial state
+  const std::int64_t model_hash_;
+};
+
+// One message per body, joint, channel, sensor value and signal; session is left 0.
+std::vector<Catalog> build_catalog(const Model& model);
+// For each event of the model the message that tells of it, with its name and subject alone.
+std::vector<Event> build_event_messages(const Model& model);
+
+}  // namespace unlatch::hil

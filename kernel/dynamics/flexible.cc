@@ -1,0 +1,317 @@
+#include "kernel/dynamics/flexible.h"
+
+#include "kernel/dynamics/auxiliary.h"
+#include "kernel/dynamics/forces.h"
+#include "kernel/plan/lane_access.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Vec3 read(const double* from) { return {from[0], from[1], from[2]}; }
+void write(double* to, const Vec3& a) {
+  to[0] = a.x;
+  to[1] = a.y;
+  to[2] = a.z;
+}
+
+// Σ_k a_k x_k of m vectors.
+Vec3 combine(const double* vectors, const double* sizes, int m) {
+  Vec3 sum{0, 0, 0};
+  for (int k = 0; k < m; ++k) sum += sizes[k] * read(vectors + 3 * k);
+  return sum;
+}
+
+// A 3×3 matrix by rows, as the invariants are kept.
+struct Dense3 {
+  double n[9];
+};
+void add(Dense3& to, double size, const double* matrix) {
+  for (int i = 0; i < 9; ++i) to.n[i] += size * matrix[i];
+}
+double trace(const Dense3& a) { return a.n[0] + a.n[4] + a.n[8]; }
+Vec3 times(const Dense3& a, const Vec3& x) {
+  return {(a.n[0] * x.x + a.n[1] * x.y) + a.n[2] * x.z, (a.n[3] * x.x + a.n[4] * x.y) + a.n[5] * x.z,
+          (a.n[6] * x.x + a.n[7] * x.y) + a.n[8] * x.z};
+}
+Vec3 transpose_times(const Dense3& a, const Vec3& x) {
+  return {(a.n[0] * x.x + a.n[3] * x.y) + a.n[6] * x.z, (a.n[1] * x.x + a.n[4] * x.y) + a.n[7] * x.z,
+          (a.n[2] * x.x + a.n[5] * x.y) + a.n[8] * x.z};
+}
+// Σ m a × b of Σ m a bᵀ.
+Vec3 cross_of(const Dense3& a) { return {a.n[5] - a.n[7], a.n[6] - a.n[2], a.n[1] - a.n[3]}; }
+
+struct Coordinates {
+  const double *eta, *rate;
+};
+Coordinates get_coordinates(const PlanFlexible& body, const Workspace& ws) {
+  const double* eta = ws.extras.now.data() + body.extras;
+  return {eta, eta + body.modes};
+}
+
+// Σ m u Φ_kᵀ
+Dense3 calc_moment(const ModalShape& s, const double* eta, int k) {
+  Dense3 out{};
+  add(out, 1, s.first + 9 * k);
+  for (int l = 0; l < s.modes; ++l) add(out, eta[l], s.second + 9 * (l * s.modes + k));
+  return out;
+}
+
+// Σ m u uᵀ = P0 + Σ η_k (G_kᵀ + Σ m u Φ_kᵀ), since Σ m Φ_k uᵀ = G_kᵀ + Σ η_l H_kl.
+Sym3 calc_inertia(const PlanFlexible& body, const ModalShape& s, const double* eta) {
+  const Sym3& J0 = body.inertia;
+  const double half = 0.5 * (J0.xx + J0.yy + J0.zz);
+  Dense3 P{{half - J0.xx, -J0.xy, -J0.xz, -J0.xy, half - J0.yy, -J0.yz, -J0.xz, -J0.yz, half - J0.zz}};
+  for (int k = 0; k < s.modes; ++k) {
+    const Dense3 moment = calc_moment(s, eta, k);
+    const double* G = s.first + 9 * k;
+    const double transposed[9] = {G[0], G[3], G[6], G[1], G[4], G[7], G[2], G[5], G[8]};
+    add(P, eta[k], moment.n);
+    add(P, eta[k], transposed);
+  }
+  const double t = trace(P);
+  return {t - P.n[0], t - P.n[4], t - P.n[8], -P.n[1], -P.n[2], -P.n[5]};
+}
+
+// The marker's turn in its body as a Rodrigues vector g, and how it changes.
+struct Turn {
+  Vec3 g, g_rate, w;  // w: of the marker relative to the body, body axes
+  double scale;       // 1 / (1 + g²)
+};
+Turn calc_turn(const double* psi, const double* eta, const double* rate, int m) {
+  Turn t;
+  t.g = 0.5 * combine(psi, eta, m);
+  t.g_rate = 0.5 * combine(psi, rate, m);
+  t.scale = 1 / (1 + dot(t.g, t.g));
+  t.w = (2 * t.scale) * (t.g_rate + cross(t.g, t.g_rate));
+  return t;
+}
+
+// What a mode whose stiffness is integrated implicitly has beyond its force, see compliance.h.
+double calc_modal_lead(const PlanFlexible& body, const ModalShape& s, const Workspace& ws, int k) {
+  const double lead = ws.implicit.lead, rate = ws.extras.now[at(body.extras + body.modes + k)];
+  if (ws.implicit.stage == ImplicitStage::kOff) return 0;
+  if (ws.implicit.stage == ImplicitStage::kFirst) return -lead * s.stiffness[k] * rate;
+  const double first_rate = 2 * ws.extras.sum[at(body.extras + k)];
+  const double first_acceleration = 2 * ws.extras.sum[at(body.extras + body.modes + k)];
+  const double pivot = lead * (lead * s.stiffness[k] + s.damping[k]);
+  return 2 * pivot * first_acceleration - lead * s.stiffness[k] * (rate - 2 * first_rate);
+}
+
+BodyState read_body(const Workspace& ws, int body) {
+  const LaneSlot slot = ws.slots[at(body)];
+  const double* lanes = ws.lanes.data();
+  return {read_vec(lanes, slot, kPose), read_quat(lanes, slot, kPose + 3), read_vec(lanes, slot, kVelocity),
+          read_vec(lanes, slot, kVelocity + 3)};
+}
+
+void write_body(Workspace& ws, int body, const BodyState& s) {
+  const LaneSlot slot = ws.slots[at(body)];
+  double* lanes = ws.lanes.data();
+  write_vec(lanes, slot, kPose, s.p);
+  write_quat(lanes, slot, kPose + 3, s.q);
+  write_vec(lanes, slot, kVelocity, s.v);
+  write_vec(lanes, slot, kVelocity + 3, s.w);
+}
+
+}  // namespace
+
+ModalShape get_shape(const Plan& plan, const PlanFlexible& body) noexcept {
+  const double* n = plan.modal.data() + body.numbers;
+  const int m = body.modes;
+  return {m, n, n + 3 * m, n + 12 * m, n + 12 * m + 9 * m * m, n + 13 * m + 9 * m * m};
+}
+
+ModalWork get_work(const Plan&, const PlanFlexible& body, Workspace& ws) noexcept {
+  double* n = ws.modal.data() + body.work;
+  const int m = body.modes;
+  const auto take = [&n](int count) {
+    double* first = n;
+    n += count;
+    return first;
+  };
+  ModalWork w;
+  w.force = take(m);
+  w.given = take(m);
+  w.acceleration = take(m);
+  w.A = take(36);
+  w.B = take(6 * m);
+  w.E = take(m * m);
+  w.C = take(6 * m);
+  w.W = take(6 * m);
+  w.D = take(6 * m);
+  w.free = take(m);
+  w.root = take(42);
+  return w;
+}
+
+MarkerWork get_marker(const Plan&, const PlanFlexible& body, int marker, Workspace& ws) noexcept {
+  const int m = body.modes;
+  double* n = ws.modal.data() + body.work + get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
+  return {n, n + 6 * m, n + 6 * m + 3};
+}
+
+// x = p + R u, q ⊗ (1, g); in the marker's axes its angular velocity is R_relᵀ (w + w_rel).
+BodyState calc_marker_state(const Plan& plan, const PlanMarker& marker, const BodyState& body,
+                            const double* coordinates, const double* rates) noexcept {
+  const int m = plan.flexible[at(marker.flexible)].modes;
+  const double* phi = plan.modal.data() + marker.numbers;
+  const Turn t = calc_turn(phi + 3 * m, coordinates, rates, m);
+  const Vec3 u = marker.position + combine(phi, coordinates, m);
+  const Mat3 R = rotation_matrix(body.q);
+  const Quat turn{1, t.g.x, t.g.y, t.g.z};
+  return {body.p + R * u, normalized(body.q * turn), body.v + R * (cross(body.w, u) + combine(phi, rates, m)),
+          transpose_times(rotation_matrix(turn), body.w + t.w)};
+}
+
+void update_markers(const Plan& plan, Workspace& ws) noexcept {
+  for (const PlanFlexible& body : plan.flexible) {
+    const BodyState frame = read_body(ws, body.body);
+    const Mat3 R = rotation_matrix(frame.q);
+    const Coordinates c = get_coordinates(body, ws);
+    for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
+      const PlanMarker& marker = plan.markers[at(i)];
+      write_body(ws, marker.body, calc_marker_state(plan, marker, frame, c.eta, c.rate));
+      const MarkerWork work = get_marker(plan, body, i, ws);
+      const double *phi = plan.modal.data() + marker.numbers, *psi = phi + 3 * body.modes;
+      const Turn t = calc_turn(psi, c.eta, c.rate, body.modes);
+      write(work.arm, R * (marker.position + combine(phi, c.eta, body.modes)));
+      for (int k = 0; k < body.modes; ++k) {
+        const Vec3 axis = read(psi + 3 * k);
+        write(work.columns + 6 * k, R * read(phi + 3 * k));
+        write(work.columns + 6 * k + 3, R * (t.scale * (axis + cross(t.g, axis))));
+      }
+    }
+  }
+}
+
+void update_flexible_kinematics(const Plan& plan, Workspace& ws) noexcept {
+  double* lanes = ws.lanes.data();
+  for (const PlanFlexible& body : plan.flexible) {
+    const LaneSlot slot = ws.slots[at(body.body)];
+    const Sym3 J = rotate(read_mat(lanes, slot, kRotation),
+                          calc_inertia(body, get_shape(plan, body), get_coordinates(body, ws).eta));
+    write_vec(lanes, slot, kInertia, {J.xx, J.yy, J.zz});
+    write_vec(lanes, slot, kInertia + 3, {J.xy, J.xz, J.yz});
+  }
+}
+
+// a = a_body + α × r + Σ Φ η'' + w × (w × r) + 2 w × Φ η';   α_marker = α + Σ Ψ' η'' + w × w_rel − 2 (g·g') / (1 + g²)
+// w_rel
+void update_marker_biases(const Plan& plan, BiasKind kind, Workspace& ws) noexcept {
+  for (const PlanFlexible& body : plan.flexible) {
+    const LaneSlot slot = ws.slots[at(body.body)];
+    const Mat3 R = read_mat(ws.lanes.data(), slot, kRotation);
+    const Vec3 w = read_vec(ws.lanes.data(), slot, kOmega);
+    const Coordinates c = get_coordinates(body, ws);
+    for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
+      const MarkerWork work = get_marker(plan, body, i, ws);
+      Spatial bias{{0, 0, 0}, {0, 0, 0}};
+      if (kind == BiasKind::kAcceleration) {
+        const double *phi = plan.modal.data() + plan.markers[at(i)].numbers, *psi = phi + 3 * body.modes;
+        const Turn t = calc_turn(psi, c.eta, c.rate, body.modes);
+        const Vec3 w_rel = R * t.w;
+        bias.lin = cross(w, cross(w, read(work.arm))) + 2.0 * cross(w, R * combine(phi, c.rate, body.modes));
+        bias.ang = cross(w, w_rel) - (2 * t.scale * dot(t.g, t.g_rate)) * w_rel;
+      }
+      write(work.bias, bias.lin);
+      write(work.bias + 3, bias.ang);
+    }
+  }
+}
+
+// In body axes, with s = S η:
+//   force   m g − 2 w × s' − w × (w × s)
+//   torque  s × g − 2 (tr Q w − Qᵀ w),  Q = Σ m u u'ᵀ
+//   mode k  S_k·g − 2 w·Σ η'_l Σ m Φ_l × Φ_k − wᵀ P_k w + w² tr P_k − ω² η − 2 ζ ω η',  P_k = Σ m u Φ_kᵀ
+void add_flexible_forces(const Plan& plan, Workspace& ws) noexcept {
+  double* lanes = ws.lanes.data();
+  for (const PlanFlexible& body : plan.flexible) {
+    const LaneSlot slot = ws.slots[at(body.body)];
+    const ModalShape s = get_shape(plan, body);
+    const ModalWork work = get_work(plan, body, ws);
+    const Coordinates c = get_coordinates(body, ws);
+    const int m = body.modes;
+    const Mat3 R = read_mat(lanes, slot, kRotation);
+    const Vec3 w = read_vec(lanes, slot, kVelocity + 3);
+    const Vec3 g = transpose_times(R, calc_gravity(plan, read_vec(lanes, slot, kPose)));
+    const Vec3 moment = combine(s.momentum, c.eta, m), flow = combine(s.momentum, c.rate, m);
+    Dense3 Q{};
+    for (int k = 0; k < m; ++k) {
+      const Dense3 P = calc_moment(s, c.eta, k);
+      add(Q, c.rate[k], P.n);
+      Dense3 turning{};
+      for (int l = 0; l < m; ++l) add(turning, c.rate[l], s.second + 9 * (l * m + k));
+      work.force[k] = ((dot(read(s.momentum + 3 * k), g) - 2 * dot(w, cross_of(turning))) -
+                       (dot(w, times(P, w)) - dot(w, w) * trace(P))) -
+                      (s.stiffness[k] * c.eta[k] + s.damping[k] * c.rate[k]);
+      if (body.implicit) work.force[k] += calc_modal_lead(body, s, ws, k);
+    }
+    const Vec3 force = (body.mass * g - 2.0 * cross(w, flow)) - cross(w, cross(w, moment));
+    const Vec3 torque = cross(moment, g) - 2.0 * (trace(Q) * w - transpose_times(Q, w));
+    add_vec(lanes, slot, kForce, R * force);
+    add_vec(lanes, slot, kForce + 3, R * torque);
+  }
+}
+
+void update_modal_rates(const Plan& plan, Workspace& ws) noexcept {
+  for (const PlanFlexible& body : plan.flexible) {
+    const ModalWork work = get_work(plan, body, ws);
+    for (int k = 0; k < body.modes; ++k) {
+      ws.extras.rate[at(body.extras + k)] = ws.extras.now[at(body.extras + body.modes + k)];
+      ws.extras.rate[at(body.extras + body.modes + k)] = work.acceleration[k];
+    }
+  }
+}
+
+// Called when the first stage is over, or the second.
+void lead_modal_rates(const Plan& plan, Workspace& ws) noexcept {
+  for (const PlanFlexible& body : plan.flexible)
+    for (int k = 0; k < body.modes; ++k) {
+      const std::size_t x = at(body.extras + k), v = at(body.extras + body.modes + k);
+      const double before =
+          ws.implicit.stage == ImplicitStage::kSecond ? 4 * ws.extras.sum[v] : 0;  // the sum holds half of a1
+      ws.extras.rate[x] += ws.implicit.lead * (ws.extras.rate[v] - before);
+    }
+}
+
+void add_modal_displacements(const Plan& plan, Workspace& ws) noexcept {
+  for (const PlanFlexible& body : plan.flexible)
+    for (int k = 0; k < body.modes; ++k) ws.extras.now[at(body.extras + k)] += get_work(plan, body, ws).acceleration[k];
+}
+
+void add_modal_velocities(const Plan& plan, Workspace& ws) noexcept {
+  for (const PlanFlexible& body : plan.flexible)
+    for (int k = 0; k < body.modes; ++k)
+      ws.extras.now[at(body.extras + body.modes + k)] += get_work(plan, body, ws).acceleration[k];
+}
+
+Balance calc_flexible_balance(const Plan& plan, const PlanFlexible& body, const BodyState& state,
+                              const double* coordinates) noexcept {
+  const ModalShape s = get_shape(plan, body);
+  const int m = body.modes;
+  const double *eta = coordinates, *rate = coordinates + m;
+  const Mat3 R = rotation_matrix(state.q);
+  const Vec3 moment = combine(s.momentum, eta, m);
+  const Vec3 flow = cross(state.w, moment) + combine(s.momentum, rate, m);
+  Dense3 Q{};
+  double modal = 0;
+  for (int k = 0; k < m; ++k) {
+    add(Q, rate[k], calc_moment(s, eta, k).n);
+    for (int l = 0; l < m; ++l) {
+      const double* H = s.second + 9 * (k * m + l);
+      modal += rate[k] * rate[l] * (H[0] + H[4] + H[8]);
+    }
+  }
+  const Vec3 spin = calc_inertia(body, s, eta) * state.w, turning = cross_of(Q), flow_W = R * flow;
+  Balance out;
+  out.momentum = body.mass * state.v + flow_W;
+  out.angular_momentum = (cross(state.p, out.momentum) + cross(R * moment, state.v)) + R * (spin + turning);
+  out.kinetic = ((0.5 * body.mass * dot(state.v, state.v) + dot(state.v, flow_W)) +
+                 (0.5 * dot(state.w, spin) + dot(state.w, turning))) +
+                0.5 * modal;
+  return out;
+}
+
+}  // namespace unlatch

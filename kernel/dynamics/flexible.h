@@ -1,0 +1,89 @@
+// Flexible bodies: a floating frame with modal coordinates, (3.5)–(3.8) of the paper. A particle at r from the frame's
+// origin, the undeformed centre of mass, is at x = p + R u, u = r + Σ Φ_k η_k; its speed and the mass matrix of
+// (v, w, dη/dt) need only the inertia invariants
+//
+//   S_k = Σ m Φ_k    G_k = Σ m r Φ_kᵀ    H_kl = Σ m Φ_k Φ_lᵀ    (sums over the particles; H_kk has trace 1)
+//
+// Joints, loads and sensors are at markers, frames without mass that the body carries: at r + Φ η, turned by the
+// Rodrigues vector Ψ η / 2. To the rest of the kernel a marker is a body.
+//
+// In the tree a flexible body is a node between its markers. It takes in the blocks of the markers beyond it, and
+// passes on, at the marker that it is held by, what is left when its modal coordinates are eliminated: a block of 6 + m
+// becomes one of 6, see flexible_solver.cc. Plain doubles, not lanes; models without flexible bodies do nothing here.
+#pragma once
+
+#include "kernel/dispatch/lane_kernels.h"
+#include "kernel/dynamics/balance.h"
+#include "kernel/plan/workspace.h"
+#include "unlatch/plan.h"
+
+namespace unlatch {
+
+// What a flexible body has in Plan::modal and Workspace::modal, m modes. Three numbers per mode and vector: k, then
+// xyz.
+struct ModalShape {
+  int modes;
+  const double *momentum, *first, *second;  // S (3 m), G (9 m, by rows), H (9 m², by rows; kl)
+  const double *stiffness, *damping;        // ω², 1/s²; 2 ζ ω, 1/s
+};
+ModalShape get_shape(const Plan& plan, const PlanFlexible& body) noexcept;
+inline int get_shape_size(int m) { return 3 * m + 9 * m + 9 * m * m + 2 * m; }
+
+// Of one flexible body at one stage.
+struct ModalWork {
+  // computed by add_flexible_forces(), then by the solver
+  double* force;         // m, on the modal coordinates
+  double* given;         // m: the load of a sweep with Source::kGiven
+  double* acceleration;  // m: second derivatives of the modal coordinates, or their corrections
+  double* A;             // 36: block of the body and all beyond it
+  double* B;             // 6 m: its coupling with the modal coordinates, six per mode
+  double* E;             // m²: of the modal coordinates, then its factor
+  double* C;             // 6 m: B at the marker that holds the body
+  double* W;             // 6 m: E⁻¹ Cᵀ, six per mode
+  double* D;             // 6 m: how the modal coordinates move the frame when the marker stays
+  double* free;          // m: E⁻¹ times the load of the modal coordinates
+  double* root;          // 42: factor of the 6 × 6 that is left, and its load, where nothing holds the body
+};
+ModalWork get_work(const Plan& plan, const PlanFlexible& body, Workspace& ws) noexcept;
+inline int get_work_size(int m) { return 4 * m + 36 + 24 * m + m * m + 42; }
+
+// Of one marker at one stage, world axes. Computed by update_markers() and update_marker_biases().
+struct MarkerWork {
+  double* columns;  // 6 m: velocity and angular velocity of the marker per modal rate
+  double* arm;      // 3: from the body's origin
+  double* bias;     // 6: what its acceleration is beyond that
+};
+MarkerWork get_marker(const Plan& plan, const PlanFlexible& body, int marker, Workspace& ws) noexcept;
+inline int get_marker_size(int m) { return 6 * m + 9; }
+
+// Poses and velocities of all markers, from their bodies and ws.extras.
+void update_markers(const Plan& plan, Workspace& ws) noexcept;
+// One marker's, given its body's and the modal coordinates with their rates.
+BodyState calc_marker_state(const Plan& plan, const PlanMarker& marker, const BodyState& body,
+                            const double* coordinates, const double* rates) noexcept;
+
+// Inertias in world axes, after the kernels' update_kinematics.
+void update_flexible_kinematics(const Plan& plan, Workspace& ws) noexcept;
+// For accelerations; zero for corrections.
+void update_marker_biases(const Plan& plan, BiasKind kind, Workspace& ws) noexcept;
+// Weight, centrifugal and Coriolis forces, stiffness and damping; the gyroscopic torque of the frame is there.
+void add_flexible_forces(const Plan& plan, Workspace& ws) noexcept;
+// Takes the modal accelerations of the latest solution for rates of ws.extras.
+void update_modal_rates(const Plan& plan, Workspace& ws) noexcept;
+// With implicit elements: x' = v + e a of the first stage, x' = v + e (a − 2 a1) of the second, see compliance.h.
+void lead_modal_rates(const Plan& plan, Workspace& ws) noexcept;
+// Takes the latest solution as a displacement of the modal coordinates, or as a change of their rates.
+void add_modal_displacements(const Plan& plan, Workspace& ws) noexcept;
+void add_modal_velocities(const Plan& plan, Workspace& ws) noexcept;
+
+// Momenta and kinetic energy of one flexible body; `coordinates`: its modal coordinates, then their rates.
+Balance calc_flexible_balance(const Plan& plan, const PlanFlexible& body, const BodyState& state,
+                              const double* coordinates) noexcept;
+
+// The solver's part of the sweeps, for a group of flexible bodies; nothing for one of markers, whose bodies do it.
+// Returns kNone, or the node whose pivot vanished.
+int eliminate_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
+                      bool factor) noexcept;
+void substitute_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group) noexcept;
+
+}  // namespace unlatch

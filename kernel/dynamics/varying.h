@@ -1,0 +1,30 @@
+// Bodies whose mass, centre of mass and inertia follow a law in time or in what they have burnt. Their origin is fixed
+// in the structure; with the centre of mass at c from it and J about the centre of mass, world axes,
+//
+//   force                    = m (a + α × c + w × (w × c))
+//   torque about the origin  = J α + w × J w + c × force
+//
+// Particles leave with the velocity of the structure where they are; what they do beyond that is the thrust, which is a
+// load. So neither dm/dt nor dJ/dt appears (the paper's (2.1)), unless jet damping is asked for: then particles leave
+// through an exit at r from the centre of mass, which takes away dJ/dt w − (dm/dt) r × (w × r) of angular momentum
+// more.
+#pragma once
+
+#include "kernel/plan/workspace.h"
+#include "unlatch/plan.h"
+
+namespace unlatch {
+
+// Masses by the law at `t` and ws.extras.
+void update_masses(const Plan& plan, double t, Workspace& ws) noexcept;
+
+// Centres of mass and inertias in world axes, after the kernels' update_kinematics.
+void update_varying_kinematics(const Plan& plan, Workspace& ws) noexcept;
+
+// Weight, centrifugal force, jet damping; the gyroscopic torque is there. After the loads, which tell what is burnt.
+void add_varying_forces(const Plan& plan, Workspace& ws) noexcept;
+
+// The blocks of the solver begin with the inertia about the centre of mass; adds what the mass makes of them.
+void add_varying_blocks(const Plan& plan, Workspace& ws) noexcept;
+
+}  // namespace unlatch

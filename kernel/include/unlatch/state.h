@@ -1,0 +1,86 @@
+// State: exactly what decides the next step, in one flat block that the caller owns. Copy it with memcpy, hash it, save
+// it, move it: the step gives the same bits. Every field is 8 bytes wide, so the block has no padding.
+//
+//   [StateHeader][BodyState × bodies][JointState × joints][ElementState × elements][EventState ×
+//   events][signals][extras]
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "unlatch/math.h"
+
+namespace unlatch {
+
+class Plan;
+
+struct StateHeader {
+  std::int64_t tick;        // time is tick · dt, never a running sum
+  std::uint64_t plan_hash;  // of the plan that this state belongs to
+};
+
+struct BodyState {
+  Vec3 p;  // p_WB, m
+  Quat q;  // q_WB, body to inertial
+  Vec3 v;  // v_WB, inertial axes, m/s
+  Vec3 w;  // w_WB_B, body axes, rad/s
+};
+
+// What a joint remembers.
+struct JointState {
+  std::int64_t mode;  // index into the joint's modes
+  double
+      angle[3];  // about the axes of the rotation frame, turns counted, at the start of the step; 0 if nobody reads it
+  Vec3 offset;   // where the point–plane rows hold, along x, y, z of the joint frame, m
+  Quat locked;   // relative attitude at which three rotation rows hold: rotation frame, follower to base
+};
+
+// An element's switch scale runs linearly from `from` at `start` to `to` at `start + duration` and stays there.
+struct ElementState {
+  double switched_on;  // when its own time began, s
+  double from, to, start, duration;
+};
+
+enum class EventPhase : std::int64_t {
+  kArmed = 0,    // waits for its guard
+  kPending = 1,  // crossed; acts when due
+  kSpent = 2,    // has acted; a repeating event arms again once its guard is negative
+};
+struct EventState {
+  EventPhase phase;
+  double due;  // kPending: s
+};
+
+static_assert(sizeof(StateHeader) == 16 && sizeof(BodyState) == 104 && sizeof(JointState) == 88 &&
+              sizeof(ElementState) == 40 && sizeof(EventState) == 16);
+
+// A view of one state block. Copying the view does not copy the state.
+class State {
+ public:
+  State() = default;
+  // `memory`: at least plan.get_state_bytes(), aligned to 8.
+  State(const Plan& plan, std::span<std::byte> memory) noexcept;
+
+  StateHeader* header = nullptr;
+  std::span<BodyState> bodies;   // in the model's order
+  std::span<JointState> joints;  // in the model's order
+  std::span<ElementState> elements;
+  std::span<EventState> events;
+  std::span<double> signals;
+  std::span<double> extras;  // kg burnt by each body with a mass law; then per flexible body its modal coordinates, and
+                             // their rates, 1/s
+
+  std::span<std::byte> get_bytes() const { return bytes_; }
+
+ private:
+  std::span<std::byte> bytes_;
+};
+
+// The model's initial state at tick 0.
+void init_state(const Plan& plan, State& state) noexcept;
+
+// 64-bit hash of every bit of the state; the same on every machine.
+std::uint64_t calc_hash(const State& state) noexcept;
+
+}  // namespace unlatch

@@ -1,0 +1,66 @@
+// One step: t = tick · dt → (tick + 1) · dt. Read kernel/step/step.cc top to bottom.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "kernel/plan/workspace.h"
+#include "unlatch/plan.h"
+#include "unlatch/state.h"
+
+namespace unlatch {
+
+// What the outside says during one step.
+struct Inputs {
+  std::span<const double> commands;  // one value per channel of the model, in its order
+};
+
+enum class StepStatus : std::int32_t {
+  kOk = 0,
+  kNotFinite,      // a number of the new state is not finite
+  kSingular,       // a pivot of the factorisation vanished; `joint` says where
+  kTooManyEvents,  // more events at one instant than the plan's bound
+};
+const char* get_status_text(StepStatus status) noexcept;
+
+// One event that acted during the step, with the momenta and energy just before and after.
+struct FiredEvent {
+  std::int32_t event;  // index into the model's events
+  double time;         // s
+};
+
+// Momenta and energies of the whole system, inertial frame.
+struct Balance {
+  Vec3 momentum;          // kg m/s
+  Vec3 angular_momentum;  // about W's origin, kg m²/s
+  double kinetic;         // J
+};
+
+// One instant at which events acted, audited: `jump` is what changed, `entitled` what the actions may change: nothing
+// for a release, the work and ground impulse of a plastic impulse for rows that close.
+struct EventAudit {
+  double time;  // s
+  Balance before, jump, entitled;
+};
+
+struct StepReport {
+  StepStatus status = StepStatus::kOk;
+  std::int32_t joint = kNone;          // kSingular: index of the joint
+  std::int32_t substeps = 0;           // integrations done, 1 without events
+  std::int32_t redundant = 0;          // rows of closed loops that follow from the others, at the end of the step
+  std::int32_t postponed = 0;          // instants left to the next tick because the bound on splits was reached
+  std::span<const FiredEvent> events;  // in the order in which they acted; lives in the workspace until the next step
+  std::span<const EventAudit> audits;
+};
+
+// Advances `state` by one tick. Quicker by a tenth where the latest call with this workspace left its outputs of this
+// very state: the bits are the same. On any status but kOk the state is unchanged. Allocates nothing, takes no lock,
+// makes no system call.
+[[nodiscard]] StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace& workspace) noexcept;
+
+// The accelerations, reactions and sensor values of a state: what step() leaves in the workspace for its new state,
+// here for a state that no step produced, such as the initial one.
+[[nodiscard]] StepStatus update_outputs(const Plan& plan, const Inputs& inputs, const State& state,
+                                        Workspace& workspace) noexcept;
+
+}  // namespace unlatch

@@ -1,0 +1,100 @@
+#include "unlatch/model.h"
+
+#include <algorithm>
+
+namespace unlatch {
+
+const char* const kRowNames[kRows] = {"x", "y", "z", "rot_x", "rot_y", "rot_z"};
+
+int sensor_width(Sensor::Kind kind) {
+  switch (kind) {
+    case Sensor::Kind::kAttitude:
+      return 4;
+    case Sensor::Kind::kReaction:
+      return kRows;
+    case Sensor::Kind::kPosition:
+    case Sensor::Kind::kVelocity:
+    case Sensor::Kind::kRate:
+    case Sensor::Kind::kAcceleration:
+    case Sensor::Kind::kSpecificForce:
+      return 3;
+    case Sensor::Kind::kContact:
+    case Sensor::Kind::kDisplacement:
+    case Sensor::Kind::kAngle:
+    case Sensor::Kind::kSpeed:
+      return 1;
+  }
+  return 0;
+}
+
+// Of a reaction and a speed: depends on the row, so both units are named.
+const char* sensor_unit(Sensor::Kind kind) {
+  switch (kind) {
+    case Sensor::Kind::kPosition:
+    case Sensor::Kind::kDisplacement:
+      return "m";
+    case Sensor::Kind::kVelocity:
+      return "m/s";
+    case Sensor::Kind::kRate:
+      return "rad/s";
+    case Sensor::Kind::kAcceleration:
+    case Sensor::Kind::kSpecificForce:
+      return "m/s2";
+    case Sensor::Kind::kAttitude:
+    case Sensor::Kind::kContact:
+      return "1";
+    case Sensor::Kind::kReaction:
+      return "N, N m";
+    case Sensor::Kind::kAngle:
+      return "rad";
+    case Sensor::Kind::kSpeed:
+      return "m/s, rad/s";
+  }
+  return "";
+}
+
+int Model::element_count() const {
+  return static_cast<int>(loads.size() + point_springs.size() + joint_springs.size() + plane_torsions.size());
+}
+
+const std::string& Model::element_name(int element) const {
+  auto index = static_cast<std::size_t>(element);
+  if (index < loads.size()) return loads[index].name;
+  index -= loads.size();
+  if (index < point_springs.size()) return point_springs[index].name;
+  index -= point_springs.size();
+  if (index < joint_springs.size()) return joint_springs[index].name;
+  return plane_torsions.at(index - joint_springs.size()).name;
+}
+
+bool has_markers(const Model& model) {
+  return std::any_of(model.bodies.begin(), model.bodies.end(),
+                     [](const Body& body) { return body.marker.has_value(); });
+}
+
+// As calc_marker_state() of flexible.h; what validate() refuses is left where it is.
+Model place_markers(const Model& model) {
+  Model out = model;
+  for (Body& body : out.bodies) {
+    if (!body.marker || body.marker->body < 0 || static_cast<std::size_t>(body.marker->body) >= model.bodies.size())
+      continue;
+    const Body& carrier = model.bodies[static_cast<std::size_t>(body.marker->body)];
+    if (!carrier.flexible) continue;
+    const Eigen::Index m = carrier.flexible->frequencies.size();
+    if (body.marker->shape.cols() != m || body.marker->turn.cols() != m) continue;
+    const auto get = [m](const Eigen::VectorXd& v) { return v.size() == m ? v : Eigen::VectorXd::Zero(m).eval(); };
+    const Eigen::VectorXd eta = get(carrier.flexible->initial), rate = get(carrier.flexible->initial_rate);
+    const Eigen::Vector3d u = body.marker->position + body.marker->shape * eta;
+    const Eigen::Vector3d g = 0.5 * body.marker->turn * eta, g_rate = 0.5 * body.marker->turn * rate;
+    const Eigen::Quaterniond q = carrier.q_WB.normalized();
+    const Eigen::Quaterniond turn = Eigen::Quaterniond(1, g.x(), g.y(), g.z()).normalized();
+    const Eigen::Vector3d w_rel = 2 / (1 + g.squaredNorm()) * (g_rate + g.cross(g_rate));
+    body.p_WB = carrier.p_WB + q * u;
+    body.q_WB = q * turn;
+    body.v_WB = carrier.v_WB + q * (carrier.w_WB_B.cross(u) + body.marker->shape * rate);
+    body.w_WB_B = turn.conjugate() * (carrier.w_WB_B + w_rel);
+  }
+  return out;
+}
+
+}  // namespace unlatch

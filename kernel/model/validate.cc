@@ -1,0 +1,379 @@
+// What is wrong with a model: every mistake at once, each where it is and what would be right.
+#include "kernel/model/validate.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace unlatch {
+namespace {
+
+constexpr std::size_t kMostBodies = 2'000'000;  // some 700 numbers each at most, in places of 32 bits
+
+constexpr double kRelative = 1e-9;  // inertias: rounding of what was typed or computed elsewhere
+
+struct Named {
+  std::string where, name;
+};
+
+// Names are given, and each once within its kind.
+void check_names(const std::vector<Named>& list, ModelErrors& errors) {
+  std::vector<std::string> seen;
+  for (const Named& item : list) {
+    if (item.name.empty()) errors.push_back({item.where, "it has no name", "give it one", "name"});
+    seen.push_back(item.name);
+  }
+  std::sort(seen.begin(), seen.end());
+  for (std::size_t i = 1; i < seen.size(); ++i) {
+    if (seen[i].empty() || seen[i] != seen[i - 1] || (i > 1 && seen[i] == seen[i - 2])) continue;
+    const auto at = std::find_if(list.begin(), list.end(), [&](const Named& item) { return item.name == seen[i]; });
+    errors.push_back({at->where, "more than one has this name", "give each its own", "name"});
+  }
+}
+
+void check_all_names(const Model& model, ModelErrors& errors) {
+  const auto check = [&](const char* kind, const auto& items, const auto& get_name) {
+    std::vector<Named> list;
+    list.reserve(items.size());
+    for (const auto& item : items) list.push_back({quoted(kind, get_name(item)), get_name(item)});
+    check_names(list, errors);
+  };
+  const auto name_of = [](const auto& item) { return item.name; };
+  const auto itself = [](const std::string& name) { return name; };
+  std::vector<std::string> elements;
+  elements.reserve(static_cast<std::size_t>(model.element_count()));
+  for (int i = 0; i < model.element_count(); ++i) elements.push_back(model.element_name(i));
+  check("body", model.bodies, name_of);
+  check("joint", model.joints, name_of);
+  check("element", elements, itself);
+  check("channel", model.channels, name_of);
+  check("signal", model.signals, itself);
+  check("sensor", model.sensors, name_of);
+}
+
+void check_finite(const std::string& where, const std::string& key, bool finite, ModelErrors& errors) {
+  if (!finite) errors.push_back({where, key + " is not finite", "give a finite value", key});
+}
+
+void check_not_negative(const std::string& where, const std::string& key, double value, ModelErrors& errors) {
+  if (!(value >= 0) || !std::isfinite(value))
+    errors.push_back({where, key + " is " + show(value), "0 or more, and finite", key});
+}
+
+// --- Bodies ---------------------------------------------------------------------------------------------------------
+
+// Masses and moments of inertia of other sizes leave the range of doubles where the solver multiplies four of them.
+constexpr double kSmallest = 1e-60, kLargest = 1e60;
+constexpr const char* kSizes = "greater than 0: from 1e-60 to 1e60";
+bool has_good_size(double number) { return number >= kSmallest && number <= kLargest; }
+
+void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "inertia"});
+  };
+  if (!J.allFinite()) return report("its inertia is not finite", "give finite moments of inertia");
+  const double scale = J.cwiseAbs().maxCoeff();
+  if ((J - J.transpose()).cwiseAbs().maxCoeff() > kRelative * scale)
+    return report("its inertia is not symmetric", "entry (i, j) equals entry (j, i)");
+  const Eigen::Vector3d moments =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(J, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
+  if (!(moments[0] > 0))
+    return report("its inertia is not positive definite: principal moments " + show(moments),
+                  "all principal moments are greater than 0");
+  if (!has_good_size(moments[0]) || !has_good_size(moments[2]))
+    return report("its principal moments are " + show(moments) + " kg m²", kSizes);
+  if (moments[0] + moments[1] < moments[2] * (1 - kRelative))
+    report("its inertia breaks the triangle inequality: principal moments " + show(moments),
+           "no body's largest principal moment exceeds the sum of the other two");
+}
+
+void check_law(const std::string& where, const MassLaw& law, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "law"});
+  };
+  if (law.knots.empty()) return report("its mass law has no knots", "at least one: mass, centre of mass, inertia");
+  for (std::size_t i = 0; i < law.knots.size(); ++i) {
+    const MassLaw::Knot& knot = law.knots[i];
+    if (!std::isfinite(knot.at)) return report("its mass law has a knot that is not finite", "finite times or masses");
+    if (i > 0 && !(knot.at > law.knots[i - 1].at))
+      report("its mass law's knots do not increase: " + show(law.knots[i - 1].at) + ", " + show(knot.at),
+             "each is later, or more has been burnt, than at the one before");
+    if (!has_good_size(knot.mass)) report("its mass becomes " + show(knot.mass) + " kg at " + show(knot.at), kSizes);
+    check_finite(where, "law", knot.centre.allFinite(), errors);
+    check_inertia(where, knot.inertia, errors);
+  }
+  check_finite(where, "law", law.exit.allFinite(), errors);
+}
+
+// Sizes, and that modal masses are 1: Σ m Φ_k·Φ_l is the trace of Σ m Φ_k Φ_lᵀ.
+void check_flexible(const std::string& where, const FlexibleBody& body, ModelErrors& errors) {
+  constexpr double kOrthonormal = 1e-3;  // modes of a lumped mass matrix; the kernel takes what the sums say
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "flexible"});
+  };
+  const Eigen::Index m = body.frequencies.size();
+  const auto size = static_cast<std::size_t>(m);
+  if (m == 0) return report("it is flexible without modes", "at least one mode, or a rigid body");
+  if (body.damping.size() != m || body.momentum.cols() != m || body.first.size() != size ||
+      body.second.size() != size * size || (body.initial.size() != 0 && body.initial.size() != m) ||
+      (body.initial_rate.size() != 0 && body.initial_rate.size() != m))
+    return report("its modes' numbers do not belong together", "as many of each as there are frequencies");
+  bool finite = body.momentum.allFinite() && body.initial.allFinite() && body.initial_rate.allFinite();
+  for (const std::vector<Eigen::Matrix3d>* list : {&body.first, &body.second})
+    for (const Eigen::Matrix3d& matrix : *list) finite = finite && matrix.allFinite();
+  if (!finite) return report("its modes have numbers that are not finite", "finite shapes");
+  for (Eigen::Index k = 0; k < m; ++k) {
+    if (!(body.frequencies[k] > 0) || !std::isfinite(body.frequencies[k]) || !(body.damping[k] >= 0) ||
+        !std::isfinite(body.damping[k]))
+      report("mode " + std::to_string(k + 1) + " has the frequency " + show(body.frequencies[k]) +
+                 " rad/s and the damping " + show(body.damping[k]),
+             "a frequency greater than 0, a damping of 0 or more");
+    for (Eigen::Index l = 0; l < m; ++l) {
+      const double mass = body.second[static_cast<std::size_t>(k * m + l)].trace();
+      if (!(std::abs(mass - (k == l ? 1 : 0)) < kOrthonormal))
+        return report(
+            "the modal mass of modes " + std::to_string(k + 1) + " and " + std::to_string(l + 1) + " is " + show(mass),
+            "mass-normalised modes: 1 for one mode, 0 for two");
+    }
+  }
+}
+
+void check_marker(const Model& model, const std::string& where, const Marker& marker, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "marker"});
+  };
+  if (!is_index(marker.body, model.bodies.size()) || !model.bodies[static_cast<std::size_t>(marker.body)].flexible)
+    return report("it is the marker of no flexible body", "the index of a body with modes");
+  const Eigen::Index m = model.bodies[static_cast<std::size_t>(marker.body)].flexible->frequencies.size();
+  if (marker.shape.cols() != m || marker.turn.cols() != m)
+    return report("its shapes are not as many as its body's modes", "a displacement and a rotation per mode");
+  if (!marker.position.allFinite() || !marker.shape.allFinite() || !marker.turn.allFinite())
+    report("its place or shapes are not finite", "finite values");
+}
+
+// A flexible body is held, pushed and felt at its markers.
+void check_attached(const Model& model, const std::string& where, int body, ModelErrors& errors) {
+  if (is_index(body, model.bodies.size()) && model.bodies[static_cast<std::size_t>(body)].flexible)
+    errors.push_back({where,
+                      "it acts on the flexible body '" + model.bodies[static_cast<std::size_t>(body)].name + "' itself",
+                      "name one of its markers", "body"});
+}
+
+void validate_attachments(const Model& model, ModelErrors& errors) {
+  for (const Joint& joint : model.joints)
+    for (const int body : {joint.base, joint.follower})
+      check_attached(model, quoted("joint", joint.name), body, errors);
+  for (const Load& load : model.loads) check_attached(model, quoted("element", load.name), load.body, errors);
+  for (const PointSpring& spring : model.point_springs)
+    for (const int body : {spring.base, spring.follower})
+      check_attached(model, quoted("element", spring.name), body, errors);
+  for (const PlaneTorsion& torsion : model.plane_torsions)
+    for (const int body : {torsion.base, torsion.follower})
+      check_attached(model, quoted("element", torsion.name), body, errors);
+}
+
+void validate_bodies(const Model& model, ModelErrors& errors) {
+  constexpr double kShortest = 1e-6;  // a quaternion shorter than this has no direction worth trusting
+  if (model.bodies.empty()) errors.push_back({"model", "it has no bodies", "give at least one", "bodies"});
+  if (model.bodies.size() > kMostBodies)
+    errors.push_back({"model", "it has " + std::to_string(model.bodies.size()) + " bodies",
+                      "give at most " + std::to_string(kMostBodies) + ": places are numbers of 32 bits", "bodies"});
+  for (const Body& body : model.bodies) {
+    const std::string where = quoted("body", body.name);
+    if (body.law.has_value() + body.flexible.has_value() + body.marker.has_value() > 1)
+      errors.push_back(
+          {where, "it has more than one of a mass law, modes, and a body that carries it", "at most one", ""});
+    if (body.marker) {
+      check_marker(model, where, *body.marker, errors);
+      continue;
+    }
+    if (body.flexible) check_flexible(where, *body.flexible, errors);
+    if (!has_good_size(body.mass)) errors.push_back({where, "its mass is " + show(body.mass) + " kg", kSizes, "mass"});
+    check_inertia(where, body.inertia, errors);
+    check_finite(where, "position", body.p_WB.allFinite(), errors);
+    check_finite(where, "velocity", body.v_WB.allFinite(), errors);
+    check_finite(where, "rate", body.w_WB_B.allFinite(), errors);
+    if (body.law) check_law(where, *body.law, errors);
+    const double length = body.q_WB.norm();
+    if (!(length > kShortest) || !std::isfinite(length))
+      errors.push_back(
+          {where, "its attitude quaternion has the length " + show(length), "(w, x, y, z) of length 1", "attitude"});
+  }
+}
+
+// --- Elements -------------------------------------------------------------------------------------------------------
+
+void check_table(const std::string& where, const Profile& profile, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "profile"});
+  };
+  const std::vector<double>& t = profile.times;
+  if (t.empty() || t.size() != profile.values.size())
+    return report(
+        "its table has " + std::to_string(t.size()) + " times and " + std::to_string(profile.values.size()) + " values",
+        "as many of each, at least one");
+  for (const std::vector<double>* list : {&profile.times, &profile.values})
+    for (const double value : *list)
+      if (!std::isfinite(value)) return report("its table has a value that is not finite", "finite times and values");
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if (!(t[i] > t[i - 1]))
+      return report("its table's times do not increase: " + show(t[i - 1]) + ", " + show(t[i]),
+                    "each time is later than the one before");
+}
+
+void check_profile(const std::string& where, const Profile& profile, ModelErrors& errors) {
+  const auto report = [&](const std::string& what, const std::string& mend) {
+    errors.push_back({where, what, mend, "profile"});
+  };
+  switch (profile.kind) {
+    case Profile::Kind::kConstant:
+      check_finite(where, "profile", std::isfinite(profile.value), errors);
+      break;
+    case Profile::Kind::kExponential:
+      check_finite(where, "profile", std::isfinite(profile.initial) && std::isfinite(profile.final), errors);
+      if (!(profile.tau > 0) || !std::isfinite(profile.tau))
+        report("its time constant tau is " + show(profile.tau) + " s", "greater than 0, and finite");
+      break;
+    case Profile::Kind::kTable:
+      check_table(where, profile, errors);
+      break;
+    case Profile::Kind::kHarmonic:
+      for (const Profile::Harmonic& h : profile.harmonics)
+        if (!std::isfinite(h.amplitude) || !std::isfinite(h.frequency) || !std::isfinite(h.phase)) {
+          report("a harmonic is not finite", "finite amplitude, frequency and phase");
+          break;
+        }
+  }
+}
+
+void check_pair(const Model& model, const std::string& where, int base, int follower, ModelErrors& errors) {
+  if (base != kGround && !is_index(base, model.bodies.size()))
+    errors.push_back({where, "its base is no body", "a body's index, or kGround", "between"});
+  if (!is_index(follower, model.bodies.size()))
+    errors.push_back({where, "its follower is no body", "a body's index", "between"});
+  else if (base == follower)
+    errors.push_back({where, "it connects a body with itself", "name two bodies", "between"});
+}
+
+void check_unit(const std::string& where, const std::string& key, const Eigen::Vector3d& axis, ModelErrors& errors) {
+  if (!(std::abs(axis.norm() - 1) < kRelative))
+    errors.push_back({where, key + " has the length " + show(axis.norm()), "a vector that is not zero", key});
+}
+
+void validate_loads(const Model& model, ModelErrors& errors) {
+  for (const Load& load : model.loads) {
+    const std::string where = quoted("element", load.name);
+    if (!is_index(load.body, model.bodies.size()))
+      errors.push_back({where, "it acts on no body", "a body's index", "body"});
+    if (load.channel != kNone && !is_index(load.channel, model.channels.size()))
+      errors.push_back({where, "its channel does not exist", "a channel's index, or kNone", "channel"});
+    check_not_negative(where, "consumption", load.consumption, errors);
+    const int tank = load.tank == kNone ? load.body : load.tank;
+    if (load.consumption > 0 &&
+        (!is_index(tank, model.bodies.size()) || !model.bodies[static_cast<std::size_t>(tank)].law))
+      errors.push_back({where, "it consumes propellant of a body that has no mass law",
+                        "give that body a `law`, or name the tank", "consumption"});
+    if (load.consumption > 0 && load.kind == Load::Kind::kTorque)
+      errors.push_back({where, "a torque consumes nothing", "only a force does", "consumption"});
+    check_finite(where, "point", load.point.allFinite(), errors);
+    check_finite(where, "direction", load.direction.allFinite(), errors);
+    check_profile(where, load.profile, errors);
+  }
+}
+
+void validate_springs(const Model& model, ModelErrors& errors) {
+  for (const PointSpring& spring : model.point_springs) {
+    const std::string where = quoted("element", spring.name);
+    check_pair(model, where, spring.base, spring.follower, errors);
+    check_finite(where, "point", spring.point_base.allFinite(), errors);
+    check_finite(where, "follower_point", spring.point_follower.allFinite(), errors);
+    check_not_negative(where, "stiffness", spring.stiffness, errors);
+    check_not_negative(where, "damping", spring.damping, errors);
+    check_not_negative(where, "free_length", spring.free_length, errors);
+  }
+  for (const JointSpring& spring : model.joint_springs) {
+    const std::string where = quoted("element", spring.name);
+    if (!is_index(spring.joint, model.joints.size()))
+      errors.push_back({where, "it is on no joint", "a joint's index", "joint"});
+    if (!is_index(spring.axis, kRows)) errors.push_back({where, "it has no axis", "x … rot_z", "axis"});
+    check_finite(where, "effort", std::isfinite(spring.effort), errors);
+    check_finite(where, "rest", std::isfinite(spring.rest), errors);
+    check_not_negative(where, "stiffness", spring.stiffness, errors);
+    check_not_negative(where, "damping", spring.damping, errors);
+  }
+  for (const PlaneTorsion& torsion : model.plane_torsions) {
+    const std::string where = quoted("element", torsion.name);
+    check_pair(model, where, torsion.base, torsion.follower, errors);
+    check_unit(where, "normal", torsion.normal_base, errors);
+    check_unit(where, "axis", torsion.axis_follower, errors);
+    check_not_negative(where, "stiffness", torsion.stiffness, errors);
+    check_not_negative(where, "damping", torsion.damping, errors);
+  }
+}
+
+// --- Channels, sensors, gravity -------------------------------------------------------------------------------------
+
+void validate_channels(const Model& model, ModelErrors& errors) {
+  for (const Channel& channel : model.channels) {
+    const std::string where = quoted("channel", channel.name);
+    const std::string range = "[" + show(channel.minimum) + ", " + show(channel.maximum) + "]";
+    if (!std::isfinite(channel.minimum) || !std::isfinite(channel.maximum) || !(channel.minimum <= channel.maximum)) {
+      errors.push_back({where, "its range is " + range, "[smallest, largest], finite", "range"});
+      continue;
+    }
+    const auto check = [&](const char* key, double value) {
+      if (!(channel.minimum <= value && value <= channel.maximum))
+        errors.push_back({where, std::string(key) + " is " + show(value), "within its range " + range, key});
+    };
+    check("initial", channel.initial);
+    check("safe", channel.safe);
+  }
+}
+
+void validate_sensors(const Model& model, ModelErrors& errors) {
+  using Kind = Sensor::Kind;
+  for (const Sensor& sensor : model.sensors) {
+    const std::string where = quoted("sensor", sensor.name);
+    const bool of_body = sensor.kind <= Kind::kSpecificForce, of_signal = sensor.kind == Kind::kContact;
+    const std::size_t subjects =
+        of_body ? model.bodies.size() : (of_signal ? model.signals.size() : model.joints.size());
+    const std::string key = of_body ? "body" : (of_signal ? "signal" : "joint");
+    if (!is_index(sensor.subject, subjects))
+      errors.push_back({where, "its " + key + " does not exist", "the index of a " + key, key});
+    const int first = sensor.kind == Kind::kAngle ? kRotX : kX;
+    const int last = sensor.kind == Kind::kDisplacement ? kZ : kRotZ;
+    if (sensor.kind >= Kind::kDisplacement && (sensor.axis < first || sensor.axis > last))
+      errors.push_back(
+          {where, "its axis is not one of this kind", std::string(kRowNames[first]) + " … " + kRowNames[last], "axis"});
+    check_finite(where, "point", sensor.point.allFinite(), errors);
+  }
+}
+
+void validate_gravity(const Gravity& gravity, ModelErrors& errors) {
+  check_finite("gravity", "uniform", gravity.uniform.allFinite(), errors);
+  check_finite("gravity", "centre", gravity.centre.allFinite(), errors);
+  check_not_negative("gravity", "mu", gravity.mu, errors);
+}
+
+ModelErrors validate_placed(const Model& model) {
+  ModelErrors errors;
+  check_all_names(model, errors);
+  validate_gravity(model.gravity, errors);
+  validate_bodies(model, errors);
+  validate_channels(model, errors);
+  validate_joints(model, errors);
+  validate_loads(model, errors);
+  validate_springs(model, errors);
+  validate_attachments(model, errors);
+  validate_sensors(model, errors);
+  validate_events(model, errors);
+  return errors;
+}
+
+}  // namespace
+
+std::vector<ModelError> validate(const Model& model) {
+  if (has_markers(model)) return validate_placed(place_markers(model));
+  return validate_placed(model);
+}
+
+}  // namespace unlatch

@@ -1,0 +1,33 @@
+// Inside of validate(): the parts that look at joints and at events, and what they share.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "unlatch/model.h"
+
+namespace unlatch {
+
+using ModelErrors = std::vector<ModelError>;
+
+void validate_joints(const Model& model, ModelErrors& errors);
+void validate_events(const Model& model, ModelErrors& errors);
+
+inline bool is_index(int index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; }
+
+inline std::string quoted(const std::string& kind, const std::string& name) { return kind + " '" + name + "'"; }
+
+// A number for people: 6 significant digits.
+inline std::string show(double value) {
+  std::ostringstream stream;
+  stream << value;
+  return stream.str();
+}
+inline std::string show(const Eigen::Vector3d& v) {
+  return "[" + show(v.x()) + ", " + show(v.y()) + ", " + show(v.z()) + "]";
+}
+
+}  // namespace unlatch

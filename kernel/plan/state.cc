@@ -1,0 +1,76 @@
+#include "unlatch/state.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "unlatch/plan.h"
+
+namespace unlatch {
+namespace {
+
+// Takes `count` objects of type T from the front of the memory.
+template <class T>
+std::span<T> take(std::byte*& cursor, std::size_t count) noexcept {
+  T* first = reinterpret_cast<T*>(cursor);
+  cursor += count * sizeof(T);
+  return {first, count};
+}
+
+}  // namespace
+
+State::State(const Plan& plan, std::span<std::byte> memory) noexcept {
+  std::byte* cursor = memory.data();
+  header = take<StateHeader>(cursor, 1).data();
+  bodies = take<BodyState>(cursor, plan.bodies.size());
+  joints = take<JointState>(cursor, plan.joints.size());
+  elements = take<ElementState>(cursor, plan.element_scales.size());
+  events = take<EventState>(cursor, plan.events.size());
+  signals = take<double>(cursor, static_cast<std::size_t>(plan.signal_count));
+  extras = take<double>(cursor, plan.initial_extras.size());
+  bytes_ = memory.first(static_cast<std::size_t>(cursor - memory.data()));
+}
+
+std::size_t Plan::get_state_bytes() const {
+  return sizeof(StateHeader) + bodies.size() * sizeof(BodyState) + joints.size() * sizeof(JointState) +
+         element_scales.size() * sizeof(ElementState) + events.size() * sizeof(EventState) +
+         (static_cast<std::size_t>(signal_count) + initial_extras.size()) * sizeof(double);
+}
+
+void init_state(const Plan& plan, State& state) noexcept {
+  *state.header = {0, plan.hash};
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) state.bodies[b] = plan.bodies[b].initial;
+  for (std::size_t j = 0; j < plan.joints.size(); ++j) {
+    state.joints[j] = {plan.joints[j].mode, {0, 0, 0}, {0, 0, 0}, {1, 0, 0, 0}};
+  }
+  for (const PlanCoordinate& c : plan.coordinates)
+    if (c.row >= kRotX) state.joints[static_cast<std::size_t>(c.joint)].angle[c.row - kRotX] = c.initial;
+  for (std::size_t e = 0; e < plan.element_scales.size(); ++e) {
+    const double scale = plan.element_scales[e];
+    state.elements[e] = {0, scale, scale, 0, 0};
+  }
+  for (EventState& event : state.events) event = {EventPhase::kArmed, 0};
+  for (double& signal : state.signals) signal = 0;
+  std::copy(plan.initial_extras.begin(), plan.initial_extras.end(), state.extras.begin());
+}
+
+// Four interleaved multiply–xorshift chains over the 64-bit words, then mixed: about a nanosecond for four words.
+std::uint64_t calc_hash(const State& state) noexcept {
+  constexpr std::uint64_t kPrime = 0x9E3779B97F4A7C15ull;
+  std::uint64_t chains[4] = {1, 2, 3, 4};
+  const std::span<const std::byte> bytes = state.get_bytes();
+  for (std::size_t i = 0; i < bytes.size() / 8; ++i) {
+    std::uint64_t word;
+    std::memcpy(&word, bytes.data() + 8 * i, 8);
+    std::uint64_t& chain = chains[i % 4];
+    chain = std::rotl(chain ^ word, 29) * kPrime;
+  }
+  std::uint64_t hash = bytes.size();
+  for (const std::uint64_t chain : chains) {
+    hash = (hash ^ chain ^ (chain >> 32)) * kPrime;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+}  // namespace unlatch

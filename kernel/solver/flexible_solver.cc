@@ -1,0 +1,351 @@
+// A flexible body in the tree. With A, B, E the block of its frame's acceleration a and its modal ones η'', b and f
+// their loads, and for every marker X a + J η'' + β its acceleration:
+//
+//   beyond it   a marker that has the block A_c and the load l_c adds
+//               A += Xᵀ A_c X,  B += Xᵀ A_c J,  E += Jᵀ A_c J,  b += Xᵀ (l_c − A_c β),  f += Jᵀ (l_c − A_c β)
+//   held by it  the marker's acceleration takes the place of the frame's, a = Y (a_m − β) − D η'', Y = X⁻¹, D = Y J:
+//               A' = Yᵀ A Y,  B' = Yᵀ (B − A D),  E' = E − Dᵀ B − Bᵀ D + Dᵀ A D,
+//               b' = Yᵀ (b + A δ),  f' = f + Bᵀ δ − Dᵀ (b + A δ),  δ = Y β
+//   then        η'' is eliminated: A'' = A' − B' E'⁻¹ B'ᵀ,  b'' = b' − B' E'⁻¹ f'; it comes back as
+//               η'' = E'⁻¹ f' − W a_m,  W = E'⁻¹ B'ᵀ
+//
+// 6-vectors: lin, ang, world axes. Cost O(m² (m + markers)).
+#include <cmath>
+
+#include "kernel/dynamics/flexible.h"
+#include "kernel/plan/lane_access.h"
+
+namespace unlatch {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr double kSingular = 1e-13;  // as the lanes have it: a pivot this small beside its diagonal is rounding
+
+using Six = double[6];
+
+template <class Row>
+void read_six(const double* lanes, LaneSlot slot, Row row, Six& out) {
+  for (int i = 0; i < 6; ++i) out[i] = lanes[find(slot, row + i)];
+}
+
+// (lin, ang) → (lin + ang × arm, ang), and its transpose for wrenches: (lin, ang + arm × lin).
+void move_motion(const double* arm, double sign, double* a) {
+  const double x = sign * arm[0], y = sign * arm[1], z = sign * arm[2];
+  a[0] += a[4] * z - a[5] * y;
+  a[1] += a[5] * x - a[3] * z;
+  a[2] += a[3] * y - a[4] * x;
+}
+void move_wrench(const double* arm, double sign, double* w) {
+  const double x = sign * arm[0], y = sign * arm[1], z = sign * arm[2];
+  w[3] += y * w[2] - z * w[1];
+  w[4] += z * w[0] - x * w[2];
+  w[5] += x * w[1] - y * w[0];
+}
+double dot6(const double* a, const double* b) {
+  return ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + ((a[3] * b[3] + a[4] * b[4]) + a[5] * b[5]);
+}
+// Symmetric 6 × 6 times a vector.
+void times6(const double* A, const double* x, double* out) {
+  for (int i = 0; i < 6; ++i) out[i] = dot6(A + 6 * i, x);
+}
+
+// Xᵀ A X in place: moves columns as wrenches, then rows.
+void move_block(const double* arm, double sign, double* A) {
+  for (int i = 0; i < 6; ++i) move_wrench(arm, sign, A + 6 * i);
+  for (int i = 0; i < 6; ++i)
+    for (int k = i + 1; k < 6; ++k) {
+      const double swap = A[6 * i + k];
+      A[6 * i + k] = A[6 * k + i];
+      A[6 * k + i] = swap;
+    }
+  for (int i = 0; i < 6; ++i) move_wrench(arm, sign, A + 6 * i);
+}
+
+// The 21 numbers of a lane's block as a full matrix: M xx yy zz xy xz yz, H by columns, I as M.
+constexpr int kPlaces[21][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3}, {2, 3}, {0, 4}, {1, 4},
+                                {2, 4}, {0, 5}, {1, 5}, {2, 5}, {3, 3}, {4, 4}, {5, 5}, {3, 4}, {3, 5}, {4, 5}};
+void read_block(const double* lanes, LaneSlot slot, double* A) {
+  for (int i = 0; i < 21; ++i)
+    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = lanes[find(slot, kBlock + i)];
+}
+
+void add_block(double* lanes, LaneSlot slot, const double* A) {
+  for (int i = 0; i < 21; ++i) lanes[find(slot, kBlock + i)] += A[6 * kPlaces[i][0] + kPlaces[i][1]];
+}
+void add_six(double* lanes, LaneSlot slot, int row, const Six& a) {
+  for (int i = 0; i < 6; ++i) lanes[find(slot, row + i)] += a[i];
+}
+void write_six(double* lanes, LaneSlot slot, const Six& a) {
+  for (int i = 0; i < 6; ++i) lanes[find(slot, kAcceleration + i)] = a[i];
+}
+
+// LDLᵀ in place of a symmetric n × n: pivots on the diagonal, the unit lower triangle below it. Row by row: first L D
+// of the row, then L and the pivot.
+bool factor(double* A, int n) {
+  for (int r = 0; r < n; ++r) {
+    for (int c = 0; c < r; ++c)
+      for (int k = 0; k < c; ++k) A[n * r + c] -= A[n * r + k] * A[n * c + k];
+    double pivot = A[n * r + r];
+    for (int c = 0; c < r; ++c) {
+      const double scaled = A[n * r + c];
+      A[n * r + c] = scaled / A[n * c + c];
+      pivot -= scaled * A[n * r + c];
+    }
+    if (!(pivot > kSingular * A[n * r + r])) return false;
+    A[n * r + r] = pivot;
+  }
+  return true;
+}
+void solve(const double* A, int n, double* x) {
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < r; ++c) x[r] -= A[n * r + c] * x[c];
+  for (int r = n - 1; r >= 0; --r) {
+    x[r] /= A[n * r + r];
+    for (int k = r + 1; k < n; ++k) x[r] -= A[n * k + r] * x[k];
+  }
+}
+
+struct Node {
+  const PlanFlexible& body;
+  ModalShape shape;
+  ModalWork work;
+  LaneSlot slot;
+};
+
+// The body's own block, and its load.
+void init_node(const Node& node, Workspace& ws, const Sweep& sweep, bool with_block, Six& b) {
+  const PlanFlexible& body = node.body;
+  const double* lanes = ws.lanes.data();
+  const int m = body.modes;
+  const double* load = sweep.source == Source::kForces ? node.work.force : node.work.given;
+  for (int k = 0; k < m; ++k) node.work.free[k] = sweep.source == Source::kNothing ? 0 : load[k];
+  for (double& n : b) n = 0;
+  if (sweep.source != Source::kNothing)
+    read_six(lanes, node.slot, sweep.source == Source::kForces ? kForce : kAcceleration, b);
+  if (!with_block) return;
+
+  const double* eta = ws.extras.now.data() + body.extras;
+  const Mat3 R = read_mat(lanes, node.slot, kRotation);
+  const auto read = [](const double* n) { return Vec3{n[0], n[1], n[2]}; };
+  Vec3 moment{0, 0, 0};
+  for (int k = 0; k < m; ++k) moment += eta[k] * read(node.shape.momentum + 3 * k);
+  moment = R * moment;
+  double* A = node.work.A;
+  for (int i = 0; i < 36; ++i) A[i] = 0;
+  A[0] = A[7] = A[14] = body.mass;
+  const double* J = lanes + find(node.slot, kInertia);  // xx yy zz xy xz yz
+  for (int i = 15; i < 21; ++i)
+    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = J[(i - 15) * kOctet];
+  // −(m c)~: a turn about the origin accelerates the centre of mass
+  const double skew[3][3] = {{0, moment.z, -moment.y}, {-moment.z, 0, moment.x}, {moment.y, -moment.x, 0}};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) A[6 * i + 3 + k] = A[6 * (3 + k) + i] = skew[i][k];
+  for (int k = 0; k < m; ++k) {
+    // Σ m u × Φ_k = Σ m r × Φ_k + Σ η_l Σ m Φ_l × Φ_k
+    const double* G = node.shape.first + 9 * k;
+    Vec3 turning{G[5] - G[7], G[6] - G[2], G[1] - G[3]};
+    for (int l = 0; l < m; ++l) {
+      const double *H = node.shape.second + 9 * (l * m + k), *mirror = node.shape.second + 9 * (k * m + l);
+      turning += eta[l] * Vec3{H[5] - H[7], H[6] - H[2], H[1] - H[3]};
+      node.work.E[k * m + l] = (mirror[0] + mirror[4]) + mirror[8];
+    }
+    const Vec3 push = R * read(node.shape.momentum + 3 * k);
+    turning = R * turning;
+    const double column[6] = {push.x, push.y, push.z, turning.x, turning.y, turning.z};
+    for (int i = 0; i < 6; ++i) node.work.B[6 * k + i] = column[i];
+    if (body.implicit && ws.implicit.stage != ImplicitStage::kOff)
+      node.work.E[k * m + k] += ws.implicit.lead * (ws.implicit.lead * node.shape.stiffness[k] + node.shape.damping[k]);
+  }
+}
+
+// Takes in a marker that something may hang on.
+void add_marker(const Plan& plan, const Node& node, Workspace& ws, const Sweep& sweep, int i, bool with_block, Six& b) {
+  const PlanMarker& marker = plan.markers[at(i)];
+  const MarkerWork work = get_marker(plan, node.body, i, ws);
+  const LaneSlot slot = ws.slots[at(marker.body)];
+  const double* lanes = ws.lanes.data();
+  const int m = node.body.modes;
+  Six load = {};
+  if (!marker.bare)
+    read_six(lanes, slot, kBlock + 21, load);
+  else if (sweep.source != Source::kNothing)
+    read_six(lanes, slot, sweep.source == Source::kForces ? kForce : kAcceleration, load);
+  if (!marker.bare && (with_block || sweep.biased)) {
+    double A[36];
+    read_block(lanes, slot, A);
+    if (sweep.biased) {
+      Six push;
+      times6(A, work.bias, push);
+      for (int k = 0; k < 6; ++k) load[k] -= push[k];
+    }
+    if (with_block) {
+      for (int k = 0; k < m; ++k) {
+        Six column;
+        times6(A, work.columns + 6 * k, column);
+        for (int l = 0; l < m; ++l) node.work.E[k * m + l] += dot6(column, work.columns + 6 * l);
+        move_wrench(work.arm, 1, column);
+        for (int n = 0; n < 6; ++n) node.work.B[6 * k + n] += column[n];
+      }
+      move_block(work.arm, 1, A);
+      for (int k = 0; k < 36; ++k) node.work.A[k] += A[k];
+    }
+  }
+  for (int k = 0; k < m; ++k) node.work.free[k] += dot6(work.columns + 6 * k, load);
+  move_wrench(work.arm, 1, load);
+  for (int k = 0; k < 6; ++k) b[k] += load[k];
+}
+
+// At the marker that holds the body: D, E' and B' from A, B and E.
+void move_to_marker(const Node& node, const MarkerWork& marker) {
+  const int m = node.body.modes;
+  const ModalWork& w = node.work;
+  for (int k = 0; k < m; ++k) {
+    for (int i = 0; i < 6; ++i) w.D[6 * k + i] = marker.columns[6 * k + i];
+    move_motion(marker.arm, -1, w.D + 6 * k);
+  }
+  for (int k = 0; k < m; ++k) {
+    Six push;
+    times6(w.A, w.D + 6 * k, push);
+    for (int l = 0; l < m; ++l)
+      w.E[l * m + k] += (dot6(w.D + 6 * l, push) - dot6(w.D + 6 * l, w.B + 6 * k)) - dot6(w.B + 6 * l, w.D + 6 * k);
+    for (int i = 0; i < 6; ++i) w.C[6 * k + i] = w.B[6 * k + i] - push[i];
+    move_wrench(marker.arm, -1, w.C + 6 * k);
+  }
+}
+
+// The loads at the marker that holds the body: b' and, in `free`, f'.
+void move_loads(const Node& node, const MarkerWork& marker, bool biased, Six& b) {
+  const ModalWork& w = node.work;
+  const int m = node.body.modes;
+  if (biased) {
+    Six delta, push;
+    for (int i = 0; i < 6; ++i) delta[i] = marker.bias[i];
+    move_motion(marker.arm, -1, delta);
+    times6(w.A, delta, push);
+    for (int i = 0; i < 6; ++i) b[i] += push[i];
+    for (int k = 0; k < m; ++k) w.free[k] += dot6(w.B + 6 * k, delta);
+  }
+  for (int k = 0; k < m; ++k) w.free[k] -= dot6(w.D + 6 * k, b);
+  move_wrench(marker.arm, -1, b);
+}
+
+// Eliminates the modal coordinates: W, and A'' in `left`.
+void eliminate_modes(const Node& node, double* left) {
+  const ModalWork& w = node.work;
+  const int m = node.body.modes;
+  for (int r = 0; r < m; ++r)
+    for (int i = 0; i < 6; ++i) {
+      double x = w.C[6 * r + i];
+      for (int c = 0; c < r; ++c) x -= w.E[m * r + c] * w.W[6 * c + i];
+      w.W[6 * r + i] = x;
+    }
+  for (int r = m - 1; r >= 0; --r)
+    for (int i = 0; i < 6; ++i) {
+      double x = w.W[6 * r + i] / w.E[m * r + r];
+      for (int k = r + 1; k < m; ++k) x -= w.E[m * k + r] * w.W[6 * k + i];
+      w.W[6 * r + i] = x;
+    }
+  for (int k = 0; k < m; ++k)
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) left[6 * i + j] -= w.C[6 * k + i] * w.W[6 * k + j];
+}
+
+// Returns whether all pivots are positive.
+bool eliminate(const Plan& plan, Workspace& ws, const Sweep& sweep, const PlanFlexible& body, bool with_block) {
+  const Node node{body, get_shape(plan, body), get_work(plan, body, ws), ws.slots[at(body.body)]};
+  const ModalWork& w = node.work;
+  const int m = body.modes;
+  const bool held = body.inboard != kNone;
+  const MarkerWork holder = get_marker(plan, body, held ? body.inboard : body.first_marker, ws);
+  Six b;
+  init_node(node, ws, sweep, with_block, b);
+  for (int i = body.first_marker; i < body.first_marker + body.markers; ++i)
+    if (i != body.inboard) add_marker(plan, node, ws, sweep, i, with_block, b);
+
+  if (with_block) {
+    double left[36];
+    for (int i = 0; i < 36; ++i) left[i] = w.A[i];
+    if (held) {
+      move_to_marker(node, holder);
+      move_block(holder.arm, -1, left);
+    } else {
+      for (int i = 0; i < 6 * m; ++i) w.C[i] = w.B[i];
+    }
+    if (!factor(w.E, m)) return false;
+    eliminate_modes(node, left);
+    for (int i = 0; i < 36; ++i) w.root[i] = left[i];
+    if (!held && !factor(w.root, 6)) return false;
+    if (held) add_block(ws.lanes.data(), ws.slots[at(plan.markers[at(body.inboard)].body)], left);
+  }
+  if (held) move_loads(node, holder, sweep.biased, b);
+  for (int k = 0; k < m; ++k)
+    for (int i = 0; i < 6; ++i) b[i] -= w.W[6 * k + i] * w.free[k];
+  solve(w.E, m, w.free);
+  if (held)
+    add_six(ws.lanes.data(), ws.slots[at(plan.markers[at(body.inboard)].body)], kBlock + 21, b);
+  else
+    for (int i = 0; i < 6; ++i) w.root[36 + i] = b[i];
+  return true;
+}
+
+void substitute(const Plan& plan, Workspace& ws, const Sweep& sweep, const PlanFlexible& body) {
+  const ModalWork w = get_work(plan, body, ws);
+  const int m = body.modes;
+  double* lanes = ws.lanes.data();
+  Six a;
+  if (body.inboard == kNone) {
+    for (int i = 0; i < 6; ++i) a[i] = w.root[36 + i];
+    solve(w.root, 6, a);
+  } else {
+    read_six(lanes, ws.slots[at(plan.markers[at(body.inboard)].body)], kAcceleration, a);
+  }
+  for (int k = 0; k < m; ++k) w.acceleration[k] = w.free[k] - dot6(w.W + 6 * k, a);
+  if (body.inboard != kNone) {
+    const MarkerWork holder = get_marker(plan, body, body.inboard, ws);
+    for (int i = 0; i < 6 && sweep.biased; ++i) a[i] -= holder.bias[i];
+    move_motion(holder.arm, -1, a);
+    for (int k = 0; k < m; ++k)
+      for (int i = 0; i < 6; ++i) a[i] -= w.D[6 * k + i] * w.acceleration[k];
+  }
+  write_six(lanes, ws.slots[at(body.body)], a);
+  for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
+    if (i == body.inboard) continue;
+    const MarkerWork marker = get_marker(plan, body, i, ws);
+    Six carried;
+    for (int k = 0; k < 6; ++k) carried[k] = a[k];
+    move_motion(marker.arm, 1, carried);
+    for (int k = 0; k < 6; ++k) {
+      for (int l = 0; l < m; ++l) carried[k] += marker.columns[6 * l + k] * w.acceleration[l];
+      if (sweep.biased) carried[k] += marker.bias[k];
+    }
+    write_six(lanes, ws.slots[at(plan.markers[at(i)].body)], carried);
+  }
+}
+
+// Calls run(body, node) for the flexible bodies of a group.
+template <class Run>
+void for_bodies(const Plan& plan, const LaneGroup& group, const Run& run) {
+  if (group.special != LaneSpecial::kFlexible) return;
+  for (int lane = 0; lane < group.count; ++lane) {
+    const int node = plan.lane_nodes[at(group.first + lane)];
+    run(plan.flexible[at(plan.bodies[at(plan.nodes[at(node)].body)].flexible)], node);
+  }
+}
+
+}  // namespace
+
+int eliminate_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
+                      bool factor) noexcept {
+  int bad = kNone;
+  for_bodies(plan, group, [&](const PlanFlexible& body, int node) {
+    if (!eliminate(plan, ws, sweep, body, factor)) bad = node;
+  });
+  return bad;
+}
+
+void substitute_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group) noexcept {
+  for_bodies(plan, group, [&](const PlanFlexible& body, int) { substitute(plan, ws, sweep, body); });
+}
+
+}  // namespace unlatch
