@@ -1,7 +1,8 @@
 #include <stdexcept>
 
 #include "bench/solve_solver.h"
-#include "kernel/solver/tree_solver.h"
+#include "kernel/dispatch/kernels.h"
+#include "kernel/solver/loop_rows.h"
 #include "kernel/step/integrator.h"
 #include "tests/support/solve_comparison.h"
 
@@ -29,7 +30,7 @@ class Unlatch : public Solver {
  protected:
   void evaluate_or_throw() {
     test::Simulation& s = simulation_;
-    check(evaluate(s.plan, {s.commands}, s.state, s.get_time(), s.workspace));
+    check(evaluate_state(s));
   }
 
   static void check(int node) {
@@ -44,7 +45,10 @@ class UnlatchFactorSolve final : public Unlatch {
  public:
   using Unlatch::Unlatch;
 
-  void solve() override { check(factor_and_solve(simulation_.plan, simulation_.state, simulation_.workspace, {})); }
+  void solve() override {
+    const PlanData& plan = simulation_.data();
+    check(get_kernels(plan).factor_and_solve(plan, simulation_.state, simulation_.evaluation(), {}, kAllRows));
+  }
 };
 
 }  // namespace

@@ -60,9 +60,10 @@ void RunAnalysis::take_sample() {
   sample.time = simulation_.get_time();
   sample.bodies.assign(simulation_.state().bodies.begin(), simulation_.state().bodies.end());
   sample.modal.resize(sample.bodies.size());
-  for (const PlanFlexible& body : simulation_.plan().flexible) {
-    const double* eta = simulation_.state().extras.data() + body.extras;
-    sample.modal[static_cast<std::size_t>(body.body)].assign(eta, eta + body.modes);
+  for (std::size_t b = 0; b < sample.modal.size(); ++b) {
+    const std::span<const double> eta =
+        get_modal_coordinates(simulation_.plan(), simulation_.state(), static_cast<int>(b));
+    sample.modal[b].assign(eta.begin(), eta.end());
   }
   for (std::size_t i = 0; i < scenario_.model.joints.size(); ++i) {
     const Joint& joint = scenario_.model.joints[i];

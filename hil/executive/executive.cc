@@ -25,7 +25,7 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
       link_(link),
       recorder_(recorder),
       options_(options),
-      dt_ns_(std::llround(simulation.plan().options.dt * 1e9)),
+      dt_ns_(std::llround(simulation.plan().get_options().dt * 1e9)),
       timeout_ns_(std::llround(options.flight_software.timeout * 1e9)),
       catalog_(build_catalog(simulation.model())),
       source_(options.source),
@@ -40,7 +40,7 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
       ticks_(options.ticks != nullptr ? options.ticks : own_ticks_.get()) {
   hello_.session = options.session;
   hello_.schema_hash = kSchemaHash;
-  hello_.model_hash = static_cast<std::int64_t>(simulation.plan().hash);
+  hello_.model_hash = static_cast<std::int64_t>(simulation.plan().get_hash());
   hello_.dt_ns = dt_ns_;
   hello_.last_tick = options.last_tick;
   hello_.protocol = kProtocolVersion;
@@ -211,7 +211,7 @@ LogEnd Executive::conclude_stop() {
     LogEnd end = conclude(RunStatus::kFaulted, "");
     end.step_status = static_cast<std::int32_t>(last_report_.status);
     end.joint = last_report_.joint;
-    end.message = describe_fault(end, simulation_.model(), simulation_.plan().options.dt);
+    end.message = describe_fault(end, simulation_.model(), simulation_.plan().get_options().dt);
     return end;
   }
   if (overrun_ends_) {

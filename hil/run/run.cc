@@ -16,7 +16,7 @@ class RunRecord {
   RunRecord(const Simulation& simulation, Recorder* recorder)
       : simulation_(simulation),
         recorder_(recorder),
-        dt_ns_(std::llround(simulation.plan().options.dt * 1e9)),
+        dt_ns_(std::llround(simulation.plan().get_options().dt * 1e9)),
         events_(build_event_messages(simulation.model())) {}
 
   void state(RunStatus status) {
@@ -88,7 +88,7 @@ LogHeader build_log_header(const Scenario& scenario, const Simulation& simulatio
   header.model_hash = simulation.get_model_hash();
   header.first_tick = simulation.get_tick();
   header.last_tick = last_tick;
-  header.dt = simulation.plan().options.dt;
+  header.dt = simulation.plan().get_options().dt;
   header.program = "unlatch " UNLATCH_VERSION;
   header.compiler = get_compiler();
   header.scenario_name = scenario.name;
@@ -132,7 +132,7 @@ LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorde
   end.hash = simulation.calc_hash();
   end.timing = timing.summarize();
   if (end.status == RunStatus::kFaulted) {
-    end.message = describe_fault(end, simulation.model(), simulation.plan().options.dt);
+    end.message = describe_fault(end, simulation.model(), simulation.plan().get_options().dt);
   }
   return end;
 }

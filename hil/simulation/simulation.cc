@@ -97,7 +97,7 @@ Simulation::Simulation(const Model& model, const PlanOptions& options, const Rat
       workspace_(plan_, {workspace_memory_.get(), plan_.get_workspace_bytes()}),
       channels_(get_initial_channels(model_)),
       held_(model_, rates, channels_, begin()),
-      model_hash_(static_cast<std::int64_t>(unlatch::hil::calc_hash(rates, plan_.hash))) {}
+      model_hash_(static_cast<std::int64_t>(unlatch::hil::calc_hash(rates, plan_.get_hash()))) {}
 
 std::span<const double> Simulation::begin() {
   init_state(plan_, state_);
@@ -164,7 +164,8 @@ bool Simulation::take(std::span<const std::uint64_t> saved) {
 // What indexes with a state's numbers may rely on.
 bool Simulation::is_possible(const unlatch::State& state) const noexcept {
   constexpr std::int64_t kMaxTick = std::int64_t{1} << 53;  // beyond it a time in seconds does not tell two ticks apart
-  if (state.header->plan_hash != plan_.hash || state.header->tick < 0 || state.header->tick > kMaxTick) return false;
+  if (state.header->plan_hash != plan_.get_hash() || state.header->tick < 0 || state.header->tick > kMaxTick)
+    return false;
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const std::int64_t mode = state.joints[i].mode;
     if (mode < 0 || mode >= static_cast<std::int64_t>(model_.joints[i].modes.size())) return false;

@@ -13,7 +13,7 @@
 #include "hil/messages/messages.h"
 #include "hil/realtime/nonblocking.h"
 #include "hil/scenario/rates.h"
-#include "kernel/step/stiffness.h"
+#include "unlatch/frequencies.h"
 #include "unlatch/model.h"
 #include "unlatch/plan.h"
 #include "unlatch/step.h"
@@ -64,7 +64,7 @@ class Simulation {
   const Workspace& workspace() const noexcept { return workspace_; }
 
   std::int64_t get_tick() const noexcept { return state_.header->tick; }
-  double get_time() const noexcept { return static_cast<double>(get_tick()) * plan_.options.dt; }  // s
+  double get_time() const noexcept { return static_cast<double>(get_tick()) * plan_.get_options().dt; }  // s
   std::int64_t calc_hash() const noexcept { return static_cast<std::int64_t>(unlatch::calc_hash(state_)); }
 
   // The State of this tick is to be sent.

@@ -19,10 +19,10 @@ constexpr const char* kJointFields[] = {"mode",     "angle.x",  "angle.y",  "ang
 constexpr const char* kElementFields[] = {"switched_on", "from", "to", "start", "duration"};
 constexpr const char* kEventFields[] = {"phase", "due"};
 constexpr const char* kSignalFields[] = {"value"};
-constexpr const char* kExtraFields[] = {"value"};
+constexpr const char* kAuxiliaryFields[] = {"value"};
 
-// Coordinates beyond the bodies, as State::extras has them.
-std::vector<std::string> list_extras(const Model& model) {
+// Auxiliary states, in the order of State::auxiliary.
+std::vector<std::string> list_auxiliary(const Model& model) {
   std::vector<std::string> names;
   for (const Body& body : model.bodies)
     if (body.law) names.push_back("body '" + body.name + "' burnt");
@@ -66,7 +66,8 @@ std::vector<Section> build_sections(const Model& model, const unlatch::State& st
                    [&](std::size_t i) { return quote("element", model.element_name(static_cast<int>(i))); }),
       make_section(state.events, kEventFields, 1, event_name),
       make_section(state.signals, kSignalFields, 0, [&](std::size_t i) { return quote("signal", model.signals[i]); }),
-      make_section(state.extras, kExtraFields, 0, [names = list_extras(model)](std::size_t i) { return names[i]; }),
+      make_section(state.auxiliary, kAuxiliaryFields, 0,
+                   [names = list_auxiliary(model)](std::size_t i) { return names[i]; }),
   };
 }
 

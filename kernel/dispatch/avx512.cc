@@ -1,9 +1,9 @@
-// Eight numbers at a time. Compiled with -mavx512f and its companions.
+// Eight numbers at a time. Compiled with -mavx512f -mavx512dq -mavx512vl.
 #define UNLATCH_ISA avx512
-#include "kernel/solver/lane_solver.h"
+#include "kernel/dispatch/build_kernels.h"
 
 namespace unlatch::avx512 {
 
-constinit const LaneKernels kKernels = build_kernels<8>(Lanes::kEight);
+constinit const Kernels kKernels = build_kernels<8>();
 
 }  // namespace unlatch::avx512

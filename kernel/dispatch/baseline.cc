@@ -1,10 +1,10 @@
-// What every processor of the family has: one number at a time, or two.
+// One number at a time, or two: every processor of the family can.
 #define UNLATCH_ISA baseline
-#include "kernel/solver/lane_solver.h"
+#include "kernel/dispatch/build_kernels.h"
 
 namespace unlatch::baseline {
 
-constinit const LaneKernels kScalarKernels = build_kernels<1>(Lanes::kScalar);
-constinit const LaneKernels kKernels = build_kernels<2>(Lanes::kTwo);
+constinit const Kernels kScalarKernels = build_kernels<1>();
+constinit const Kernels kKernels = build_kernels<2>();
 
 }  // namespace unlatch::baseline

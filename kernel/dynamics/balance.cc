@@ -4,13 +4,7 @@
 #include "kernel/dynamics/kinematics.h"
 
 namespace unlatch {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
-Balance calc_balance(const Plan& plan, const State& state, const Workspace& ws) noexcept {
+Balance calc_balance(const PlanData& plan, const State& state, const Evaluation& ev) noexcept {
   Balance sum{{0, 0, 0}, {0, 0, 0}, 0};
   const auto add = [&](double mass, const Vec3& p, const Vec3& v, const BodyKinematics& k) {
     const Vec3 momentum = mass * v;
@@ -21,31 +15,31 @@ Balance calc_balance(const Plan& plan, const State& state, const Workspace& ws) 
   };
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
     const BodyState& s = state.bodies[b];
-    const BodyKinematics k = ws.kinematics[b];
+    const BodyKinematics k = read_kinematics(ev, static_cast<int>(b));
     if (plan.bodies[b].flexible != kNone) {
       const PlanFlexible& flexible = plan.flexible[at(plan.bodies[b].flexible)];
       if (flexible.body != static_cast<int>(b)) continue;  // a marker
-      const Balance own = calc_flexible_balance(plan, flexible, s, state.extras.data() + flexible.extras);
+      const Balance own = calc_flexible_balance(plan, flexible, s, state.auxiliary.data() + flexible.auxiliary);
       sum.momentum += own.momentum;
       sum.angular_momentum += own.angular_momentum;
       sum.kinetic += own.kinetic;
     } else if (plan.bodies[b].varying == kNone) {
       add(plan.bodies[b].mass, s.p, s.v, k);
     } else {
-      const VaryingBody& body = ws.varying[at(plan.bodies[b].varying)];
+      const VaryingBody& body = ev.varying[at(plan.bodies[b].varying)];
       add(body.mass, s.p + body.centre, s.v + cross(k.w, body.centre), k);
     }
   }
   return sum;
 }
 
-Balance calc_impulse_entitlement(const Plan& plan, const State& state, const Workspace& ws) noexcept {
+Balance calc_allowed_change(const PlanData& plan, const State& state, const Evaluation& ev) noexcept {
   Balance sum{{0, 0, 0}, {0, 0, 0}, 0};
   for (std::size_t j = 0; j < plan.joints.size(); ++j) {
-    const JointFrame f = get_joint_frame(plan, state, ws, static_cast<int>(j));
+    const JointFrame f = get_joint_frame(plan, state, ev, static_cast<int>(j));
     Vec3 impulse{0, 0, 0}, turn{0, 0, 0};
     for (int r = 0; r < kRows; ++r) {
-      const double lambda = ws.multipliers[j * kRows + at(r)];
+      const double lambda = ev.multipliers[j * kRows + at(r)];
       if (lambda == 0) continue;
       sum.kinetic += 0.5 * lambda * (r < kRotX ? dot(column(f.n, r), f.v_rel) : dot(column(f.m, r - kRotX), f.w_rel));
       if (r < kRotX)

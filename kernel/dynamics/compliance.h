@@ -3,7 +3,8 @@
 // While one is switched on, a sub-step is ROS2 instead of RK4 (Verwer, Spee, Blom, Hundsdorfer 1999): for y' = f(y),
 //   (I − γ h A) k1 = f(y),   (I − γ h A) k2 = f(y + h k1) − 2 k1,   y⁺ = y + 3/2 h k1 + 1/2 h k2,   γ = 1 − 1/√2,
 // of order two for any A, L-stable for the forces that A holds. A holds these springs and the kinematics x' = v alone,
-// so with e = γ h both stages are solves of the step's own matrix with e (e k + d) added to the spring's pivot:
+// so with e = γ h (`gamma_h`) both stages are solves of the step's own matrix with e (e k + d) added to the spring's
+// pivot:
 //   k1:  a1 with −e k x'_n beside the spring's force                 x' = v + e a1,                 v' = a1
 //   k2:  a2 with −e k (x'_2 − 2 (x'_n + e q1)) + 2 e (e k + d) q1    x' = v_2 + e (a2 − 2 a1),      v' = a2
 // q1 being the coordinate's acceleration in a1, x_2 = x_n + h (x'_n + e q1), x'_2 = x'_n + h q1, and
@@ -13,26 +14,31 @@
 // freedoms whatever its mode, since the spring acts on one of them.
 #pragma once
 
-#include "kernel/plan/workspace.h"
+#include "kernel/plan/evaluation.h"
 #include "unlatch/plan.h"
 
 namespace unlatch {
 
 inline constexpr double kGamma = 0.29289321881345254;  // 1 − 1/√2
 
-// Whether an element that is integrated implicitly is on at time t.
-bool is_stiff(const Plan& plan, const State& state, double t) noexcept;
+enum class ImplicitStage : std::int32_t { kOff, kFirst, kSecond };
+// The stage of a sub-step with implicit elements; kOff: an explicit one, or an evaluation at an instant.
+struct Implicit {
+  ImplicitStage stage = ImplicitStage::kOff;
+  double h = 0, gamma_h = 0;  // s
+};
 
-// The first stage of a sub-step of h seconds from t: pivots.
-void begin_compliance(const Plan& plan, const State& state, double t, double h, Workspace& ws) noexcept;
-// Between the stages.
-void keep_first_stage(const Plan& plan, Workspace& ws) noexcept;
-// None of it: for evaluations at an instant, and impulses.
-void end_compliance(const Plan& plan, Workspace& ws) noexcept;
+// An element that is integrated implicitly is on at time t.
+bool is_stiff(const PlanData& plan, const State& state, double t) noexcept;
 
-// What the spring's effort has at the present stage beyond that of an explicit one, N or N m. In the second stage `x`
-// and `rate` become what the method says of the coordinate, instead of where the bodies' stage is: that is off along
-// their tangents by some h², at once a large force where the spring is stiff.
+// The first stage of a sub-step of h seconds from t: stiffnesses, dampings and what they add to their freedoms' pivots.
+Implicit begin_compliance(const PlanData& plan, const State& state, double t, double h, Evaluation& ev) noexcept;
+// From the first stage's solution to the second stage.
+Implicit begin_second_stage(const PlanData& plan, const Implicit& first, Evaluation& ev) noexcept;
+
+// The spring's effort at the present stage beyond that of an explicit one, N or N m. In the second stage `x` and `rate`
+// become the method's values of the coordinate instead of those of the bodies' stage, which are off along their
+// tangents by some h²: a large force where the spring is stiff.
 double calc_lead(const CompliantSpring& spring, const Implicit& implicit, double& x, double& rate) noexcept;
 
 }  // namespace unlatch

@@ -1,13 +1,9 @@
 #include "kernel/dynamics/flexible.h"
 
-#include "kernel/dynamics/auxiliary.h"
-#include "kernel/dynamics/forces.h"
-#include "kernel/plan/lane_access.h"
+#include "kernel/dynamics/gravity.h"
 
 namespace unlatch {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Vec3 read(const double* from) { return {from[0], from[1], from[2]}; }
 void write(double* to, const Vec3& a) {
@@ -45,8 +41,8 @@ Vec3 cross_of(const Dense3& a) { return {a.n[5] - a.n[7], a.n[6] - a.n[2], a.n[1
 struct Coordinates {
   const double *eta, *rate;
 };
-Coordinates get_coordinates(const PlanFlexible& body, const Workspace& ws) {
-  const double* eta = ws.extras.now.data() + body.extras;
+Coordinates get_coordinates(const PlanFlexible& body, const Evaluation& ev) {
+  const double* eta = ev.auxiliary.now.data() + body.auxiliary;
   return {eta, eta + body.modes};
 }
 
@@ -88,43 +84,37 @@ Turn calc_turn(const double* psi, const double* eta, const double* rate, int m) 
   return t;
 }
 
-// What a mode whose stiffness is integrated implicitly has beyond its force, see compliance.h.
-double calc_modal_lead(const PlanFlexible& body, const ModalShape& s, const Workspace& ws, int k) {
-  const double lead = ws.implicit.lead, rate = ws.extras.now[at(body.extras + body.modes + k)];
-  if (ws.implicit.stage == ImplicitStage::kOff) return 0;
-  if (ws.implicit.stage == ImplicitStage::kFirst) return -lead * s.stiffness[k] * rate;
-  const double first_rate = 2 * ws.extras.sum[at(body.extras + k)];
-  const double first_acceleration = 2 * ws.extras.sum[at(body.extras + body.modes + k)];
-  const double pivot = lead * (lead * s.stiffness[k] + s.damping[k]);
-  return 2 * pivot * first_acceleration - lead * s.stiffness[k] * (rate - 2 * first_rate);
+// The force of a mode beyond that of an explicit one, in a stage of ROS2; see compliance.h.
+double calc_modal_lead(const PlanFlexible& body, const ModalShape& s, const Implicit& implicit, const Evaluation& ev,
+                       int k) {
+  const double gamma_h = implicit.gamma_h, rate = ev.auxiliary.now[at(body.auxiliary + body.modes + k)];
+  if (implicit.stage == ImplicitStage::kOff) return 0;
+  if (implicit.stage == ImplicitStage::kFirst) return -gamma_h * s.stiffness[k] * rate;
+  const double first_rate = 2 * ev.auxiliary.sum[at(body.auxiliary + k)];
+  const double first_acceleration = 2 * ev.auxiliary.sum[at(body.auxiliary + body.modes + k)];
+  const double pivot = gamma_h * (gamma_h * s.stiffness[k] + s.damping[k]);
+  return 2 * pivot * first_acceleration - gamma_h * s.stiffness[k] * (rate - 2 * first_rate);
 }
 
-BodyState read_body(const Workspace& ws, int body) {
-  const LaneSlot slot = ws.slots[at(body)];
-  const double* lanes = ws.lanes.data();
-  return {read_vec(lanes, slot, kPose), read_quat(lanes, slot, kPose + 3), read_vec(lanes, slot, kVelocity),
-          read_vec(lanes, slot, kVelocity + 3)};
+BodyState read_body(const Evaluation& ev, int body) {
+  const MotionT<double> m = read(ev.blocks.data(), ev.places[at(body)], &BodyLane::motion);
+  return {m.p, m.q, m.v, m.w};
 }
 
-void write_body(Workspace& ws, int body, const BodyState& s) {
-  const LaneSlot slot = ws.slots[at(body)];
-  double* lanes = ws.lanes.data();
-  write_vec(lanes, slot, kPose, s.p);
-  write_quat(lanes, slot, kPose + 3, s.q);
-  write_vec(lanes, slot, kVelocity, s.v);
-  write_vec(lanes, slot, kVelocity + 3, s.w);
+void write_body(Evaluation& ev, int body, const BodyState& s) {
+  write(ev.blocks.data(), ev.places[at(body)], &BodyLane::motion, {s.p, s.q, s.v, s.w});
 }
 
 }  // namespace
 
-ModalShape get_shape(const Plan& plan, const PlanFlexible& body) noexcept {
+ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept {
   const double* n = plan.modal.data() + body.numbers;
   const int m = body.modes;
   return {m, n, n + 3 * m, n + 12 * m, n + 12 * m + 9 * m * m, n + 13 * m + 9 * m * m};
 }
 
-ModalWork get_work(const Plan&, const PlanFlexible& body, Workspace& ws) noexcept {
-  double* n = ws.modal.data() + body.work;
+ModalWork get_work(const PlanData&, const PlanFlexible& body, Evaluation& ev) noexcept {
+  double* n = ev.modal.data() + body.work;
   const int m = body.modes;
   const auto take = [&n](int count) {
     double* first = n;
@@ -133,7 +123,6 @@ ModalWork get_work(const Plan&, const PlanFlexible& body, Workspace& ws) noexcep
   };
   ModalWork w;
   w.force = take(m);
-  w.given = take(m);
   w.acceleration = take(m);
   w.A = take(36);
   w.B = take(6 * m);
@@ -146,14 +135,14 @@ ModalWork get_work(const Plan&, const PlanFlexible& body, Workspace& ws) noexcep
   return w;
 }
 
-MarkerWork get_marker(const Plan&, const PlanFlexible& body, int marker, Workspace& ws) noexcept {
+MarkerWork get_marker(const PlanData&, const PlanFlexible& body, int marker, Evaluation& ev) noexcept {
   const int m = body.modes;
-  double* n = ws.modal.data() + body.work + get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
+  double* n = ev.modal.data() + body.work + get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
   return {n, n + 6 * m, n + 6 * m + 3};
 }
 
 // x = p + R u, q ⊗ (1, g); in the marker's axes its angular velocity is R_relᵀ (w + w_rel).
-BodyState calc_marker_state(const Plan& plan, const PlanMarker& marker, const BodyState& body,
+BodyState calc_marker_state(const PlanData& plan, const PlanMarker& marker, const BodyState& body,
                             const double* coordinates, const double* rates) noexcept {
   const int m = plan.flexible[at(marker.flexible)].modes;
   const double* phi = plan.modal.data() + marker.numbers;
@@ -165,15 +154,15 @@ BodyState calc_marker_state(const Plan& plan, const PlanMarker& marker, const Bo
           transpose_times(rotation_matrix(turn), body.w + t.w)};
 }
 
-void update_markers(const Plan& plan, Workspace& ws) noexcept {
+void update_markers(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible) {
-    const BodyState frame = read_body(ws, body.body);
+    const BodyState frame = read_body(ev, body.body);
     const Mat3 R = rotation_matrix(frame.q);
-    const Coordinates c = get_coordinates(body, ws);
+    const Coordinates c = get_coordinates(body, ev);
     for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
       const PlanMarker& marker = plan.markers[at(i)];
-      write_body(ws, marker.body, calc_marker_state(plan, marker, frame, c.eta, c.rate));
-      const MarkerWork work = get_marker(plan, body, i, ws);
+      write_body(ev, marker.body, calc_marker_state(plan, marker, frame, c.eta, c.rate));
+      const MarkerWork work = get_marker(plan, body, i, ev);
       const double *phi = plan.modal.data() + marker.numbers, *psi = phi + 3 * body.modes;
       const Turn t = calc_turn(psi, c.eta, c.rate, body.modes);
       write(work.arm, R * (marker.position + combine(phi, c.eta, body.modes)));
@@ -186,29 +175,28 @@ void update_markers(const Plan& plan, Workspace& ws) noexcept {
   }
 }
 
-void update_flexible_kinematics(const Plan& plan, Workspace& ws) noexcept {
-  double* lanes = ws.lanes.data();
+void update_flexible_kinematics(const PlanData& plan, Evaluation& ev) noexcept {
+  double* blocks = ev.blocks.data();
   for (const PlanFlexible& body : plan.flexible) {
-    const LaneSlot slot = ws.slots[at(body.body)];
-    const Sym3 J = rotate(read_mat(lanes, slot, kRotation),
-                          calc_inertia(body, get_shape(plan, body), get_coordinates(body, ws).eta));
-    write_vec(lanes, slot, kInertia, {J.xx, J.yy, J.zz});
-    write_vec(lanes, slot, kInertia + 3, {J.xy, J.xz, J.yz});
+    const Place place = ev.places[at(body.body)];
+    write(blocks, place, &SharedLane::inertia,
+          rotate(read(blocks, place, &BodyLane::R),
+                 calc_inertia(body, get_shape(plan, body), get_coordinates(body, ev).eta)));
   }
 }
 
 // a = a_body + α × r + Σ Φ η'' + w × (w × r) + 2 w × Φ η';   α_marker = α + Σ Ψ' η'' + w × w_rel − 2 (g·g') / (1 + g²)
 // w_rel
-void update_marker_biases(const Plan& plan, BiasKind kind, Workspace& ws) noexcept {
+void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible) {
-    const LaneSlot slot = ws.slots[at(body.body)];
-    const Mat3 R = read_mat(ws.lanes.data(), slot, kRotation);
-    const Vec3 w = read_vec(ws.lanes.data(), slot, kOmega);
-    const Coordinates c = get_coordinates(body, ws);
+    const Place place = ev.places[at(body.body)];
+    const Mat3 R = read(ev.blocks.data(), place, &BodyLane::R);
+    const Vec3 w = read(ev.blocks.data(), place, &BodyLane::w_W);
+    const Coordinates c = get_coordinates(body, ev);
     for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
-      const MarkerWork work = get_marker(plan, body, i, ws);
+      const MarkerWork work = get_marker(plan, body, i, ev);
       Spatial bias{{0, 0, 0}, {0, 0, 0}};
-      if (kind == BiasKind::kAcceleration) {
+      if (kind == RowTarget::kAcceleration) {
         const double *phi = plan.modal.data() + plan.markers[at(i)].numbers, *psi = phi + 3 * body.modes;
         const Turn t = calc_turn(psi, c.eta, c.rate, body.modes);
         const Vec3 w_rel = R * t.w;
@@ -225,17 +213,17 @@ void update_marker_biases(const Plan& plan, BiasKind kind, Workspace& ws) noexce
 //   force   m g − 2 w × s' − w × (w × s)
 //   torque  s × g − 2 (tr Q w − Qᵀ w),  Q = Σ m u u'ᵀ
 //   mode k  S_k·g − 2 w·Σ η'_l Σ m Φ_l × Φ_k − wᵀ P_k w + w² tr P_k − ω² η − 2 ζ ω η',  P_k = Σ m u Φ_kᵀ
-void add_flexible_forces(const Plan& plan, Workspace& ws) noexcept {
-  double* lanes = ws.lanes.data();
+void add_flexible_forces(const PlanData& plan, const Implicit& implicit, Evaluation& ev) noexcept {
+  double* blocks = ev.blocks.data();
   for (const PlanFlexible& body : plan.flexible) {
-    const LaneSlot slot = ws.slots[at(body.body)];
+    const Place place = ev.places[at(body.body)];
     const ModalShape s = get_shape(plan, body);
-    const ModalWork work = get_work(plan, body, ws);
-    const Coordinates c = get_coordinates(body, ws);
+    const ModalWork work = get_work(plan, body, ev);
+    const Coordinates c = get_coordinates(body, ev);
     const int m = body.modes;
-    const Mat3 R = read_mat(lanes, slot, kRotation);
-    const Vec3 w = read_vec(lanes, slot, kVelocity + 3);
-    const Vec3 g = transpose_times(R, calc_gravity(plan, read_vec(lanes, slot, kPose)));
+    const Mat3 R = read(blocks, place, &BodyLane::R);
+    const Vec3 w = read(blocks, place, &BodyLane::motion).w;
+    const Vec3 g = transpose_times(R, calc_gravity(plan.gravity, read(blocks, place, &BodyLane::motion).p));
     const Vec3 moment = combine(s.momentum, c.eta, m), flow = combine(s.momentum, c.rate, m);
     Dense3 Q{};
     for (int k = 0; k < m; ++k) {
@@ -246,48 +234,54 @@ void add_flexible_forces(const Plan& plan, Workspace& ws) noexcept {
       work.force[k] = ((dot(read(s.momentum + 3 * k), g) - 2 * dot(w, cross_of(turning))) -
                        (dot(w, times(P, w)) - dot(w, w) * trace(P))) -
                       (s.stiffness[k] * c.eta[k] + s.damping[k] * c.rate[k]);
-      if (body.implicit) work.force[k] += calc_modal_lead(body, s, ws, k);
+      if (body.implicit) work.force[k] += calc_modal_lead(body, s, implicit, ev, k);
     }
     const Vec3 force = (body.mass * g - 2.0 * cross(w, flow)) - cross(w, cross(w, moment));
     const Vec3 torque = cross(moment, g) - 2.0 * (trace(Q) * w - transpose_times(Q, w));
-    add_vec(lanes, slot, kForce, R * force);
-    add_vec(lanes, slot, kForce + 3, R * torque);
+    add(blocks, place, &SharedLane::force, {R * force, R * torque});
   }
 }
 
-void update_modal_rates(const Plan& plan, Workspace& ws) noexcept {
+void update_modal_rates(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible) {
-    const ModalWork work = get_work(plan, body, ws);
+    const ModalWork work = get_work(plan, body, ev);
     for (int k = 0; k < body.modes; ++k) {
-      ws.extras.rate[at(body.extras + k)] = ws.extras.now[at(body.extras + body.modes + k)];
-      ws.extras.rate[at(body.extras + body.modes + k)] = work.acceleration[k];
+      ev.auxiliary.rate[at(body.auxiliary + k)] = ev.auxiliary.now[at(body.auxiliary + body.modes + k)];
+      ev.auxiliary.rate[at(body.auxiliary + body.modes + k)] = work.acceleration[k];
     }
   }
 }
 
-// Called when the first stage is over, or the second.
-void lead_modal_rates(const Plan& plan, Workspace& ws) noexcept {
+void lead_modal_rates(const PlanData& plan, const Implicit& implicit, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible)
     for (int k = 0; k < body.modes; ++k) {
-      const std::size_t x = at(body.extras + k), v = at(body.extras + body.modes + k);
+      const std::size_t x = at(body.auxiliary + k), v = at(body.auxiliary + body.modes + k);
       const double before =
-          ws.implicit.stage == ImplicitStage::kSecond ? 4 * ws.extras.sum[v] : 0;  // the sum holds half of a1
-      ws.extras.rate[x] += ws.implicit.lead * (ws.extras.rate[v] - before);
+          implicit.stage == ImplicitStage::kSecond ? 4 * ev.auxiliary.sum[v] : 0;  // the sum holds half of a1
+      ev.auxiliary.rate[x] += implicit.gamma_h * (ev.auxiliary.rate[v] - before);
     }
 }
 
-void add_modal_displacements(const Plan& plan, Workspace& ws) noexcept {
-  for (const PlanFlexible& body : plan.flexible)
-    for (int k = 0; k < body.modes; ++k) ws.extras.now[at(body.extras + k)] += get_work(plan, body, ws).acceleration[k];
+void clear_modal_forces(const PlanData& plan, Evaluation& ev) noexcept {
+  for (const PlanFlexible& body : plan.flexible) {
+    const ModalWork work = get_work(plan, body, ev);
+    for (int k = 0; k < body.modes; ++k) work.force[k] = 0;
+  }
 }
 
-void add_modal_velocities(const Plan& plan, Workspace& ws) noexcept {
+void add_modal_displacements(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible)
     for (int k = 0; k < body.modes; ++k)
-      ws.extras.now[at(body.extras + body.modes + k)] += get_work(plan, body, ws).acceleration[k];
+      ev.auxiliary.now[at(body.auxiliary + k)] += get_work(plan, body, ev).acceleration[k];
 }
 
-Balance calc_flexible_balance(const Plan& plan, const PlanFlexible& body, const BodyState& state,
+void add_modal_velocities(const PlanData& plan, Evaluation& ev) noexcept {
+  for (const PlanFlexible& body : plan.flexible)
+    for (int k = 0; k < body.modes; ++k)
+      ev.auxiliary.now[at(body.auxiliary + body.modes + k)] += get_work(plan, body, ev).acceleration[k];
+}
+
+Balance calc_flexible_balance(const PlanData& plan, const PlanFlexible& body, const BodyState& state,
                               const double* coordinates) noexcept {
   const ModalShape s = get_shape(plan, body);
   const int m = body.modes;

@@ -12,28 +12,27 @@
 // becomes one of 6, see flexible_solver.cc. Plain doubles, not lanes; models without flexible bodies do nothing here.
 #pragma once
 
-#include "kernel/dispatch/lane_kernels.h"
-#include "kernel/dynamics/balance.h"
-#include "kernel/plan/workspace.h"
+#include "kernel/dynamics/compliance.h"
+#include "kernel/dynamics/joint_motion.h"
+#include "kernel/plan/evaluation.h"
 #include "unlatch/plan.h"
 
 namespace unlatch {
 
-// What a flexible body has in Plan::modal and Workspace::modal, m modes. Three numbers per mode and vector: k, then
+// What a flexible body has in PlanData::modal and Workspace::modal, m modes. Three numbers per mode and vector: k, then
 // xyz.
 struct ModalShape {
   int modes;
   const double *momentum, *first, *second;  // S (3 m), G (9 m, by rows), H (9 m², by rows; kl)
   const double *stiffness, *damping;        // ω², 1/s²; 2 ζ ω, 1/s
 };
-ModalShape get_shape(const Plan& plan, const PlanFlexible& body) noexcept;
+ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept;
 inline int get_shape_size(int m) { return 3 * m + 9 * m + 9 * m * m + 2 * m; }
 
 // Of one flexible body at one stage.
 struct ModalWork {
   // computed by add_flexible_forces(), then by the solver
   double* force;         // m, on the modal coordinates
-  double* given;         // m: the load of a sweep with Source::kGiven
   double* acceleration;  // m: second derivatives of the modal coordinates, or their corrections
   double* A;             // 36: block of the body and all beyond it
   double* B;             // 6 m: its coupling with the modal coordinates, six per mode
@@ -44,8 +43,8 @@ struct ModalWork {
   double* free;          // m: E⁻¹ times the load of the modal coordinates
   double* root;          // 42: factor of the 6 × 6 that is left, and its load, where nothing holds the body
 };
-ModalWork get_work(const Plan& plan, const PlanFlexible& body, Workspace& ws) noexcept;
-inline int get_work_size(int m) { return 4 * m + 36 + 24 * m + m * m + 42; }
+ModalWork get_work(const PlanData& plan, const PlanFlexible& body, Evaluation& ev) noexcept;
+inline int get_work_size(int m) { return 3 * m + 36 + 24 * m + m * m + 42; }
 
 // Of one marker at one stage, world axes. Computed by update_markers() and update_marker_biases().
 struct MarkerWork {
@@ -53,37 +52,33 @@ struct MarkerWork {
   double* arm;      // 3: from the body's origin
   double* bias;     // 6: what its acceleration is beyond that
 };
-MarkerWork get_marker(const Plan& plan, const PlanFlexible& body, int marker, Workspace& ws) noexcept;
+MarkerWork get_marker(const PlanData& plan, const PlanFlexible& body, int marker, Evaluation& ev) noexcept;
 inline int get_marker_size(int m) { return 6 * m + 9; }
 
-// Poses and velocities of all markers, from their bodies and ws.extras.
-void update_markers(const Plan& plan, Workspace& ws) noexcept;
+// Poses and velocities of all markers, from their bodies and ev.auxiliary.
+void update_markers(const PlanData& plan, Evaluation& ev) noexcept;
 // One marker's, given its body's and the modal coordinates with their rates.
-BodyState calc_marker_state(const Plan& plan, const PlanMarker& marker, const BodyState& body,
+BodyState calc_marker_state(const PlanData& plan, const PlanMarker& marker, const BodyState& body,
                             const double* coordinates, const double* rates) noexcept;
 
-// Inertias in world axes, after the kernels' update_kinematics.
-void update_flexible_kinematics(const Plan& plan, Workspace& ws) noexcept;
+// Inertias in world axes, after update_kinematics().
+void update_flexible_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 // For accelerations; zero for corrections.
-void update_marker_biases(const Plan& plan, BiasKind kind, Workspace& ws) noexcept;
+void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) noexcept;
 // Weight, centrifugal and Coriolis forces, stiffness and damping; the gyroscopic torque of the frame is there.
-void add_flexible_forces(const Plan& plan, Workspace& ws) noexcept;
-// Takes the modal accelerations of the latest solution for rates of ws.extras.
-void update_modal_rates(const Plan& plan, Workspace& ws) noexcept;
-// With implicit elements: x' = v + e a of the first stage, x' = v + e (a − 2 a1) of the second, see compliance.h.
-void lead_modal_rates(const Plan& plan, Workspace& ws) noexcept;
+void add_flexible_forces(const PlanData& plan, const Implicit& implicit, Evaluation& ev) noexcept;
+// Takes the modal accelerations of the latest solution for rates of ev.auxiliary.
+void update_modal_rates(const PlanData& plan, Evaluation& ev) noexcept;
+// At the end of a stage of ROS2, see compliance.h: x' = v + γh a1 of the first, x' = v + γh (a2 − 2 a1) of the second.
+void lead_modal_rates(const PlanData& plan, const Implicit& implicit, Evaluation& ev) noexcept;
+// Nothing pushes the modal coordinates.
+void clear_modal_forces(const PlanData& plan, Evaluation& ev) noexcept;
 // Takes the latest solution as a displacement of the modal coordinates, or as a change of their rates.
-void add_modal_displacements(const Plan& plan, Workspace& ws) noexcept;
-void add_modal_velocities(const Plan& plan, Workspace& ws) noexcept;
+void add_modal_displacements(const PlanData& plan, Evaluation& ev) noexcept;
+void add_modal_velocities(const PlanData& plan, Evaluation& ev) noexcept;
 
 // Momenta and kinetic energy of one flexible body; `coordinates`: its modal coordinates, then their rates.
-Balance calc_flexible_balance(const Plan& plan, const PlanFlexible& body, const BodyState& state,
+Balance calc_flexible_balance(const PlanData& plan, const PlanFlexible& body, const BodyState& state,
                               const double* coordinates) noexcept;
-
-// The solver's part of the sweeps, for a group of flexible bodies; nothing for one of markers, whose bodies do it.
-// Returns kNone, or the node whose pivot vanished.
-int eliminate_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
-                      bool factor) noexcept;
-void substitute_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group) noexcept;
 
 }  // namespace unlatch

@@ -1,16 +1,14 @@
-// What pushes and pulls at one stage: gravity, loads, springs and dampers, gyroscopic torque.
+// Forces of elements at one stage: loads that keep their direction in the world, springs and dampers; and those of
+// bodies that bend or burn. Each body's weight, gyroscopic torque and own loads are init_forces()'s (body_motion.h).
 #pragma once
 
-#include "kernel/plan/workspace.h"
-#include "unlatch/plan.h"
+#include "kernel/dynamics/instant.h"
+#include "kernel/plan/evaluation.h"
 
 namespace unlatch {
 
-// What acts beside the forces that the lanes sum (init_forces() in lane_kernels.h), at time t, s; needs kinematics,
-// joint frames, coordinates and loads of this stage.
-void add_forces(const Plan& plan, const State& state, double t, Workspace& ws) noexcept;
-
-// Acceleration of free fall at a point of W, m/s².
-Vec3 calc_gravity(const Plan& plan, const Vec3& p) noexcept;
+// Adds them to the bodies' forces, and sets the rates of what is burnt. Needs kinematics, joint frames, coordinates and
+// loads of this stage.
+void add_forces(const Instant& now, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

@@ -1,61 +1,86 @@
-// Where everything is and how it moves at one stage: rotation matrices, world inertias, joint frames and coordinates.
+// Frames of bodies and joints, one at a time, wherever they are kept.
 #pragma once
 
-#include "kernel/dispatch/lane_kernels.h"
-#include "kernel/plan/workspace.h"
-#include "unlatch/plan.h"
+#include "kernel/dynamics/joint_motion.h"
+#include "kernel/plan/evaluation.h"
 
 namespace unlatch {
 
-// Position, velocity and attitude of a body or of the ground.
-struct BodyFrame {
-  Mat3 R;
-  Vec3 p, v, w;  // world axes
+// Of a body or of the ground; needs update_kinematics().
+BodyFrame get_body_frame(const Evaluation& ev, int body) noexcept;
+
+struct BodyKinematics {
+  Mat3 R;  // R_WB
+  Vec3 w;  // world axes, rad/s
+  Sym3 J;  // about the origin, world axes, kg m²
 };
-BodyFrame get_body_frame(const Workspace& ws, int body) noexcept;
+BodyKinematics read_kinematics(const Evaluation& ev, int body) noexcept;
 
-// Any joint's frame, wherever it is kept.
-JointFrame get_joint_frame(const Plan& plan, const State& state, const Workspace& ws, int joint) noexcept;
-
-// Parts of it, for those who need no more: the axis of a row; the arm from a body's origin to the follower's point.
-Vec3 get_axis(const Plan& plan, const Workspace& ws, int joint, int row) noexcept;
-Vec3 get_arm(const Plan& plan, const Workspace& ws, int joint, bool of_follower) noexcept;
-
-// Rotations, angular velocities and inertias of all bodies.
-void update_kinematics(const Plan& plan, Workspace& ws) noexcept;
-
-// The same where only velocities have changed since.
-void update_rates(const Plan& plan, Workspace& ws) noexcept;
-
-// Frames of all joints and the right-hand sides of their rows; needs kinematics. For accelerations also the forces that
-// the lanes sum (init_forces() in lane_kernels.h); needs loads.
-void update_joints(const Plan& plan, const State& state, BiasKind kind, Workspace& ws) noexcept;
-
-// The same for accelerations, where neither poses nor modes have changed since: only velocities have.
-void renew_joints(const Plan& plan, const State& state, Workspace& ws) noexcept;
-
-// ws.coordinates and ws.speeds that springs, or all that springs, guards and sensors, read; needs the joints' frames.
-// Angles are counted on from those in the state's joints.
-void update_coordinates(const Plan& plan, const State& state, bool all, Workspace& ws) noexcept;
-
-// The rotation frame as the follower carries it, in world axes.
-Mat3 calc_follower_axes(const Plan& plan, const Workspace& ws, int joint) noexcept;
-
-// The turn about axis k of the rotation frame by which the follower's frame stands from the base's, in (−π, π]: exact
-// for a turn about that axis alone, and for both axes of a universal joint.
-double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept;
-
-// Relative attitude of a joint's rotation frame, follower to base.
-Quat calc_relative_attitude(const Plan& plan, const Workspace& ws, int joint) noexcept;
-
-// Whether a universal joint's rotation frame follows its cross.
+// The rows of a joint that hold now.
+inline RowSet get_active_rows(const PlanData& plan, const State& state, int joint) noexcept {
+  return plan.get_rows(joint, state.joints[at(joint)].mode);
+}
+// A universal joint's rotation frame follows its cross.
 inline bool is_crossed(const PlanJoint& joint, RowSet rows) noexcept {
   return joint.universal && (rows & kRotationRows) == row_bit(kRotZ);
 }
 
-// Which rows of a joint hold now.
-inline RowSet get_active_rows(const Plan& plan, const State& state, int joint) noexcept {
-  return plan.get_rows(joint, state.joints[static_cast<std::size_t>(joint)].mode);
-}
+// Parts of a joint's frame: an edge of the tree has them in its child's lane, any other joint in a frame of its own.
+// Needs update_joints().
+class JointView {
+ public:
+  UNLATCH_INLINE JointView(const PlanData& plan, const Evaluation& ev, int joint)
+      : plan_(plan),
+        blocks_(ev.blocks.data()),
+        joint_(plan.joints[at(joint)]),
+        place_(joint_.non_tree == kNone ? ev.places[at(joint_.child)] : Place{}),
+        frame_(joint_.non_tree == kNone ? nullptr : &ev.non_tree_frames[at(joint_.non_tree)]) {}
+
+  // Of a row, world axes.
+  UNLATCH_INLINE Vec3 get_axis(int row) const {
+    if (frame_ != nullptr) return row < kRotX ? column(frame_->n, row) : column(frame_->m, row - kRotX);
+    if (row < kRotX) return get_lane<SolverLane>(blocks_, place_).read_column(&SolverLane::axes, row);
+    const LaneOf<Mat3> axes = LaneParts(plan_.groups[at(joint_.group)], blocks_, place_).rotation_axes();
+    return collect<Vec3>(axes.first + 3 * (row - kRotX) * axes.stride, axes.stride);
+  }
+  UNLATCH_INLINE Mat3 get_rotation_axes() const {
+    if (frame_ != nullptr) return frame_->m;
+    return LaneParts(plan_.groups[at(joint_.group)], blocks_, place_).rotation_axes().read();
+  }
+  // v_rel, w_rel
+  UNLATCH_INLINE Spatial get_slip() const {
+    return frame_ != nullptr ? Spatial{frame_->v_rel, frame_->w_rel} : read(blocks_, place_, &JointLane::slip);
+  }
+  UNLATCH_INLINE Vec3 get_displacement() const {
+    return frame_ != nullptr ? frame_->displacement : read(blocks_, place_, &JointLane::displacement);
+  }
+  UNLATCH_INLINE double get_displacement(int row) const {
+    if (frame_ == nullptr) return get_lane<JointLane>(blocks_, place_).read_component(&JointLane::displacement, row);
+    const Vec3& d = frame_->displacement;
+    return row == kX ? d.x : (row == kY ? d.y : d.z);
+  }
+  // From a body's origin to the follower's point.
+  UNLATCH_INLINE Vec3 get_arm(bool of_follower) const {
+    if (frame_ != nullptr) return of_follower ? frame_->r_follower : frame_->r_base;
+    const bool of_child = joint_.child == (of_follower ? joint_.follower : joint_.base);
+    return of_child ? read(blocks_, place_, &SolverLane::arm_child) : read(blocks_, place_, &JointLane::arm_parent);
+  }
+  UNLATCH_INLINE const PlanJoint& get_plan() const { return joint_; }
+
+ private:
+  const PlanData& plan_;
+  double* blocks_;
+  const PlanJoint& joint_;
+  Place place_;
+  const JointFrame* frame_;
+};
+
+JointFrame get_joint_frame(const PlanData& plan, const State& state, const Evaluation& ev, int joint) noexcept;
+
+// The rotation frame as the follower carries it, in world axes.
+Mat3 calc_follower_axes(const PlanData& plan, const Evaluation& ev, int joint) noexcept;
+
+// Relative attitude of a joint's rotation frame, follower to base.
+Quat calc_relative_attitude(const PlanData& plan, const Evaluation& ev, int joint) noexcept;
 
 }  // namespace unlatch

@@ -1,17 +1,9 @@
 #include "kernel/dynamics/loads.h"
 
-#include <algorithm>
-#include <limits>
-
 #include "unlatch/elementary.h"
-#include "unlatch/step.h"
 
 namespace unlatch {
 namespace {
-
-constexpr double kNever = std::numeric_limits<double>::quiet_NaN();  // equal to no time
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double calc_table(std::span<const Knot> knots, double s) {
   if (s <= knots.front().time) return knots.front().value;
@@ -25,34 +17,16 @@ double calc_table(std::span<const Knot> knots, double s) {
   return a.value + (b.value - a.value) * ((s - a.time) / (b.time - a.time));
 }
 
-// Loads with one law have often begun at one time.
-double find_profile(const Plan& plan, int profile, double s, Workspace& ws) {
-  KeptProfile& kept = ws.profiles[at(profile)];
+// Loads with one law have often begun at one time, and stages share instants.
+double find_profile(const PlanData& plan, int profile, double s, Evaluation& ev) {
+  KeptProfile& kept = ev.profiles[at(profile)];
   if (kept.s != s) kept = {s, calc_profile(plan, plan.profiles[at(profile)], s)};
   return kept.value;
 }
 
-// The wrench of a load that is fixed in its body, added to those before it or in their place.
-template <bool kAdd>
-UNLATCH_INLINE void apply(const PlanLoad& load, double size, double* lanes) {
-  const Vec3 force = size * load.wrench.lin, torque = size * load.wrench.ang;
-  double* to = lanes + load.applied;
-  for (const double number : {force.x, force.y, force.z, torque.x, torque.y, torque.z}) {
-    *to = kAdd ? *to + number : number;
-    to += kOctet;
-  }
-}
-
-// Bodies without loads in octets that have some.
-void clear_wrenches(const Plan& plan, Workspace& ws) {
-  for (const LaneOctet& octet : plan.octets)
-    if (octet.loaded)
-      std::fill_n(ws.lanes.data() + octet.body + kApplied * kOctet, (kLoadedEnd - kApplied) * kOctet, 0.0);
-}
-
 }  // namespace
 
-double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noexcept {
+double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) noexcept {
   switch (profile.kind) {
     case Profile::Kind::kConstant:
       return profile.value;
@@ -70,33 +44,34 @@ double calc_profile(const Plan& plan, const PlanProfile& profile, double s) noex
   return 0;
 }
 
-void update_loads(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  if (plan.loads.empty() || ws.loads_time == t) return;
-  ws.loads_time = t;
-  const ElementState* elements = state.elements.data();
-  double *sizes = ws.load_sizes.data(), *lanes = ws.lanes.data();
-  for (const PlanLoad& load : plan.loads) {
-    const ElementState& element = elements[load.element];
-    const double scale = calc_scale(element, t);
-    double size = 0;
-    if (scale != 0) {
-      size = find_profile(plan, load.profile, t - element.switched_on, ws) * scale;
-      if (load.channel != kNone) size *= inputs.commands[at(load.channel)];
-    }
-    *sizes++ = size;
-    if (load.first)
-      apply<false>(load, size, lanes);
-    else if (!load.world && size != 0)
-      apply<true>(load, size, lanes);
-  }
+double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, int load) noexcept {
+  const PlanLoad& own = plan.data().loads[at(load)];
+  const ElementState& element = state.elements[at(own.element)];
+  const double t = static_cast<double>(state.header->tick) * plan.get_options().dt, scale = calc_scale(element, t);
+  if (scale == 0) return 0;
+  const double value = calc_profile(plan.data(), plan.data().profiles[at(own.profile)], t - element.switched_on);
+  return value * scale * (own.channel == kNone ? 1.0 : inputs.commands[at(own.channel)]);
 }
 
-void forget_sizes(Workspace& ws) noexcept { ws.loads_time = kNever; }
-
-void forget_loads(const Plan& plan, Workspace& ws) noexcept {
-  forget_sizes(ws);
-  clear_wrenches(plan, ws);
-  for (KeptProfile& kept : ws.profiles) kept.s = kNever;
+void update_loads(const Instant& now, Evaluation& ev) noexcept {
+  const PlanData& plan = now.plan;
+  if (plan.loads.empty()) return;
+  double *blocks = ev.blocks.data(), *sizes = ev.load_sizes.data();
+  const ElementState* elements = now.state.elements.data();
+  for (const BodyEight& eight : plan.eights)
+    if (eight.loaded) eight.get_applied(blocks, 0) = {};
+  for (const PlanLoad& load : plan.loads) {
+    const ElementState& element = elements[load.element];
+    const double scale = calc_scale(element, now.t);
+    double size = 0;
+    if (scale != 0) {
+      size = find_profile(plan, load.profile, now.t - element.switched_on, ev) * scale;
+      if (load.channel != kNone) size *= now.inputs.commands[at(load.channel)];
+    }
+    *sizes++ = size;
+    if (!load.world && size != 0)
+      add(blocks, ev.places[at(load.body)], &AppliedBlock<double>::wrench, size * load.wrench);
+  }
 }
 
 }  // namespace unlatch

@@ -10,21 +10,21 @@
 // more.
 #pragma once
 
-#include "kernel/plan/workspace.h"
+#include "kernel/plan/evaluation.h"
 #include "unlatch/plan.h"
 
 namespace unlatch {
 
-// Masses by the law at `t` and ws.extras.
-void update_masses(const Plan& plan, double t, Workspace& ws) noexcept;
+// Masses by the law at `t` and ev.auxiliary.
+void update_masses(const PlanData& plan, double t, Evaluation& ev) noexcept;
 
-// Centres of mass and inertias in world axes, after the kernels' update_kinematics.
-void update_varying_kinematics(const Plan& plan, Workspace& ws) noexcept;
+// Centres of mass and inertias in world axes, after update_kinematics().
+void update_varying_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 
 // Weight, centrifugal force, jet damping; the gyroscopic torque is there. After the loads, which tell what is burnt.
-void add_varying_forces(const Plan& plan, Workspace& ws) noexcept;
+void add_varying_forces(const PlanData& plan, Evaluation& ev) noexcept;
 
 // The blocks of the solver begin with the inertia about the centre of mass; adds what the mass makes of them.
-void add_varying_blocks(const Plan& plan, Workspace& ws) noexcept;
+void add_varying_blocks(const PlanData& plan, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

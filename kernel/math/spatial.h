@@ -6,13 +6,6 @@
 
 namespace unlatch {
 
-// A force and a torque, or a linear and an angular velocity or acceleration; world axes, at a body's origin.
-template <class T>
-struct SpatialT {
-  Vec3T<T> lin, ang;
-};
-using Spatial = SpatialT<double>;
-
 // 6×6 symmetric inertia of the bodies beyond a node: force = M a + H α, torque = Hᵀ a + I α, at the node's body origin.
 template <class T>
 struct ArticulatedT {
@@ -154,12 +147,8 @@ UNLATCH_INLINE ArticulatedT<T> shift(const ArticulatedT<T>& A, const Vec3T<T>& r
 }
 
 template <class T>
-UNLATCH_INLINE void operator+=(ArticulatedT<T>& A, const ArticulatedT<T>& B) {
-  A.M = A.M + B.M;
-  A.H.x += B.H.x;
-  A.H.y += B.H.y;
-  A.H.z += B.H.z;
-  A.I = A.I + B.I;
+UNLATCH_INLINE ArticulatedT<T> operator+(const ArticulatedT<T>& A, const ArticulatedT<T>& B) {
+  return {A.M + B.M, {A.H.x + B.H.x, A.H.y + B.H.y, A.H.z + B.H.z}, A.I + B.I};
 }
 
 // LDLᵀ of a symmetric 3×3: L⁻¹ = [1; −l10 1; n20 −l21 1] and the pivots' inverses.

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include "unlatch/plan.h"
+#include "kernel/plan/plan_data.h"
 
 namespace unlatch {
 namespace {
@@ -19,7 +19,8 @@ std::span<T> take(std::byte*& cursor, std::size_t count) noexcept {
 
 }  // namespace
 
-State::State(const Plan& plan, std::span<std::byte> memory) noexcept {
+State::State(const Plan& owner, std::span<std::byte> memory) noexcept {
+  const PlanData& plan = owner.data();
   std::byte* cursor = memory.data();
   header = take<StateHeader>(cursor, 1).data();
   bodies = take<BodyState>(cursor, plan.bodies.size());
@@ -27,31 +28,45 @@ State::State(const Plan& plan, std::span<std::byte> memory) noexcept {
   elements = take<ElementState>(cursor, plan.element_scales.size());
   events = take<EventState>(cursor, plan.events.size());
   signals = take<double>(cursor, static_cast<std::size_t>(plan.signal_count));
-  extras = take<double>(cursor, plan.initial_extras.size());
+  auxiliary = take<double>(cursor, plan.initial_auxiliary.size());
   bytes_ = memory.first(static_cast<std::size_t>(cursor - memory.data()));
 }
 
-std::size_t Plan::get_state_bytes() const {
-  return sizeof(StateHeader) + bodies.size() * sizeof(BodyState) + joints.size() * sizeof(JointState) +
-         element_scales.size() * sizeof(ElementState) + events.size() * sizeof(EventState) +
-         (static_cast<std::size_t>(signal_count) + initial_extras.size()) * sizeof(double);
+const PlanOptions& Plan::get_options() const noexcept { return data_->options; }
+std::span<const TreeNode> Plan::get_tree() const noexcept { return data_->nodes; }
+std::span<const std::int32_t> Plan::get_loops() const noexcept { return data_->loops; }
+std::size_t Plan::get_sensor_count() const noexcept { return at(data_->sensor_count); }
+std::uint64_t Plan::get_hash() const noexcept { return data_->hash; }
+
+std::size_t Plan::get_state_bytes() const noexcept {
+  const PlanData& plan = *data_;
+  return sizeof(StateHeader) + plan.bodies.size() * sizeof(BodyState) + plan.joints.size() * sizeof(JointState) +
+         plan.element_scales.size() * sizeof(ElementState) + plan.events.size() * sizeof(EventState) +
+         (static_cast<std::size_t>(plan.signal_count) + plan.initial_auxiliary.size()) * sizeof(double);
 }
 
-void init_state(const Plan& plan, State& state) noexcept {
+void init_state(const Plan& owner, State& state) noexcept {
+  const PlanData& plan = owner.data();
   *state.header = {0, plan.hash};
   for (std::size_t b = 0; b < plan.bodies.size(); ++b) state.bodies[b] = plan.bodies[b].initial;
   for (std::size_t j = 0; j < plan.joints.size(); ++j) {
     state.joints[j] = {plan.joints[j].mode, {0, 0, 0}, {0, 0, 0}, {1, 0, 0, 0}};
   }
   for (const PlanCoordinate& c : plan.coordinates)
-    if (c.row >= kRotX) state.joints[static_cast<std::size_t>(c.joint)].angle[c.row - kRotX] = c.initial;
+    if (c.row >= kRotX) state.joints[at(c.joint)].angle[c.row - kRotX] = c.initial;
   for (std::size_t e = 0; e < plan.element_scales.size(); ++e) {
     const double scale = plan.element_scales[e];
     state.elements[e] = {0, scale, scale, 0, 0};
   }
   for (EventState& event : state.events) event = {EventPhase::kArmed, 0};
   for (double& signal : state.signals) signal = 0;
-  std::copy(plan.initial_extras.begin(), plan.initial_extras.end(), state.extras.begin());
+  std::copy(plan.initial_auxiliary.begin(), plan.initial_auxiliary.end(), state.auxiliary.begin());
+}
+
+std::span<const double> get_modal_coordinates(const Plan& owner, const State& state, int body) noexcept {
+  for (const PlanFlexible& flexible : owner.data().flexible)
+    if (flexible.body == body) return state.auxiliary.subspan(at(flexible.auxiliary), at(flexible.modes));
+  return {};
 }
 
 // Four interleaved multiply–xorshift chains over the 64-bit words, then mixed: about a nanosecond for four words.

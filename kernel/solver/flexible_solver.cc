@@ -1,7 +1,7 @@
 // A flexible body in the tree. With A, B, E the block of its frame's acceleration a and its modal ones η'', b and f
 // their loads, and for every marker X a + J η'' + β its acceleration:
 //
-//   beyond it   a marker that has the block A_c and the load l_c adds
+//   outboard    a marker that has the block A_c and the load l_c adds
 //               A += Xᵀ A_c X,  B += Xᵀ A_c J,  E += Jᵀ A_c J,  b += Xᵀ (l_c − A_c β),  f += Jᵀ (l_c − A_c β)
 //   held by it  the marker's acceleration takes the place of the frame's, a = Y (a_m − β) − D η'', Y = X⁻¹, D = Y J:
 //               A' = Yᵀ A Y,  B' = Yᵀ (B − A D),  E' = E − Dᵀ B − Bᵀ D + Dᵀ A D,
@@ -10,24 +10,23 @@
 //               η'' = E'⁻¹ f' − W a_m,  W = E'⁻¹ B'ᵀ
 //
 // 6-vectors: lin, ang, world axes. Cost O(m² (m + markers)).
-#include <cmath>
+#include "kernel/solver/flexible_solver.h"
 
 #include "kernel/dynamics/flexible.h"
-#include "kernel/plan/lane_access.h"
+#include "kernel/solver/dense_ldl.h"
 
 namespace unlatch {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-constexpr double kSingular = 1e-13;  // as the lanes have it: a pivot this small beside its diagonal is rounding
-
 using Six = double[6];
 
-template <class Row>
-void read_six(const double* lanes, LaneSlot slot, Row row, Six& out) {
-  for (int i = 0; i < 6; ++i) out[i] = lanes[find(slot, row + i)];
+template <class Block>
+void read_six(const double* blocks, const Place& place, Spatial Block::*member, Six& out) {
+  const Spatial a = read(blocks, place, member);
+  const double numbers[6] = {a.lin.x, a.lin.y, a.lin.z, a.ang.x, a.ang.y, a.ang.z};
+  for (int i = 0; i < 6; ++i) out[i] = numbers[i];
 }
+Spatial to_spatial(const Six& a) { return {{a[0], a[1], a[2]}, {a[3], a[4], a[5]}}; }
 
 // (lin, ang) → (lin + ang × arm, ang), and its transpose for wrenches: (lin, ang + arm × lin).
 void move_motion(const double* arm, double sign, double* a) {
@@ -62,81 +61,58 @@ void move_block(const double* arm, double sign, double* A) {
   for (int i = 0; i < 6; ++i) move_wrench(arm, sign, A + 6 * i);
 }
 
-// The 21 numbers of a lane's block as a full matrix: M xx yy zz xy xz yz, H by columns, I as M.
+// An articulated block as a full matrix: M xx yy zz xy xz yz, H by columns, I as M.
 constexpr int kPlaces[21][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3}, {2, 3}, {0, 4}, {1, 4},
                                 {2, 4}, {0, 5}, {1, 5}, {2, 5}, {3, 3}, {4, 4}, {5, 5}, {3, 4}, {3, 5}, {4, 5}};
-void read_block(const double* lanes, LaneSlot slot, double* A) {
-  for (int i = 0; i < 21; ++i)
-    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = lanes[find(slot, kBlock + i)];
+static_assert(sizeof(Articulated) == 21 * sizeof(double));
+void read_block(const double* blocks, const Place& place, double* A) {
+  const Articulated block = read(blocks, place, &SubtreeLane::A);
+  double numbers[21];
+  spread(numbers, 1, block);
+  for (int i = 0; i < 21; ++i) A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = numbers[i];
 }
-
-void add_block(double* lanes, LaneSlot slot, const double* A) {
-  for (int i = 0; i < 21; ++i) lanes[find(slot, kBlock + i)] += A[6 * kPlaces[i][0] + kPlaces[i][1]];
-}
-void add_six(double* lanes, LaneSlot slot, int row, const Six& a) {
-  for (int i = 0; i < 6; ++i) lanes[find(slot, row + i)] += a[i];
-}
-void write_six(double* lanes, LaneSlot slot, const Six& a) {
-  for (int i = 0; i < 6; ++i) lanes[find(slot, kAcceleration + i)] = a[i];
-}
-
-// LDLᵀ in place of a symmetric n × n: pivots on the diagonal, the unit lower triangle below it. Row by row: first L D
-// of the row, then L and the pivot.
-bool factor(double* A, int n) {
-  for (int r = 0; r < n; ++r) {
-    for (int c = 0; c < r; ++c)
-      for (int k = 0; k < c; ++k) A[n * r + c] -= A[n * r + k] * A[n * c + k];
-    double pivot = A[n * r + r];
-    for (int c = 0; c < r; ++c) {
-      const double scaled = A[n * r + c];
-      A[n * r + c] = scaled / A[n * c + c];
-      pivot -= scaled * A[n * r + c];
-    }
-    if (!(pivot > kSingular * A[n * r + r])) return false;
-    A[n * r + r] = pivot;
-  }
-  return true;
-}
-void solve(const double* A, int n, double* x) {
-  for (int r = 0; r < n; ++r)
-    for (int c = 0; c < r; ++c) x[r] -= A[n * r + c] * x[c];
-  for (int r = n - 1; r >= 0; --r) {
-    x[r] /= A[n * r + r];
-    for (int k = r + 1; k < n; ++k) x[r] -= A[n * k + r] * x[k];
-  }
+void add_block(double* blocks, const Place& place, const double* A) {
+  double numbers[21];
+  for (int i = 0; i < 21; ++i) numbers[i] = A[6 * kPlaces[i][0] + kPlaces[i][1]];
+  add(blocks, place, &SubtreeLane::A, collect<Articulated>(numbers, 1));
 }
 
 struct Node {
   const PlanFlexible& body;
   ModalShape shape;
   ModalWork work;
-  LaneSlot slot;
+  Place place;
 };
 
+// Of the marker that holds the body.
+const Place& get_inboard_place(const PlanData& plan, const Evaluation& ev, const PlanFlexible& body) {
+  return ev.places[at(plan.markers[at(body.inboard)].body)];
+}
+
 // The body's own block, and its load.
-void init_node(const Node& node, Workspace& ws, const Sweep& sweep, bool with_block, Six& b) {
+void init_node(const Node& node, Evaluation& ev, const Sweep& sweep, bool with_block, Six& b) {
   const PlanFlexible& body = node.body;
-  const double* lanes = ws.lanes.data();
+  const double* blocks = ev.blocks.data();
   const int m = body.modes;
-  const double* load = sweep.source == Source::kForces ? node.work.force : node.work.given;
-  for (int k = 0; k < m; ++k) node.work.free[k] = sweep.source == Source::kNothing ? 0 : load[k];
+  const bool pushed = sweep.source == Source::kForces;
+  for (int k = 0; k < m; ++k) node.work.free[k] = pushed ? node.work.force[k] : 0;
   for (double& n : b) n = 0;
-  if (sweep.source != Source::kNothing)
-    read_six(lanes, node.slot, sweep.source == Source::kForces ? kForce : kAcceleration, b);
+  if (pushed) read_six(blocks, node.place, &SharedLane::force, b);
   if (!with_block) return;
 
-  const double* eta = ws.extras.now.data() + body.extras;
-  const Mat3 R = read_mat(lanes, node.slot, kRotation);
-  const auto read = [](const double* n) { return Vec3{n[0], n[1], n[2]}; };
+  const double* eta = ev.auxiliary.now.data() + body.auxiliary;
+  const Mat3 R = read(blocks, node.place, &BodyLane::R);
+  const auto read3 = [](const double* n) { return Vec3{n[0], n[1], n[2]}; };
   Vec3 moment{0, 0, 0};
-  for (int k = 0; k < m; ++k) moment += eta[k] * read(node.shape.momentum + 3 * k);
+  for (int k = 0; k < m; ++k) moment += eta[k] * read3(node.shape.momentum + 3 * k);
   moment = R * moment;
   double* A = node.work.A;
   for (int i = 0; i < 36; ++i) A[i] = 0;
   A[0] = A[7] = A[14] = body.mass;
-  const double* J = lanes + find(node.slot, kInertia);  // xx yy zz xy xz yz
+  const Sym3 J = read(blocks, node.place, &SharedLane::inertia);
+  const double moments[6] = {J.xx, J.yy, J.zz, J.xy, J.xz, J.yz};
   for (int i = 15; i < 21; ++i)
-    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = J[(i - 15) * kOctet];
+    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = moments[i - 15];
   // −(m c)~: a turn about the origin accelerates the centre of mass
   const double skew[3][3] = {{0, moment.z, -moment.y}, {-moment.z, 0, moment.x}, {moment.y, -moment.x, 0}};
   for (int i = 0; i < 3; ++i)
@@ -150,30 +126,31 @@ void init_node(const Node& node, Workspace& ws, const Sweep& sweep, bool with_bl
       turning += eta[l] * Vec3{H[5] - H[7], H[6] - H[2], H[1] - H[3]};
       node.work.E[k * m + l] = (mirror[0] + mirror[4]) + mirror[8];
     }
-    const Vec3 push = R * read(node.shape.momentum + 3 * k);
+    const Vec3 push = R * read3(node.shape.momentum + 3 * k);
     turning = R * turning;
     const double column[6] = {push.x, push.y, push.z, turning.x, turning.y, turning.z};
     for (int i = 0; i < 6; ++i) node.work.B[6 * k + i] = column[i];
-    if (body.implicit && ws.implicit.stage != ImplicitStage::kOff)
-      node.work.E[k * m + k] += ws.implicit.lead * (ws.implicit.lead * node.shape.stiffness[k] + node.shape.damping[k]);
+    if (body.implicit && sweep.gamma_h != 0)
+      node.work.E[k * m + k] += sweep.gamma_h * (sweep.gamma_h * node.shape.stiffness[k] + node.shape.damping[k]);
   }
 }
 
 // Takes in a marker that something may hang on.
-void add_marker(const Plan& plan, const Node& node, Workspace& ws, const Sweep& sweep, int i, bool with_block, Six& b) {
+void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sweep& sweep, int i, bool with_block,
+                Six& b) {
   const PlanMarker& marker = plan.markers[at(i)];
-  const MarkerWork work = get_marker(plan, node.body, i, ws);
-  const LaneSlot slot = ws.slots[at(marker.body)];
-  const double* lanes = ws.lanes.data();
+  const MarkerWork work = get_marker(plan, node.body, i, ev);
+  const Place place = ev.places[at(marker.body)];
+  const double* blocks = ev.blocks.data();
   const int m = node.body.modes;
   Six load = {};
   if (!marker.bare)
-    read_six(lanes, slot, kBlock + 21, load);
-  else if (sweep.source != Source::kNothing)
-    read_six(lanes, slot, sweep.source == Source::kForces ? kForce : kAcceleration, load);
+    read_six(blocks, place, &SubtreeLane::load, load);
+  else if (sweep.source == Source::kForces)
+    read_six(blocks, place, &SharedLane::force, load);
   if (!marker.bare && (with_block || sweep.biased)) {
     double A[36];
-    read_block(lanes, slot, A);
+    read_block(blocks, place, A);
     if (sweep.biased) {
       Six push;
       times6(A, work.bias, push);
@@ -234,34 +211,24 @@ void move_loads(const Node& node, const MarkerWork& marker, bool biased, Six& b)
 void eliminate_modes(const Node& node, double* left) {
   const ModalWork& w = node.work;
   const int m = node.body.modes;
-  for (int r = 0; r < m; ++r)
-    for (int i = 0; i < 6; ++i) {
-      double x = w.C[6 * r + i];
-      for (int c = 0; c < r; ++c) x -= w.E[m * r + c] * w.W[6 * c + i];
-      w.W[6 * r + i] = x;
-    }
-  for (int r = m - 1; r >= 0; --r)
-    for (int i = 0; i < 6; ++i) {
-      double x = w.W[6 * r + i] / w.E[m * r + r];
-      for (int k = r + 1; k < m; ++k) x -= w.E[m * k + r] * w.W[6 * k + i];
-      w.W[6 * r + i] = x;
-    }
+  for (int i = 0; i < 6 * m; ++i) w.W[i] = w.C[i];
+  for (int i = 0; i < 6; ++i) solve_ldl({w.E, m}, m, w.W + i, 6);
   for (int k = 0; k < m; ++k)
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j) left[6 * i + j] -= w.C[6 * k + i] * w.W[6 * k + j];
 }
 
-// Returns whether all pivots are positive.
-bool eliminate(const Plan& plan, Workspace& ws, const Sweep& sweep, const PlanFlexible& body, bool with_block) {
-  const Node node{body, get_shape(plan, body), get_work(plan, body, ws), ws.slots[at(body.body)]};
+// Backward pass for one body. False if a pivot vanishes.
+bool eliminate(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const PlanFlexible& body, bool with_block) {
+  const Node node{body, get_shape(plan, body), get_work(plan, body, ev), ev.places[at(body.body)]};
   const ModalWork& w = node.work;
   const int m = body.modes;
   const bool held = body.inboard != kNone;
-  const MarkerWork holder = get_marker(plan, body, held ? body.inboard : body.first_marker, ws);
+  const MarkerWork holder = get_marker(plan, body, held ? body.inboard : body.first_marker, ev);
   Six b;
-  init_node(node, ws, sweep, with_block, b);
+  init_node(node, ev, sweep, with_block, b);
   for (int i = body.first_marker; i < body.first_marker + body.markers; ++i)
-    if (i != body.inboard) add_marker(plan, node, ws, sweep, i, with_block, b);
+    if (i != body.inboard) add_marker(plan, node, ev, sweep, i, with_block, b);
 
   if (with_block) {
     double left[36];
@@ -272,46 +239,46 @@ bool eliminate(const Plan& plan, Workspace& ws, const Sweep& sweep, const PlanFl
     } else {
       for (int i = 0; i < 6 * m; ++i) w.C[i] = w.B[i];
     }
-    if (!factor(w.E, m)) return false;
+    if (!factor_ldl({w.E, m}, m)) return false;
     eliminate_modes(node, left);
     for (int i = 0; i < 36; ++i) w.root[i] = left[i];
-    if (!held && !factor(w.root, 6)) return false;
-    if (held) add_block(ws.lanes.data(), ws.slots[at(plan.markers[at(body.inboard)].body)], left);
+    if (!held && !factor_ldl({w.root, 6}, 6)) return false;
+    if (held) add_block(ev.blocks.data(), get_inboard_place(plan, ev, body), left);
   }
   if (held) move_loads(node, holder, sweep.biased, b);
   for (int k = 0; k < m; ++k)
     for (int i = 0; i < 6; ++i) b[i] -= w.W[6 * k + i] * w.free[k];
-  solve(w.E, m, w.free);
+  solve_ldl({w.E, m}, m, w.free);
   if (held)
-    add_six(ws.lanes.data(), ws.slots[at(plan.markers[at(body.inboard)].body)], kBlock + 21, b);
+    add(ev.blocks.data(), get_inboard_place(plan, ev, body), &SubtreeLane::load, to_spatial(b));
   else
     for (int i = 0; i < 6; ++i) w.root[36 + i] = b[i];
   return true;
 }
 
-void substitute(const Plan& plan, Workspace& ws, const Sweep& sweep, const PlanFlexible& body) {
-  const ModalWork w = get_work(plan, body, ws);
+void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const PlanFlexible& body) {
+  const ModalWork w = get_work(plan, body, ev);
   const int m = body.modes;
-  double* lanes = ws.lanes.data();
+  double* blocks = ev.blocks.data();
   Six a;
   if (body.inboard == kNone) {
     for (int i = 0; i < 6; ++i) a[i] = w.root[36 + i];
-    solve(w.root, 6, a);
+    solve_ldl({w.root, 6}, 6, a);
   } else {
-    read_six(lanes, ws.slots[at(plan.markers[at(body.inboard)].body)], kAcceleration, a);
+    read_six(blocks, get_inboard_place(plan, ev, body), &SharedLane::acceleration, a);
   }
   for (int k = 0; k < m; ++k) w.acceleration[k] = w.free[k] - dot6(w.W + 6 * k, a);
   if (body.inboard != kNone) {
-    const MarkerWork holder = get_marker(plan, body, body.inboard, ws);
+    const MarkerWork holder = get_marker(plan, body, body.inboard, ev);
     for (int i = 0; i < 6 && sweep.biased; ++i) a[i] -= holder.bias[i];
     move_motion(holder.arm, -1, a);
     for (int k = 0; k < m; ++k)
       for (int i = 0; i < 6; ++i) a[i] -= w.D[6 * k + i] * w.acceleration[k];
   }
-  write_six(lanes, ws.slots[at(body.body)], a);
+  write(blocks, ev.places[at(body.body)], &SharedLane::acceleration, to_spatial(a));
   for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
     if (i == body.inboard) continue;
-    const MarkerWork marker = get_marker(plan, body, i, ws);
+    const MarkerWork marker = get_marker(plan, body, i, ev);
     Six carried;
     for (int k = 0; k < 6; ++k) carried[k] = a[k];
     move_motion(marker.arm, 1, carried);
@@ -319,14 +286,14 @@ void substitute(const Plan& plan, Workspace& ws, const Sweep& sweep, const PlanF
       for (int l = 0; l < m; ++l) carried[k] += marker.columns[6 * l + k] * w.acceleration[l];
       if (sweep.biased) carried[k] += marker.bias[k];
     }
-    write_six(lanes, ws.slots[at(plan.markers[at(i)].body)], carried);
+    write(blocks, ev.places[at(plan.markers[at(i)].body)], &SharedLane::acceleration, to_spatial(carried));
   }
 }
 
 // Calls run(body, node) for the flexible bodies of a group.
 template <class Run>
-void for_bodies(const Plan& plan, const LaneGroup& group, const Run& run) {
-  if (group.special != LaneSpecial::kFlexible) return;
+void for_bodies(const PlanData& plan, const Group& group, const Run& run) {
+  if (group.kind != BodyKind::kFlexible) return;
   for (int lane = 0; lane < group.count; ++lane) {
     const int node = plan.lane_nodes[at(group.first + lane)];
     run(plan.flexible[at(plan.bodies[at(plan.nodes[at(node)].body)].flexible)], node);
@@ -335,17 +302,17 @@ void for_bodies(const Plan& plan, const LaneGroup& group, const Run& run) {
 
 }  // namespace
 
-int eliminate_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group,
-                      bool factor) noexcept {
+int eliminate_flexible(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const Group& group,
+                       bool factor) noexcept {
   int bad = kNone;
   for_bodies(plan, group, [&](const PlanFlexible& body, int node) {
-    if (!eliminate(plan, ws, sweep, body, factor)) bad = node;
+    if (!eliminate(plan, ev, sweep, body, factor)) bad = node;
   });
   return bad;
 }
 
-void substitute_special(const Plan& plan, Workspace& ws, const Sweep& sweep, const LaneGroup& group) noexcept {
-  for_bodies(plan, group, [&](const PlanFlexible& body, int) { substitute(plan, ws, sweep, body); });
+void substitute_flexible(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const Group& group) noexcept {
+  for_bodies(plan, group, [&](const PlanFlexible& body, int) { substitute(plan, ev, sweep, body); });
 }
 
 }  // namespace unlatch

@@ -1,19 +1,15 @@
-// Values of the events' guards: ≥ 0 where a guard holds. Needs the lanes evaluated: ws.coordinates, ws.speeds and
-// ws.multipliers.
+// Values of the events' guards: ≥ 0 where a guard holds.
 #pragma once
 
 #include <span>
 
-#include "kernel/plan/workspace.h"
-#include "unlatch/plan.h"
+#include "kernel/dynamics/instant.h"
+#include "kernel/plan/evaluation.h"
 
 namespace unlatch {
 
-struct Inputs;
-
-// values[e] for every armed event at time t; negative for the others. Bodies and further coordinates are those in the
-// lanes; `state` is for modes, events and signals.
-void update_guards(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws,
-                   std::span<double> values) noexcept;
+// ev.guards of every armed event; negative for the others. Needs the evaluation of this instant. `stack`: as long as
+// PlanData::guard_depth.
+void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept;
 
 }  // namespace unlatch

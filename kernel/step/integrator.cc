@@ -1,168 +1,193 @@
 #include "kernel/step/integrator.h"
 
-#include "kernel/dynamics/auxiliary.h"
+#include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/compliance.h"
+#include "kernel/dynamics/coordinates.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/forces.h"
-#include "kernel/dynamics/kinematics.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/residuals.h"
 #include "kernel/dynamics/varying.h"
-#include "kernel/solver/loops.h"
-#include "kernel/solver/tree_solver.h"
-#include "kernel/step/lane_state.h"
-#include "unlatch/step.h"
+#include "kernel/solver/loop_rows.h"
+#include "kernel/step/load_state.h"
 
 namespace unlatch {
 namespace {
 
-constexpr Sweep kCorrection{Source::kNothing, true, false};
+constexpr Sweep kCorrection{Source::kNothing, true, false, 0};
 
 // Kernels that move bodies leave the kinematics of rigid ones.
-void complete_kinematics(const Plan& plan, Workspace& ws) {
-  if (!plan.rigid) update_kinematics(plan, ws);
+void complete_kinematics(const PlanData& plan, Evaluation& ev) {
+  if (!plan.rigid) update_kinematics(plan, ev);
 }
 
-// One position and one velocity projection onto the rows, with one factorisation.
-int project(const Plan& plan, const State& state, Workspace& ws) {
-  complete_kinematics(plan, ws);
-  update_joints(plan, state, BiasKind::kPosition, ws);
-  if (const int node = factor_and_solve(plan, state, ws, kCorrection); node != kNone) return node;
-  plan.kernels->add_displacements(plan, ws);
-  if (!plan.rigid) add_modal_displacements(plan, ws);
+// Frames and targets of the joints where poses and modes have not changed since update_joints(), for accelerations.
+void update_joint_velocities(const PlanData& plan, const State& state, Evaluation& ev) {
+  get_kernels(plan).update_joint_velocities(plan, ev);
+  if (!plan.rigid) update_marker_biases(plan, RowTarget::kAcceleration, ev);
+  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
+}
 
-  complete_kinematics(plan, ws);
-  update_joints(plan, state, BiasKind::kVelocity, ws);
-  solve(plan, ws, kCorrection);
-  plan.kernels->add_velocities(plan, ws);
+// At the present joint frames and loads.
+int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
+  update_forces(now, ev);
+  const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, sweep, independent_rows);
+  if (node == kNone && !plan.rigid) update_modal_rates(plan, ev);
+  return node;
+}
+
+// Stages at one instant share the sizes of loads.
+enum class Loads { kUpdate, kKeep };
+
+int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, Evaluation& ev) {
+  update_masses(now.plan, now.t, ev);
+  complete_kinematics(now.plan, ev);
+  if (loads == Loads::kUpdate) update_loads(now, ev);
+  update_joints(now.plan, now.state, RowTarget::kAcceleration, ev);
+  return solve_dynamics(now, {Source::kForces, true, false, now.implicit.gamma_h}, start.independent_rows, ev);
+}
+
+// The end of a sub-step, on its rows: one position and one velocity projection, with one factorisation.
+int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
+  const PlanData& plan = end.plan;
+  const Kernels& kernels = get_kernels(plan);
+  update_masses(plan, end.t, ev);
+  complete_kinematics(plan, ev);
+  update_joints(plan, end.state, RowTarget::kPosition, ev);
+  const int node = kernels.factor_and_solve(plan, end.state, ev, kCorrection, start.independent_rows);
+  if (node != kNone) return node;
+  kernels.add_displacements(plan, ev);
+  if (!plan.rigid) add_modal_displacements(plan, ev);
+
+  complete_kinematics(plan, ev);
+  update_joints(plan, end.state, RowTarget::kVelocity, ev);
+  kernels.solve(plan, ev, kCorrection);
+  kernels.add_velocities(plan, ev);
   if (plan.rigid) return kNone;
-  add_modal_velocities(plan, ws);
-  update_rates(plan, ws);
+  add_modal_velocities(plan, ev);
+  update_velocities(plan, ev);
   return kNone;
 }
 
-// At the present joint frames. Without outputs it does without multipliers, and coordinates that no spring reads. Takes
-// as many rows of loops for independent as the latest evaluation has found.
-int solve_dynamics(const Plan& plan, const State& state, double t, bool outputs, Workspace& ws) {
-  update_coordinates(plan, state, outputs, ws);
-  add_forces(plan, state, t, ws);
-  if (const int node = factor_and_solve(plan, state, ws, {Source::kForces, true, outputs}); node != kNone) return node;
-  if (!plan.rigid) update_modal_rates(plan, ws);
-  return kNone;
+int integrate_explicitly(const Instant& middle, const Instant& end, const SubstepStart& start, Evaluation& ev) {
+  const PlanData& plan = end.plan;
+  const Kernels& kernels = get_kernels(plan);
+  const double h = end.t - start.t;
+  constexpr double kOuter = 1.0 / 6.0, kInner = 1.0 / 3.0;
+  kernels.begin_stages(plan, ev, kOuter, 0.5 * h);
+  if (const int node = evaluate_stage(middle, Loads::kUpdate, start, ev); node != kNone) return node;
+  kernels.advance_stage(plan, ev, kInner, 0.5 * h);
+  if (const int node = evaluate_stage(middle, Loads::kKeep, start, ev); node != kNone) return node;
+  kernels.advance_stage(plan, ev, kInner, h);
+  if (const int node = evaluate_stage(end, Loads::kUpdate, start, ev); node != kNone) return node;
+  kernels.finish_stages(plan, ev, kOuter, h);
+  return project(end, start, ev);
 }
 
-int evaluate_stage(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) {
-  update_masses(plan, t, ws);
-  complete_kinematics(plan, ws);
-  update_loads(plan, inputs, state, t, ws);
-  update_joints(plan, state, BiasKind::kAcceleration, ws);
-  return solve_dynamics(plan, state, t, false, ws);
+// ROS2, see kernel/dynamics/compliance.h.
+int integrate_implicitly(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  const Kernels& kernels = get_kernels(plan);
+  const double h = end - start.t;
+  const Implicit first = begin_compliance(plan, now.state, start.t, h, ev);
+  kernels.restart(plan, ev);
+  const Instant first_stage{plan, now.inputs, now.state, start.t, first};
+  if (const int node = evaluate_stage(first_stage, Loads::kUpdate, start, ev); node != kNone) return node;
+  lead_modal_rates(plan, first, ev);
+  kernels.finish_first_stage(plan, ev, h, first.gamma_h);
+  const Implicit second = begin_second_stage(plan, first, ev);
+  const Instant second_stage{plan, now.inputs, now.state, end, second};
+  if (const int node = evaluate_stage(second_stage, Loads::kUpdate, start, ev); node != kNone) return node;
+  lead_modal_rates(plan, second, ev);
+  kernels.finish_second_stage(plan, ev, h, second.gamma_h);
+  return project({plan, now.inputs, now.state, end}, start, ev);
 }
 
-// The end of a sub-step, on its rows.
-int finish(const Plan& plan, const State& from, double end, Workspace& ws) {
-  update_masses(plan, end, ws);
-  return project(plan, from, ws);
-}
-
-// ROS2, see compliance.h.
-int integrate_implicitly(const Plan& plan, const Inputs& inputs, const State& from, double t, double end,
-                         Workspace& ws) {
-  const double h = end - t;
-  const LaneKernels& kernels = *plan.kernels;
-  begin_compliance(plan, from, t, h, ws);
-  const double lead = ws.implicit.lead;
-  kernels.restart(plan, ws);
-  restart_extras(ws);
-  if (const int node = evaluate_stage(plan, inputs, from, t, ws); node != kNone) return node;
-  kernels.finish_first_stage(plan, ws, h, lead);
-  lead_modal_rates(plan, ws);
-  begin_second_extras(ws, h);
-  keep_first_stage(plan, ws);
-  if (const int node = evaluate_stage(plan, inputs, from, end, ws); node != kNone) return node;
-  kernels.finish_second_stage(plan, ws, h, lead);
-  lead_modal_rates(plan, ws);
-  finish_extras(ws, 0.5, h);
-  return finish(plan, from, end, ws);
-}
-
-int solve_outputs(const Plan& plan, const State& state, double t, Workspace& ws) {
-  end_compliance(plan, ws);
-  ws.loop_most = kAllRows;
-  if (const int node = solve_dynamics(plan, state, t, true, ws); node != kNone) return node;
-  ws.loop_most = ws.loop_count - ws.loop_redundant;
+// Forces alone are new: the factor serves.
+int evaluate_commands(const Instant& now, Evaluation& ev) {
+  update_loads(now, ev);
+  update_forces(now, ev);
+  get_kernels(now.plan).solve(now.plan, ev, {});
+  if (!now.plan.rigid) update_modal_rates(now.plan, ev);
   return kNone;
 }
 
 }  // namespace
 
-int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  update_loads(plan, inputs, state, t, ws);
-  update_joints(plan, state, BiasKind::kAcceleration, ws);
-  return solve_outputs(plan, state, t, ws);
+void update_kinematics(const PlanData& plan, Evaluation& ev) noexcept {
+  update_markers(plan, ev);
+  get_kernels(plan).update_kinematics(plan, ev);
+  update_varying_kinematics(plan, ev);
+  update_flexible_kinematics(plan, ev);
 }
 
-int evaluate_end(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  update_loads(plan, inputs, state, t, ws);
-  renew_joints(plan, state, ws);
-  return solve_outputs(plan, state, t, ws);
+void update_velocities(const PlanData& plan, Evaluation& ev) noexcept {
+  update_markers(plan, ev);
+  get_kernels(plan).update_angular_velocities(plan, ev);
 }
 
-int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  load_state(plan, state, ws);
-  load_extras(state, ws);
-  forget_loads(plan, ws);
-  update_masses(plan, t, ws);
-  update_kinematics(plan, ws);
-  return evaluate_lanes(plan, inputs, state, t, ws);
+void update_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept {
+  const std::size_t rotations = measure_coordinates(plan, state, set, ev);
+  if (rotations == 0) return;
+  get_kernels(plan).calc_angles(ev.rotation_sines.data(), ev.rotation_cosines.data(), rotations);
+  unwind_angles(plan, state, set, ev);
 }
 
-void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept {
-  forget_sizes(ws);
-  update_loads(plan, inputs, state, t, ws);
-  plan.kernels->init_forces(plan, ws);
-  add_forces(plan, state, t, ws);
-  solve(plan, ws, {Source::kForces, true, true});
-  if (!plan.rigid) update_modal_rates(plan, ws);
+void update_forces(const Instant& now, Evaluation& ev) noexcept {
+  get_kernels(now.plan).init_forces(now.plan, ev);
+  add_forces(now, ev);
 }
 
-void keep_start(const Plan& plan, Workspace& ws) noexcept {
-  plan.kernels->keep_start(plan, ws);
-  keep_extras(ws);
+void update_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept {
+  get_kernels(plan).update_joints(plan, ev, target);
+  if (!plan.rigid) update_marker_biases(plan, target, ev);
+  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, target, ev);
 }
 
-int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double end, Workspace& ws) noexcept {
-  const double h = end - t;
-  if (is_stiff(plan, from, t + 0.5 * h)) return integrate_implicitly(plan, inputs, from, t, end, ws);
-  const LaneKernels& kernels = *plan.kernels;
-  constexpr double kOuter = 1.0 / 6.0, kInner = 1.0 / 3.0;
-  kernels.begin_stages(plan, ws, kOuter, 0.5 * h);
-  begin_extras(ws, kOuter, 0.5 * h);
-  if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, ws); node != kNone) return node;
-  kernels.advance_stage(plan, ws, kInner, 0.5 * h);
-  advance_extras(ws, kInner, 0.5 * h);
-  if (const int node = evaluate_stage(plan, inputs, from, t + 0.5 * h, ws); node != kNone) return node;
-  kernels.advance_stage(plan, ws, kInner, h);
-  advance_extras(ws, kInner, h);
-  if (const int node = evaluate_stage(plan, inputs, from, end, ws); node != kNone) return node;
-  kernels.finish_stages(plan, ws, kOuter, h);
-  finish_extras(ws, kOuter, h);
-  return finish(plan, from, end, ws);
+int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
+  const PlanData& plan = now.plan;
+  switch (changed) {
+    case Changed::kCommands:
+      return evaluate_commands(now, ev);
+    case Changed::kVelocities:
+      update_joint_velocities(plan, now.state, ev);
+      break;
+    case Changed::kState:
+      load_state(plan, now.state, ev);
+      update_masses(plan, now.t, ev);
+      update_kinematics(plan, ev);
+      [[fallthrough]];
+    case Changed::kModes:
+      update_loads(now, ev);
+      update_joints(plan, now.state, RowTarget::kAcceleration, ev);
+  }
+  return solve_dynamics(now, {}, kAllRows, ev);
 }
 
-int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept {
-  update_joints(plan, state, BiasKind::kVelocity, ws);
-  ws.loop_most = kAllRows;
-  if (const int node = factor_and_solve(plan, state, ws, {Source::kNothing, true, true}); node != kNone) return node;
-  plan.kernels->add_velocities(plan, ws);
-  if (!plan.rigid) add_modal_velocities(plan, ws);
-  update_markers(plan, ws);
-  store_motion(plan, ws, state);
+SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept {
+  get_kernels(plan).begin_substep(plan, ev);
+  return {t, ev.loop_count - ev.loop_redundant};
+}
+
+int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept {
+  const double h = end - start.t;
+  if (is_stiff(now.plan, now.state, start.t + 0.5 * h)) return integrate_implicitly(now, start, end, ev);
+  const Instant middle_stages{now.plan, now.inputs, now.state, start.t + 0.5 * h};
+  return integrate_explicitly(middle_stages, {now.plan, now.inputs, now.state, end}, start, ev);
+}
+
+int apply_impulse(const PlanData& plan, State& state, Evaluation& ev) noexcept {
+  const Kernels& kernels = get_kernels(plan);
+  update_joints(plan, state, RowTarget::kVelocity, ev);
+  const int node = kernels.factor_and_solve(plan, state, ev, {Source::kNothing, true, true, 0}, kAllRows);
+  if (node != kNone) return node;
+  kernels.add_velocities(plan, ev);
+  if (!plan.rigid) add_modal_velocities(plan, ev);
+  update_markers(plan, ev);
+  store_motion(plan, ev, state);
   return kNone;
-}
-
-void store_motion(const Plan& plan, const Workspace& ws, State& state) noexcept {
-  store_bodies(plan, ws, state);
-  store_extras(ws, state);
 }
 
 }  // namespace unlatch

@@ -1,42 +1,56 @@
-// One sub-step without events: the classical Runge–Kutta method of order four on positions, quaternions and velocities,
-// then one mass-weighted projection onto the rows' positions and one onto their velocities, both with one
-// factorisation.
+// One sub-step without events: the classical Runge–Kutta method of order four, or ROS2 where an implicit element is on
+// (kernel/dynamics/compliance.h), on positions, quaternions and velocities; then one mass-weighted projection onto the
+// rows' positions and one onto their velocities, both with one factorisation. And the evaluations between sub-steps.
+//
+// All return kNone, or the node whose pivot vanished.
 #pragma once
 
-#include "kernel/dispatch/lane_kernels.h"
-#include "kernel/plan/workspace.h"
-#include "unlatch/plan.h"
+#include "kernel/dynamics/coordinates.h"
+#include "kernel/dynamics/instant.h"
+#include "kernel/dynamics/joint_motion.h"
+#include "kernel/plan/evaluation.h"
 
 namespace unlatch {
 
-struct Inputs;
+// How an instant differs from the one that an evaluation is of, each including those above it.
+enum class Changed {
+  kCommands,    // the commands: poses, velocities, modes, elements and time are the same
+  kVelocities,  // and the velocities: what integrate() leaves, which is at the end of its sub-step
+  kModes,       // and modes or elements; poses, velocities and kinematics are in the evaluation
+  kState,       // all of it
+};
 
-// Loads `state` into the lanes and evaluates it: accelerations, reactions, coordinates and speeds at time t, s. Returns
-// kNone, or the node whose pivot vanished.
-int evaluate(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
+// Accelerations, reactions, coordinates and speeds. The evaluation must be one of an instant that differs by `changed`
+// at the most.
+int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept;
 
-// The same for what stands in the lanes already, kinematics included; `state` for its joints, elements and signals.
-int evaluate_lanes(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
+// The beginning of sub-steps, kept in the evaluation's blocks.
+struct SubstepStart {
+  double t;                       // s
+  std::int32_t independent_rows;  // of the loops: no stage takes more for independent
+};
+// The instant that the evaluation is of becomes the beginning of the next sub-steps.
+SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept;
 
-// The same for what integrate() has left, joint frames included.
-int evaluate_end(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
+// From `start` to time `end`, s: motion and kinematics, but not yet an evaluation; markers follow with that. `now`:
+// modes, elements and commands. The start stays kept.
+int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept;
 
-// The same again with other inputs, after an evaluation of `state` at time t: only forces differ.
-void evaluate_forces(const Plan& plan, const Inputs& inputs, const State& state, double t, Workspace& ws) noexcept;
+// Changes the velocities so that the active rows close: a perfectly plastic impulse, left in ev.multipliers, N s and N
+// m s. `state`: of the evaluation, but for its modes.
+int apply_impulse(const PlanData& plan, State& state, Evaluation& ev) noexcept;
 
-// What the latest evaluation was of is where the next sub-steps begin.
-void keep_start(const Plan& plan, Workspace& ws) noexcept;
+// Rotations, angular velocities, inertias, and markers, of the motion in the evaluation; and the velocities alone.
+void update_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
+void update_velocities(const PlanData& plan, Evaluation& ev) noexcept;
 
-// `from`, which is at time t, at time `end`, s, in the lanes; markers follow at the next evaluation. `from` is what
-// keep_start() kept, and it stays kept. Needs the latest evaluation to be of `from`, or of a state in the same modes on
-// its rows. Returns as evaluate().
-int integrate(const Plan& plan, const Inputs& inputs, const State& from, double t, double end, Workspace& ws) noexcept;
+// ev.coordinates and ev.speeds; needs the joints' frames. Angles are counted on from those in the state's joints.
+void update_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept;
 
-// Poses and velocities out of the lanes into the bodies of `state`, and the coordinates beyond the bodies.
-void store_motion(const Plan& plan, const Workspace& ws, State& state) noexcept;
+// Forces on all bodies; needs kinematics, joint frames, coordinates and loads.
+void update_forces(const Instant& now, Evaluation& ev) noexcept;
 
-// Adds the velocity change that closes the active rows: a perfectly plastic impulse, left in ws.multipliers, N s and N
-// m s. Needs the lanes to hold `state`, its modes but not yet its joint frames. Returns as evaluate().
-int apply_impulse(const Plan& plan, State& state, Workspace& ws) noexcept;
+// Frames of all joints, and what their rows ask for; needs kinematics.
+void update_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

@@ -1,11 +1,11 @@
-// What the instruments read: ws.sensors. Needs everything that one evaluation leaves in the workspace.
+// Readings of the instruments.
 #pragma once
 
-#include "kernel/plan/workspace.h"
-#include "unlatch/plan.h"
+#include "kernel/plan/evaluation.h"
 
 namespace unlatch {
 
-void update_sensors(const Plan& plan, const State& state, Workspace& ws) noexcept;
+// ev.sensors; needs the evaluation of `state`.
+void update_sensors(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

@@ -10,10 +10,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "kernel/solver/tree_solver.h"
 #include "kernel/step/events.h"
 #include "kernel/step/guards.h"
 #include "kernel/step/integrator.h"
+#include "kernel/step/load_state.h"
 #include "kernel/step/sensors.h"
 
 namespace unlatch {
@@ -22,16 +22,36 @@ namespace {
 // Of the guard's change over the sub-step: events that would cross within this part of it are taken as simultaneous.
 constexpr double kSimultaneous = 1e-6;
 
-// Why factor() stopped at a node: the motion has blown up, or its geometry is singular.
-StepStatus get_pivot_status(const Plan& plan, const Workspace& ws, int node) {
-  return has_finite_block(plan, ws, node) ? StepStatus::kSingular : StepStatus::kNotFinite;
+// False if what the factorisation takes in at a node, masses and arms, is not finite.
+bool has_finite_block(const PlanData& plan, const Evaluation& ev, int node) {
+  const TreeNode& n = plan.nodes[at(node)];
+  const Place& place = plan.places[at(n.body)];
+  const double* blocks = ev.blocks.data();
+  const auto is_finite = [](const auto& numbers) {
+    double all[sizeof(numbers) / sizeof(double)], sum = 0;
+    std::memcpy(all, &numbers, sizeof(numbers));
+    for (const double number : all) sum += number;
+    return std::isfinite(sum);
+  };
+  return is_finite(read(blocks, place, &SharedLane::inertia)) &&
+         (n.leaf || is_finite(read(blocks, place, &SubtreeLane::A))) &&
+         (n.joint == kNone || (is_finite(read(blocks, place, &SolverLane::arm_child)) &&
+                               is_finite(read(blocks, place, &SolverLane::offset))));
 }
 
-// How one step goes on: everything that its parts share.
+// The factorisation stopped at a node: the motion has blown up, or its geometry is singular.
+StepStatus get_pivot_status(const PlanData& plan, const Evaluation& ev, int node) {
+  return has_finite_block(plan, ev, node) ? StepStatus::kSingular : StepStatus::kNotFinite;
+}
+
+// One step under way: all that its parts share. `state` is how far it has got; the evaluation is of what it tries from
+// there.
 struct Run {
-  const Plan& plan;
+  const PlanData& plan;
   const Inputs& inputs;
-  Workspace& ws;
+  Evaluation& ev;
+  State& state;
+  EventSearch& search;
   StepReport report{};
   int node = kNone;  // where a pivot vanished
 
@@ -41,38 +61,39 @@ struct Run {
   }
   bool check(int failed_node) {
     node = failed_node;
-    return failed_node == kNone || fail(get_pivot_status(plan, ws, failed_node));
+    return failed_node == kNone || fail(get_pivot_status(plan, ev, failed_node));
   }
+  Instant get_instant(double t) const { return {plan, inputs, state, t}; }
 };
 
-bool is_armed(const State& state, std::size_t e) { return state.events[e].phase == EventPhase::kArmed; }
-
-bool crosses(const Workspace& ws, std::size_t e) {
-  return is_armed(ws.accepted, e) && ws.guards_low[e] < 0 && ws.guards_high[e] >= 0;
+bool crosses(const Run& run, std::size_t e) {
+  return run.state.events[e].phase == EventPhase::kArmed && run.search.guards_low[e] < 0 &&
+         run.search.guards_high[e] >= 0;
 }
 
-int count_crossings(const Workspace& ws) {
-  const double* high = ws.guards_high.data();
+int count_crossings(const Run& run) {
+  const double* high = run.search.guards_high.data();
   int count = 0;
-  for (std::size_t e = 0; e < ws.guards.size(); ++e)
-    if (high[e] >= 0 && crosses(ws, e)) ++count;  // few stand there: the rest in two instructions
+  for (std::size_t e = 0; e < run.ev.guards.size(); ++e)
+    if (high[e] >= 0 && crosses(run, e)) ++count;  // few stand there: the rest in two instructions
   return count;
 }
 
-// Tries the sub-step from `now` to `end`: the latter in the lanes, evaluated, its guards in ws.guards.
-bool try_substep(Run& run, double now, double end) {
+// Tries the sub-step from its start to `end`: an evaluation of the latter, guards included.
+bool try_substep(Run& run, const SubstepStart& start, double end) {
   ++run.report.substeps;
-  if (!run.check(integrate(run.plan, run.inputs, run.ws.accepted, now, end, run.ws))) return false;
-  if (!run.check(evaluate_end(run.plan, run.inputs, run.ws.accepted, end, run.ws))) return false;
-  update_guards(run.plan, run.inputs, run.ws.accepted, end, run.ws, run.ws.guards);
+  const Instant now = run.get_instant(end);
+  if (!run.check(integrate(now, start, end, run.ev))) return false;
+  if (!run.check(evaluate(now, Changed::kVelocities, run.ev))) return false;
+  update_guards(now, run.ev, run.search.stack);
   return true;
 }
 
-// Where the straight line through (0, low) and (h, high) crosses zero.
+// Zero of the straight line through (0, low) and (h, high).
 double interpolate(double low, double high, double h) { return h * (low / (low - high)); }
 
-// Where the inverse parabola through (0, low), (x, middle), (h, high) crosses zero; the chord of the bracketing pair
-// instead where the parabola leaves the bracket.
+// Zero of the inverse parabola through (0, low), (x, middle), (h, high); of the chord of the bracketing pair instead
+// where the parabola leaves the bracket.
 double interpolate(double low, double x, double middle, double h, double high) {
   const double left = middle >= 0 ? 0 : x, right = middle >= 0 ? x : h;
   const double at_left = middle >= 0 ? low : middle, at_right = middle >= 0 ? middle : high;
@@ -83,77 +104,78 @@ double interpolate(double low, double x, double middle, double h, double high) {
   return parabola > left && parabola < right ? parabola : chord;
 }
 
-// Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the lanes there
-// and returns its time, or a negative number on failure. `first`: the event.
-double locate(Run& run, double now, double end, std::size_t& first) {
-  Workspace& ws = run.ws;
-  const double h = end - now;
+// Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the evaluation of
+// that instant and returns its time, or a negative number on failure. `first`: the event.
+double locate(Run& run, const SubstepStart& start, double end, std::size_t& first) {
+  const EventSearch& s = run.search;
+  const std::size_t events = run.ev.guards.size();
+  const double h = end - start.t;
   double x = h, reached = end;
   for (int iteration = 0; iteration < 2; ++iteration) {
     const double previous = x;
     x = h;
-    for (std::size_t e = 0; e < ws.guards.size(); ++e) {
-      if (!crosses(ws, e)) continue;
+    for (std::size_t e = 0; e < events; ++e) {
+      if (!crosses(run, e)) continue;
       const double estimate = iteration == 0
-                                  ? interpolate(ws.guards_low[e], ws.guards_high[e], h)
-                                  : interpolate(ws.guards_low[e], previous, ws.guards_middle[e], h, ws.guards_high[e]);
-      if (estimate < x || first == ws.guards.size()) {
+                                  ? interpolate(s.guards_low[e], s.guards_high[e], h)
+                                  : interpolate(s.guards_low[e], previous, s.guards_middle[e], h, s.guards_high[e]);
+      if (estimate < x || first == events) {
         x = estimate;
         first = e;
       }
     }
-    reached = std::min(now + x, end);  // h may be rounded up
-    if (!try_substep(run, now, reached)) return -1;
-    std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_middle.begin());
+    reached = std::min(start.t + x, end);  // h may be rounded up
+    if (!try_substep(run, start, reached)) return -1;
+    std::copy(run.ev.guards.begin(), run.ev.guards.end(), s.guards_middle.begin());
   }
   return reached;
 }
 
-// After locate(): which events have reached their guards, rounding and simultaneity granted.
-void update_tolerances(Workspace& ws, std::size_t first) {
-  for (std::size_t e = 0; e < ws.guards.size(); ++e)
-    ws.tolerances[e] = crosses(ws, e) ? kSimultaneous * (ws.guards_high[e] - ws.guards_low[e]) : 0;
-  ws.tolerances[first] = std::max(ws.tolerances[first], -ws.guards[first]);
+// After locate(): events that have reached their guards, rounding and simultaneity granted.
+void update_tolerances(Run& run, std::size_t first) {
+  EventSearch& s = run.search;
+  for (std::size_t e = 0; e < s.tolerances.size(); ++e)
+    s.tolerances[e] = crosses(run, e) ? kSimultaneous * (s.guards_high[e] - s.guards_low[e]) : 0;
+  s.tolerances[first] = std::max(s.tolerances[first], -run.ev.guards[first]);
 }
 
 // The latest try holds.
 void accept(Run& run) {
-  Workspace& ws = run.ws;
-  store_motion(run.plan, ws, ws.accepted);
+  store_motion(run.plan, run.ev, run.state);
   for (std::size_t i = 0; i < run.plan.coordinates.size(); ++i) {
     const PlanCoordinate& c = run.plan.coordinates[i];
-    if (c.row >= kRotX) ws.accepted.joints[static_cast<std::size_t>(c.joint)].angle[c.row - kRotX] = ws.coordinates[i];
+    if (c.row >= kRotX) run.state.joints[at(c.joint)].angle[c.row - kRotX] = run.ev.coordinates[i];
   }
-  rearm(run.plan, ws.accepted, ws);
+  rearm(run.plan, run.state, run.ev);
 }
 
 bool act_at(Run& run, double now) {
-  const StepStatus status = act(run.plan, run.inputs, now, run.ws.accepted, run.ws, run.node);
+  const StepStatus status = act(run.plan, run.inputs, now, run.state, run.ev, run.search, run.node);
   return status == StepStatus::kOk ||
-         run.fail(status == StepStatus::kSingular ? get_pivot_status(run.plan, run.ws, run.node) : status);
+         run.fail(status == StepStatus::kSingular ? get_pivot_status(run.plan, run.ev, run.node) : status);
 }
 
-// From `now` to the end of the step, or to the first event before it. Returns where it got to.
+// From `now` to the end of the step, or to the first event before it. Returns the time that it got to.
 double advance(Run& run, double now, double end, int& splits) {
-  Workspace& ws = run.ws;
+  EventSearch& search = run.search;
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = kSameInstant * run.plan.options.dt;
-  const double due = calc_next_due(run.plan, ws.accepted, now);
+  const double due = calc_next_due(run.plan, run.state, now);
   const bool reaches_due = may_split && due <= end + slack;
   const double target = reaches_due && due < end - slack ? due : end;
-  std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_low.begin());
-  std::fill(ws.tolerances.begin(), ws.tolerances.end(), 0.0);
-  keep_start(run.plan, ws);
-  if (!try_substep(run, now, target)) return end;
+  std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_low.begin());
+  std::fill(search.tolerances.begin(), search.tolerances.end(), 0.0);
+  const SubstepStart start = begin_substep(run.plan, now, run.ev);
+  if (!try_substep(run, start, target)) return end;
 
   double reached = target;
-  std::copy(ws.guards.begin(), ws.guards.end(), ws.guards_high.begin());
-  const int crossings = count_crossings(ws);
+  std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_high.begin());
+  const int crossings = count_crossings(run);
   if (crossings > 0 && may_split) {
-    std::size_t first = ws.guards.size();
-    reached = locate(run, now, target, first);
+    std::size_t first = run.ev.guards.size();
+    reached = locate(run, start, target, first);
     if (reached < 0) return end;
-    update_tolerances(ws, first);
+    update_tolerances(run, first);
   } else {
     run.report.postponed += crossings;
   }
@@ -165,7 +187,7 @@ double advance(Run& run, double now, double end, int& splits) {
   return reached;
 }
 
-// Whether all is finite that a step makes: what is not survives being summed.
+// All numbers that a step makes are finite: one that is not survives being summed.
 bool is_finite(const State& state, std::span<const double> sensors) {
   double sum = 0;
   for (const BodyState& b : state.bodies)
@@ -173,7 +195,7 @@ bool is_finite(const State& state, std::span<const double> sensors) {
            ((b.v.y + b.v.z) + (b.w.x + b.w.y)) + b.w.z;
   for (const JointState& j : state.joints)
     sum += (j.angle[0] + j.angle[1]) + (j.angle[2] + j.offset.x) + (j.offset.y + j.offset.z);
-  for (const double number : state.extras) sum += number;
+  for (const double number : state.auxiliary) sum += number;
   for (const double number : sensors) sum += number;
   return std::isfinite(sum);
 }
@@ -182,67 +204,74 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
-// The beginning of a step, evaluated with its inputs. What the workspace holds of the step before is that step's end,
-// and serves if nobody has touched the state since: only the inputs are new, and the plan knows what they can change.
-bool begin_step(Run& run, const State& state, double begin) {
-  Workspace& ws = run.ws;
-  const std::span<const std::byte> now = state.get_bytes(), then = ws.accepted.get_bytes();
-  const bool goes_on = ws.settled && std::memcmp(now.data(), then.data(), now.size()) == 0;
-  ws.settled = false;
-  if (goes_on) {
-    if (run.plan.commanded_loads) evaluate_forces(run.plan, run.inputs, ws.accepted, begin, ws);
+// The evaluation of the step's beginning with its inputs. If the kept one is of this state, only the commands are new,
+// and the plan knows what they can change.
+bool begin_step(Run& run, const State& state, double begin, bool is_kept) {
+  const Instant now = run.get_instant(begin);
+  if (is_kept) {
+    if (run.plan.commanded_loads && !run.check(evaluate(now, Changed::kCommands, run.ev))) return false;
     if (!run.plan.commanded_events) return true;
   } else {
-    copy(state, ws.accepted);
-    if (!run.check(evaluate(run.plan, run.inputs, ws.accepted, begin, ws))) return false;
+    copy(state, run.state);
+    if (!run.check(evaluate(now, Changed::kState, run.ev))) return false;
   }
-  update_guards(run.plan, run.inputs, ws.accepted, begin, ws, ws.guards);
+  update_guards(now, run.ev, run.search.stack);
   return true;
 }
 
 StepReport finish(const Run& run) {
   StepReport report = run.report;
-  if (report.status == StepStatus::kSingular) report.joint = run.plan.nodes[static_cast<std::size_t>(run.node)].joint;
-  report.events = run.ws.fired.first(static_cast<std::size_t>(run.ws.fired_count));
-  report.audits = run.ws.audits.first(static_cast<std::size_t>(run.ws.audit_count));
+  if (report.status == StepStatus::kSingular) report.joint = run.plan.nodes[at(run.node)].joint;
+  report.events = run.search.fired.first(at(run.search.fired_count));
+  report.audits = run.search.audits.first(at(run.search.audit_count));
   return report;
 }
 
+double get_time(const PlanData& plan, std::int64_t tick) { return static_cast<double>(tick) * plan.options.dt; }
+
 }  // namespace
 
-StepReport step(const Plan& plan, const Inputs& inputs, State& state, Workspace& workspace) noexcept {
-  Run run{plan, inputs, workspace};
-  const double begin = static_cast<double>(state.header->tick) * plan.options.dt;
-  const double end = static_cast<double>(state.header->tick + 1) * plan.options.dt;
-  workspace.fired_count = workspace.audit_count = 0;
-  std::fill(workspace.tolerances.begin(), workspace.tolerances.end(), 0.0);
+StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace& workspace) noexcept {
+  const PlanData& plan = owner.data();
+  WorkspaceData& data = workspace.data();
+  FinalEvaluation& kept = data.kept;
+  const bool is_kept = kept.is_of(state);
+  kept.valid = false;  // until this step has ended well
+  Run run{plan, inputs, kept.evaluation, kept.state, data.search};
+  const double begin = get_time(plan, state.header->tick), end = get_time(plan, state.header->tick + 1);
+  run.search.fired_count = run.search.audit_count = 0;
+  std::fill(run.search.tolerances.begin(), run.search.tolerances.end(), 0.0);
 
   // What the new inputs bring about, and what the last step postponed, acts at once.
-  if (!begin_step(run, state, begin)) return finish(run);
-  rearm(plan, workspace.accepted, workspace);
+  if (!begin_step(run, state, begin, is_kept)) return finish(run);
+  rearm(plan, run.state, run.ev);
   if (!act_at(run, begin)) return finish(run);
 
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
   if (run.report.status != StepStatus::kOk) return finish(run);
-  update_sensors(plan, workspace.accepted, workspace);
-  if (!is_finite(workspace.accepted, workspace.sensors)) run.fail(StepStatus::kNotFinite);
+  update_sensors(plan, run.state, run.ev);
+  if (!is_finite(run.state, run.ev.sensors)) run.fail(StepStatus::kNotFinite);
   if (run.report.status != StepStatus::kOk) return finish(run);
 
-  run.report.redundant = workspace.loop_redundant;
-  ++workspace.accepted.header->tick;
-  copy(workspace.accepted, state);
-  workspace.settled = true;
+  run.report.redundant = run.ev.loop_redundant;
+  ++run.state.header->tick;
+  copy(run.state, state);
+  kept.valid = true;
   return finish(run);
 }
 
-StepStatus update_outputs(const Plan& plan, const Inputs& inputs, const State& state, Workspace& workspace) noexcept {
-  const double now = static_cast<double>(state.header->tick) * plan.options.dt;
-  if (evaluate(plan, inputs, state, now, workspace) != kNone) return StepStatus::kSingular;
-  update_guards(plan, inputs, state, now, workspace, workspace.guards);
-  update_sensors(plan, state, workspace);
-  copy(state, workspace.accepted);
-  workspace.settled = true;
+StepStatus update_outputs(const Plan& owner, const Inputs& inputs, const State& state, Workspace& workspace) noexcept {
+  const PlanData& plan = owner.data();
+  FinalEvaluation& kept = workspace.data().kept;
+  kept.valid = false;
+  Evaluation& ev = kept.evaluation;
+  const Instant now{plan, inputs, state, get_time(plan, state.header->tick)};
+  if (evaluate(now, Changed::kState, ev) != kNone) return StepStatus::kSingular;
+  update_guards(now, ev, workspace.data().search.stack);
+  update_sensors(plan, state, ev);
+  copy(state, kept.state);
+  kept.valid = true;
   return StepStatus::kOk;
 }
 

@@ -144,7 +144,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   options.flight_software.delay = (data[0] >> 4) % 3;
   options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; steps are rehearsed
   options.flight_software.pause_limit = 0.1;               // s; the clock jumps there
-  FuzzLine line({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().hash));
+  FuzzLine line({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().get_hash()));
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, options.pace, kSession, options.last_tick),
                          kRoom);
   hil::LogEnd end = hil::Executive(*simulation, line, recorder, scenario.name, options).run();

@@ -7,10 +7,10 @@
 int main(int argc, char** argv) {
   using namespace unlatch::test;
   int first = 0;
-  const unlatch::Lanes lanes = read_lanes(argc, argv, first);
+  const unlatch::InstructionSet set = read_instruction_set(argc, argv, first);
   bool all = true;
   for (const GoldenModel& golden : build_golden_models()) {
-    all &= print_golden_hashes(golden.model.name.c_str(), golden.model, golden.dt, golden.ticks, lanes);
+    all &= print_golden_hashes(golden.model.name.c_str(), golden.model, golden.dt, golden.ticks, set);
   }
   return all ? 0 : 1;
 }

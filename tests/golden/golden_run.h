@@ -15,32 +15,34 @@
 
 namespace unlatch::test {
 
-constexpr Lanes kEveryLanes[] = {Lanes::kScalar, Lanes::kTwo, Lanes::kFour, Lanes::kEight};
+constexpr InstructionSet kEverySet[] = {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::k256,
+                                        InstructionSet::k512};
 
 // `--lanes NAME` at the front of the arguments, which moves `first` behind it; kAuto without. `--list-lanes` prints all
 // names with yes or no and ends the program; so does a name that is none, or not for this processor.
-inline Lanes read_lanes(int argc, char** argv, int& first) {
+inline InstructionSet read_instruction_set(int argc, char** argv, int& first) {
   const std::string_view option = argc > 1 ? argv[1] : "", wanted = argc > 2 ? argv[2] : "";
   first = 1;
   if (option == "--list-lanes") {
-    for (const Lanes lanes : kEveryLanes) std::printf("%s %s\n", get_name(lanes), is_supported(lanes) ? "yes" : "no");
+    for (const InstructionSet set : kEverySet) std::printf("%s %s\n", get_name(set), is_supported(set) ? "yes" : "no");
     std::exit(0);
   }
-  if (option != "--lanes") return Lanes::kAuto;
+  if (option != "--lanes") return InstructionSet::kAuto;
   first = 3;
-  for (const Lanes lanes : kEveryLanes) {
-    if (wanted == get_name(lanes) && is_supported(lanes)) return lanes;
+  for (const InstructionSet set : kEverySet) {
+    if (wanted == get_name(set) && is_supported(set)) return set;
   }
   std::fprintf(stderr, "--lanes '%s': not here; --list-lanes says which are\n", argc > 2 ? argv[2] : "");
   std::exit(2);
 }
 
 // False, with the reason on standard error, if a step fails.
-inline bool print_golden_hashes(const char* name, const Model& model, double dt, std::int64_t ticks, Lanes lanes) {
+inline bool print_golden_hashes(const char* name, const Model& model, double dt, std::int64_t ticks,
+                                InstructionSet set) {
   constexpr std::int64_t kEvery = 100;
   PlanOptions options;
   options.dt = dt;
-  options.lanes = lanes;
+  options.instruction_set = set;
   Simulation simulation(model, options);
   std::uint64_t outputs = 0xcbf29ce484222325u;  // FNV-1a over 64-bit words, folded
   std::size_t events = 0;

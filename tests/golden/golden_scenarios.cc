@@ -9,7 +9,7 @@
 
 int main(int argc, char** argv) {
   int first = 0;
-  const unlatch::Lanes lanes = unlatch::test::read_lanes(argc, argv, first);
+  const unlatch::InstructionSet set = unlatch::test::read_instruction_set(argc, argv, first);
   bool all = true;
   for (int i = first; i < argc; ++i) {
     const std::filesystem::path file = argv[i];
@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
     try {
       const unlatch::hil::Scenario scenario = unlatch::hil::load_scenario(file.string());
       const auto ticks = static_cast<std::int64_t>(std::llround(scenario.until / scenario.dt));
-      all &= unlatch::test::print_golden_hashes(name.c_str(), scenario.model, scenario.dt, ticks, lanes);
+      all &= unlatch::test::print_golden_hashes(name.c_str(), scenario.model, scenario.dt, ticks, set);
     } catch (const std::exception& error) {
       std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
       all = false;

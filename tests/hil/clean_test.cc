@@ -113,7 +113,7 @@ TEST(CyclicThread, TakesNothingFromTheHeapWhenAGuestJoinsLate) {
   guest.participant = FakeParticipant::kId + 1;
   guest.dt_ns = 1'000'000;
   guest.model_hash = static_cast<std::int64_t>(
-      hil::build_simulation(hil::load_scenario_text(kSessionScenario, "session.yaml", overrides))->plan().hash);
+      hil::build_simulation(hil::load_scenario_text(kSessionScenario, "session.yaml", overrides))->plan().get_hash());
   hil::set_name(guest.name, "a guest whose name is as long as names may be ..");
   FakeParticipant::Habits habits;
   habits.mischief = [guest](std::int64_t tick, hil::Link& link, std::int64_t session) mutable {

@@ -38,7 +38,7 @@ int main() {
   unlatch::init_state(plan, state);
 
   const double quarter = 1.8540746773013719 * std::sqrt(1 / 9.81);  // K(sin 45°) sqrt(l / g), s
-  const int ticks = static_cast<int>(std::lround(quarter / plan.options.dt));
+  const int ticks = static_cast<int>(std::lround(quarter / plan.get_options().dt));
   for (int i = 0; i < ticks; ++i) {
     if (unlatch::step(plan, {}, state, workspace).status != unlatch::StepStatus::kOk) return 1;
   }

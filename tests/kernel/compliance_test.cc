@@ -83,7 +83,7 @@ TEST(Compliance, AStiffLatchIsStableAndHolds) {
   pendulum.speed = 0.5;
   Model model = build_model(pendulum);
   Simulation s(model);
-  ASSERT_NE(s.plan.joint_springs[0].compliant, kNone);  // the plan's own decision
+  ASSERT_NE(s.data().joint_springs[0].compliant, kNone);  // the plan's own decision
   for (int i = 0; i < 10'000; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
   const double sag = -pendulum.mass * pendulum.gravity * pendulum.arm / pendulum.stiffness;  // 4.9e-9 rad
   EXPECT_NEAR(std::atan2(s.state.bodies[0].p.y, s.state.bodies[0].p.x), sag, 1e-12);
@@ -122,11 +122,11 @@ Model build_bushing(double stiffness) {
 TEST(Compliance, ABushingOfSixSpringsKeepsMomentaAndBecomesAWeld) {
   const Model model = build_bushing(1e8);
   Simulation s(model);
-  EXPECT_EQ(s.plan.compliant.size(), 6u);
-  ASSERT_EQ(evaluate(s.plan, {s.commands}, s.state, 0, s.workspace), kNone);
-  const Balance before = calc_balance(s.plan, s.state, s.workspace);
+  EXPECT_EQ(s.data().compliant.size(), 6u);
+  ASSERT_EQ(evaluate_state(s), kNone);
+  const Balance before = calc_balance(s.data(), s.state, s.evaluation());
   for (int i = 0; i < 2000; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
-  const Balance after = calc_balance(s.plan, s.state, s.workspace);
+  const Balance after = calc_balance(s.data(), s.state, s.evaluation());
   // Momentum is linear, angular momentum is not: it is kept to the method's order, as (w h)² of its size per radian.
   EXPECT_LT(norm(after.momentum - before.momentum), 1e-11);
   EXPECT_LT(norm(after.angular_momentum - before.angular_momentum), 1e-6);
@@ -138,12 +138,12 @@ TEST(Compliance, ABushingOfSixSpringsKeepsMomentaAndBecomesAWeld) {
 TEST(Compliance, ThePlanDecidesByTheStepAndTheUserOverrules) {
   const SpringPendulum pendulum{.stiffness = 1e4};  // ω is about 170 rad/s
   Model model = build_model(pendulum);
-  EXPECT_EQ(Simulation(model, {.dt = 1e-3}).plan.joint_springs[0].compliant, kNone);
-  EXPECT_NE(Simulation(model, {.dt = 1e-2}).plan.joint_springs[0].compliant, kNone);
+  EXPECT_EQ(Simulation(model, {.dt = 1e-3}).data().joint_springs[0].compliant, kNone);
+  EXPECT_NE(Simulation(model, {.dt = 1e-2}).data().joint_springs[0].compliant, kNone);
   model.joint_springs[0].implicit = false;
-  EXPECT_EQ(Simulation(model, {.dt = 1e-2}).plan.joint_springs[0].compliant, kNone);
+  EXPECT_EQ(Simulation(model, {.dt = 1e-2}).data().joint_springs[0].compliant, kNone);
   model.joint_springs[0].implicit = true;
-  EXPECT_NE(Simulation(model, {.dt = 1e-3}).plan.joint_springs[0].compliant, kNone);
+  EXPECT_NE(Simulation(model, {.dt = 1e-3}).data().joint_springs[0].compliant, kNone);
 }
 
 TEST(Compliance, ASpringInAJointThatClosesALoopStaysExplicitUnlessDemanded) {
@@ -154,7 +154,7 @@ TEST(Compliance, ASpringInAJointThatClosesALoopStaysExplicitUnlessDemanded) {
   model.joint_springs.push_back(model.joint_springs[0]);
   model.joint_springs[1].name = "other";
   model.joint_springs[1].joint = 1;
-  EXPECT_EQ(Simulation(model).plan.compliant.size(), 1u);
+  EXPECT_EQ(Simulation(model).data().compliant.size(), 1u);
   model.joint_springs[1].implicit = true;
   const PlanResult result = compile_plan(model, {});
   ASSERT_EQ(result.errors.size(), 1u);
@@ -169,8 +169,8 @@ TEST(Compliance, AJointWithAStiffSpringIsNotTheOneThatClosesALoop) {
   for (const int with : {0, 1}) {
     model.joint_springs[0].joint = with;
     const Simulation s(model);
-    EXPECT_EQ(s.plan.compliant.size(), 1u);
-    EXPECT_EQ(s.plan.loops, std::vector<std::int32_t>{1 - with});
+    EXPECT_EQ(s.data().compliant.size(), 1u);
+    EXPECT_EQ(s.data().loops, std::vector<std::int32_t>{1 - with});
   }
 }
 
@@ -201,10 +201,10 @@ TEST(Compliance, ASpringWhoseAxisAModeHoldsIsStillInAnyWorkspace) {
   lock.then.push_back({.kind = Action::Kind::kSetMode, .subject = 0, .mode = 1});
   model.events.push_back(lock);
   Simulation old(model), fresh(model);
-  ASSERT_EQ(old.plan.compliant.size(), 1u);
+  ASSERT_EQ(old.data().compliant.size(), 1u);
   for (int i = 0; i < 7; ++i) ASSERT_EQ(old.advance().status, StepStatus::kOk);
   std::ranges::copy(old.state.get_bytes(), fresh.state.get_bytes().begin());
-  std::ranges::fill(fresh.workspace.lanes, 1e3);
+  std::ranges::fill(fresh.evaluation().blocks, 1e3);
   for (int i = 0; i < 5; ++i) {
     ASSERT_EQ(old.advance().status, StepStatus::kOk);
     ASSERT_EQ(fresh.advance().status, StepStatus::kOk);

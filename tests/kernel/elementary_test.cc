@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "kernel/dispatch/lane_kernels.h"
+#include "kernel/dispatch/kernels.h"
 #include "tests/support/random.h"
 
 namespace unlatch::elementary {
@@ -267,13 +267,14 @@ TEST(Elementary, ArctangentsOfEveryWidthHaveTheSameBits) {
   for (const double a : marks)
     for (const double b : marks) add(a, b);
   while (y.size() % 8 != 0) add(0, 1);
-  for (const Lanes lanes : {Lanes::kScalar, Lanes::kTwo, Lanes::kFour, Lanes::kEight}) {
-    if (!is_supported(lanes)) continue;
+  for (const InstructionSet set :
+       {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::k256, InstructionSet::k512}) {
+    if (!is_supported(set)) continue;
     std::vector<double> angles = y;
-    get_kernels(lanes).calc_angles(angles.data(), x.data(), angles.size());
+    get_kernels(set).calc_angles(angles.data(), x.data(), angles.size());
     for (std::size_t i = 0; i < y.size(); ++i)
       ASSERT_EQ(std::bit_cast<std::uint64_t>(angles[i]), std::bit_cast<std::uint64_t>(atan2(y[i], x[i])))
-          << get_name(lanes) << ": atan2(" << y[i] << ", " << x[i] << ")";
+          << get_name(set) << ": atan2(" << y[i] << ", " << x[i] << ")";
   }
 }
 

@@ -11,14 +11,13 @@
 
 #include <Eigen/Dense>
 
-#include "kernel/dynamics/auxiliary.h"
+#include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/compliance.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/forces.h"
 #include "kernel/dynamics/loads.h"
 #include "kernel/dynamics/varying.h"
-#include "kernel/solver/loops.h"
-#include "kernel/solver/tree_solver.h"
+#include "kernel/solver/loop_rows.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"
 #include "tests/support/random_model.h"
@@ -243,22 +242,22 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
       body.v = to_vec(draw(random, 1));
       body.w = to_vec(draw(random, 1));
     }
-    for (double& extra : sim.state.extras.subspan(kModes, kModes)) extra = random.uniform(-2, 2);
-    Workspace& ws = sim.workspace;
-    load_state(sim.plan, sim.state, ws);
-    load_extras(sim.state, ws);
-    begin_compliance(sim.plan, sim.state, 0, kStep, ws);
-    update_masses(sim.plan, 0, ws);
-    update_kinematics(sim.plan, ws);
-    update_markers(sim.plan, ws);
-    store_bodies(sim.plan, ws, sim.state);  // markers move with the mast
-    forget_loads(sim.plan, ws);
-    update_loads(sim.plan, {sim.commands}, sim.state, 0, ws);
-    update_joints(sim.plan, sim.state, BiasKind::kAcceleration, ws);
-    update_coordinates(sim.plan, sim.state, true, ws);
-    add_forces(sim.plan, sim.state, 0, ws);
-    ws.loop_most = kAllRows;
-    ASSERT_EQ(factor_and_solve(sim.plan, sim.state, ws, {Source::kForces, true, true}), kNone) << seed;
+    for (double& extra : sim.state.auxiliary.subspan(kModes, kModes)) extra = random.uniform(-2, 2);
+    const PlanData& plan = sim.data();
+    Evaluation& ev = sim.evaluation();
+    load_state(plan, sim.state, ev);
+    const Implicit implicit = begin_compliance(plan, sim.state, 0, kStep, ev);
+    update_masses(plan, 0, ev);
+    update_kinematics(plan, ev);
+    store_motion(plan, ev, sim.state);  // markers move with the mast
+    const Inputs inputs{sim.commands};
+    const Instant now{plan, inputs, sim.state, 0, implicit};
+    update_loads(now, ev);
+    update_joints(plan, sim.state, RowTarget::kAcceleration, ev);
+    update_coordinates(plan, sim.state, CoordinateSet::kAll, ev);
+    update_forces(now, ev);
+    ASSERT_EQ(get_kernels(plan).factor_and_solve(plan, sim.state, ev, {.gamma_h = implicit.gamma_h}, kAllRows), kNone)
+        << seed;
 
     const Model placed = place_markers(s.model);
     SystemState state = build_initial_state(placed);
@@ -270,12 +269,12 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     const auto& m = state.bodies[static_cast<std::size_t>(s.mast)];
     FlexibleState mast{m.p_WB, m.v_WB, m.q_WB, m.w_WB_B, Eigen::VectorXd(kModes), Eigen::VectorXd(kModes)};
     for (std::size_t k = 0; k < kModes; ++k) {
-      mast.eta[static_cast<Index>(k)] = sim.state.extras[k];
-      mast.eta_rate[static_cast<Index>(k)] = sim.state.extras[kModes + k];
+      mast.eta[static_cast<Index>(k)] = sim.state.auxiliary[k];
+      mast.eta_rate[static_cast<Index>(k)] = sim.state.auxiliary[kModes + k];
     }
     Dense d = build_dense(s, placed, state, mast);
     for (const JointSpring& spring : s.model.joint_springs)
-      add_spring(d, placed, state, spring, ws.coordinates[find_coordinate(sim.plan, spring.joint, spring.axis)]);
+      add_spring(d, placed, state, spring, ev.coordinates[find_coordinate(sim.data(), spring.joint, spring.axis)]);
     const Index n = d.M.rows(), rows = d.G.rows();
     RealMatrix H = RealMatrix::Zero(n + rows, n + rows);
     H << d.M, -d.G.transpose(), d.G, RealMatrix::Zero(rows, rows);
@@ -286,7 +285,7 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     const RealVector expected = lu.solve(right);
     Real error = 0, size = 0;
     for (std::size_t b = 0; b < state.bodies.size(); ++b) {
-      const Spatial a = ws.accelerations[b];
+      const Spatial a = sim.workspace.accelerations[b];
       const Index i = static_cast<Index>(6 * b);
       const RealVector turn = state.bodies[b].q_WB.toRotationMatrix().cast<Real>() * expected.segment(i + 3, 3);
       error += (to_eigen(a.lin).cast<Real>() - expected.segment(i, 3)).squaredNorm() +
@@ -297,8 +296,8 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     EXPECT_LT(relative, kAgree) << "seed " << seed;
     worst = std::max(worst, relative);
     ++compared;
-    springs += static_cast<int>(sim.plan.compliant.size());
-    loops += sim.plan.loops.empty() ? 0 : 1;
+    springs += static_cast<int>(sim.data().compliant.size());
+    loops += sim.data().loops.empty() ? 0 : 1;
   }
   std::printf("%d random systems from seed 7000, %d with loops, %d implicit springs: worst disagreement %.1e\n",
               compared, loops, springs, worst);

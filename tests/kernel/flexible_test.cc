@@ -6,7 +6,8 @@
 #include <Eigen/Dense>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/dynamics/rows.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/dynamics/residuals.h"
 #include "kernel/step/integrator.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"
@@ -67,18 +68,18 @@ Mast build_mast(std::uint64_t seed, Support support, int modes, std::vector<std:
   return mast;
 }
 
-void evaluate_or_fail(Simulation& s) { ASSERT_EQ(evaluate(s.plan, {s.commands}, s.state, 0, s.workspace), kNone); }
+void evaluate_or_fail(Simulation& s) { ASSERT_EQ(evaluate_state(s), kNone); }
 
 // (v', w', η'') of body 0 as the oracle orders them.
 VectorXd read_acceleration(Simulation& s, int body = 0) {
   const PlanFlexible& flexible =
-      s.plan.flexible[static_cast<std::size_t>(s.plan.bodies[static_cast<std::size_t>(body)].flexible)];
+      s.data().flexible[static_cast<std::size_t>(s.data().bodies[static_cast<std::size_t>(body)].flexible)];
   const Spatial a = s.workspace.accelerations[static_cast<std::size_t>(body)];
-  const Mat3 R = s.workspace.kinematics[static_cast<std::size_t>(body)].R;
+  const Mat3 R = read_kinematics(s.evaluation(), body).R;
   VectorXd out(6 + flexible.modes);
   out << to_eigen(a.lin), to_eigen(transpose_times(R, a.ang)), VectorXd(flexible.modes);
   for (Index k = 0; k < flexible.modes; ++k)
-    out[6 + k] = s.workspace.extras.rate[static_cast<std::size_t>(flexible.extras + flexible.modes + k)];
+    out[6 + k] = s.evaluation().auxiliary.rate[static_cast<std::size_t>(flexible.auxiliary + flexible.modes + k)];
   return out;
 }
 
@@ -183,9 +184,9 @@ TEST(Flexible, AFreeBodyKeepsMomentaAndUndampedItsEnergy) {
   mast.model.bodies[0].flexible->initial *= 0.1;
   mast.model.bodies[0].flexible->initial_rate *= 0.1;
   const auto calc_energy = [&](Simulation& s) {
-    double energy = calc_balance(s.plan, s.state, s.workspace).kinetic;
+    double energy = calc_balance(s.data(), s.state, s.evaluation()).kinetic;
     for (Index i = 0; i < 5; ++i) {
-      const double eta = s.state.extras[static_cast<std::size_t>(i)], w = mast.lumped.frequencies[i];
+      const double eta = s.state.auxiliary[static_cast<std::size_t>(i)], w = mast.lumped.frequencies[i];
       energy += 0.5 * w * w * eta * eta;
     }
     return energy;
@@ -193,7 +194,7 @@ TEST(Flexible, AFreeBodyKeepsMomentaAndUndampedItsEnergy) {
   double errors[2];
   for (const int k : {0, 1}) {
     Simulation s(mast.model, {.dt = k == 0 ? 2e-4 : 1e-4});
-    ASSERT_FALSE(s.plan.flexible[0].implicit);
+    ASSERT_FALSE(s.data().flexible[0].implicit);
     evaluate_or_fail(s);
     const double energy = calc_energy(s);
     while (s.get_time() < 0.2) ASSERT_EQ(s.advance().status, StepStatus::kOk);
@@ -203,9 +204,9 @@ TEST(Flexible, AFreeBodyKeepsMomentaAndUndampedItsEnergy) {
 
   Simulation s(mast.model, {.dt = 1e-5});  // fine enough that what is left is rounding
   evaluate_or_fail(s);
-  const Balance before = calc_balance(s.plan, s.state, s.workspace);
+  const Balance before = calc_balance(s.data(), s.state, s.evaluation());
   while (s.get_time() < 0.2) ASSERT_EQ(s.advance().status, StepStatus::kOk);
-  const Balance after = calc_balance(s.plan, s.state, s.workspace);
+  const Balance after = calc_balance(s.data(), s.state, s.evaluation());
   EXPECT_LT(norm(after.momentum - before.momentum), 1e-12 * norm(before.momentum));
   EXPECT_LT(norm(after.angular_momentum - before.angular_momentum), 1e-12 * norm(before.angular_momentum));
 }
@@ -214,7 +215,7 @@ TEST(Flexible, AFreeBodyKeepsMomentaAndUndampedItsEnergy) {
 TEST(Flexible, AMarkersVelocityIsTheRateOfItsPose) {
   const Mast mast = build_mast(3, Support::kClamped, 4, {9});
   Simulation s(mast.model);
-  const PlanMarker& marker = s.plan.markers[0];
+  const PlanMarker& marker = s.data().markers[0];
   constexpr double h = 1e-5;  // of central differences: h² against rounding / h
   const auto at = [&](double t) {
     unlatch::BodyState body = s.state.bodies[0];
@@ -222,7 +223,7 @@ TEST(Flexible, AMarkersVelocityIsTheRateOfItsPose) {
     const double angle = norm(body.w) * t, half = std::sin(0.5 * angle) / norm(body.w);
     body.q = body.q * Quat{std::cos(0.5 * angle), half * body.w.x, half * body.w.y, half * body.w.z};
     const VectorXd eta = mast.state.eta + t * mast.state.eta_rate;
-    return calc_marker_state(s.plan, marker, body, eta.data(), mast.state.eta_rate.data());
+    return calc_marker_state(s.data(), marker, body, eta.data(), mast.state.eta_rate.data());
   };
   const unlatch::BodyState now = at(0), before = at(-h), after = at(h);
   EXPECT_LT(norm((0.5 / h) * (after.p - before.p) - now.v), 1e-7 * norm(now.v));
@@ -270,8 +271,8 @@ TEST(Flexible, JointsAtMarkersHold) {
   for (int i = 0; i < 1000; ++i) {
     ASSERT_EQ(s.advance().status, StepStatus::kOk) << i;
     update_motion(s);
-    ASSERT_LT(calc_drift(s.plan, s.state, s.workspace), 1e-9) << i;
-    swing = std::max(swing, std::abs(s.state.extras[0]));
+    ASSERT_LT(calc_drift(s.data(), s.state, s.evaluation()), 1e-9) << i;
+    swing = std::max(swing, std::abs(s.state.auxiliary[0]));
   }
   EXPECT_GT(swing, 1e-3);  // it does bend
 }
@@ -293,7 +294,7 @@ TEST(Flexible, FrozenModesAreTheRigidRun) {
   rigid.joints[1].follower = 1;
   rigid.joints[1].point_follower = flexible.bodies[4].marker->position;
   Simulation a(flexible), b(rigid);
-  ASSERT_TRUE(a.plan.flexible[0].implicit);
+  ASSERT_TRUE(a.data().flexible[0].implicit);
   for (int i = 0; i < 1000; ++i) {
     ASSERT_EQ(a.advance().status, StepStatus::kOk) << i;
     ASSERT_EQ(b.advance().status, StepStatus::kOk);
@@ -339,7 +340,7 @@ TEST(Flexible, AHeldBodySwingsWithTheFrequenciesOfItsHeldLattice) {
     A.col(k).setZero();
     for (const double eta : {kSmall, -kSmall}) {
       init_state(s.plan, s.state);
-      s.state.extras[static_cast<std::size_t>(k)] = eta;
+      s.state.auxiliary[static_cast<std::size_t>(k)] = eta;
       const Vector3d away = -eta * lumped.shapes[0].col(k);  // the particle stays where it is
       s.state.bodies[0].p = {away.x(), away.y(), away.z()};
       evaluate_or_fail(s);
@@ -354,12 +355,13 @@ TEST(Flexible, AHeldBodySwingsWithTheFrequenciesOfItsHeldLattice) {
 TEST(Flexible, EveryWidthOfLanesGivesTheSameBits) {
   const Model model = build_welded_masts(1);
   std::uint64_t hash = 0;
-  for (const Lanes lanes : {Lanes::kScalar, Lanes::kTwo, Lanes::kFour, Lanes::kEight}) {
-    if (!is_supported(lanes)) continue;
-    Simulation s(model, {.lanes = lanes});
+  for (const InstructionSet set :
+       {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::k256, InstructionSet::k512}) {
+    if (!is_supported(set)) continue;
+    Simulation s(model, {.instruction_set = set});
     for (int i = 0; i < 100; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
     if (hash == 0) hash = calc_hash(s.state);
-    EXPECT_EQ(calc_hash(s.state), hash) << get_name(lanes);
+    EXPECT_EQ(calc_hash(s.state), hash) << get_name(set);
   }
 }
 

@@ -47,7 +47,7 @@ Model build_pair() {
 
 Balance get_balance(Simulation& s) {
   update_motion(s);
-  return calc_balance(s.plan, s.state, s.workspace);
+  return calc_balance(s.data(), s.state, s.evaluation());
 }
 
 // Runs a pair under a conservative element of potential `potential(simulation)` and holds momenta and energy.

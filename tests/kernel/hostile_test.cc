@@ -37,10 +37,11 @@ TEST(Hostile, GoodModelsRaiseNoFloatingPointException) {
   for (const Model& model : {build_soyuz(load_reference("soyuz_nominal")), build_solar(load_reference("solar_elastic")),
                              build_tree3(load_reference("tree3")), build_tree20(load_reference("tree20"))}) {
     SCOPED_TRACE(model.name);
-    for (const Lanes lanes : {Lanes::kScalar, Lanes::kTwo, Lanes::kFour, Lanes::kEight}) {
-      if (!is_supported(lanes)) continue;
+    for (const InstructionSet set :
+         {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::k256, InstructionSet::k512}) {
+      if (!is_supported(set)) continue;
       PlanOptions options;
-      options.lanes = lanes;
+      options.instruction_set = set;
       Simulation s(model, options);
       const Traps traps;
       EXPECT_EQ(survive(s, kTicks).status, StepStatus::kOk);

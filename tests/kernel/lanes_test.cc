@@ -1,6 +1,4 @@
 // Lanes: whatever the width, the same bits; what lies beside a body does not matter to it.
-#include "kernel/plan/lanes.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -8,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "kernel/plan/plan_data.h"
 #include "tests/support/random_model.h"
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
@@ -17,16 +16,17 @@
 namespace unlatch::test {
 namespace {
 
-std::vector<Lanes> find_widths() {
-  std::vector<Lanes> widths;
-  for (const Lanes lanes : {Lanes::kScalar, Lanes::kTwo, Lanes::kFour, Lanes::kEight})
-    if (is_supported(lanes)) widths.push_back(lanes);
+std::vector<InstructionSet> find_widths() {
+  std::vector<InstructionSet> widths;
+  for (const InstructionSet set :
+       {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::k256, InstructionSet::k512})
+    if (is_supported(set)) widths.push_back(set);
   return widths;
 }
 
-Simulation build(const Model& model, Lanes lanes) {
+Simulation build(const Model& model, InstructionSet set) {
   PlanOptions options;
-  options.lanes = lanes;
+  options.instruction_set = set;
   return Simulation(model, options);
 }
 
@@ -38,15 +38,15 @@ std::uint64_t get_bits(double number) {
 
 TEST(Lanes, EveryWidthTakesTheBoostersThroughAllPhasesWithTheSameBits) {
   const Model model = build_soyuz(load_reference("soyuz_nominal"));
-  Simulation scalar = build(model, Lanes::kScalar);
+  Simulation scalar = build(model, InstructionSet::kScalar);
   std::vector<Simulation> others;
-  for (const Lanes lanes : find_widths()) others.push_back(build(model, lanes));
+  for (const InstructionSet set : find_widths()) others.push_back(build(model, set));
   for (int tick = 0; tick < 850; ++tick) {
     ASSERT_EQ(scalar.advance().status, StepStatus::kOk);
     for (Simulation& other : others) {
       ASSERT_EQ(other.advance().status, StepStatus::kOk);
       ASSERT_EQ(calc_hash(other.state), calc_hash(scalar.state))
-          << get_name(other.plan.options.lanes) << " tick " << tick;
+          << get_name(other.plan.get_options().instruction_set) << " tick " << tick;
     }
   }
 }
@@ -55,15 +55,15 @@ TEST(Lanes, EveryWidthGivesRandomSystemsTheSameReactionsToTheLastBit) {
   constexpr std::uint64_t kFirstSeed = 4242;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 200; ++seed) {
     const Model model = build_random_model(seed);
-    Simulation scalar = build(model, Lanes::kScalar);
+    Simulation scalar = build(model, InstructionSet::kScalar);
     for (int tick = 0; tick < 3; ++tick) ASSERT_EQ(scalar.advance().status, StepStatus::kOk) << "seed " << seed;
-    for (const Lanes lanes : find_widths()) {
-      Simulation other = build(model, lanes);
+    for (const InstructionSet set : find_widths()) {
+      Simulation other = build(model, set);
       for (int tick = 0; tick < 3; ++tick) ASSERT_EQ(other.advance().status, StepStatus::kOk) << "seed " << seed;
-      ASSERT_EQ(calc_hash(other.state), calc_hash(scalar.state)) << get_name(lanes) << " seed " << seed;
+      ASSERT_EQ(calc_hash(other.state), calc_hash(scalar.state)) << get_name(set) << " seed " << seed;
       for (std::size_t i = 0; i < other.workspace.multipliers.size(); ++i)
         ASSERT_EQ(get_bits(other.workspace.multipliers[i]), get_bits(scalar.workspace.multipliers[i]))
-            << get_name(lanes) << " seed " << seed << " multiplier " << i;
+            << get_name(set) << " seed " << seed << " multiplier " << i;
     }
   }
 }
@@ -102,7 +102,7 @@ TEST(Lanes, EightCopiesOfAChainMoveAsOneDoes) {
     EXPECT_EQ(theirs.v.z, ours.v.z) << b;
     EXPECT_EQ(theirs.w.y, ours.w.y) << b;
   }
-  for (const LaneGroup& group : together.plan.groups) EXPECT_EQ(group.width, 8);
+  for (const Group& group : together.data().groups) EXPECT_EQ(group.width, 8);
 }
 
 TEST(Lanes, BodiesOfAChainLieEightSideBySideWhereverTheyAreInIt) {
@@ -111,36 +111,36 @@ TEST(Lanes, BodiesOfAChainLieEightSideBySideWhereverTheyAreInIt) {
   options.bodies = 64;
   options.grounded_chance = 0;
   const Simulation chain(build_random_model(11, options));
-  ASSERT_EQ(chain.plan.octets.size(), 8u);
-  for (const LaneOctet& octet : chain.plan.octets) EXPECT_EQ(octet.bodies, 0xff);
+  ASSERT_EQ(chain.data().eights.size(), 8u);
+  for (const BodyEight& eight : chain.data().eights) EXPECT_EQ(eight.filled, 0xff);
 }
 
 TEST(Lanes, EveryBodyHasALaneOfItsOwn) {
   constexpr std::uint64_t kFirstSeed = 5100;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 200; ++seed) {
     const Simulation s(build_random_model(seed));
-    std::set<std::int32_t> places, shared, data;
-    for (const LaneSlot& slot : s.plan.body_slots) {
-      places.insert(slot.body);
-      shared.insert(slot.shared);
-      data.insert(slot.data);
-      EXPECT_EQ(slot.body % kOctet, slot.shared % kOctet) << "seed " << seed;
+    std::set<std::int32_t> bodies, shared, solver;
+    for (const Place& place : s.data().places) {
+      bodies.insert(place.body);
+      shared.insert(place.shared);
+      solver.insert(place.solver);
+      EXPECT_EQ(place.body % kEight, place.shared % kEight) << "seed " << seed;
     }
-    for (const std::set<std::int32_t>& all : {places, shared, data})
-      EXPECT_EQ(all.size(), s.plan.bodies.size()) << "seed " << seed;
-    std::size_t bodies = 0;
-    for (const LaneOctet& octet : s.plan.octets) {
-      bodies += static_cast<std::size_t>(std::popcount(octet.bodies));
-      EXPECT_EQ(octet.bodies & ~octet.lanes, 0) << "seed " << seed;
+    for (const std::set<std::int32_t>& all : {bodies, shared, solver})
+      EXPECT_EQ(all.size(), s.data().bodies.size()) << "seed " << seed;
+    std::size_t filled = 0;
+    for (const BodyEight& eight : s.data().eights) {
+      filled += static_cast<std::size_t>(std::popcount(eight.filled));
+      EXPECT_EQ(eight.filled & ~eight.used, 0) << "seed " << seed;
     }
-    EXPECT_EQ(bodies, s.plan.bodies.size()) << "seed " << seed;
+    EXPECT_EQ(filled, s.data().bodies.size()) << "seed " << seed;
   }
 }
 
 TEST(Lanes, AWidthThatTheProcessorLacksIsRefused) {
-  if (is_supported(Lanes::kEight)) GTEST_SKIP() << "this processor has every width";
+  if (is_supported(InstructionSet::k512)) GTEST_SKIP() << "this processor has every width";
   PlanOptions options;
-  options.lanes = Lanes::kEight;
+  options.instruction_set = InstructionSet::k512;
   const PlanResult result = compile_plan(build_random_model(1), options);
   ASSERT_FALSE(result.plan);
   EXPECT_NE(result.errors.front().what.find("avx512"), std::string::npos);

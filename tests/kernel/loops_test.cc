@@ -6,7 +6,7 @@
 
 #include "kernel/dynamics/balance.h"
 #include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/rows.h"
+#include "kernel/dynamics/residuals.h"
 #include "kernel/step/integrator.h"
 #include "tests/support/linkages.h"
 #include "tests/support/random_model.h"
@@ -103,7 +103,7 @@ TEST(Loops, AgreeWithADenseSolveOnRandomSystems) {
       if (model.joints[j].modes.back().name == "closed") s.state.joints[j].mode = 1;
     const SystemState before = read_state(s);
     update_motion(s);
-    ASSERT_EQ(apply_impulse(s.plan, s.state, s.workspace), kNone) << "seed " << seed;
+    ASSERT_EQ(apply_impulse(s.data(), s.state, s.evaluation()), kNone) << "seed " << seed;
     expect_to_agree(read_solution(s), solve_plastic_impulse(model, before), model, before, seed, impulses);
 
     ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk) << "seed " << seed;
@@ -127,21 +127,21 @@ TEST(Loops, EveryWidthOfLanesGivesTheSameBits) {
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 200; ++seed) {
     Random random(seed);
     const Model model = build_random_loops(seed, random);
-    const auto run = [&](Lanes lanes) {
+    const auto run = [&](InstructionSet set) {
       PlanOptions options;
-      options.lanes = lanes;
+      options.instruction_set = set;
       Simulation s(model, options);
       for (std::size_t j = 0; j < model.joints.size(); ++j)
         if (model.joints[j].modes.back().name == "closed") s.state.joints[j].mode = 1;
       update_motion(s);
-      EXPECT_EQ(apply_impulse(s.plan, s.state, s.workspace), kNone) << "seed " << seed;
+      EXPECT_EQ(apply_impulse(s.data(), s.state, s.evaluation()), kNone) << "seed " << seed;
       for (int tick = 0; tick < 3; ++tick) s.advance();
       return calc_hash(s.state);
     };
-    const std::uint64_t scalar = run(Lanes::kScalar);
-    for (const Lanes lanes : {Lanes::kTwo, Lanes::kFour, Lanes::kEight}) {
-      if (!is_supported(lanes)) continue;
-      ASSERT_EQ(run(lanes), scalar) << get_name(lanes) << " seed " << seed;
+    const std::uint64_t scalar = run(InstructionSet::kScalar);
+    for (const InstructionSet set : {InstructionSet::k128, InstructionSet::k256, InstructionSet::k512}) {
+      if (!is_supported(set)) continue;
+      ASSERT_EQ(run(set), scalar) << get_name(set) << " seed " << seed;
     }
   }
 }
@@ -169,7 +169,7 @@ TEST(Loops, ThatCloseNothingAreRedundantAndChangeNothing) {
   const auto solve = [&](const Model& m) {
     Simulation s(m);
     EXPECT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk);
-    EXPECT_EQ(s.workspace.loop_redundant, m.joints.size() == 2 ? 0 : 6);
+    EXPECT_EQ(s.evaluation().loop_redundant, m.joints.size() == 2 ? 0 : 6);
     return read_solution(s);
   };
   const KernelSolution open = solve(model);
@@ -224,18 +224,18 @@ Model build_held_chain(int rods, bool may_let_go) {
 
 TEST(Loops, AreCutWhereTheWaysFromTheGroundMeet) {
   const Simulation s(build_held_chain(64, false));
-  ASSERT_EQ(s.plan.loops.size(), 1u);
-  const PlanJoint& cut = s.plan.joints[static_cast<std::size_t>(s.plan.loops[0])];
+  ASSERT_EQ(s.data().loops.size(), 1u);
+  const PlanJoint& cut = s.data().joints[static_cast<std::size_t>(s.data().loops[0])];
   EXPECT_EQ(cut.base, 31);  // the weld and the 32 hinges next to it hold the one tree, the others the other
   EXPECT_EQ(cut.follower, 32);
-  const auto roots = std::count_if(s.plan.nodes.begin(), s.plan.nodes.end(),
-                                   [](const PlanNode& node) { return node.parent == kNone; });
+  const auto roots = std::count_if(s.data().nodes.begin(), s.data().nodes.end(),
+                                   [](const TreeNode& node) { return node.parent == kNone; });
   EXPECT_EQ(roots, 2);
 }
 
 TEST(Loops, AreCutAtAJointThatMayLetGo) {
   const Simulation s(build_held_chain(64, true));
-  EXPECT_EQ(s.plan.loops, std::vector<std::int32_t>{0});
+  EXPECT_EQ(s.data().loops, std::vector<std::int32_t>{0});
 }
 
 // A ring that hangs from the ground. The weld's rows hold at the end of the step, not at its beginning.
@@ -249,7 +249,7 @@ TEST(Loops, AWeldThatClosesOneDoesNotDrift) {
   for (int i = 0; i < 100; ++i) {
     ASSERT_EQ(s.advance().status, StepStatus::kOk) << "tick " << i;
     update_motion(s);
-    drift = std::max(drift, calc_drift(s.plan, s.state, s.workspace));
+    drift = std::max(drift, calc_drift(s.data(), s.state, s.evaluation()));
     for (const unlatch::BodyState& b : s.state.bodies) fastest = std::max(fastest, norm(b.w));
   }
   std::printf("loop closed to %.1e, fastest %.2g rad/s\n", drift, fastest);
@@ -262,8 +262,8 @@ void expect_to_swing_freely(const Model& model, int redundant) {
   const auto energy = [&] {
     update_motion(s);
     double potential = 0;
-    for (const unlatch::BodyState& b : s.state.bodies) potential -= dot(s.plan.gravity, b.p);
-    return calc_balance(s.plan, s.state, s.workspace).kinetic + potential;
+    for (const unlatch::BodyState& b : s.state.bodies) potential -= dot(s.data().gravity.uniform, b.p);
+    return calc_balance(s.data(), s.state, s.evaluation()).kinetic + potential;
   };
   const double before = energy();
   double highest_kinetic = 0, drift = 0, loss = 0;
@@ -271,9 +271,9 @@ void expect_to_swing_freely(const Model& model, int redundant) {
     const StepReport report = s.advance();
     ASSERT_EQ(report.status, StepStatus::kOk) << "tick " << i;
     ASSERT_EQ(report.redundant, redundant) << "tick " << i;
-    drift = std::max(drift, calc_drift(s.plan, s.state, s.workspace));
+    drift = std::max(drift, calc_drift(s.data(), s.state, s.evaluation()));
     loss = std::max(loss, std::abs(energy() - before));
-    highest_kinetic = std::max(highest_kinetic, calc_balance(s.plan, s.state, s.workspace).kinetic);
+    highest_kinetic = std::max(highest_kinetic, calc_balance(s.data(), s.state, s.evaluation()).kinetic);
   }
   EXPECT_GT(highest_kinetic, 1);
   EXPECT_LT(loss, kEnergy * highest_kinetic);

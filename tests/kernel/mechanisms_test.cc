@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernel/dynamics/rows.h"
+#include "kernel/dynamics/residuals.h"
 #include "tests/support/linkages.h"
 #include "tests/support/simulation.h"
 
@@ -117,7 +117,7 @@ AndrewsError run_andrews(double dt) {
     EXPECT_EQ(report.status, StepStatus::kOk) << "tick " << i;
     EXPECT_EQ(report.redundant, 9) << "tick " << i;  // three loops, each with three rows out of the plane too many
     if (report.status != StepStatus::kOk) break;
-    drift = std::max(drift, calc_drift(s.plan, s.state, s.workspace));
+    drift = std::max(drift, calc_drift(s.data(), s.state, s.evaluation()));
   }
   EXPECT_LT(drift, 1e-10);  // m, rad
   AndrewsError error;

@@ -78,12 +78,12 @@ VectorXd find_steady_spin(const ModalBody& lumped, const Vector3d& spin) {
 VectorXd advance(Simulation& s, const VectorXd& z) {
   init_state(s.plan, s.state);
   s.state.bodies[0].w = {z[0], z[1], z[2]};
-  for (Index k = 0; k < 2 * kModes; ++k) s.state.extras[static_cast<std::size_t>(k)] = z[3 + k];
+  for (Index k = 0; k < 2 * kModes; ++k) s.state.auxiliary[static_cast<std::size_t>(k)] = z[3 + k];
   EXPECT_EQ(s.advance().status, StepStatus::kOk);
   const Vec3& w = s.state.bodies[0].w;
   VectorXd out(kSize);
   out.head<3>() << w.x, w.y, w.z;
-  for (Index k = 0; k < 2 * kModes; ++k) out[3 + k] = s.state.extras[static_cast<std::size_t>(k)];
+  for (Index k = 0; k < 2 * kModes; ++k) out[3 + k] = s.state.auxiliary[static_cast<std::size_t>(k)];
   return out;
 }
 

@@ -9,14 +9,14 @@
 
 #include "kernel/dynamics/balance.h"
 #include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/rows.h"
-#include "kernel/step/stiffness.h"
+#include "kernel/dynamics/residuals.h"
 #include "tests/golden/golden_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/random_model.h"
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
+#include "unlatch/frequencies.h"
 
 namespace unlatch::test {
 namespace {
@@ -57,10 +57,9 @@ TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
     PlanOptions options;
     options.dt = golden.dt;
     Simulation clean(golden.model, options), dirty(golden.model, options);
-    const Workspace layout = dirty.workspace;
+    std::byte* const first = reinterpret_cast<std::byte*>(&dirty.workspace.data());
+    const std::size_t bytes = dirty.plan.get_workspace_bytes();
     for (int i = 0; i < golden.ticks; ++i) {
-      std::byte* first = reinterpret_cast<std::byte*>(layout.lanes.data());
-      const std::size_t bytes = dirty.plan.get_workspace_bytes();
       std::fill_n(reinterpret_cast<double*>(first), bytes / sizeof(double), std::numeric_limits<double>::quiet_NaN());
       dirty.workspace = Workspace(dirty.plan, {first, bytes});
       // The second of three commands differs, so that inputs change between steps.
@@ -75,12 +74,47 @@ TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
   }
 }
 
+void poison(std::span<double> numbers) { std::ranges::fill(numbers, std::numeric_limits<double>::quiet_NaN()); }
+
+// Beside the final evaluation nothing outlives a step: neither the search for events, nor the stages, nor the solver's
+// scratch.
+TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
+  for (const GoldenModel& golden : build_golden_models()) {
+    SCOPED_TRACE(golden.model.name);
+    PlanOptions options;
+    options.dt = golden.dt;
+    Simulation clean(golden.model, options), poisoned(golden.model, options);
+    const PlanData& plan = poisoned.data();
+    Evaluation& ev = poisoned.evaluation();
+    const EventSearch& search = poisoned.workspace.data().search;
+    for (int i = 0; i < golden.ticks; ++i) {
+      for (const std::span<double> numbers :
+           {search.guards_low, search.guards_high, search.guards_middle, search.tolerances, search.stack, ev.loop_loads,
+            ev.loop_solution, ev.rotation_sines, ev.rotation_cosines, ev.auxiliary.start, ev.auxiliary.first,
+            ev.auxiliary.sum})
+        poison(numbers);
+      std::memset(search.acting.data(), 0xff, search.acting.size_bytes());
+      for (const BodyEight& eight : plan.eights) {
+        BodyBlock<Wide<kEight>>& body = eight.get_body(ev.blocks.data(), 0);
+        const auto first = reinterpret_cast<double*>(&body.start), end = reinterpret_cast<double*>(&body.R);
+        poison({first, end});
+      }
+      for (CompliantSpring& spring : ev.compliant) spring = {NAN, NAN, NAN, NAN, NAN, NAN};
+      ASSERT_EQ(clean.advance().status, StepStatus::kOk);
+      ASSERT_EQ(poisoned.advance().status, StepStatus::kOk);
+      ASSERT_TRUE(poisoned.workspace.data().kept.is_of(poisoned.state)) << "tick " << i;
+      ASSERT_EQ(calc_hash(clean.state), calc_hash(poisoned.state)) << "tick " << i;
+      ASSERT_TRUE(are_equal(clean.workspace.multipliers, poisoned.workspace.multipliers)) << "tick " << i;
+    }
+  }
+}
+
 // One that somebody changes between two steps is not taken for what the step before has left.
 TEST(Step, AChangedStateCounts) {
   Simulation changed(build_boosters()), fresh(build_boosters());
   for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);
   for (Simulation* s : {&changed, &fresh}) s->state.bodies[2].w.x += 1e-12;
-  fresh.workspace.settled = false;
+  fresh.workspace.data().kept.valid = false;
   for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);
   EXPECT_EQ(calc_hash(changed.state), calc_hash(fresh.state));
   Simulation same(build_boosters());
@@ -93,7 +127,7 @@ TEST(Step, EventsNextToATickEndTheStepAtTheTick) {
   const int tick = 700;  // of the sliding phase
   Simulation before(build_boosters());
   while (before.state.header->tick < tick) ASSERT_EQ(before.advance().status, StepStatus::kOk);
-  const double place = before.workspace.coordinates[find_coordinate(before.plan, 0, kX)];
+  const double place = before.evaluation().coordinates[find_coordinate(before.data(), 0, kX)];
   for (int ulps = -40; ulps <= 40; ++ulps) {
     Model model = build_soyuz(load_reference("soyuz_nominal"));
     for (Event& event : model.events)
@@ -104,7 +138,7 @@ TEST(Step, EventsNextToATickEndTheStepAtTheTick) {
       const StepReport report = follows.advance();
       ASSERT_EQ(report.status, StepStatus::kOk);
       if (follows.state.header->tick >= tick - 1) events += static_cast<int>(report.events.size());
-      anew.workspace.settled = false;
+      anew.workspace.data().kept.valid = false;
       ASSERT_EQ(anew.advance().status, StepStatus::kOk);
       ASSERT_EQ(calc_hash(follows.state), calc_hash(anew.state)) << ulps << " at " << follows.state.header->tick;
     }
@@ -194,14 +228,14 @@ TEST(Step, KeepsMomentaEnergyAndJointsOfRandomFreeSystems) {
     const Model model = build_random_model(seed, options);
     Simulation s(model);
     update_motion(s);
-    const Balance before = calc_balance(s.plan, s.state, s.workspace);
+    const Balance before = calc_balance(s.data(), s.state, s.evaluation());
     double drift = 0;
     for (int i = 0; i < 1000; ++i) {
       ASSERT_EQ(s.advance().status, StepStatus::kOk) << "seed " << seed << " tick " << i;
-      drift = std::max(drift, calc_drift(s.plan, s.state, s.workspace));
+      drift = std::max(drift, calc_drift(s.data(), s.state, s.evaluation()));
     }
     update_motion(s);
-    const Balance after = calc_balance(s.plan, s.state, s.workspace);
+    const Balance after = calc_balance(s.data(), s.state, s.evaluation());
     EXPECT_LT(norm(after.momentum - before.momentum), kMomentum * (1 + norm(before.momentum))) << "seed " << seed;
     EXPECT_LT(norm(after.angular_momentum - before.angular_momentum),
               kMomentum * (1 + norm(before.angular_momentum)) * 100)

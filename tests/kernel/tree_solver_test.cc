@@ -1,11 +1,10 @@
 // The tree solver against a dense solve of the same equations that knows nothing of trees.
-#include "kernel/solver/tree_solver.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/kinematics.h"
 #include "kernel/step/integrator.h"
 #include "tests/support/random_model.h"
@@ -54,7 +53,7 @@ void expect_to_agree(std::uint64_t seed, Systems& worst) {
     s.state.joints[j].mode = random.below(static_cast<int>(model.joints[j].modes.size()));
   const SystemState before = read_state(s);
   update_motion(s);
-  ASSERT_EQ(apply_impulse(s.plan, s.state, s.workspace), kNone) << "seed " << seed;
+  ASSERT_EQ(apply_impulse(s.data(), s.state, s.evaluation()), kNone) << "seed " << seed;
   update_worst(worst.impulse, compare(read_solution(s), solve_plastic_impulse(model, before)), "impulse", seed);
 
   ASSERT_EQ(solve(), StepStatus::kOk) << "seed " << seed;
@@ -144,9 +143,10 @@ TEST(TreeSolver, PutsTheRootOfAChainInItsMiddle) {
   options.bodies = 9;
   options.grounded_chance = 0;
   const Plan plan = compile_or_throw(build_random_model(7, options), {});
-  std::vector<int> depth(plan.nodes.size(), 0);
-  for (std::size_t k = 1; k < plan.nodes.size(); ++k)
-    if (plan.nodes[k].parent != kNone) depth[k] = depth[static_cast<std::size_t>(plan.nodes[k].parent)] + 1;
+  const std::span<const TreeNode> tree = plan.get_tree();
+  std::vector<int> depth(tree.size(), 0);
+  for (std::size_t k = 1; k < tree.size(); ++k)
+    if (tree[k].parent != kNone) depth[k] = depth[static_cast<std::size_t>(tree[k].parent)] + 1;
   EXPECT_EQ(*std::max_element(depth.begin(), depth.end()), 4);
 }
 

@@ -57,8 +57,8 @@ TEST(Varying, AnOriginBesideTheCentreOfMassIsTheSameMotion) {
   const Vec3 centre = b.p - rotation_matrix(b.q) * Vec3{shift.x(), shift.y(), shift.z()};
   EXPECT_LT(norm(a.p - centre), kAgree);
   EXPECT_LT(norm(a.w - b.w), kAgree);
-  const Balance x = calc_balance(plain.plan, plain.state, plain.workspace);
-  const Balance y = calc_balance(shifted.plan, shifted.state, shifted.workspace);
+  const Balance x = calc_balance(plain.data(), plain.state, plain.evaluation());
+  const Balance y = calc_balance(shifted.data(), shifted.state, shifted.evaluation());
   EXPECT_NEAR(x.kinetic, y.kinetic, kAgree * x.kinetic);
   EXPECT_LT(norm(x.angular_momentum - y.angular_momentum), kAgree * norm(x.angular_momentum));
   for (std::size_t r = 0; r < kRows; ++r)
@@ -90,7 +90,7 @@ TEST(Varying, ARocketGainsWhatTsiolkovskySays) {
     for (const FiredEvent& event : report.events) fired = event.time;
   }
   EXPECT_NEAR(fired, (kStart - kEnd) * kExhaust / kThrust, 1e-9);
-  EXPECT_NEAR(s.state.extras[0], kStart - kEnd, 1e-9);
+  EXPECT_NEAR(s.state.auxiliary[0], kStart - kEnd, 1e-9);
   EXPECT_NEAR(s.state.bodies[0].v.x, kExhaust * std::log(kStart / kEnd), 1e-8);
 }
 

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "kernel/dynamics/kinematics.h"
-#include "kernel/step/lane_state.h"
+#include "kernel/step/integrator.h"
+#include "kernel/step/load_state.h"
 #include "unlatch/step.h"
 
 namespace unlatch::test {
@@ -46,7 +46,11 @@ class Simulation {
   }
 
   StepReport advance() { return step(plan, {commands}, state, workspace); }
-  double get_time() const { return static_cast<double>(state.header->tick) * plan.options.dt; }
+  double get_time() const { return static_cast<double>(state.header->tick) * plan.get_options().dt; }
+
+  // Inside the kernel, for tests of its parts.
+  const PlanData& data() const { return plan.data(); }
+  Evaluation& evaluation() const { return workspace.data().kept.evaluation; }
 
   Plan plan;
   std::vector<double> commands;
@@ -58,17 +62,23 @@ class Simulation {
 };
 
 // Where the workspace has a coordinate that some element, guard or sensor reads.
-inline std::size_t find_coordinate(const Plan& plan, int joint, int row) {
+inline std::size_t find_coordinate(const PlanData& plan, int joint, int row) {
   std::size_t i = 0;
   while (plan.coordinates.at(i).joint != joint || plan.coordinates[i].row != row) ++i;
   return i;
 }
 
-// Kinematics and joint frames of the present state, which only an evaluation leaves in the workspace otherwise.
+// Kinematics and joint frames of the present state, which only an evaluation leaves otherwise.
 inline void update_motion(Simulation& s) {
-  load_state(s.plan, s.state, s.workspace);
-  update_kinematics(s.plan, s.workspace);
-  update_joints(s.plan, s.state, BiasKind::kAcceleration, s.workspace);
+  load_state(s.data(), s.state, s.evaluation());
+  update_kinematics(s.data(), s.evaluation());
+  update_joints(s.data(), s.state, RowTarget::kAcceleration, s.evaluation());
+}
+
+// An evaluation of the present state and commands; returns kNone, or the node whose pivot vanished.
+inline int evaluate_state(Simulation& s) {
+  const Inputs inputs{s.commands};
+  return evaluate({s.data(), inputs, s.state, s.get_time()}, Changed::kState, s.evaluation());
 }
 
 }  // namespace unlatch::test

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "kernel/dynamics/kinematics.h"
+
 namespace unlatch::test {
 namespace {
 
@@ -80,11 +82,12 @@ KernelSolution read_solution(const Simulation& simulation) {
   const Workspace& ws = simulation.workspace;
   KernelSolution solution;
   for (std::size_t b = 0; b < ws.accelerations.size(); ++b) {
-    const Spatial& a = ws.accelerations[b];
+    const Spatial a = ws.accelerations[b];
     solution.linear.push_back(to_eigen(a.lin));
-    solution.angular.push_back(to_eigen(transpose_times(ws.kinematics[b].R, a.ang)));
+    solution.angular.push_back(
+        to_eigen(transpose_times(read_kinematics(simulation.evaluation(), static_cast<int>(b)).R, a.ang)));
   }
-  for (std::size_t j = 0; j < simulation.plan.joints.size(); ++j) {
+  for (std::size_t j = 0; j < simulation.data().joints.size(); ++j) {
     Eigen::Matrix<double, 6, 1> lambda;
     for (std::size_t r = 0; r < kRows; ++r) lambda[static_cast<Eigen::Index>(r)] = ws.multipliers[kRows * j + r];
     solution.multipliers.push_back(lambda);

@@ -49,7 +49,7 @@ inline bool is_finite(const State& state) {
     finite = finite && is_finite({e.switched_on, e.from, e.to, e.start, e.duration});
   for (const EventState& e : state.events) finite = finite && std::isfinite(e.due);
   for (const double signal : state.signals) finite = finite && std::isfinite(signal);
-  for (const double extra : state.extras) finite = finite && std::isfinite(extra);
+  for (const double extra : state.auxiliary) finite = finite && std::isfinite(extra);
   return finite;
 }
 
@@ -62,7 +62,7 @@ struct Survival {
 // Steps until `ticks` are done or a step fails, and looks at every one.
 inline Survival survive(Simulation& s, int ticks) {
   // A split takes a trial and two iterations; what is left after the last split takes one more.
-  const int most_substeps = 3 * s.plan.options.max_splits + 1;
+  const int most_substeps = 3 * s.plan.get_options().max_splits + 1;
   Survival survival;
   for (; survival.steps < ticks; ++survival.steps) {
     const std::uint64_t before = calc_hash(s.state);

@@ -62,12 +62,7 @@ const JointMode& Selection::get_mode(std::size_t joint) const {
 }
 
 std::span<const double> Selection::get_modal(std::size_t body) const {
-  for (const PlanFlexible& flexible : simulation_.plan().flexible) {
-    if (flexible.body != static_cast<std::int32_t>(body)) continue;
-    return simulation_.state().extras.subspan(static_cast<std::size_t>(flexible.extras),
-                                              static_cast<std::size_t>(flexible.modes));
-  }
-  return {};
+  return get_modal_coordinates(simulation_.plan(), simulation_.state(), static_cast<int>(body));
 }
 
 }  // namespace unlatch::tools

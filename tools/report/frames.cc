@@ -5,7 +5,6 @@
 #include <cstring>
 #include <span>
 
-#include "kernel/dynamics/loads.h"
 #include "tools/report/base64.h"
 
 namespace unlatch::tools {
@@ -108,19 +107,10 @@ FrameRecorder::Frame FrameRecorder::take() const {
   return frame;
 }
 
-// Elements are numbered from the loads on, so a load's element is its number.
 void FrameRecorder::take_loads(float* to) const {
-  const Plan& plan = simulation_.plan();
-  const double t = simulation_.get_time();
-  for (const PlanLoad& load : plan.loads) {
-    const auto number = static_cast<std::size_t>(load.element);
-    const ElementState& element = simulation_.state().elements[number];
-    const double scale = calc_scale(element, t);
-    if (scale == 0) continue;
-    const double command = load.channel < 0 ? 1.0 : simulation_.get_inputs()[static_cast<std::size_t>(load.channel)];
-    const PlanProfile& profile = plan.profiles[static_cast<std::size_t>(load.profile)];
-    to[number] = static_cast<float>(calc_profile(plan, profile, t - element.switched_on) * scale * command);
-  }
+  for (std::size_t i = 0; i < scenario_.model.loads.size(); ++i)
+    to[i] = static_cast<float>(
+        calc_load_size(simulation_.plan(), {simulation_.get_inputs()}, simulation_.state(), static_cast<int>(i)));
 }
 
 void FrameRecorder::take_points(float* to) const {
@@ -138,10 +128,10 @@ void FrameRecorder::take_points(float* to) const {
 }
 
 void FrameRecorder::take_modal(float* frame) const {
-  for (const PlanFlexible& flexible : simulation_.plan().flexible) {
-    const auto from = static_cast<std::size_t>(flexible.extras), count = static_cast<std::size_t>(flexible.modes);
-    float* to = frame + layout_.modal[static_cast<std::size_t>(flexible.body)];
-    for (const double value : simulation_.state().extras.subspan(from, count)) *to++ = static_cast<float>(value);
+  for (std::size_t b = 0; b < scenario_.model.bodies.size(); ++b) {
+    float* to = frame + layout_.modal[b];
+    for (const double value : get_modal_coordinates(simulation_.plan(), simulation_.state(), static_cast<int>(b)))
+      *to++ = static_cast<float>(value);
   }
 }
 

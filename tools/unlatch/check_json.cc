@@ -1,7 +1,7 @@
 #include "tools/unlatch/check_json.h"
 
-#include "kernel/step/stiffness.h"
 #include "tools/unlatch/commands.h"
+#include "unlatch/frequencies.h"
 
 namespace unlatch::tools {
 namespace {
@@ -38,11 +38,12 @@ Json build_joint(const Model& model, const Joint& joint) {
 // Leaves to root, as the factorisation goes.
 Json build_elimination(const Model& model, const Plan& plan) {
   Json order = Json::array();
-  for (auto node = plan.nodes.rbegin(); node != plan.nodes.rend(); ++node) {
+  const std::span<const TreeNode> tree = plan.get_tree();
+  for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
     Json entry = {{"body", get_name(model, node->body)}};
     if (node->joint != kNone) entry["joint"] = model.joints[static_cast<std::size_t>(node->joint)].name;
     if (node->parent != kNone) {
-      entry["into"] = get_name(model, plan.nodes[static_cast<std::size_t>(node->parent)].body);
+      entry["into"] = get_name(model, tree[static_cast<std::size_t>(node->parent)].body);
     }
     order.push_back(entry);
   }
@@ -62,10 +63,11 @@ Json build_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation)
   for (const Joint& joint : model.joints) json["joints"].push_back(build_joint(model, joint));
   json["elimination"] = build_elimination(model, plan);
   json["loops"] = Json::array();
-  for (const std::int32_t loop : plan.loops) json["loops"].push_back(model.joints[static_cast<std::size_t>(loop)].name);
+  for (const std::int32_t loop : plan.get_loops())
+    json["loops"].push_back(model.joints[static_cast<std::size_t>(loop)].name);
   json["elements"] = Json::array();
   for (const ElementFrequency& element : simulation.calc_frequencies()) {
-    const double h_omega = plan.options.dt * element.omega, h_decay = plan.options.dt * element.decay;
+    const double h_omega = plan.get_options().dt * element.omega, h_decay = plan.get_options().dt * element.decay;
     json["elements"].push_back({{"name", model.element_name(element.element)},
                                 {"h_omega", h_omega},
                                 {"h_decay", h_decay},
@@ -73,7 +75,7 @@ Json build_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation)
                                 {"stable", element.implicit || std::max(h_omega, h_decay) <= kStable}});
   }
   json["counts"] = {{"channels", model.channels.size()},
-                    {"sensor_values", plan.sensor_count},
+                    {"sensor_values", plan.get_sensor_count()},
                     {"signals", model.signals.size()},
                     {"events", model.events.size()}};
   json["bytes"] = {{"state", plan.get_state_bytes()}, {"workspace", plan.get_workspace_bytes()}};

@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include "hil/run/run.h"
-#include "kernel/step/stiffness.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
+#include "unlatch/frequencies.h"
 
 namespace unlatch::tools {
 namespace {
@@ -52,10 +52,11 @@ void print_joints(const Model& model) {
 // Leaves to root, as the factorisation goes: the reverse of the plan's nodes.
 void print_elimination(const Model& model, const Plan& plan) {
   print_heading("Elimination order, leaves to root");
-  for (auto node = plan.nodes.rbegin(); node != plan.nodes.rend(); ++node) {
+  const std::span<const TreeNode> tree = plan.get_tree();
+  for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
     const std::string body = model.bodies[static_cast<std::size_t>(node->body)].name;
     if (node->parent != kNone) {
-      const auto& parent = plan.nodes[static_cast<std::size_t>(node->parent)];
+      const auto& parent = tree[static_cast<std::size_t>(node->parent)];
       const std::string through =  // a flexible body and its markers have no joint between them
           node->joint == kNone ? "" : "through " + model.joints[static_cast<std::size_t>(node->joint)].name + " ";
       std::printf("  %-16s %sinto %s\n", body.c_str(), through.c_str(),
@@ -67,7 +68,7 @@ void print_elimination(const Model& model, const Plan& plan) {
       std::printf("  %-16s root\n", body.c_str());
     }
   }
-  for (const std::int32_t loop : plan.loops) {
+  for (const std::int32_t loop : plan.get_loops()) {
     std::printf("  %s closes a loop\n", model.joints[static_cast<std::size_t>(loop)].name.c_str());
   }
 }
@@ -78,7 +79,7 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
   if (frequencies.empty()) return;
   print_heading("Elastic elements, h = step");
   for (const ElementFrequency& element : frequencies) {
-    const double h_omega = plan.options.dt * element.omega, h_decay = plan.options.dt * element.decay;
+    const double h_omega = plan.get_options().dt * element.omega, h_decay = plan.get_options().dt * element.decay;
     const double worst = std::max(h_omega, h_decay);
     std::string verdict = "resolved";
     if (element.implicit)
@@ -95,9 +96,10 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
 void print_plan(const ScenarioOptions& options, const hil::Scenario& scenario, hil::Simulation& simulation) {
   const Plan& plan = simulation.plan();
   std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
-  std::printf("  step %g s, %lld ticks to %g s; %zu channels, %d sensor values, %zu signals, %zu events\n", scenario.dt,
-              static_cast<long long>(calc_last_tick(scenario)), scenario.until, scenario.model.channels.size(),
-              plan.sensor_count, scenario.model.signals.size(), scenario.model.events.size());
+  std::printf("  step %g s, %lld ticks to %g s; %zu channels, %zu sensor values, %zu signals, %zu events\n",
+              scenario.dt, static_cast<long long>(calc_last_tick(scenario)), scenario.until,
+              scenario.model.channels.size(), plan.get_sensor_count(), scenario.model.signals.size(),
+              scenario.model.events.size());
   print_bodies(scenario.model);
   print_joints(scenario.model);
   print_elimination(scenario.model, plan);

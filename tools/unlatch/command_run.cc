@@ -79,7 +79,7 @@ class Checkpoints {
 hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& analysis, hil::Recorder* recorder,
                               Checkpoints& checkpoints, std::int64_t last_tick) {
   std::atomic<std::int64_t> tick{simulation.get_tick()};
-  Progress progress(simulation.plan().options.dt, last_tick);
+  Progress progress(simulation.plan().get_options().dt, last_tick);
   std::jthread watcher([&](const std::stop_token& stopping) {
     RecordingWatch recording(recorder);
     while (!stopping.stop_requested()) {

@@ -83,7 +83,7 @@ std::string describe_bodies(const Model& model, const Plan& plan) {
     loads[load.body].push_back((load.kind == Load::Kind::kForce ? "→ " : "↻ ") + text);
   }
   std::set<int> roots;
-  for (const auto& node : plan.nodes)
+  for (const TreeNode& node : plan.get_tree())
     if (node.parent == kNone) roots.insert(node.body);
   std::string dot;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
@@ -102,7 +102,7 @@ std::string describe_joints(const Model& model, const Plan& plan) {
   for (const JointSpring& spring : model.joint_springs)
     springs[spring.joint].push_back("~ " + spring.name + (spring.axis < kRotX ? " along " : " about ") +
                                     "xyz"[spring.axis % 3] + (spring.on ? "" : " (off)"));
-  const std::set<std::int32_t> loops(plan.loops.begin(), plan.loops.end());
+  const std::set<std::int32_t> loops(plan.get_loops().begin(), plan.get_loops().end());
   std::string dot;
   bool grounded = false;
   for (std::size_t i = 0; i < model.joints.size(); ++i) {

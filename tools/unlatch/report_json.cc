@@ -53,9 +53,9 @@ Json build_audit(const EventAudit& audit) {
           {"angular_momentum_jump", to_json(audit.jump.angular_momentum)},
           {"energy_jump", audit.jump.kinetic},
           {"entitled",
-           {{"momentum_jump", to_json(audit.entitled.momentum)},
-            {"angular_momentum_jump", to_json(audit.entitled.angular_momentum)},
-            {"energy_jump", audit.entitled.kinetic}}}};
+           {{"momentum_jump", to_json(audit.allowed.momentum)},
+            {"angular_momentum_jump", to_json(audit.allowed.angular_momentum)},
+            {"energy_jump", audit.allowed.kinetic}}}};
 }
 
 Json to_json(const hil::DurationSummary& summary) {
@@ -141,7 +141,7 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   Json json = {{"schema", 1},
                {"scenario", report.scenario.name},
                {"status", report.status},
-               {"dt", report.simulation.plan().options.dt},
+               {"dt", report.simulation.plan().get_options().dt},
                {"ticks", report.tick},
                {"hash", to_hex(report.hash)}};
   if (!report.message.empty()) json["message"] = report.message;

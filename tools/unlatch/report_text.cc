@@ -75,10 +75,10 @@ void print_audit(std::FILE* to, const std::vector<EventAudit>& audits) {
   if (audits.empty()) return;
   double momentum = 0, angular = 0, energy = 0, entitled = 0;
   for (const EventAudit& audit : audits) {
-    momentum = std::max(momentum, norm(audit.jump.momentum - audit.entitled.momentum));
-    angular = std::max(angular, norm(audit.jump.angular_momentum - audit.entitled.angular_momentum));
-    energy = std::max(energy, std::abs(audit.jump.kinetic - audit.entitled.kinetic));
-    entitled = std::max(entitled, std::abs(audit.entitled.kinetic));
+    momentum = std::max(momentum, norm(audit.jump.momentum - audit.allowed.momentum));
+    angular = std::max(angular, norm(audit.jump.angular_momentum - audit.allowed.angular_momentum));
+    energy = std::max(energy, std::abs(audit.jump.kinetic - audit.allowed.kinetic));
+    entitled = std::max(entitled, std::abs(audit.allowed.kinetic));
   }
   print_heading(to, "Audit of momentum and energy");
   std::fprintf(to,
@@ -174,7 +174,7 @@ void print_replay(std::FILE* to, const hil::ReplayResult& replay) {
 }  // namespace
 
 void print_report(std::FILE* to, const RunReport& report) {
-  const double dt = report.simulation.plan().options.dt;
+  const double dt = report.simulation.plan().get_options().dt;
   print_timeline(to, report);
   print_clearances(to, report);
   print_tip_offs(to, report);

@@ -216,7 +216,7 @@ void Observation::load_source() {
   try {
     auto scenario = std::make_unique<hil::Scenario>(hil::load_scenario_text(
         texts[0], "the scenario that was heard", std::vector<std::string>(texts.begin() + 1, texts.end())));
-    const auto hash = static_cast<std::int64_t>(hil::build_simulation(*scenario)->plan().hash);
+    const auto hash = static_cast<std::int64_t>(hil::build_simulation(*scenario)->plan().get_hash());
     if (hash != view_.hello.model_hash || scenario->model.bodies.size() != view_.bodies.size() ||
         scenario->model.joints.size() != view_.joints.size()) {
       view_.scenario_note = "the scenario that was heard compiles to another model here: no modes and clearances";

@@ -1,6 +1,6 @@
 // Small fixed-size linear algebra of the stepping code: every sum has one written order, so that the bits do not depend
-// on the compiler, its options or where a buffer lies. `T` is double today; a SIMD pack of doubles fits as well, one
-// lane per body or sample, because nothing here branches on a value.
+// on the compiler, its options or where a buffer lies. `T` is double or a pack of doubles, one per body: nothing here
+// branches on a value.
 #pragma once
 
 #include <cmath>
@@ -95,6 +95,13 @@ template <class T>
   const Vec3T<T> row0{c0.x, c1.x, c2.x}, row1{c0.y, c1.y, c2.y}, row2{c0.z, c1.z, c2.z};
   return {dot(row0, r0), dot(row1, r1), dot(row2, r2), dot(row0, r1), dot(row0, r2), dot(row1, r2)};
 }
+
+// A force and a torque, or a linear and an angular velocity or acceleration; world axes, at a body's origin.
+template <class T>
+struct SpatialT {
+  Vec3T<T> lin, ang;
+};
+using Spatial = SpatialT<double>;
 
 // Attitude quaternion q_AB, B to A; rotation_matrix() divides by |q|², so that it is right for unnormalised q as well,
 // which the stages of a Runge–Kutta step produce.

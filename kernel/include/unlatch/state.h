@@ -2,7 +2,7 @@
 // it, move it: the step gives the same bits. Every field is 8 bytes wide, so the block has no padding.
 //
 //   [StateHeader][BodyState × bodies][JointState × joints][ElementState × elements][EventState ×
-//   events][signals][extras]
+//   events][signals][auxiliary]
 #pragma once
 
 #include <cstddef>
@@ -68,8 +68,8 @@ class State {
   std::span<ElementState> elements;
   std::span<EventState> events;
   std::span<double> signals;
-  std::span<double> extras;  // kg burnt by each body with a mass law; then per flexible body its modal coordinates, and
-                             // their rates, 1/s
+  std::span<double> auxiliary;  // kg burnt by each body with a mass law; then per flexible body its modal coordinates,
+                                // and their rates, 1/s
 
   std::span<std::byte> get_bytes() const { return bytes_; }
 
@@ -79,6 +79,9 @@ class State {
 
 // The model's initial state at tick 0.
 void init_state(const Plan& plan, State& state) noexcept;
+
+// The modal coordinates of a flexible body; empty for any other.
+std::span<const double> get_modal_coordinates(const Plan& plan, const State& state, int body) noexcept;
 
 // 64-bit hash of every bit of the state; the same on every machine.
 std::uint64_t calc_hash(const State& state) noexcept;

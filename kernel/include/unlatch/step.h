@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "kernel/plan/workspace.h"
 #include "unlatch/plan.h"
 #include "unlatch/state.h"
+#include "unlatch/workspace.h"
 
 namespace unlatch {
 
@@ -21,6 +21,10 @@ enum class StepStatus : std::int32_t {
   kSingular,       // a pivot of the factorisation vanished; `joint` says where
   kTooManyEvents,  // more events at one instant than the plan's bound
 };
+// Size of a load (its number in the model) at the state's tick: law · switch scale · command, N or N m per length of
+// its direction.
+double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, int load) noexcept;
+
 const char* get_status_text(StepStatus status) noexcept;
 
 // One event that acted during the step, with the momenta and energy just before and after.
@@ -36,11 +40,11 @@ struct Balance {
   double kinetic;         // J
 };
 
-// One instant at which events acted, audited: `jump` is what changed, `entitled` what the actions may change: nothing
+// One instant at which events acted, audited: `jump` is what changed, `allowed` what the actions may change: nothing
 // for a release, the work and ground impulse of a plastic impulse for rows that close.
 struct EventAudit {
   double time;  // s
-  Balance before, jump, entitled;
+  Balance before, jump, allowed;
 };
 
 struct StepReport {

@@ -1,0 +1,410 @@
+#include <algorithm>
+#include <map>
+
+#include "kernel/compile/constants.h"
+#include "kernel/compile/instruction_set.h"
+#include "kernel/compile/layout.h"
+#include "kernel/compile/loop_nodes.h"
+#include "kernel/compile/stiff_springs.h"
+#include "kernel/compile/topology.h"
+#include "kernel/dynamics/coordinates.h"
+#include "kernel/dynamics/flexible.h"
+#include "kernel/model/from_eigen.h"
+#include "kernel/model/model_hash.h"
+#include "unlatch/frequencies.h"
+#include "unlatch/plan.h"
+
+namespace unlatch {
+namespace {
+
+void append(std::vector<double>& to, const Eigen::Matrix3Xd& columns) {
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    for (Eigen::Index i = 0; i < 3; ++i) to.push_back(columns(i, k));
+}
+void append(std::vector<double>& to, const std::vector<Eigen::Matrix3d>& matrices) {
+  for (const Eigen::Matrix3d& m : matrices)
+    for (Eigen::Index r = 0; r < 3; ++r)
+      for (Eigen::Index c = 0; c < 3; ++c) to.push_back(m(r, c));
+}
+
+// Whether some mode swings faster than the step resolves.
+bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
+
+// `markers`: bodies that are markers on it.
+void compile_flexible(const Model& model, int body, const std::vector<int>& markers, PlanData& plan) {
+  const FlexibleBody& shape = *model.bodies[at(body)].flexible;
+  const auto m = static_cast<std::int32_t>(shape.frequencies.size());
+  PlanFlexible out{body,
+                   m,
+                   static_cast<std::int32_t>(plan.markers.size()),
+                   0,
+                   static_cast<std::int32_t>(plan.initial_auxiliary.size()),
+                   static_cast<std::int32_t>(plan.modal.size()),
+                   plan.modal_work,
+                   kNone,
+                   has_stiff_mode(shape, plan.options.dt),
+                   model.bodies[at(body)].mass,
+                   to_sym(model.bodies[at(body)].inertia)};
+  append(plan.modal, shape.momentum);
+  append(plan.modal, shape.first);
+  append(plan.modal, shape.second);
+  for (const double w : shape.frequencies) plan.modal.push_back(w * w);
+  for (Eigen::Index k = 0; k < m; ++k) plan.modal.push_back(2 * shape.damping[k] * shape.frequencies[k]);
+  for (const Eigen::VectorXd* start : {&shape.initial, &shape.initial_rate})
+    for (Eigen::Index k = 0; k < m; ++k) plan.initial_auxiliary.push_back(start->size() == 0 ? 0 : (*start)[k]);
+  for (const int i : markers) {
+    const std::optional<Marker>& marker = model.bodies[at(i)].marker;
+    plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
+                            static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
+    append(plan.modal, marker->shape);
+    append(plan.modal, marker->turn);
+    plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
+    ++out.markers;
+  }
+  plan.bodies[at(body)].flexible = static_cast<std::int32_t>(plan.flexible.size());
+  plan.modal_work += get_work_size(m) + out.markers * get_marker_size(m);
+  plan.flexible.push_back(out);
+}
+
+// What the tree makes of flexible bodies and their markers: by which marker each is held, and what hangs on the others.
+// Where the markers start.
+void place_flexible(PlanData& plan) {
+  std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
+  for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
+  for (const TreeNode& node : plan.nodes) {
+    const std::int32_t marker = marker_of[at(node.body)];
+    if (marker != kNone) plan.markers[at(marker)].bare = node.leaf;
+    const PlanBody& body = plan.bodies[at(node.body)];
+    if (body.flexible != kNone && marker == kNone && node.parent != kNone)
+      plan.flexible[at(body.flexible)].inboard = marker_of[at(plan.nodes[at(node.parent)].body)];
+  }
+  for (const PlanMarker& marker : plan.markers) {
+    const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
+    const double* coordinates = plan.initial_auxiliary.data() + carrier.auxiliary;
+    plan.bodies[at(marker.body)].initial = calc_marker_state(plan, marker, plan.bodies[at(carrier.body)].initial,
+                                                             coordinates, coordinates + carrier.modes);
+  }
+}
+
+PlanBody compile_body(const Body& body, PlanData& plan) {
+  PlanBody out{body.mass, {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
+  if (!body.law && !body.flexible && !body.marker) return out;
+  out.mass = 0;  // what these have beyond a constant diag(mass, inertia) is added where it is known
+  if (!body.law) return out;
+  out.varying = static_cast<std::int32_t>(plan.varying.size());
+  plan.varying.push_back({static_cast<std::int32_t>(plan.bodies.size()),
+                          static_cast<std::int32_t>(plan.mass_knots.size()),
+                          static_cast<std::int32_t>(body.law->knots.size()), body.law->of == MassLaw::Of::kBurnt,
+                          body.law->jet_damping, to_vec(body.law->exit)});
+  for (const MassLaw::Knot& knot : body.law->knots)
+    plan.mass_knots.push_back({knot.at, knot.mass, to_vec(knot.centre), to_sym(knot.inertia)});
+  return out;
+}
+
+// Bodies whose block is more than diag(mass, inertia) are no leaves to the solver, whatever is beyond them.
+void mark_blocks(const Model& model, PlanData& plan) {
+  for (TreeNode& node : plan.nodes)
+    if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
+}
+
+// The coordinates that somebody reads; the others are not computed.
+class Coordinates {
+ public:
+  explicit Coordinates(PlanData& plan) : plan_(plan) {}
+
+  // Its place in Plan::coordinates.
+  std::int32_t find(int joint, int axis) {
+    const auto next = static_cast<std::int32_t>(plan_.coordinates.size());
+    const auto [found, is_new] = known_.emplace(std::pair(joint, axis), next);
+    if (is_new) {
+      plan_.coordinates.push_back({.joint = joint, .row = axis});
+      if (axis >= kRotX) ++plan_.rotation_count;
+    }
+    return found->second;
+  }
+
+ private:
+  PlanData& plan_;
+  std::map<std::pair<int, int>, std::int32_t> known_;
+};
+
+void link_conditions(PlanData& plan, Coordinates& coordinates) {
+  for (PlanCondition& c : plan.conditions)
+    if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
+        c.kind == Condition::Kind::kSpeed)
+      c.subject = coordinates.find(c.subject, c.axis);
+}
+
+// Multipliers that guards read.
+void place_multipliers(PlanData& plan) {
+  for (PlanCondition& c : plan.conditions) {
+    if (c.kind != Condition::Kind::kReaction) continue;
+    const NumberColumn multipliers = plan.multipliers[at(c.subject)];
+    c.first_mode = plan.joints[at(c.subject)].first_mode;
+    c.multiplier = {multipliers.first + c.axis * multipliers.stride};
+  }
+}
+
+PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) {
+  const RotationFrame frame = get_rotation_frame(model, joint);
+  return {to_quat(Eigen::Quaterniond(frame.base)),
+          to_quat(Eigen::Quaterniond(frame.follower)),
+          joint.base,
+          joint.follower,
+          first_mode,
+          static_cast<std::int32_t>(joint.mode),
+          joint.universal};
+}
+
+// What rotations are measured by, and where they start: they are counted on from step to step.
+void init_angles(const Model& model, PlanData& plan) {
+  for (PlanCoordinate& c : plan.coordinates) {
+    if (c.row < kRotX) continue;
+    const Joint& joint = model.joints[at(c.joint)];
+    const RotationFrame frame = get_rotation_frame(model, joint);
+    const Mat3 base = to_mat(frame.base), follower = to_mat(frame.follower);
+    const int own = c.row - kRotX;
+    for (int k = 0; k < 2; ++k) {
+      c.across_base[k] = column(base, (own + 1 + k) % 3);
+      c.across_follower[k] = column(follower, (own + 1 + k) % 3);
+    }
+    c.initial = calc_twist(to_mat(get_attitude(model, joint.base)) * base,
+                           to_mat(get_attitude(model, joint.follower)) * follower, own);
+  }
+}
+
+// Loads with one law share its profile: four boosters have one thrust curve, computed once.
+class Profiles {
+ public:
+  explicit Profiles(PlanData& plan) : plan_(plan) {}
+
+  std::int32_t compile(const Profile& profile) {
+    const auto [found, is_new] = known_.emplace(list_numbers(profile), static_cast<std::int32_t>(known_.size()));
+    if (is_new) append(profile);
+    return found->second;
+  }
+
+ private:
+  static std::vector<double> list_numbers(const Profile& p) {
+    std::vector<double> all{static_cast<double>(p.kind), p.value, p.initial, p.final, p.tau};
+    all.insert(all.end(), p.times.begin(), p.times.end());
+    all.insert(all.end(), p.values.begin(), p.values.end());
+    for (const Profile::Harmonic& h : p.harmonics) all.insert(all.end(), {h.amplitude, h.frequency, h.phase});
+    return all;
+  }
+
+  void append(const Profile& profile) {
+    PlanProfile out{profile.kind, profile.value, profile.initial, profile.final, profile.tau, 0, 0};
+    if (profile.kind == Profile::Kind::kTable) {
+      out.first = static_cast<std::int32_t>(plan_.knots.size());
+      out.count = static_cast<std::int32_t>(profile.times.size());
+      for (std::size_t i = 0; i < profile.times.size(); ++i)
+        plan_.knots.push_back({profile.times[i], profile.values[i]});
+    } else if (profile.kind == Profile::Kind::kHarmonic) {
+      out.first = static_cast<std::int32_t>(plan_.harmonics.size());
+      out.count = static_cast<std::int32_t>(profile.harmonics.size());
+      plan_.harmonics.insert(plan_.harmonics.end(), profile.harmonics.begin(), profile.harmonics.end());
+    }
+    plan_.profiles.push_back(out);
+  }
+
+  PlanData& plan_;
+  std::map<std::vector<double>, std::int32_t> known_;
+};
+
+// Per joint spring, its place in Plan::compliant; kNone if it is integrated explicitly.
+std::vector<std::int32_t> list_compliant(const Model& model, const PlanData& plan) {
+  std::vector<std::int32_t> places(model.joint_springs.size(), kNone);
+  for (std::size_t i = 0; i < plan.compliant.size(); ++i)
+    places[at(plan.compliant[i].spring)] = static_cast<std::int32_t>(i);
+  return places;
+}
+
+// Per joint, the axes of the springs in `chosen`.
+std::vector<RowSet> list_axes(const Model& model, const std::vector<bool>& chosen) {
+  std::vector<RowSet> axes(model.joints.size(), 0);
+  for (std::size_t i = 0; i < model.joint_springs.size(); ++i)
+    if (chosen[i]) {
+      RowSet& of_joint = axes[at(model.joint_springs[i].joint)];
+      of_joint = static_cast<RowSet>(of_joint | row_bit(model.joint_springs[i].axis));
+    }
+  return axes;
+}
+
+// Springs that are integrated implicitly: those that the user or the step size wants so, if their joint is an edge of
+// the tree. Returns what the tree refuses to those that the user wants.
+std::vector<ModelError> compile_compliance(const Model& model, const std::vector<bool>& stiff, PlanData& plan) {
+  std::vector<ModelError> errors;
+  std::vector<bool> edge(model.joints.size(), false);
+  for (const TreeNode& node : plan.nodes)
+    if (node.joint != kNone) edge[at(node.joint)] = true;
+  plan.compliant_axes.assign(model.joints.size(), 0);
+  for (std::size_t i = 0; i < model.joint_springs.size(); ++i) {
+    const JointSpring& spring = model.joint_springs[i];
+    const std::vector<JointMode>& modes = model.joints[at(spring.joint)].modes;
+    const auto frees = [&](const JointMode& mode) { return !has_row(mode.rows, spring.axis); };
+    if (!stiff[i] || std::none_of(modes.begin(), modes.end(), frees)) continue;
+    if (edge[at(spring.joint)]) {
+      plan.compliant.push_back({static_cast<std::int32_t>(i), {}, {}, 0});
+      RowSet& axes = plan.compliant_axes[at(spring.joint)];
+      axes = static_cast<RowSet>(axes | row_bit(spring.axis));
+    } else if (spring.implicit.value_or(false)) {
+      errors.push_back({"element '" + spring.name + "'",
+                        "its joint closes a loop, where no spring can be integrated implicitly",
+                        "leave `implicit` out: one joint of every loop goes without", "implicit"});
+    }
+  }
+  return errors;
+}
+
+void compile_elements(const Model& model, PlanData& plan, Coordinates& coordinates) {
+  std::int32_t element = 0;
+  const auto next = [&](bool on) {
+    plan.element_scales.push_back(on ? 1 : 0);
+    return element++;
+  };
+  Profiles profiles(plan);
+  for (const Load& l : model.loads) {
+    const bool world = l.frame == Load::Frame::kWorld;
+    const Vec3 none{0, 0, 0}, point = l.kind == Load::Kind::kTorque ? none : to_vec(l.point),
+                              size = to_vec(l.direction);
+    plan.loads.push_back(
+        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, point,
+         l.kind == Load::Kind::kTorque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
+         l.direction.norm(), l.consumption, plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
+    if (world || l.consumption != 0) plan.external_loads.push_back(static_cast<std::int32_t>(plan.loads.size()) - 1);
+    if (l.channel != kNone) plan.commanded_loads = true;
+  }
+  for (const PointSpring& s : model.point_springs)
+    plan.point_springs.push_back({s.base, s.follower, next(s.on), s.push_only, to_vec(s.point_base),
+                                  to_vec(s.point_follower), s.stiffness, s.damping, s.free_length});
+  const std::vector<std::int32_t> compliant = list_compliant(model, plan);
+  const JointSpring* first = model.joint_springs.data();
+  for (const JointSpring& s : model.joint_springs)
+    plan.joint_springs.push_back({s.joint, s.axis, next(s.on), coordinates.find(s.joint, s.axis), s.effort, s.stiffness,
+                                  s.damping, s.rest, compliant[static_cast<std::size_t>(&s - first)]});
+  plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
+  for (const PlaneTorsion& s : model.plane_torsions)
+    plan.plane_torsions.push_back(
+        {s.base, s.follower, next(s.on), to_vec(s.normal_base), to_vec(s.axis_follower), s.stiffness, s.damping});
+}
+
+// Appends a guard in postfix order; returns how many values its evaluation keeps at once.
+std::int32_t compile_condition(const Condition& c, PlanData& plan) {
+  std::int32_t depth = 1;
+  for (std::size_t i = 0; i < c.parts.size(); ++i)
+    depth = std::max(depth, static_cast<std::int32_t>(i) + compile_condition(c.parts[i], plan));
+  plan.conditions.push_back(
+      {c.kind, c.subject, c.axis, static_cast<std::int32_t>(c.parts.size()), c.threshold, c.below, kNone, {}});
+  return depth;
+}
+
+bool is_command(const PlanCondition& c) { return c.kind == Condition::Kind::kCommand; }
+bool is_elementary(const Condition& c) { return c.parts.empty(); }
+bool is_switch(const Condition& c) { return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal; }
+
+void compile_events(const Model& model, PlanData& plan) {
+  for (const Event& event : model.events) {
+    Condition when = event.when;
+    const bool all = when.kind == Condition::Kind::kAll &&
+                     std::all_of(when.parts.begin(), when.parts.end(), is_elementary) && !when.parts.empty();
+    if (all) std::stable_partition(when.parts.begin(), when.parts.end(), is_switch);
+    PlanEvent out{static_cast<std::int32_t>(plan.conditions.size()),
+                  0,
+                  static_cast<std::int32_t>(plan.actions.size()),
+                  static_cast<std::int32_t>(event.then.size()),
+                  all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
+                  event.delay,
+                  event.repeat,
+                  when.kind == Condition::Kind::kTime && !when.below};
+    const std::int32_t place = static_cast<std::int32_t>(plan.events.size());
+    if (event.repeat) plan.repeating_events.push_back(place);
+    if (event.delay > 0 || out.by_time) plan.timed_events.push_back(place);
+    plan.guard_depth = std::max(plan.guard_depth, compile_condition(when, plan));
+    out.condition_count = static_cast<std::int32_t>(plan.conditions.size()) - out.first_condition;
+    plan.actions.insert(plan.actions.end(), event.then.begin(), event.then.end());
+    plan.events.push_back(out);
+  }
+}
+
+void compile_sensors(const Model& model, PlanData& plan, Coordinates& coordinates) {
+  for (const Sensor& s : model.sensors) {
+    const bool reads =
+        s.kind == Sensor::Kind::kAngle || s.kind == Sensor::Kind::kDisplacement || s.kind == Sensor::Kind::kSpeed;
+    const std::int32_t subject = reads ? coordinates.find(s.subject, s.axis) : s.subject;
+    plan.sensors.push_back({s.kind, subject, plan.sensor_count, to_vec(s.point)});
+    plan.sensor_count += sensor_width(s.kind);
+  }
+}
+
+void check_options(const Model& model, const PlanOptions& options, std::vector<ModelError>& errors) {
+  if (!(options.dt > 0) || !std::isfinite(options.dt))
+    errors.push_back(
+        {"step", "dt is " + std::to_string(options.dt) + " s", "give a positive step, for example 0.001 s"});
+  if (options.max_splits < 1)
+    errors.push_back(
+        {"step", "max_splits is " + std::to_string(options.max_splits), "allow at least one event per step"});
+  if (!is_supported(options.instruction_set))
+    errors.push_back({"step", std::string("this build or this processor has no ") + get_name(options.instruction_set),
+                      "leave the instruction set to be chosen"});
+  if (options.root < kNone || options.root >= static_cast<int>(model.bodies.size()))
+    errors.push_back({"step", "root is not a body of the model", "name one of its bodies, or leave it out"});
+}
+
+PlanResult compile_placed(const Model& model, const PlanOptions& options) {
+  PlanResult result;
+  result.errors = validate(model);
+  check_options(model, options, result.errors);
+  if (!result.errors.empty()) return result;
+
+  PlanData plan;
+  plan.options = options;
+  plan.instruction_set = resolve(options.instruction_set);
+  const std::vector<bool> stiff = find_stiff_springs(model, options.dt);
+  Topology topology = compile_topology(model, list_axes(model, stiff), options.root);
+  plan.nodes = std::move(topology.nodes);
+  plan.loops = std::move(topology.loops);
+  result.errors = compile_compliance(model, stiff, plan);
+  if (!result.errors.empty()) return result;
+
+  for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
+  plan.initial_auxiliary.assign(plan.varying.size(), 0.0);
+  std::vector<std::vector<int>> markers(model.bodies.size());
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (model.bodies[b].marker) markers[at(model.bodies[b].marker->body)].push_back(static_cast<int>(b));
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
+    if (model.bodies[at(b)].flexible) compile_flexible(model, b, markers[at(b)], plan);
+  plan.rigid = plan.flexible.empty() && plan.varying.empty();
+  place_flexible(plan);
+  mark_blocks(model, plan);
+  compile_events(model, plan);
+  for (const Joint& joint : model.joints) {
+    plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
+    for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
+  }
+  Coordinates coordinates(plan);
+  compile_elements(model, plan, coordinates);
+  link_conditions(plan, coordinates);
+  plan.commanded_events =
+      plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);
+  compile_sensors(model, plan, coordinates);
+  init_angles(model, plan);
+  lay_out_blocks(model, plan);
+  fill_constants(model, plan);
+  compile_loops(model, plan);
+  place_multipliers(plan);
+  plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
+  plan.signal_count = static_cast<std::int32_t>(model.signals.size());
+  plan.channel_count = static_cast<std::int32_t>(model.channels.size());
+  plan.hash = calc_model_hash(model, options);
+  result.plan.emplace(std::make_shared<const PlanData>(std::move(plan)));
+  return result;
+}
+
+}  // namespace
+
+PlanResult compile_plan(const Model& model, const PlanOptions& options) {
+  return has_markers(model) ? compile_placed(place_markers(model), options) : compile_placed(model, options);
+}
+
+}  // namespace unlatch

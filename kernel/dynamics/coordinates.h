@@ -1,0 +1,25 @@
+// Coordinates of joints that springs, guards and sensors read: displacements along the joint frame's axes, angles about
+// the rotation frame's, turns counted, and their rates.
+#pragma once
+
+#include "kernel/plan/evaluation.h"
+
+namespace unlatch {
+
+// The turn about axis k of the rotation frame by which the follower's frame stands from the base's, in (−π, π]: exact
+// for a turn about that axis alone, and for both axes of a universal joint.
+double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept;
+
+// Which coordinates an evaluation wants.
+enum class CoordinateSet {
+  kDriven,  // those that springs read: every stage needs them
+  kAll,
+};
+
+// ev.coordinates and ev.speeds; of rotations ev.rotation_sines and ev.rotation_cosines, padded to whole packs of eight.
+// Returns the number of rotations. Needs the joints' frames.
+std::size_t measure_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept;
+// Once the sines have become angles: counts them on from those in the state's joints.
+void unwind_angles(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept;
+
+}  // namespace unlatch

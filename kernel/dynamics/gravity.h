@@ -1,0 +1,24 @@
+// Acceleration of free fall, m/s²: uniform, and of a central field −μ r / |r|³.
+#pragma once
+
+#include <cmath>
+
+#include "kernel/plan/plan_data.h"
+
+namespace unlatch {
+
+// At the point that get_point() gives, in W; it is asked for only where there is a central field.
+template <class T, class GetPoint>
+UNLATCH_INLINE Vec3T<T> calc_gravity(const GravityField& field, const GetPoint& get_point) {
+  using std::sqrt;
+  const Vec3T<T> uniform{T(field.uniform.x), T(field.uniform.y), T(field.uniform.z)};
+  if (field.mu == 0) return uniform;
+  const Vec3T<T> r = get_point() - Vec3T<T>{T(field.centre.x), T(field.centre.y), T(field.centre.z)};
+  const T r2 = dot(r, r);
+  return uniform - (T(field.mu) / (r2 * sqrt(r2))) * r;
+}
+inline Vec3 calc_gravity(const GravityField& field, const Vec3& p) {
+  return calc_gravity<double>(field, [&] { return p; });
+}
+
+}  // namespace unlatch

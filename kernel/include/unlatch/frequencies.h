@@ -1,0 +1,29 @@
+// How fast each elastic element would swing: it decides whether a step resolves it. Explicit Runge–Kutta is stable for
+// h ω < 2.8 and accurate for h ω ≲ 0.2.
+#pragma once
+
+#include <vector>
+
+#include "unlatch/plan.h"
+#include "unlatch/state.h"
+#include "unlatch/workspace.h"
+
+namespace unlatch {
+
+// A spring or a mode that swings faster than this, in h ω, is more than a step can resolve: it is integrated implicitly
+// where it can be. Explicit Runge–Kutta keeps 1 % of amplitude and phase per step there, and is stable to 2.8, which is
+// left for springs that swing together faster than each alone.
+inline constexpr double kResolved = 1;
+
+struct ElementFrequency {
+  int element;   // in the model's shared numbering
+  double omega;  // rad/s: √(stiffness · mobility) along the element, joints and other bodies taken into account
+  double decay;  // 1/s: damping · mobility
+  bool implicit;
+};
+
+// Of every spring at `state`, whether it is switched on or not. Empty if the state has a singular pivot. O(n) per
+// element. The workspace loses its outputs.
+std::vector<ElementFrequency> calc_frequencies(const Plan& plan, const State& state, Workspace& workspace);
+
+}  // namespace unlatch

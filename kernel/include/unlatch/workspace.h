@@ -1,0 +1,72 @@
+// Workspace: the memory of a step that can be recomputed, one per thread, and the outputs of the latest step.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "unlatch/math.h"
+#include "unlatch/model.h"
+#include "unlatch/plan.h"
+
+namespace unlatch {
+
+struct WorkspaceData;  // kernel/plan/evaluation.h
+
+// Numbers of a workspace that are a stride apart.
+struct NumberColumn {
+  std::int32_t first, stride;
+};
+
+// The multipliers of all joints, six each in the order of Row: 0 for rows that do not hold; N, N m.
+class MultiplierView {
+ public:
+  MultiplierView() = default;
+  MultiplierView(double* numbers, std::span<const NumberColumn> joints) : numbers_(numbers), joints_(joints) {}
+  std::size_t size() const { return joints_.size() * kRows; }
+  double operator[](std::size_t i) const { return get(i / kRows, i % kRows); }
+  double& get(std::size_t joint, std::size_t row) const {
+    return numbers_[joints_[joint].first + static_cast<std::ptrdiff_t>(row) * joints_[joint].stride];
+  }
+
+ private:
+  double* numbers_ = nullptr;
+  std::span<const NumberColumn> joints_;
+};
+
+// Accelerations of the bodies' origins, world axes, m/s², rad/s², by body.
+class AccelerationView {
+ public:
+  AccelerationView() = default;
+  AccelerationView(const double* numbers, std::span<const NumberColumn> bodies) : numbers_(numbers), bodies_(bodies) {}
+  std::size_t size() const { return bodies_.size(); }
+  Spatial operator[](std::size_t body) const {
+    const auto number = [&](std::ptrdiff_t i) { return numbers_[bodies_[body].first + i * bodies_[body].stride]; };
+    return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+  }
+
+ private:
+  const double* numbers_ = nullptr;
+  std::span<const NumberColumn> bodies_;
+};
+
+// A view of the caller's memory; copies share it. The plan must outlive it.
+class Workspace {
+ public:
+  Workspace() = default;
+  // `memory`: at least plan.get_workspace_bytes(), aligned to 64; its content does not matter.
+  Workspace(const Plan& plan, std::span<std::byte> memory) noexcept;
+
+  // Outputs of the state at the end of the latest step() or update_outputs().
+  AccelerationView accelerations;
+  MultiplierView multipliers;
+  std::span<const double> sensors;  // in the order of the model's sensors, each with its width
+
+  // For the kernel and its tests.
+  WorkspaceData& data() const { return *data_; }
+
+ private:
+  WorkspaceData* data_ = nullptr;
+};
+
+}  // namespace unlatch

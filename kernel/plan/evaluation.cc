@@ -1,0 +1,105 @@
+#include "kernel/plan/evaluation.h"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+
+namespace unlatch {
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+
+// Hands out parts of one memory, or, without a memory, only counts what they need.
+class Arena {
+ public:
+  explicit Arena(std::byte* memory) : memory_(memory) {}
+
+  template <class T>
+  void take(std::span<T>& out, std::size_t count) {
+    if (memory_ != nullptr) out = {reinterpret_cast<T*>(memory_ + used_), count};
+    used_ += (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
+  }
+  std::size_t get_used() const { return used_; }
+
+ private:
+  std::byte* memory_;
+  std::size_t used_ = 0;
+};
+
+void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
+  arena.take(ev.blocks, static_cast<std::size_t>(plan.block_numbers));
+  arena.take(ev.modes, plan.groups.size());
+  Auxiliary& x = ev.auxiliary;
+  for (std::span<double>* numbers : {&x.now, &x.rate, &x.start, &x.first, &x.sum})
+    arena.take(*numbers, plan.initial_auxiliary.size());
+  arena.take(ev.profiles, plan.profiles.size());
+  arena.take(ev.load_sizes, plan.loads.size());
+  arena.take(ev.varying, plan.varying.size());
+  arena.take(ev.modal, static_cast<std::size_t>(plan.modal_work));
+  arena.take(ev.compliant, plan.compliant.size());
+  arena.take(ev.coordinates, plan.coordinates.size());
+  arena.take(ev.speeds, plan.coordinates.size());
+  for (std::span<double>* rotations : {&ev.rotation_sines, &ev.rotation_cosines})
+    arena.take(*rotations, static_cast<std::size_t>(plan.rotation_count + 7) / 8 * 8);  // whole packs
+  arena.take(ev.non_tree_frames, plan.non_tree_joints.size());
+  arena.take(ev.non_tree_bias, plan.non_tree_joints.size());
+  const auto loop_rows = static_cast<std::size_t>(plan.loop_rows),
+             columns = static_cast<std::size_t>(plan.loop_columns);
+  arena.take(ev.loop_rows, loop_rows);
+  arena.take(ev.loop_ranges, plan.loops.empty() ? 0 : plan.loops.size() + 1);
+  arena.take(ev.loop_matrix, loop_rows * columns);
+  arena.take(ev.loop_loads, (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns);
+  arena.take(ev.loop_solution, loop_rows);
+  arena.take(ev.guards, plan.events.size());
+  arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
+}
+
+void lay_out(const PlanData& plan, Arena& arena, EventSearch& search) {
+  const std::size_t events = plan.events.size();
+  for (std::span<double>* guards : {&search.guards_low, &search.guards_high, &search.guards_middle, &search.tolerances})
+    arena.take(*guards, events);
+  arena.take(search.acting, events);
+  arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
+  // An event acts at most once at an instant; a step has at most its splits and its beginning and end as instants.
+  const std::size_t instants = static_cast<std::size_t>(plan.options.max_splits) + 2;
+  arena.take(search.fired, events * instants);
+  arena.take(search.audits, events * instants);
+}
+
+}  // namespace
+
+Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
+  const PlanData& plan = owner.data();
+  Arena arena(memory.data());
+  std::span<WorkspaceData> data;
+  std::span<std::byte> state;
+  arena.take(data, 1);
+  data_ = new (data.data()) WorkspaceData;
+  Evaluation& ev = data_->kept.evaluation;
+  lay_out(plan, arena, ev);
+  lay_out(plan, arena, data_->search);
+  arena.take(state, owner.get_state_bytes());
+  data_->kept.state = State(owner, state);
+
+  for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
+  ev.places = plan.places;
+  ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};
+  for (const PlanNonTreeJoint& joint : plan.non_tree_joints)  // of one that never holds nobody else writes them
+    for (std::size_t r = 0; r < kRows; ++r) multipliers.get(at(joint.joint), r) = 0;
+  accelerations = {ev.blocks.data(), plan.accelerations};
+  sensors = ev.sensors;
+}
+
+std::size_t Plan::get_workspace_bytes() const noexcept {
+  Arena arena(nullptr);
+  WorkspaceData scratch;
+  std::span<WorkspaceData> data;
+  std::span<std::byte> state;
+  arena.take(data, 1);
+  lay_out(*data_, arena, scratch.kept.evaluation);
+  lay_out(*data_, arena, scratch.search);
+  arena.take(state, get_state_bytes());
+  return arena.get_used();
+}
+
+}  // namespace unlatch

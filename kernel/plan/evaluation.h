@@ -1,0 +1,149 @@
+// Evaluation: all that follows from a state, its inputs and the time, and can be computed again. WorkspaceData: an
+// evaluation, and the scratch memory of the search for events. Both live in memory that the caller gives.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "kernel/plan/plan_data.h"
+#include "unlatch/step.h"
+#include "unlatch/workspace.h"
+
+namespace unlatch {
+
+// A joint at one stage, world axes. The mask `crossed` is a bool for T = double.
+template <class T>
+struct MaskOf {
+  using Type = T;
+};
+template <>
+struct MaskOf<double> {
+  using Type = bool;
+};
+template <class T>
+struct JointFrameT {
+  Vec3T<T> r_base, r_follower;       // from each body's origin to the follower's point, m
+  Mat3T<T> n;                        // axes of the point–plane rows
+  Mat3T<T> m;                        // axes of the rotation rows
+  typename MaskOf<T>::Type crossed;  // a universal joint's row is about the normal of its cross
+  Vec3T<T> displacement;             // of the follower's point from the base's, along n, m
+  Vec3T<T> v_rel, w_rel;             // velocity of the point seen from the base; relative angular velocity
+};
+using JointFrame = JointFrameT<double>;
+
+// The present modes of a group's joints: parts of its blocks that some lane uses.
+struct GroupModes {
+  RowSet freedoms, rows;
+  bool by_freedoms, by_rows;  // some lane is held by three rows or more; by fewer
+};
+
+// One row of a joint that closes a loop.
+struct LoopRow {
+  std::int32_t joint, non_tree, row, base, follower;  // non_tree: the joint's place among those
+  std::int32_t pivot;                                 // index of the row that is eliminated in this one's place
+  Spatial on_base, on_follower;                       // unit wrenches at the bodies' origins
+  double own;                                         // its diagonal entry of Λ
+  double free;                                        // that entry if nothing held its bodies
+};
+
+// Auxiliary states, State::auxiliary, as the stages of a step take them.
+struct Auxiliary {
+  std::span<double> now, rate;          // at the stage; 1/s
+  std::span<double> start, first, sum;  // at the beginning of the sub-step, their rates there, weighted sum of rates
+};
+
+// A body with a mass law at one stage.
+struct VaryingBody {
+  double mass, mass_slope;          // kg; per unit of the law's variable
+  Vec3 centre_B, centre;            // centre of mass from the body's origin, body axes and world axes, m
+  Sym3 inertia_B, inertia_slope_B;  // about the centre of mass, body axes, kg m²; per unit of the law's variable
+};
+
+// The value of a load's law s seconds after it began: a cache of a function of s.
+struct KeptProfile {
+  double s, value;  // NaN: empty; N or N m
+};
+
+// A spring that is integrated implicitly, see kernel/dynamics/compliance.h.
+struct CompliantSpring {
+  double stiffness, damping;              // times its switch scale
+  double first_rate, first_acceleration;  // of its coordinate, k1
+  double second_place, second_rate;       // of its coordinate at the second stage, m or rad
+};
+
+struct Evaluation {
+  // bodies and joints of the tree, see blocks.h
+  std::span<double> blocks;
+  std::span<GroupModes> modes;    // per group
+  std::span<const Place> places;  // PlanData::places
+  MultiplierView multipliers;
+
+  Auxiliary auxiliary;
+  std::span<KeptProfile> profiles;
+  std::span<double> load_sizes;          // per load, N or N m per length of its direction; 0 if it is off
+  std::span<VaryingBody> varying;        // per body with a mass law
+  std::span<double> modal;               // of flexible bodies and their markers, see kernel/dynamics/flexible.h
+  std::span<CompliantSpring> compliant;  // as PlanData::compliant
+
+  // per coordinate of a joint that is read
+  std::span<double> coordinates;  // displacement along n, m; angle about m, rad
+  std::span<double> speeds;       // their rates
+  // per rotation that is read: sine, later the angle, and cosine, times any number
+  std::span<double> rotation_sines, rotation_cosines;
+
+  // per non-tree joint
+  std::span<JointFrame> non_tree_frames;
+  std::span<Spatial> non_tree_bias;  // right-hand side of the rows: along n and m, world axes
+
+  // per row of the joints that close loops, k in all
+  std::span<LoopRow> loop_rows;
+  std::span<std::int32_t> loop_ranges;  // per loop: its first row; and the end
+  std::span<double> loop_matrix;        // Λ, then its factor: lower triangle, PlanData::loop_columns a row
+  std::span<double> loop_loads;         // wrenches on their way to the root, and scratch
+  std::span<double> loop_solution;      // k
+  std::int32_t loop_count = 0;          // rows that are active
+  std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
+
+  // outputs
+  std::span<double> guards;   // per event
+  std::span<double> sensors;  // in the order of the model's sensors, each with its width
+
+  Spatial get_acceleration(int body) const {
+    return read(blocks.data(), places[static_cast<std::size_t>(body)], &SharedBlock<double>::acceleration);
+  }
+};
+
+// The evaluation that a step ends with, and the state that it is of. The next step begins with it if it is handed that
+// very state, byte by byte; the bits are the same as from a new evaluation.
+struct FinalEvaluation {
+  Evaluation evaluation;
+  State state;         // how far the step has got; between steps, its end
+  bool valid = false;  // no step is under way, and `evaluation` is of `state`
+
+  bool is_of(const State& other) const {
+    const std::span<const std::byte> mine = state.get_bytes(), theirs = other.get_bytes();
+    return valid && std::memcmp(theirs.data(), mine.data(), mine.size()) == 0;
+  }
+};
+
+// What one step alone uses: nothing of it outlives the step.
+struct EventSearch {
+  // per event
+  std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located
+  std::span<double> guards_middle;            // at its first iterate
+  std::span<double> tolerances;               // how far below zero a guard may stand and still count as reached
+  std::span<std::int64_t> acting;             // 1: acts in this round
+  std::span<double> stack;                    // evaluates one guard
+  std::span<FiredEvent> fired;
+  std::span<EventAudit> audits;
+  std::int32_t fired_count = 0, audit_count = 0;
+};
+
+struct WorkspaceData {
+  FinalEvaluation kept;
+  EventSearch search;
+};
+
+}  // namespace unlatch

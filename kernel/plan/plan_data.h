@@ -1,0 +1,280 @@
+// PlanData: the model compiled for one step size. Numbers in flat arrays in the order in which the step reads them;
+// names and Eigen types are left behind. Never changes; any number of threads may step with one plan.
+//
+// One elimination order serves every structure phase: it is that of the full tree, and a joint's mode only decides
+// which of its six rows hold.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/math/index.h"
+#include "kernel/plan/blocks.h"
+#include "unlatch/plan.h"
+#include "unlatch/state.h"
+#include "unlatch/workspace.h"
+
+namespace unlatch {
+
+// --- Tree
+// --------------------------------------------------------------------------------------------------------------
+
+struct PlanBody {
+  double mass;  // kg; 0 of a body with a mass law, a flexible body or a marker, which add theirs
+  BodyState initial;
+  std::int32_t varying = kNone;   // into PlanData::varying
+  std::int32_t flexible = kNone;  // into PlanData::flexible: of a flexible body, and of its markers
+};
+
+// Points and axes of a joint of the tree are in its group's JointConstants.
+struct PlanJoint {
+  Quat rotation_base, rotation_follower;  // rotation frame in each body's axes
+  std::int32_t base, follower;            // bodies; base may be kGround
+  std::int32_t first_mode;                // into PlanData::modes
+  std::int32_t mode;                      // at first
+  bool universal;
+  std::int32_t child = kNone;     // of a joint of the tree: the body that it holds to its parent
+  std::int32_t group = kNone;     // likewise: its group
+  std::int32_t non_tree = kNone;  // of any other joint: its place in PlanData::non_tree_joints
+};
+
+// A joint that is no edge of the tree: it closes a loop, or never holds.
+struct PlanNonTreeJoint {
+  std::int32_t joint;
+  Vec3 point_base, point_follower;
+  Mat3 axes, rotation_axes;  // joint frame and rotation frame, base axes
+  Vec3 follower_y;           // y of the rotation frame, follower axes
+};
+
+// A node that the wrenches of loops pass on their way to the root, see loop_nodes.h and kernel/solver/loop_columns.h.
+struct LoopNode {
+  std::int32_t node, group;
+  Place place;                   // of its body
+  std::int32_t loads;            // row of Evaluation::loop_loads where those at its body begin
+  std::int32_t parent_loads;     // and those at its parent's; the same if it is the first to come there; kNone: a root
+  std::int32_t first_end, ends;  // of loops at its body: into PlanData::loop_ends
+  std::int32_t modal;            // row where the modal loads of its flexible body begin
+  std::int32_t marker;           // into PlanData::markers, of a marker
+  bool opens;                    // nothing comes to it from outboard
+};
+// Rows of Evaluation::loop_loads behind the loads.
+inline constexpr std::size_t kLoopScratch = 7;
+
+// One side of a joint that closes a loop.
+struct LoopEnd {
+  std::int32_t loop;  // into PlanData::loops
+  bool follower;
+};
+
+// --- Bodies that bend or burn
+// --------------------------------------------------------------------------------------------
+
+// A flexible body, see kernel/dynamics/flexible.h.
+struct PlanFlexible {
+  std::int32_t body, modes;
+  std::int32_t first_marker, markers;  // into PlanData::markers
+  std::int32_t auxiliary;              // into State::auxiliary: its modal coordinates, then their rates
+  std::int32_t numbers;                // into PlanData::modal: invariants, stiffness and damping
+  std::int32_t work;                   // into Evaluation::modal
+  std::int32_t inboard;                // marker that it is held by, into PlanData::markers; kNone for a root
+  bool implicit;                       // some mode swings faster than the step resolves
+  double mass;                         // kg
+  Sym3 inertia;                        // undeformed, body axes, kg m²
+};
+struct PlanMarker {
+  std::int32_t body, flexible;
+  std::int32_t numbers;  // into PlanData::modal: Φ, then Ψ, three per mode
+  Vec3 position;         // undeformed, from the body's origin, body axes, m
+  bool bare;             // no joint hangs on it
+};
+
+struct MassKnot {
+  double at, mass;
+  Vec3 centre;
+  Sym3 inertia;
+};
+struct PlanVarying {
+  std::int32_t body, first, count;  // of its knots
+  bool by_burnt, jet_damping;
+  Vec3 exit;
+};
+
+// --- Elements
+// ----------------------------------------------------------------------------------------------------------
+
+// A spring that is integrated implicitly, see kernel/dynamics/compliance.h.
+struct PlanCompliant {
+  std::int32_t spring;              // into PlanData::joint_springs
+  NumberPlace pivot, acceleration;  // what it adds to its freedom's pivot, and that freedom's acceleration
+  double side;                      // of the joint's child
+};
+
+// A displacement or rotation of a joint that an element, guard or sensor reads.
+struct PlanCoordinate {
+  std::int32_t joint, row;
+  // of a rotation: its initial value, and the two axes of the rotation frame across its own, in each body's axes
+  double initial = 0;
+  Vec3 across_base[2]{}, across_follower[2]{};
+};
+
+struct PlanProfile {
+  Profile::Kind kind;
+  double value, initial, final, tau;
+  std::int32_t first, count;  // kTable: into PlanData::knots; kHarmonic: into PlanData::harmonics
+};
+
+struct PlanLoad {
+  std::int32_t body, element, profile, channel;
+  bool world;            // it keeps its direction in the world, else in the body
+  Vec3 point;            // of a force in the world, body axes
+  Spatial wrench;        // of size 1, in its axes; in the body at the origin, in the world at the point
+  double length;         // of the direction
+  double consumption;    // kg per N s
+  std::int32_t varying;  // into PlanData::varying: what burns it
+};
+
+struct PlanPointSpring {
+  std::int32_t base, follower, element;
+  bool push_only;
+  Vec3 point_base, point_follower;
+  double stiffness, damping, free_length;
+};
+
+struct PlanJointSpring {
+  std::int32_t joint, axis, element;
+  std::int32_t coordinate;  // into PlanData::coordinates
+  double effort, stiffness, damping, rest;
+  std::int32_t compliant;  // into PlanData::compliant, kNone if it is integrated explicitly
+};
+
+struct PlanPlaneTorsion {
+  std::int32_t base, follower, element;
+  Vec3 normal_base, axis_follower;
+  double stiffness, damping;
+};
+
+struct Knot {
+  double time, value;
+};
+
+// --- Events and sensors
+// --------------------------------------------------------------------------------------------------
+
+// Guards in postfix order: a condition's parts stand before it.
+struct PlanCondition {
+  Condition::Kind kind;
+  std::int32_t subject, axis, part_count;  // subject: of one that reads a coordinate, into PlanData::coordinates
+  double threshold;
+  bool below;
+  std::int32_t first_mode;  // of a reaction: of its joint in PlanData::modes
+  NumberPlace multiplier;   // likewise
+};
+
+struct PlanEvent {
+  std::int32_t first_condition, condition_count, first_action, action_count;
+  std::int32_t flat_parts;  // the first conditions that must all hold, where the guard is nothing else; otherwise 0
+  double delay;
+  bool repeat;
+  bool by_time;  // the whole guard is "t ≥ T", which needs no search
+};
+
+struct PlanSensor {
+  Sensor::Kind kind;
+  std::int32_t subject;  // of one that reads a coordinate, into PlanData::coordinates
+  std::int32_t first;    // into Workspace::sensors
+  Vec3 point;
+};
+
+// --- The whole
+// -----------------------------------------------------------------------------------------------------------
+
+// Uniform and central gravity, see Gravity in unlatch/model.h.
+struct GravityField {
+  Vec3 uniform{};
+  double mu = 0;
+  Vec3 centre{};
+};
+
+struct PlanData {
+  PlanOptions options;
+  InstructionSet instruction_set = InstructionSet::kScalar;  // chosen for this processor
+  std::uint64_t hash = 0;  // of the model and its options: two plans with one hash step alike
+
+  // tree
+  std::vector<TreeNode> nodes;
+  std::vector<PlanBody> bodies;
+  std::vector<PlanJoint> joints;
+  std::vector<RowSet> modes;
+  std::vector<PlanNonTreeJoint> non_tree_joints;
+
+  // loops
+  std::vector<std::int32_t> loops;   // joints that close a loop over the tree
+  std::vector<LoopNode> loop_nodes;  // children before parents
+  std::vector<LoopEnd> loop_ends;
+  std::int32_t loop_rows = 0, loop_columns = 0;  // that the loops' joints hold at most; the same, padded for packs
+  std::int32_t loop_load_rows = 0;               // of Evaluation::loop_loads, before its scratch
+  std::int32_t loop_modal_rows = 0;              // of these, the first, of modal coordinates
+
+  // blocks, see blocks.h
+  std::vector<BodyEight> eights;
+  std::vector<Group> groups;  // parents before children
+  std::vector<std::int32_t>
+      inner_groups;                      // of bodies with something outboard whose SubtreeBlocks no four siblings begin
+  std::vector<std::int32_t> lane_nodes;  // per lane: its node, or kNone
+  std::vector<Place> lane_parents;       // per lane: where its parent is
+  std::vector<Place> places;             // per body
+  std::vector<NumberColumn> multipliers;    // per joint: the six of them
+  std::vector<NumberColumn> accelerations;  // per body: the six of it
+  std::vector<double> body_constants;       // BodyConstants of each block of eight
+  std::vector<double> joint_constants;      // JointConstants, and RotationConstants if needed, of each group
+  std::vector<double> solver_constants;     // SolverConstants of each group
+  std::int32_t block_numbers = 0;           // size of Evaluation::blocks
+
+  // bodies that bend or burn
+  std::vector<PlanVarying> varying;
+  std::vector<MassKnot> mass_knots;
+  std::vector<PlanFlexible> flexible;
+  std::vector<PlanMarker> markers;  // those of one flexible body together
+  std::vector<double> modal;
+  std::int32_t modal_work = 0;            // size of Evaluation::modal
+  std::vector<double> initial_auxiliary;  // auxiliary states: burnt by each of `varying`, then modal ones
+  bool rigid = true;                      // no body bends or changes its mass: all of the above is empty
+
+  // elements
+  GravityField gravity;
+  std::vector<PlanCoordinate> coordinates;  // that somebody reads, or their rates
+  std::int32_t driven_coordinates = 0;      // of these, the first, springs do, so that every stage needs them
+  std::int32_t rotation_count = 0;          // rotations among them all
+  std::vector<PlanLoad> loads;
+  std::vector<std::int32_t> external_loads;  // of these, those that push in the world's axes or burn something
+  bool commanded_loads = false;              // some load's size is a command's
+  std::vector<PlanPointSpring> point_springs;
+  std::vector<PlanJointSpring> joint_springs;
+  std::vector<PlanCompliant> compliant;
+  std::vector<RowSet> compliant_axes;  // per joint: axes with implicit springs
+  std::vector<PlanPlaneTorsion> plane_torsions;
+  std::vector<PlanProfile> profiles;
+  std::vector<Knot> knots;
+  std::vector<Profile::Harmonic> harmonics;
+  std::vector<double> element_scales;  // initial switch scale per element: 0 or 1
+
+  // events and sensors
+  std::vector<PlanCondition> conditions;
+  std::vector<Action> actions;
+  std::vector<PlanEvent> events;
+  std::vector<std::int32_t> repeating_events;
+  std::vector<std::int32_t> timed_events;  // that are due at a known time: by their guard, or after a delay
+  bool commanded_events = false;           // a command decides some guard, itself or through the reactions
+  std::vector<PlanSensor> sensors;
+  std::int32_t sensor_count = 0;  // values, all sensors' components counted
+  std::int32_t signal_count = 0;
+  std::int32_t channel_count = 0;
+  std::int32_t guard_depth = 0;  // values that evaluating the deepest guard keeps at once
+
+  RowSet get_rows(int joint, std::int64_t mode) const {
+    return modes[static_cast<std::size_t>(joints[static_cast<std::size_t>(joint)].first_mode + mode)];
+  }
+};
+
+}  // namespace unlatch

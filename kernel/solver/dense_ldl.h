@@ -1,0 +1,61 @@
+// LDLᵀ of small dense symmetric matrices: modal coordinates of a flexible body, its whole block, the rows of loops.
+// Only the lower triangle is read and written; a factor has its pivots on the diagonal and the unit lower triangle
+// below it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "kernel/math/spatial.h"
+
+namespace unlatch {
+
+struct LowerTriangle {
+  double* entries;
+  std::int32_t stride;  // from one row to the next
+
+  UNLATCH_INLINE double* row(int r) const { return entries + static_cast<std::ptrdiff_t>(r) * stride; }
+  UNLATCH_INLINE double& operator()(int r, int c) const { return row(r)[c]; }  // c ≤ r
+};
+
+// A pivot this small beside its diagonal entry is rounding.
+inline constexpr double kSingularPivot = 1e-13;
+
+// In place. Row by row: first L D of the row, then L and the pivot. False if a pivot vanishes.
+inline bool factor_ldl(const LowerTriangle& A, int n) {
+  for (int r = 0; r < n; ++r) {
+    for (int c = 0; c < r; ++c)
+      for (int k = 0; k < c; ++k) A(r, c) -= A(r, k) * A(c, k);
+    double pivot = A(r, r);
+    for (int c = 0; c < r; ++c) {
+      const double scaled = A(r, c);
+      A(r, c) = scaled / A(c, c);
+      pivot -= scaled * A(r, c);
+    }
+    if (!(pivot > kSingularPivot * A(r, r))) return false;
+    A(r, r) = pivot;
+  }
+  return true;
+}
+
+// Solves for a right-hand side whose numbers are `step` apart, in place.
+inline void solve_ldl(const LowerTriangle& A, int n, double* x, std::ptrdiff_t step = 1) {
+  for (int r = 0; r < n; ++r)
+    for (int c = 0; c < r; ++c) x[r * step] -= A(r, c) * x[c * step];
+  for (int r = n - 1; r >= 0; --r) {
+    x[r * step] /= A(r, r);
+    for (int k = r + 1; k < n; ++k) x[r * step] -= A(k, r) * x[k * step];
+  }
+}
+
+// Symmetric interchange of what is left at r with what is left at s ≤ r, in an n × n matrix.
+inline void interchange(const LowerTriangle& A, int n, int s, int r) {
+  if (r == s) return;
+  std::swap(A(s, s), A(r, r));
+  for (int k = 0; k < s; ++k) std::swap(A(s, k), A(r, k));
+  for (int k = s + 1; k < r; ++k) std::swap(A(k, s), A(r, k));
+  for (int k = r + 1; k < n; ++k) std::swap(A(k, s), A(k, r));
+}
+
+}  // namespace unlatch

@@ -1,0 +1,152 @@
+#include "kernel/solver/loop_rows.h"
+
+#include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/kinematics.h"
+
+namespace unlatch {
+namespace {
+
+// A pivot this small beside the row's own diagonal entry: the row follows from those before it.
+constexpr double kRedundant = 1e-10;
+// An entry this small beside the one that free bodies would give is rounding: the tree alone holds the row.
+constexpr double kHeldByTree = 1e-13;
+
+// The row that is eliminated as number r.
+const LoopRow& get_pivot_row(const Evaluation& ev, int r) { return ev.loop_rows[at(ev.loop_rows[at(r)].pivot)]; }
+
+// A wrench of size 1 at each body's origin.
+LoopRow build_row(const PlanData& plan, const JointFrame& f, int joint, int row) {
+  const PlanJoint& j = plan.joints[at(joint)];
+  LoopRow out{joint, j.non_tree, row, j.base, j.follower, kNone, {}, {}, 0, 0};
+  if (row < kRotX) {
+    const Vec3& n = column(f.n, row);
+    out.on_follower = {n, cross(f.r_follower, n)};
+    out.on_base = {-n, -cross(f.r_base, n)};
+  } else {
+    const Vec3& m = column(f.m, row - kRotX);
+    out.on_follower = {{0, 0, 0}, m};
+    out.on_base = {{0, 0, 0}, -m};
+  }
+  return out;
+}
+
+// The row's relative acceleration, in the latest solution.
+double apply_row(const LoopRow& row, const Evaluation& ev) {
+  const double follower = dot(row.on_follower, ev.get_acceleration(row.follower));
+  return row.base == kGround ? follower : follower + dot(row.on_base, ev.get_acceleration(row.base));
+}
+
+// τᵀ J⁻¹ τ
+double calc_turning_mobility(const Sym3& J, const Vec3& torque) {
+  const Vec3 x{J.xx, J.xy, J.xz}, y{J.xy, J.yy, J.yz}, z{J.xz, J.yz, J.zz};
+  const Vec3 yz = cross(y, z);
+  return dot(torque, Mat3{yz, cross(z, x), cross(x, y)} * torque) / dot(x, yz);
+}
+
+// The same for a force as well, at the body's origin; a marker has the mobility of its body.
+double calc_mobility(const PlanData& plan, const Evaluation& ev, int body, Spatial w) {
+  const PlanBody& b = plan.bodies[at(body)];
+  double mass = b.mass;
+  if (b.varying != kNone) mass = ev.varying[at(b.varying)].mass;
+  if (b.flexible != kNone) {
+    const PlanFlexible& carrier = plan.flexible[at(b.flexible)];
+    w.ang += cross(get_body_frame(ev, body).p - get_body_frame(ev, carrier.body).p, w.lin);
+    mass = carrier.mass;
+    body = carrier.body;
+  }
+  const Sym3 inertia = read(ev.blocks.data(), ev.places[at(body)], &SharedBlock<double>::inertia);
+  return dot(w.lin, w.lin) / mass + calc_turning_mobility(inertia, w.ang);
+}
+
+// How much the row's bodies would give way to it if nothing held them.
+double calc_free_mobility(const PlanData& plan, const Evaluation& ev, const LoopRow& row) {
+  const double follower = calc_mobility(plan, ev, row.follower, row.on_follower);
+  return row.base == kGround ? follower : calc_mobility(plan, ev, row.base, row.on_base) + follower;
+}
+
+}  // namespace
+
+void build_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
+  ev.loop_count = ev.loop_redundant = 0;
+  for (std::size_t l = 0; l < plan.loops.size(); ++l) {
+    const std::int32_t joint = plan.loops[l];
+    ev.loop_ranges[l] = ev.loop_count;
+    for (int r = 0; r < kRows; ++r)
+      if (has_row(get_active_rows(plan, state, joint), r))
+        ev.loop_rows[at(ev.loop_count++)] =
+            build_row(plan, ev.non_tree_frames[at(plan.joints[at(joint)].non_tree)], joint, r);
+  }
+  ev.loop_ranges[plan.loops.size()] = ev.loop_count;
+}
+
+void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept {
+  for (int r = 0; r < ev.loop_count; ++r) {
+    LoopRow& row = ev.loop_rows[at(r)];
+    row.pivot = r;
+    row.own = get_loop_matrix(plan, ev)(r, r);
+    row.free = calc_free_mobility(plan, ev, row);
+  }
+}
+
+int find_pivot(const PlanData& plan, const Evaluation& ev, int first) noexcept {
+  int best = kNone;
+  double largest = kRedundant;
+  for (int r = first; r < ev.loop_count; ++r) {
+    const LoopRow& row = get_pivot_row(ev, r);
+    const double pivot = get_loop_matrix(plan, ev)(r, r);
+    if (pivot > largest * row.own && pivot > kHeldByTree * row.free) {
+      largest = pivot / row.own;
+      best = r;
+    }
+  }
+  return best;
+}
+
+void take_pivot(const PlanData& plan, Evaluation& ev, int rank, int r) noexcept {
+  if (r != rank) std::swap(ev.loop_rows[at(rank)].pivot, ev.loop_rows[at(r)].pivot);
+  interchange(get_loop_matrix(plan, ev), ev.loop_count, rank, r);
+}
+
+void solve_loop_rows(const PlanData& plan, Evaluation& ev, bool biased) noexcept {
+  for (int r = 0; r < ev.loop_count; ++r) {
+    const LoopRow& row = get_pivot_row(ev, r);
+    const JointFrame& f = ev.non_tree_frames[at(row.non_tree)];
+    const Spatial& bias = ev.non_tree_bias[at(row.non_tree)];
+    const double target =
+        row.row < kRotX ? dot(column(f.n, row.row), bias.lin) : dot(column(f.m, row.row - kRotX), bias.ang);
+    ev.loop_solution[at(r)] = (biased ? target : 0) - apply_row(row, ev);
+  }
+  const int rank = ev.loop_count - ev.loop_redundant;
+  solve_ldl(get_loop_matrix(plan, ev), rank, ev.loop_solution.data());
+  for (int r = rank; r < ev.loop_count; ++r) ev.loop_solution[at(r)] = 0;
+}
+
+void clear_loop_multipliers(const PlanData& plan, Evaluation& ev) noexcept {
+  for (const PlanNonTreeJoint& joint : plan.non_tree_joints)
+    for (std::size_t r = 0; r < kRows; ++r) ev.multipliers.get(at(joint.joint), r) = 0;
+}
+
+void store_loop_multipliers(Evaluation& ev) noexcept {
+  for (int r = 0; r < ev.loop_count; ++r) {
+    const LoopRow& row = get_pivot_row(ev, r);
+    ev.multipliers.get(at(row.joint), at(row.row)) = ev.loop_solution[at(r)];
+  }
+}
+
+void add_loop_forces(const PlanData& plan, Evaluation& ev, Source source) noexcept {
+  double* blocks = ev.blocks.data();
+  if (source == Source::kNothing) {
+    for (const Place& place : ev.places) write(blocks, place, &SharedBlock<double>::force, {{0, 0, 0}, {0, 0, 0}});
+    clear_modal_forces(plan, ev);
+  }
+  const auto push = [&](int body, double size, const Spatial& wrench) {
+    if (body != kGround) add(blocks, ev.places[at(body)], &SharedBlock<double>::force, size * wrench);
+  };
+  for (int r = 0; r < ev.loop_count; ++r) {
+    const LoopRow& row = get_pivot_row(ev, r);
+    push(row.follower, ev.loop_solution[at(r)], row.on_follower);
+    push(row.base, ev.loop_solution[at(r)], row.on_base);
+  }
+}
+
+}  // namespace unlatch

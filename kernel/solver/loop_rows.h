@@ -1,0 +1,49 @@
+// Rows of the joints that close loops over the tree, one at a time: k auxiliary rows and a dense k × k matrix
+//   Λ μ = c − W a₀,   Λ = W H⁻¹ Wᵀ,   a = a₀ + H⁻¹ Wᵀ μ,
+// where row r of W is the pair of unit wrenches that the row puts on its two bodies and a₀ the tree's own solution. The
+// tree's pattern is untouched; the cost is O(k n + k² p), p the pivots on the way from the loops to the root, and k³/6.
+// A second solve has the rows' wrenches among its loads, so that the multipliers of the tree's joints come out with it.
+//
+// Rows that follow from the others (a planar four-bar in space, a Bricard linkage) show as vanishing pivots of Λ, which
+// takes the most independent first; they are left out, get no multiplier, and are counted.
+#pragma once
+
+#include <limits>
+
+#include "kernel/plan/evaluation.h"
+#include "kernel/solver/dense_ldl.h"
+#include "kernel/solver/sweep.h"
+
+namespace unlatch {
+
+// No limit on the number of rows that may count as independent.
+inline constexpr std::int32_t kAllRows = std::numeric_limits<std::int32_t>::max();
+
+inline LowerTriangle get_loop_matrix(const PlanData& plan, const Evaluation& ev) {
+  return {ev.loop_matrix.data(), plan.loop_columns};
+}
+
+// The rows that hold in the present modes, with their unit wrenches; needs the joints' frames.
+void build_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+
+// Takes every row for independent so far, and keeps its diagonal entry of Λ.
+void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept;
+// Of the rows from `first` on, the one whose pivot is largest beside its own diagonal entry, ties to the earlier; kNone
+// if all of them follow from the rows before.
+int find_pivot(const PlanData& plan, const Evaluation& ev, int first) noexcept;
+// Eliminates row `r` as number `rank`.
+void take_pivot(const PlanData& plan, Evaluation& ev, int rank, int r) noexcept;
+
+// μ, in ev.loop_solution, from the tree's own solution: accelerations that the rows ask for (if biased) less those that
+// are there, through the factor of Λ; 0 for redundant rows.
+void solve_loop_rows(const PlanData& plan, Evaluation& ev, bool biased) noexcept;
+
+// Sets the multipliers of all non-tree joints: 0, or those of their rows.
+void clear_loop_multipliers(const PlanData& plan, Evaluation& ev) noexcept;
+void store_loop_multipliers(Evaluation& ev) noexcept;
+
+// Adds the rows' wrenches to the bodies' forces; with kNothing they are all that pushes. Whatever evaluates forces
+// overwrites them.
+void add_loop_forces(const PlanData& plan, Evaluation& ev, Source source) noexcept;
+
+}  // namespace unlatch

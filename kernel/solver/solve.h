@@ -1,0 +1,49 @@
+// Accelerations and multipliers, M a = F + Gᵀ λ with G a = c, in O(n): the tree (tree_sweeps.h), and the joints that
+// close loops on top of it (loop_rows.h, loop_columns.h). Compiled once per instruction set, see kernel/simd/pack.h.
+#pragma once
+
+#include "kernel/solver/loop_columns.h"
+#include "kernel/solver/tree_sweeps.h"
+
+namespace unlatch::UNLATCH_ISA {
+
+// The forward pass, and the loops' rows.
+template <int kWidest>
+void finish_solution(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  if (plan.loops.empty()) return sweep_forth<kWidest>(plan, ev, sweep);
+  const bool holds = ev.loop_count > 0;
+  sweep_forth<kWidest>(plan, ev, {sweep.source, sweep.biased, sweep.multipliers && !holds, sweep.gamma_h});
+  clear_loop_multipliers(plan, ev);
+  if (!holds) return;
+  solve_loop_rows(plan, ev, sweep.biased);
+  store_loop_multipliers(ev);
+  add_loop_forces(plan, ev, sweep.source);
+  const Sweep whole{Source::kForces, sweep.biased, sweep.multipliers, sweep.gamma_h};
+  (void)sweep_back<kWidest, false>(plan, ev, whole);
+  sweep_forth<kWidest>(plan, ev, whole);
+}
+
+// Factors at the present kinematics, joint frames and modes, and solves. At most `most` rows of loops count as
+// independent: the stages of a step lie a little off the rows, so that redundant ones contradict each other there; the
+// evaluation at the beginning of the step tells how many are not. Returns kNone, or the node whose pivot vanished.
+template <int kWidest>
+int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep, std::int32_t most) {
+  if (const int node = sweep_back<kWidest, true>(plan, ev, sweep); node != kNone) return node;
+  if (!plan.loops.empty()) {
+    build_loop_rows(plan, state, ev);
+    if (ev.loop_count > 0) calc_loop_matrix<kWidest>(plan, ev);
+    factor_loop_matrix<kWidest>(plan, ev, most);
+  }
+  finish_solution<kWidest>(plan, ev, sweep);
+  return kNone;
+}
+
+// With the latest factors. With velocity or position targets and no forces it gives velocity or position corrections
+// and impulses.
+template <int kWidest>
+void solve(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  (void)sweep_back<kWidest, false>(plan, ev, sweep);
+  finish_solution<kWidest>(plan, ev, sweep);
+}
+
+}  // namespace unlatch::UNLATCH_ISA

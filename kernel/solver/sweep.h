@@ -1,0 +1,21 @@
+// What a sweep of the solver through the tree is asked for.
+#pragma once
+
+#include <cstdint>
+
+namespace unlatch {
+
+// The right-hand side of M a = F + Gᵀ λ.
+enum class Source : std::int32_t {
+  kForces,   // SharedBlock::force
+  kNothing,  // corrections and impulses
+};
+
+struct Sweep {
+  Source source = Source::kForces;
+  bool biased = true;       // false: the rows' right-hand sides count as zero
+  bool multipliers = true;  // recover them on the way down
+  double gamma_h = 0;       // s; a stage of ROS2: springs and modes that are integrated implicitly add to their pivots
+};
+
+}  // namespace unlatch

@@ -1,0 +1,90 @@
+#include "unlatch/frequencies.h"
+
+#include <cmath>
+
+#include "kernel/dispatch/kernels.h"
+#include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/kinematics.h"
+#include "kernel/solver/loop_rows.h"
+#include "kernel/step/integrator.h"
+#include "kernel/step/load_state.h"
+
+namespace unlatch {
+namespace {
+
+// The wrenches of an element with unit effort: equal and opposite on two bodies.
+struct Effort {
+  int base, follower;
+  Spatial on_base, on_follower;
+};
+
+Effort push_apart(const BodyFrame& base, const BodyFrame& follower, int b, int f, const Vec3& r_base,
+                  const Vec3& r_follower) {
+  const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
+  const double length = norm(line);
+  const Vec3 e = length > 0 ? (1.0 / length) * line : Vec3{1, 0, 0};
+  return {b, f, {-e, -cross(r_base, e)}, {e, cross(r_follower, e)}};
+}
+
+Effort turn_apart(int base, int follower, const Vec3& axis) {
+  return {base, follower, {{0, 0, 0}, -axis}, {{0, 0, 0}, axis}};
+}
+
+// Acceleration along the element that its unit effort brings about: 1 / effective mass.
+double calc_mobility(const PlanData& plan, const Effort& effort, Evaluation& ev) {
+  double* blocks = ev.blocks.data();
+  for (const Place& place : plan.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
+  if (effort.base != kGround) write(blocks, ev.places[at(effort.base)], &SharedLane::force, effort.on_base);
+  write(blocks, ev.places[at(effort.follower)], &SharedLane::force, effort.on_follower);
+  get_kernels(plan).solve(plan, ev, {Source::kForces, false, false, 0});
+  double sum = dot(effort.on_follower, ev.get_acceleration(effort.follower));
+  if (effort.base != kGround) sum += dot(effort.on_base, ev.get_acceleration(effort.base));
+  return sum > 0 ? sum : 0;
+}
+
+Effort calc_effort(const Evaluation& ev, const PlanPointSpring& s) {
+  const BodyFrame base = get_body_frame(ev, s.base), follower = get_body_frame(ev, s.follower);
+  return push_apart(base, follower, s.base, s.follower, base.R * s.point_base, follower.R * s.point_follower);
+}
+
+Effort calc_effort(const PlanData& plan, const State& state, const Evaluation& ev, const PlanJointSpring& s) {
+  const PlanJoint& joint = plan.joints[at(s.joint)];
+  const JointFrame f = get_joint_frame(plan, state, ev, s.joint);
+  if (s.axis >= kRotX) return turn_apart(joint.base, joint.follower, column(f.m, s.axis - kRotX));
+  const Vec3& n = column(f.n, s.axis);
+  return {joint.base, joint.follower, {-n, -cross(f.r_base, n)}, {n, cross(f.r_follower, n)}};
+}
+
+Effort calc_effort(const Evaluation& ev, const PlanPlaneTorsion& s) {
+  const Vec3 across =
+      cross(get_body_frame(ev, s.base).R * s.normal_base, get_body_frame(ev, s.follower).R * s.axis_follower);
+  const double size = norm(across);
+  return turn_apart(s.base, s.follower, size > 0 ? (1.0 / size) * across : Vec3{1, 0, 0});
+}
+
+}  // namespace
+
+std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& state, Workspace& workspace) {
+  const PlanData& plan = owner.data();
+  FinalEvaluation& kept = workspace.data().kept;
+  kept.valid = false;
+  Evaluation& ev = kept.evaluation;
+  std::vector<ElementFrequency> out;
+  load_state(plan, state, ev);
+  update_kinematics(plan, ev);
+  update_joints(plan, state, RowTarget::kVelocity, ev);
+  const Sweep nothing{Source::kNothing, false, false, 0};
+  if (get_kernels(plan).factor_and_solve(plan, state, ev, nothing, kAllRows) != kNone) return out;
+  clear_modal_forces(plan, ev);
+  const auto add = [&](int element, double stiffness, double damping, const Effort& effort, bool implicit = false) {
+    const double mobility = calc_mobility(plan, effort, ev);
+    out.push_back({element, std::sqrt(stiffness * mobility), damping * mobility, implicit});
+  };
+  for (const PlanPointSpring& s : plan.point_springs) add(s.element, s.stiffness, s.damping, calc_effort(ev, s));
+  for (const PlanJointSpring& s : plan.joint_springs)
+    add(s.element, s.stiffness, s.damping, calc_effort(plan, state, ev, s), s.compliant != kNone);
+  for (const PlanPlaneTorsion& s : plan.plane_torsions) add(s.element, s.stiffness, s.damping, calc_effort(ev, s));
+  return out;
+}
+
+}  // namespace unlatch

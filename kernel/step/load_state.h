@@ -1,0 +1,17 @@
+// Between the state, one structure per body in the model's order, and the blocks of an evaluation.
+#pragma once
+
+#include "kernel/plan/evaluation.h"
+
+namespace unlatch {
+
+// Poses, velocities and auxiliary states into the evaluation, rest into empty lanes, and the joints' modes.
+void load_state(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+
+// The joints' modes alone: masks of freedoms and rows, offsets, carried axes; ev.modes.
+void load_modes(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+
+// Poses, velocities and auxiliary states out of the evaluation into `state`.
+void store_motion(const PlanData& plan, const Evaluation& ev, State& state) noexcept;
+
+}  // namespace unlatch
