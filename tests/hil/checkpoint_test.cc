@@ -45,7 +45,7 @@ elements:
     point: [-1, 0.1, 0]
     profile: {table: {times: [0, 0.05, 0.3], values: [0, 400, 100]}}
     channel: throttle
-    on: false
+    enabled: false
   jet: {type: force, body: flap, direction: [0, 1, 0], profile: {harmonic: [{amplitude: 40, frequency: 90, phase: 0.4}]}}
   drive: {type: joint_spring, joint: hinge, axis: rot_z, effort: 9, stiffness: 3, damping: 0.2}
 sensors:
@@ -54,7 +54,7 @@ sensors:
   torque: {type: reaction, joint: hinge}
   lamp: {type: contact, signal: lit}
 events:
-  - {name: fire, when: {time: 0.0305}, delay: 25 ms, then: [{switch: {element: engine, to: on}}, {raise: lit}]}
+  - {name: fire, when: {time: 0.0305}, delay: 25 ms, then: [{switch: {element: engine, to: true}}, {raise: lit}]}
   - {name: fade, when: {signal: lit}, then: [{ramp: {element: jet, to: 0.2, over: 0.08}}]}
   - name: latch
     when: {all: [{time: 0.15}, {angle: {joint: hinge, axis: rot_z}, above: 0.01}]}

@@ -38,10 +38,8 @@ int run(const std::string& file, const std::string& like) {
   if (path.extension() != ".yaml") path += ".yaml";
   const std::string name = path.stem().string();
   if (!hil::is_name(name)) {
-    std::fprintf(
-        stderr,
-        "'%s' cannot be the name of a scenario; begin with a letter; letters, digits, _ and -; at most 40 characters\n",
-        name.c_str());
+    std::fprintf(stderr, "'%s' cannot be the name of a scenario; %s\n", name.c_str(),
+                 hil::describe_name_rule(name).c_str());
     return kExitUsage;
   }
   const auto& starters = get_starters();
