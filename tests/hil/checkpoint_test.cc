@@ -178,7 +178,7 @@ class ForeignCheckpoint : public ::testing::Test {
     bytes_ = read_bytes(path_);
   }
 
-  // What is said of the file at path_ when a run of `scenario` is to go on from it; "" if it does.
+  // Error message if a run of `scenario` is to continue from the file at path_; "" if it does.
   std::string get_complaint(const hil::Scenario& scenario) const {
     const auto simulation = hil::build_simulation(scenario);
     const std::vector<std::uint64_t> before = simulation->save();

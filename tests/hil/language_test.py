@@ -135,7 +135,7 @@ class LanguageTest(unittest.TestCase):
         cls.probe.close()
 
     def find_schema_errors(self, document):
-        # What goes through JSON is what an editor sees.
+        # An editor sees the document as JSON.
         return [e.message for e in Draft202012Validator(SCHEMA).iter_errors(document)]
 
     def test_schema_and_reference_are_made_of_the_table(self):

@@ -33,6 +33,9 @@ struct Thing {  // One thing. With <angle> brackets, a @command and a \\\\backsl
                          // in two lines
   // Above.
   Kind kind = Kind::kFirst;
+
+  // Ends of something.
+  double from, to;
 };
 
 // Two like functions.
@@ -94,6 +97,7 @@ class HeadersTest(ProcessTest):
         self.assertEqual((texts["width"], texts["height"]), ("m", "mm"))
         self.assertEqual(texts["long_one"], "a description in two lines")
         self.assertEqual(texts["kind"], "Above.")
+        self.assertEqual((texts["from"], texts["to"]), ("Ends of something.",) * 2)
         self.assertEqual((texts["first"], texts["second"]), ("Two like functions.",) * 2)
         self.assertEqual(texts["kOff"], "at rest")
         self.assertEqual(texts["Kind"], "A kind of thing.")

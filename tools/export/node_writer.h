@@ -20,7 +20,7 @@ class NodeWriter {
  public:
   // Starts it; `format`: mcap or parquet. Throws NodeMissing.
   NodeWriter(const std::string& format, const std::string& path);
-  // What has not been finished is ended by force.
+  // An unfinished process is killed.
   ~NodeWriter();
   NodeWriter(const NodeWriter&) = delete;
   NodeWriter& operator=(const NodeWriter&) = delete;

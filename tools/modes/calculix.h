@@ -21,7 +21,7 @@ struct MeshModes {
   std::string program;                                      // "CalculiX Version 2.20"
 };
 
-// What is wrong with a file of CalculiX, with its place.
+// A mistake in a file of CalculiX, with its place.
 class CalculixError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

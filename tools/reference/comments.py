@@ -10,7 +10,7 @@ Rules, all by position:
   it, up to the next blank line or comment: a group of like functions needs one comment.
 - A comment behind a member or function describes it; lines below it that begin in the same column continue it. Behind
   several names it describes each; if it is a list of as many units, each gets its own.
-- A comment behind an opening brace describes the class or enumeration that it opens.
+- A comment behind an opening brace, or behind a type on one line, describes the class or enumeration.
 - A comment with a blank line below it, and a ruler (`// --- Bodies ---`), describe nothing.
 - Lines indented by three or more spaces are shown as they are written: tables, drawings, formulas.
 """
@@ -87,7 +87,7 @@ def to_one_line(lines, mark):
 def split_declarators(code):
     """`double a, b = 0;` as one declaration each; others as they are."""
     match = DECLARATORS.match(code)
-    if not match or "(" in code or match[2].split()[0] in ("return", "using", "friend", "template"):
+    if not match or re.search(r"\([^()]*,", code) or match[2].split()[0] in ("return", "using", "friend", "template"):
         return [code]
     return [f"{match[1]}{match[2].rstrip()} {name.strip()};" for name in match[3].split(",")]
 
@@ -169,7 +169,8 @@ class Filter:
         begins = not self.open
         is_namespace = code.lstrip().startswith("namespace")
         opens = SCOPE.match(code) is not None and code.rstrip().endswith("{")
-        if begins and opens and behind and not is_namespace:
+        complete = SCOPE.match(code) is not None and code.rstrip().endswith("};")  # enum class Kind { kA, kB };
+        if begins and (opens or complete) and behind and not is_namespace:
             code = f"{to_one_line(self.pending + behind, '/**')} {code.lstrip()}"
             self.out += [""] * len(self.pending)
             self.pending, behind = [], []
@@ -189,7 +190,8 @@ class Filter:
             self.put(code)
         elif len(names) > 1:
             shared = share_out(behind, len(names))
-            self.put(" ".join(f"{one} {to_one_line(own, '/**<')}" for one, own in zip(names, shared)))
+            above = "" if behind else to_one_line(self.group, "/**")  # the first name has it already
+            self.put(above.join(f" {one} {to_one_line(own, '/**<')}" for one, own in zip(names, shared)))
             self.out += [""] * (len(behind) - 1)
         else:
             self.put(f"{code}  {to_one_line(behind, '/**<')}" if behind else code)
