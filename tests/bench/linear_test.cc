@@ -1,4 +1,4 @@
-// The cost of a solve grows with the number of bodies and no faster, as a ratio within one process.
+// The cost of a solve grows linearly with the number of bodies; a ratio within one process.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Checkpoints: a run taken up again is the same bits; what is damaged or foreign is refused by name.
+// Checkpoints: a resumed run has the same bits; a damaged or foreign checkpoint is refused with its reason.
 #include "hil/run/checkpoint.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Quantities with units: what is right has the nearest bits, what is wrong says why.
+// Quantities with units: valid ones have the nearest bits, invalid ones give a reason.
 #include "hil/language/expression.h"
 
 #include <gmock/gmock.h>

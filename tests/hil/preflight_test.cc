@@ -1,4 +1,4 @@
-// Preflight: what is found on a machine that is written down as files, and what that is judged to cost.
+// Preflight: findings on a machine that is described by files, and their verdicts.
 #include "hil/realtime/preflight.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Recordings: what they hold, and what a reader makes of damaged ones.
+// Recordings: their contents, and the reader's results for damaged ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

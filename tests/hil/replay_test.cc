@@ -1,4 +1,4 @@
-// Replay: every tick's hash, the first difference by name.
+// Replay: the hash of every tick, the name of the first difference.
 #include <gtest/gtest.h>
 
 #include <numeric>

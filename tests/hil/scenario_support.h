@@ -1,4 +1,4 @@
-// A small right scenario, and what the loader says to wrong ones.
+// A small valid scenario, and the loader's messages for invalid ones.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Scenario files: what is right is read, what is wrong is named with its place and its mending.
+// Scenario files: valid ones are read, mistakes are reported with place and correction.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A small session: a scenario with one commanded thruster, and a participant that can be told to misbehave.
+// A small session: a scenario with one commanded thruster, and a participant that can misbehave on request.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// MCAP and Parquet are written by a program for Node.js that is part of this one: it gets lines through a pipe.
+// Writer of MCAP and Parquet: a program for Node.js inside this one, which receives lines through a pipe.
 #pragma once
 
 #include <sys/types.h>

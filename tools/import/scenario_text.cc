@@ -1,4 +1,4 @@
-// An imported model in the language of scenarios.
+// Writes an imported model as a scenario.
 #include <array>
 #include <charconv>
 #include <cmath>

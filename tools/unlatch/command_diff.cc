@@ -100,7 +100,7 @@ void print_diff(std::FILE* to, const DiffReport& report) {
     print_inputs(to, report, *diff.state);
   } else {
     const bool same = diff.agrees() && !diff.is_damaged();
-    const std::string text = "the same bits at all " + std::to_string(diff.compared) + " common ticks";
+    const std::string text = "the same bits at all " + std::to_string(diff.compared) + " ticks of both";
     std::fprintf(to, "%s: %s, from tick %" PRId64 " on%s\n", both.c_str(),
                  paint(to, same ? Colour::kGreen : Colour::kYellow, text).c_str(), diff.first_tick,
                  same ? "" : ", and yet they differ");

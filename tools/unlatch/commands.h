@@ -1,4 +1,4 @@
-// The subcommands of `unlatch`. Each adds itself to the command line; the program then runs the one that was chosen.
+// The subcommands of `unlatch`. Each adds itself to the command line; the program then runs the chosen one.
 #pragma once
 
 #include <CLI/CLI.hpp>

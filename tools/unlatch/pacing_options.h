@@ -1,4 +1,4 @@
-// The options of `hil` that are about pace.
+// Options of `hil` for the pace.
 #pragma once
 
 #include <CLI/CLI.hpp>

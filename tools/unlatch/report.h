@@ -1,4 +1,4 @@
-// The result of a run, of any kind, as JSON for programs and as tables for people.
+// The result of a run, of any kind, as JSON for programs and as tables for readers.
 #pragma once
 
 #include <cstdio>

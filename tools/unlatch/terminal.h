@@ -1,4 +1,4 @@
-// Text for people: colours on a terminal alone, a progress line that does not flood a file.
+// Terminal output: colours on a terminal only, a progress line that does not fill a file.
 #pragma once
 
 #include <chrono>
