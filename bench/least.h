@@ -1,4 +1,4 @@
-// Beside mean and median, the least of a benchmark's repetitions: what the neighbours of a shared machine do to a time
+// Beside mean and median, the least of a benchmark's repetitions: what other users of a shared machine do to a time
 // only adds to it.
 #pragma once
 

@@ -1,4 +1,4 @@
-// A solar array of many panels, folded like a concertina on a free bus.
+// A solar array of many panels, folded like an accordion on a free bus.
 #pragma once
 
 #include "unlatch/model.h"

@@ -1,4 +1,4 @@
-// What every solver of the comparison does: one acceleration solve from poses and velocities, again and again.
+// Interface of the compared solvers: one acceleration solve from poses and velocities, repeatedly.
 #pragma once
 
 #include <memory>

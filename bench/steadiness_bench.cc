@@ -1,10 +1,10 @@
-// How steady a step is where the machine is. Rounds of
+// Variation of the step's time on an undisturbed core. Rounds of
 //
 //   sums, step, sums, as many sums as take the step's time, sums
 //
-// back to back on one CPU: where the sums before and after took their least time, nobody else was on the core, and what
-// stretches the step then is the step's own doing, or what came in the middle of it; the sums in the step's place tell
-// how often something does. Prints one JSON object. bench/jitter.py runs it.
+// run back to back on one CPU. Where the sums before and after took their least time, no other process was on the core:
+// a longer step is caused by the step itself, or by an interruption in its middle. Sums in place of the step show how
+// often the latter happens. Prints one JSON object. bench/jitter.py runs it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>

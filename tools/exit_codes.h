@@ -1,4 +1,4 @@
-// What scripts may rely on.
+// Exit codes; scripts may rely on them.
 #pragma once
 
 namespace unlatch::tools {

@@ -33,7 +33,7 @@ def add(figure, tools):
         hz, points = read_modes(tools.SCENARIOS / MODES)
         beams = {1: "R1", 4: "R2", 5: "R3"}  # as `unlatch modes shell` matches them
         places = [place for _, place, _ in points]
-        # The shell is rolled out, so that neighbours are those along it.
+        # The shell is unrolled, so that adjacent points are adjacent in the plane.
         net = Triangulation([2 * math.atan2(place[1], place[0]) for place in places], [place[2] for place in places]).triangles
         net = [three for three in net if max(math.dist(places[a], places[b]) for a, b in zip(three, three[[1, 2, 0]])) < 1]
         drawn = plt.figure(figsize=(10, 4))
@@ -125,7 +125,7 @@ def add(figure, tools):
             for half in (1, 2):
                 outline = [tools.seen_from(sample["bodies"]["core"], sample["bodies"][f"half{half}_{name}"], (0, 0, 0))
                            for name in ("nose", "top_left", "middle_left", "base_left", "hinge")]
-                # Where the cone begins opposite to the free edges: no marker there, so as if it were rigid.
+                # Start of the cone opposite to the free edges: it has no marker, so it is drawn as rigid.
                 back = [b - a for a, b in zip(CENTRE, (0, 2, 8))]
                 outline.append(tools.seen_from(sample["bodies"]["core"], sample["bodies"][f"half{half}"], back))
                 colour = "#457b9d" if time < release else "#e09f3e"

@@ -1,4 +1,4 @@
-// SIGINT and SIGTERM end a tool in good order.
+// SIGINT and SIGTERM end a tool in an orderly way.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// The options with which every tool names its transport.
+// Transport options, common to all tools.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -26,7 +26,7 @@ constexpr auto kResendAfter = 20ms;
 constexpr int kWarmUp = 50;
 constexpr const char* kPaced = "_paced";
 
-// A network of its own for each pair, so that nobody else's messages wake the measured threads.
+// A separate network for each pair, so that no other messages wake the measured threads.
 std::unique_ptr<Port> open_port(const std::string& transport, bool paced, Role role) {
   if (transport == "dds") return bridge::open_dds_port(role, {.domain = paced ? 76 : 77});
   return bridge::open_lcm_port(role,
@@ -183,7 +183,7 @@ void PingPong::run(int bodies) {
     send(bodies);
     if (receive(kResendAfter)) return;
   }
-  throw std::runtime_error("ping-pong: nobody answers");
+  throw std::runtime_error("ping-pong: no answer");
 }
 
 std::unique_ptr<PingPong> open_pingpong(const std::string& who) {

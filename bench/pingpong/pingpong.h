@@ -24,7 +24,7 @@ class PingPong {
   PingPong(const PingPong&) = delete;
   PingPong& operator=(const PingPong&) = delete;
 
-  // One round trip, with kFew or kMany bodies. Throws if nobody answers for ten seconds.
+  // One round trip, with kFew or kMany bodies. Throws after ten seconds without an answer.
   void run(int bodies);
 
  protected:

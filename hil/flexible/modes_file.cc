@@ -153,7 +153,8 @@ class Reader {
     if (lines_.words().size() < 2) stop(1, "a marker without a name", "marker NAME x y z");
     ModalMarker marker;
     marker.name = lines_.words()[1].text;
-    if (!is_name(marker.name)) note(1, "'" + marker.name.substr(0, 40) + "' is not a name", "letters, digits, _ and -");
+    if (!is_name(marker.name))
+      note(1, "'" + marker.name.substr(0, 40) + "' is not a name", describe_name_rule(marker.name));
     for (const ModalMarker& other : modes_.markers)
       if (other.name == marker.name) note(1, "a second marker '" + marker.name + "'", "names are unique");
     const std::vector<double> p = numbers(2, 3, "marker NAME x y z");

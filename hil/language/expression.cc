@@ -238,6 +238,9 @@ class Parser {
   double read_literal() {
     double value = 0;
     const char* const begin = text_.data() + at_;
+    if (*begin == '0' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]))
+      throw ExpressionError(quote(text_) + " has a number with a leading zero, octal to YAML 1.1 tools",
+                            "write it without the zero");
     const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
     if (error == std::errc::result_out_of_range)
       throw ExpressionError(quote(text_) + " is beyond the range of a double", "");

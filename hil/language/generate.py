@@ -12,6 +12,8 @@ from language import HERE, load_sections, parse_type  # noqa: E402
 
 OUT = HERE.parent / "scenarios"
 NAME = r"^[A-Za-z<][A-Za-z0-9_<>-]*$"
+# Words that YAML 1.1 tools read as true, false or null; no names (is_name in yaml_reader.cc).
+NOT_A_NAME = "^(" + "|".join("".join(f"[{c.upper()}{c}]" for c in word) for word in ("true", "false", "yes", "no", "on", "off", "null")) + ")$"
 EXPRESSION = r"^[A-Za-z0-9_.,+*/^()<> -]+$"
 PARAMETER = r"^<[A-Za-z][A-Za-z0-9_-]*>$"
 
@@ -25,7 +27,7 @@ class Schema:
     def build(self):
         defs = {
             "quantity": {"anyOf": [{"type": "number"}, {"type": "string", "pattern": EXPRESSION}]},
-            "name": {"type": "string", "pattern": NAME},
+            "name": {"type": "string", "pattern": NAME, "not": {"pattern": NOT_A_NAME}},
             "parameter": {"type": "string", "pattern": PARAMETER},
             "pair_of_bodies": {"type": "array", "items": {"$ref": "#/$defs/name"}, "minItems": 2, "maxItems": 2},
             "rotation": {"type": "array", "prefixItems": [{"enum": ["x", "y", "z"]}, {"$ref": "#/$defs/quantity"}],
@@ -125,7 +127,8 @@ Written by `hil/language/generate.py` from [language.yaml](../language/language.
 Editors complete and check a scenario that begins with `# yaml-language-server: $schema=` and the path of
 [unlatch.schema.json](unlatch.schema.json).
 
-Numbers are SI and radians; expressions may have units. *Unit* "–" is a plain number or none. Examples are from
+Numbers are SI and radians; expressions may have units. *Unit* "–" is a plain number or none. A *bool* is `true` or `false`;
+`on` and `off` are accepted as well. Examples are from
 [everything.yaml](../language/everything.yaml), which has every key once.
 """
 

@@ -199,7 +199,7 @@ class Expander {
       names.push_back(name);
       if (!is_name(name))
         mistakes_.add(parameters->keys[i].mark, "'" + name + "' cannot be the name of a parameter",
-                      "begin with a letter; letters, digits, _ and -");
+                      describe_name_rule(name));
       const YamlNode& fallback = parameters->items[i];
       if (const Binding* given = find_binding(row, name))
         bindings.push_back(*given);

@@ -26,9 +26,14 @@ std::string describe_units(const std::string& unit) {
   return text;
 }
 
-bool is_special(std::string text) {
+std::string to_lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c); });
+  return text;
+}
+
+bool is_special(std::string text) {
+  text = to_lower(std::move(text));
   if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.erase(0, 1);
   return text == ".nan" || text == ".inf" || text == "nan" || text == "inf" || text == "infinity";
 }
@@ -49,6 +54,21 @@ std::optional<Quantity> read_expression(const YamlNode& node, const std::string&
   return std::nullopt;
 }
 
+// Words that tools for YAML 1.1 read as true, false or null and write back as such. `y` and `n` are not among them:
+// the common tools leave them alone, and y is an axis.
+bool is_yaml_1_1_word(const std::string& text) {
+  static const std::vector<std::string> kWords{"true", "false", "yes", "no", "on", "off", "null"};
+  return std::find(kWords.begin(), kWords.end(), to_lower(text)) != kWords.end();
+}
+
+// The correction of an unknown key. Old scenarios have `on`; a tool for YAML 1.1 has written it back as `true`.
+std::string correct_key(const std::string& key, const std::vector<std::string>& known) {
+  const bool renamed =
+      (key == "on" || to_lower(key) == "true") && std::find(known.begin(), known.end(), "enabled") != known.end();
+  return renamed ? "the key `on` is named `enabled` now: write `enabled: true` or `enabled: false`"
+                 : suggest(key, known);
+}
+
 }  // namespace
 
 std::optional<Quantity> read_quantity(const YamlNode& node, Mistakes& mistakes) {
@@ -67,9 +87,12 @@ double read_number(const YamlNode& node, const std::string& unit, double fallbac
   return fallback;
 }
 
+bool is_truth_value(const YamlNode& node) {
+  return node.is_scalar() && (node.text == "true" || node.text == "false" || node.text == "on" || node.text == "off");
+}
+
 bool read_bool(const YamlNode& node, bool fallback, Mistakes& mistakes) {
-  if (node.is_scalar() && (node.text == "true" || node.text == "on")) return true;
-  if (node.is_scalar() && (node.text == "false" || node.text == "off")) return false;
+  if (is_truth_value(node)) return node.text == "true" || node.text == "on";
   if (node.is_scalar())
     mistakes.add(node.mark, quote(node.text) + " is not a truth value", "write true or false");
   else
@@ -87,14 +110,19 @@ bool is_name(const std::string& text) {
   constexpr std::size_t kMaxName = 40;
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   const auto legal = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
-  return !text.empty() && text.size() <= kMaxName && letter(text[0]) && std::all_of(text.begin(), text.end(), legal);
+  return !text.empty() && text.size() <= kMaxName && letter(text[0]) && std::all_of(text.begin(), text.end(), legal) &&
+         !is_yaml_1_1_word(text);
+}
+
+std::string describe_name_rule(const std::string& text) {
+  return is_yaml_1_1_word(text) ? "YAML 1.1 tools read this word as true, false or null; choose another name"
+                                : "begin with a letter; letters, digits, _ and -; at most 40 characters";
 }
 
 std::string read_name(const YamlNode& node, Mistakes& mistakes) {
   std::string text = read_text(node, mistakes);
   if (node.is_scalar() && !is_name(text))
-    mistakes.add(node.mark, quote(text) + " is not a name",
-                 "begin with a letter; letters, digits, _ and -; at most 40 characters");
+    mistakes.add(node.mark, quote(text) + " is not a name", describe_name_rule(text));
   return text;
 }
 
@@ -212,7 +240,7 @@ void YamlMap::finish() {
       mistakes_.add(key.mark, "duplicate key " + quote(key.text),
                     "it was first given " + mistakes_.describe(first->mark, key.mark) + ": keep one");
     else if (std::find(known_.begin(), known_.end(), key.text) == known_.end())
-      mistakes_.add(key.mark, "unknown key " + quote(key.text) + " in " + what_, suggest(key.text, known_));
+      mistakes_.add(key.mark, "unknown key " + quote(key.text) + " in " + what_, correct_key(key.text, known_));
   }
 }
 

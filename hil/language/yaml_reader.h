@@ -17,7 +17,8 @@ namespace unlatch::hil {
 // that unit. The same of any dimension; nothing, and a mistake, if it is none.
 std::optional<Quantity> read_quantity(const YamlNode& node, Mistakes& mistakes);
 double read_number(const YamlNode& node, const std::string& unit, double fallback, Mistakes& mistakes);
-bool read_bool(const YamlNode& node, bool fallback, Mistakes& mistakes);  // true, false, on, off
+bool is_truth_value(const YamlNode& node);  // true, false; on and off are accepted as well
+bool read_bool(const YamlNode& node, bool fallback, Mistakes& mistakes);
 std::string read_text(const YamlNode& node, Mistakes& mistakes);
 std::string read_name(const YamlNode& node, Mistakes& mistakes);
 Eigen::Vector3d read_vector(const YamlNode& node, const std::string& unit, const Eigen::Vector3d& fallback,
@@ -29,7 +30,9 @@ int read_choice(const YamlNode& node, const std::string& kind, const std::vector
                 Mistakes& mistakes);
 
 // Names are letters, digits, `_` and `-`, beginning with a letter, at most 40 characters (messages have room for them).
+// Words that YAML 1.1 tools read as true, false or null are no names: yes, no, on, off, true, false, null.
 bool is_name(const std::string& text);
+std::string describe_name_rule(const std::string& text);  // the correction where `text` is no name
 
 // One mapping. Keys that are asked for are known; finish() reports the others, duplicates, and mappings that are none.
 class YamlMap {

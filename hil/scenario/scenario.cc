@@ -201,8 +201,7 @@ void ScenarioReader::for_each_named(YamlMap& top, const std::string& section, co
     map.find(key.text);
     if (!is_name(key.text) || key.text == "ground")
       mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a " + kind,
-                    key.text == "ground" ? "ground is the inertial frame"
-                                         : "begin with a letter; letters, digits, _ and -; at most 40 characters");
+                    key.text == "ground" ? "ground is the inertial frame" : describe_name_rule(key.text));
     const std::string where = kind + " '" + key.text + "'";
     read_item_at(where, node->items[i], [&] { read_item(key.text, node->items[i]); });
     scenario_.marks[where] = key.mark;

@@ -109,7 +109,7 @@ void ScenarioReader::read_load(YamlMap& map, Load load) {
     load.consumption = map.number("consumption", "kg/(N s)", 0.0);
     load.tank = map.choice("tank", "body", bodies_, kNone);
   }
-  load.on = map.boolean("on", true);
+  load.on = map.boolean("enabled", true);
   model_.loads.push_back(std::move(load));
 }
 
@@ -121,7 +121,7 @@ void ScenarioReader::read_point_spring(YamlMap& map, PointSpring spring) {
   spring.damping = map.number("damping", "N s/m", 0.0);
   spring.free_length = map.number("free_length", "m", 0.0);
   spring.push_only = map.boolean("push_only", false);
-  spring.on = map.boolean("on", true);
+  spring.on = map.boolean("enabled", true);
   model_.point_springs.push_back(std::move(spring));
 }
 
@@ -133,7 +133,7 @@ void ScenarioReader::read_joint_spring(YamlMap& map, JointSpring spring) {
   spring.stiffness = map.number("stiffness", turns ? "N m/rad" : "N/m", 0.0);
   spring.damping = map.number("damping", turns ? "N m s/rad" : "N s/m", 0.0);
   spring.rest = map.number("rest", turns ? "rad" : "m", 0.0);
-  spring.on = map.boolean("on", true);
+  spring.on = map.boolean("enabled", true);
   if (map.find("implicit")) spring.implicit = map.boolean("implicit", true);
   model_.joint_springs.push_back(std::move(spring));
 }
@@ -144,7 +144,7 @@ void ScenarioReader::read_plane_torsion(YamlMap& map, PlaneTorsion torsion) {
   torsion.axis_follower = map.vector("axis", "").stableNormalized();
   torsion.stiffness = map.number("stiffness", "N m/rad");
   torsion.damping = map.number("damping", "N m s/rad", 0.0);
-  torsion.on = map.boolean("on", true);
+  torsion.on = map.boolean("enabled", true);
   model_.plane_torsions.push_back(std::move(torsion));
 }
 

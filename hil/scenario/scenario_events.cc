@@ -207,8 +207,10 @@ Action ScenarioReader::read_action(const YamlNode& node) {
     action.kind = kind == "ramp" ? Action::Kind::kRamp : Action::Kind::kSwitch;
     action.subject = inner.choice("element", "element", elements_);
     const YamlNode* to = inner.require("to");
-    const bool word = to && to->is_scalar() && (to->text == "on" || to->text == "off");
-    if (to) action.value = word ? (to->text == "on" ? 1.0 : 0.0) : read_number(*to, "", 0.0, mistakes_);
+    if (to && is_truth_value(*to))
+      action.value = read_bool(*to, false, mistakes_) ? 1.0 : 0.0;
+    else if (to)
+      action.value = read_number(*to, "", 0.0, mistakes_);
     if (kind == "ramp") action.duration = inner.number("over", "s");
   }
   inner.finish();

@@ -62,8 +62,7 @@ void ScenarioReader::read_modes(const YamlNode& node, Joint& joint) {
     if (node.find(key.text) != &node.items[i]) continue;  // a duplicate: finish() says so
     map.find(key.text);
     if (!is_name(key.text))
-      mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a mode",
-                    "begin with a letter; letters, digits, _ and -; at most 40 characters");
+      mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a mode", describe_name_rule(key.text));
     YamlMap mode(node.items[i], "mode '" + key.text + "'", mistakes_);
     JointMode read{key.text, 0};
     const std::string by = mode.only_one_of({"rows", "kind"}, "its rows");

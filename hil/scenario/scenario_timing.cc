@@ -105,7 +105,7 @@ void ScenarioReader::read_rate_groups(const YamlNode& node) {
     group.name = node.keys[i].text;
     if (!is_name(group.name))
       mistakes_.add(node.keys[i].mark, "'" + group.name + "' cannot be the name of a group",
-                    "begin with a letter; letters, digits, _ and -; at most 40 characters");
+                    describe_name_rule(group.name));
     if (node.find(group.name) != &node.items[i]) {
       mistakes_.add(node.keys[i].mark, "group '" + group.name + "' is there twice", "give it another name");
       continue;

@@ -1,5 +1,5 @@
-// What the protocol adds to a bare exchange of messages of the same sizes over the same middleware, as a ratio within
-// one process. The figure to keep is 1.15 (bench/README.md); here stands what a regression would exceed and a busy
+// Cost of the protocol relative to a bare exchange of messages of the same sizes over the same middleware, as a ratio
+// within one process. The target is 1.15 (bench/README.md); the bound here is one that a regression exceeds and a busy
 // machine does not: a wait for 0 ns, or one more thread to be woken, doubles a round trip.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The cost of a solve grows with the number of bodies and no faster, as a ratio within one process.
+// The cost of a solve grows linearly with the number of bodies; a ratio within one process.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr double kGrowth = 1.6;
 constexpr double kGrowthOfMixture = 2.4;
 constexpr int kPairs = 25;
 
-// Of this thread: what else the machine does is nobody's cost here.
+// Time of this thread: other work of the machine does not count.
 double get_cpu_seconds() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

@@ -1,4 +1,4 @@
-"""What the tests with real processes share: programs that are started, watched and ended, and the sessions they run."""
+"""Code shared by the tests with real processes: programs that are started, watched and ended, and the sessions they run."""
 import json
 import subprocess
 import sys

@@ -14,7 +14,7 @@ from processes import BOOSTERS, FSW, PATIENT, SOURCE, UNLATCH, ProcessTest, run_
 
 MAKE_KEYS = SOURCE / "bridge/security/make-keys"
 ALL_PACKETS = 0x0003
-# What an open session says: a channel's name and the scenario's, in messages; the names of types, in discovery. (Names of topics
+# Content of an open session: a channel's name and the scenario's, in messages; the names of types, in discovery. (Names of topics
 # are in the permissions, which each side shows the other before they have a common key.)
 SECRETS = [b"nozzle1\0", b"boosters\0", b"unlatch::State"]
 
@@ -97,7 +97,7 @@ class SecurityTest(ProcessTest):
         for process in listeners:
             self.assertIsNone(process.poll(), "it has heard a session to its end")
             process.terminate()
-            self.assertIn("no session was heard", self.finish(process, code=1))
+            self.assertIn("no session was found", self.finish(process, code=1))
         for process in strangers:
             self.assertIsNone(process.poll(), "it has taken part")
 

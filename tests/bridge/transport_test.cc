@@ -361,7 +361,7 @@ TEST(Dds, LateJoinersGetHelloCatalogAndEvents) {
   EXPECT_FALSE(late->poll(heard, 5 * kRepeatAfter));  // nothing twice
 }
 
-// A stranger's writer with the default quality of service, which forgets at once, would lose commands: it does not
+// A foreign writer with the default quality of service, which forgets at once, would lose commands: it does not
 // match, and is counted.
 TEST(Dds, AWriterThatDoesNotFitIsCounted) {
   const auto simulator = bridge::open_dds_port(Role::kSimulator);

@@ -1,4 +1,4 @@
-// The readers of what CalculiX leaves: meshes and shapes (.frd), frequencies (.dat).
+// The readers of CalculiX's output: meshes and shapes (.frd), frequencies (.dat).
 #include "tests/fuzz/fuzz.h"
 #include "tools/modes/calculix.h"
 

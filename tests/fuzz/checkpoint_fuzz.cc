@@ -1,4 +1,4 @@
-// The reader of checkpoints: a run goes on from it, or a sentence says why not.
+// The reader of checkpoints: a run continues from one, or a message says why not.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -23,7 +23,7 @@ dds_entity_t check(dds_entity_t result) {
   return result;
 }
 
-// What Cyclone calls the types: it tells that with a sample that it has serialised itself.
+// Cyclone's names of the types, from a sample that it has serialised itself.
 class Types {
  public:
   Types() {

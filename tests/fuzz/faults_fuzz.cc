@@ -1,4 +1,4 @@
-// The reader of fault scripts, and the injector that makes happen what they say.
+// The reader of fault scripts, and the injector of faults.
 #include "hil/faults/fault_injector.h"
 #include "hil/faults/fault_script.h"
 #include "tests/fuzz/fuzz.h"

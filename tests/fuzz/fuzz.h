@@ -1,6 +1,6 @@
-// What the fuzz targets share. A target is LLVMFuzzerTestOneInput in one file: libFuzzer calls it with inputs that it
-// makes up (tools/fuzz), replay_main.cc with those in the repository (ctest). Whatever the bytes, it returns 0; what
-// may not be ends the program.
+// Code shared by the fuzz targets. A target is LLVMFuzzerTestOneInput in one file: libFuzzer calls it with inputs that
+// it generates (tools/fuzz), replay_main.cc with those in the repository (ctest). It returns 0 for any bytes; a finding
+// ends the program.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The reader of recordings, and what `unlatch replay` does with what it read.
+// The reader of recordings, and their replay.
 #include "hil/run/replay.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/reseal.h"

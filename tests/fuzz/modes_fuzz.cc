@@ -1,4 +1,4 @@
-// The reader of modes files, and the flexible bodies that are made of what it read.
+// The reader of modes files, and the flexible bodies made from them.
 #include <stdexcept>
 
 #include "hil/flexible/flexible_body.h"

@@ -27,7 +27,7 @@ constexpr unsigned kHang_s = 10;
 constexpr std::size_t kMaxBytes = 8192;
 const Bytes* current = nullptr;  // what the target is at
 
-// What a signal handler may do: no more than open, write, and say so.
+// Only calls that a signal handler may make: open and write.
 void keep_input(int signal) {
   constexpr char kName[] = "fuzz-finding", kSaid[] = "FOUND: the input is in ./fuzz-finding\n";
   const int file = open(kName, O_WRONLY | O_CREAT | O_TRUNC, 0644);

@@ -1,4 +1,4 @@
-// What the golden programs share: --lanes, and a run that prints hashes, one line each, for tools/determinism to
+// Code shared by the golden programs: --lanes, and a run that prints hashes, one on each line, for tools/determinism to
 // compare:
 //   NAME TICK HASH       of the state, every 100 ticks and at the last one
 //   NAME outputs HASH    of all sensor values and reactions of every tick

@@ -1,4 +1,4 @@
-// Checkpoints: a run taken up again is the same bits; what is damaged or foreign is refused by name.
+// Checkpoints: a resumed run has the same bits; a damaged or foreign checkpoint is refused with its reason.
 #include "hil/run/checkpoint.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ elements:
     point: [-1, 0.1, 0]
     profile: {table: {times: [0, 0.05, 0.3], values: [0, 400, 100]}}
     channel: throttle
-    on: false
+    enabled: false
   jet: {type: force, body: flap, direction: [0, 1, 0], profile: {harmonic: [{amplitude: 40, frequency: 90, phase: 0.4}]}}
   drive: {type: joint_spring, joint: hinge, axis: rot_z, effort: 9, stiffness: 3, damping: 0.2}
 sensors:
@@ -54,7 +54,7 @@ sensors:
   torque: {type: reaction, joint: hinge}
   lamp: {type: contact, signal: lit}
 events:
-  - {name: fire, when: {time: 0.0305}, delay: 25 ms, then: [{switch: {element: engine, to: on}}, {raise: lit}]}
+  - {name: fire, when: {time: 0.0305}, delay: 25 ms, then: [{switch: {element: engine, to: true}}, {raise: lit}]}
   - {name: fade, when: {signal: lit}, then: [{ramp: {element: jet, to: 0.2, over: 0.08}}]}
   - name: latch
     when: {all: [{time: 0.15}, {angle: {joint: hinge, axis: rot_z}, above: 0.01}]}
@@ -178,7 +178,7 @@ class ForeignCheckpoint : public ::testing::Test {
     bytes_ = read_bytes(path_);
   }
 
-  // What is said of the file at path_ when a run of `scenario` is to go on from it; "" if it does.
+  // Error message if a run of `scenario` is to continue from the file at path_; "" if it does.
   std::string get_complaint(const hil::Scenario& scenario) const {
     const auto simulation = hil::build_simulation(scenario);
     const std::vector<std::uint64_t> before = simulation->save();

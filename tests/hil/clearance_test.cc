@@ -1,4 +1,4 @@
-// Distances between shapes, against geometry done by hand.
+// Distances between shapes, against closed-form geometry.
 #include "hil/analysis/clearance.h"
 
 #include <gtest/gtest.h>

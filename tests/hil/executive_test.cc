@@ -1,4 +1,4 @@
-// The cyclic executive: beginnings, real time, what is refused, what it takes from the heap.
+// The cyclic executive: start, real time, refusals, heap use.
 #include <gtest/gtest.h>
 
 #include <cmath>

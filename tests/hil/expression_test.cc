@@ -1,4 +1,4 @@
-// Quantities with units: what is right has the nearest bits, what is wrong says why.
+// Quantities with units: valid ones have the nearest bits, invalid ones give a reason.
 #include "hil/language/expression.h"
 
 #include <gmock/gmock.h>
@@ -93,8 +93,8 @@ TEST(Expression, MistakesSayWhatIsWrong) {
   EXPECT_THAT(error_of("sqrt(2 m)"), HasSubstr("sqrt of a length"));
   EXPECT_THAT(error_of(std::string(300, '1')), HasSubstr("256 bytes"));
   EXPECT_THAT(error_of(std::string(100, '(') + "1"), HasSubstr("parentheses"));
-  for (const char* text : {"", " ", "(", ")", "1)", "(1", "2,3", "1..2", "1.2.3", "0x10", "1e", "--", "m(", "sin()",
-                           "sin(1,2)", "a b", "5 %", "2**3"})
+  for (const char* text : {"",      " ",     "(",    ")",  "1)", "(1", "2,3",   "1..2",     "1.2.3", "0x10", "010",
+                           "2*010", "1_000", "1:30", "1e", "--", "m(", "sin()", "sin(1,2)", "a b",   "5 %",  "2**3"})
     EXPECT_NE(error_of(text), "") << text;
 }
 

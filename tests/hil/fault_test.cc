@@ -1,4 +1,4 @@
-// Fault scripts: what goes wrong on purpose goes wrong the same way every time, is recorded, and replays.
+// Fault scripts: injected faults are the same every time, are recorded, and replay.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -12,6 +12,7 @@ import sys
 import unittest
 from pathlib import Path
 
+import yaml
 from jsonschema import Draft202012Validator
 
 PROBE, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
@@ -68,6 +69,9 @@ def pick(value, kind):
         elif t.kind in ("list", "numbers", "vector") and isinstance(value, list):
             nested = bool(value) and isinstance(value[0], list)
             if nested == (t.kind == "list") or t.inner is None:
+                return t
+        elif t.kind == "bool":
+            if isinstance(value, bool):
                 return t
         elif t.kind not in ("section", "list", "numbers", "vector", "map") and not isinstance(value, (list, dict)):
             if t.kind != "one of" or value in t.words:
@@ -131,7 +135,7 @@ class LanguageTest(unittest.TestCase):
         cls.probe.close()
 
     def find_schema_errors(self, document):
-        # What goes through JSON is what an editor sees.
+        # An editor sees the document as JSON.
         return [e.message for e in Draft202012Validator(SCHEMA).iter_errors(document)]
 
     def test_schema_and_reference_are_made_of_the_table(self):
@@ -270,6 +274,56 @@ class LanguageTest(unittest.TestCase):
                 self.assertTrue(mistakes, note)
                 refused += 1
         self.assertGreater(refused, 200)
+
+    # `y` is the exception: PyYAML, libyaml and their like leave it a word.
+    def test_no_key_and_no_word_means_something_else_in_yaml_1_1(self):
+        words = {word for section in SECTIONS.values() for word in section["keys"]}
+        for section in SECTIONS.values():
+            for key in section["keys"].values():
+                words |= self.list_words(parse_type(key["is"], SECTIONS))
+        words |= set(load_yaml((SOURCE / "hil/language/language.yaml").read_text())["sections"])
+        for word in sorted(words - {"1"}):
+            self.assertEqual(yaml.safe_load(word), word)
+            self.assertNotIn(word.lower(), ("yes", "no", "on", "off", "n", "true", "false", "null"))
+
+    def list_words(self, kind):
+        words = set(kind.words)
+        return words.union(*(self.list_words(inner) for inner in kind.inner or []))
+
+    def test_shipped_files_mean_the_same_in_yaml_1_1(self):
+        folders = ["hil", "tools", "bridge", "tests/data", "tests/fuzz/corpus"]
+        files = sorted(p for folder in folders for p in (SOURCE / folder).rglob("*.yaml") if "node_modules" not in p.parts)
+        self.assertGreater(len(files), 25)
+        for path in files:
+            try:
+                new = load_yaml(path.read_text())
+            except yaml.YAMLError:
+                self.assertIn("corpus", path.parts)  # an input that is meant to be broken
+                continue
+            self.assert_same(new, yaml.safe_load(path.read_text()), str(path))
+
+    def assert_same(self, new, old, where):
+        if isinstance(new, dict):
+            self.assertEqual(list(new), list(old), where)
+            for key in new:
+                self.assert_same(new[key], old[key], f"{where}: {key}")
+        elif isinstance(new, list):
+            self.assertEqual(len(new), len(old), where)
+            for i, (a, b) in enumerate(zip(new, old)):
+                self.assert_same(a, b, f"{where}[{i}]")
+        elif isinstance(new, float) and isinstance(old, str):  # 1e3: a number in YAML 1.2, a word in 1.1, written back as it is
+            self.assertEqual(new, float(old), where)
+        else:
+            self.assertEqual((type(new), new), (type(old), old), where)
+
+    def test_words_of_yaml_1_1_are_no_names_to_loader_and_schema(self):
+        for word in ("yes", "No", "ON", "off", "null", "True"):
+            document = copy.deepcopy(EVERYTHING)
+            document["name"] = word
+            told = self.probe.ask(document).get("mistakes", [])
+            self.assertTrue(any("is not a name" in m["what"] and "YAML 1.1" in m["mend"] for m in told), told)
+            self.assertTrue(self.find_schema_errors(document), word)
+        self.assertFalse(any(re.fullmatch(word, "y") for word in [SCHEMA["$defs"]["name"]["not"]["pattern"]]))
 
     def list_paths(self, value, path=()):
         yield path

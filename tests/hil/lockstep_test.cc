@@ -1,4 +1,4 @@
-// Lockstep: the result depends on what was said, never on when or how often it arrived.
+// Lockstep: the result depends on the content of messages, never on the time or number of their arrivals.
 #include <gtest/gtest.h>
 
 #include "tests/hil/session_support.h"

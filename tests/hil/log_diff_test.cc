@@ -1,4 +1,4 @@
-// Comparing recordings: the first tick, body and field that differ, by how much, and what the step was told.
+// Comparison of recordings: the first tick, body and field that differ, the difference, and the inputs of the step.
 #include "hil/recording/log_diff.h"
 
 #include <gtest/gtest.h>

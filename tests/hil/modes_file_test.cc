@@ -1,4 +1,4 @@
-// The neutral modes file: what is written reads back to the last bit, what is damaged is refused with its place.
+// The modes file: a written file reads back to the last bit, a damaged one is refused with its place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Preflight: what is found on a machine that is written down as files, and what that is judged to cost.
+// Preflight: findings on a machine that is described by files, and their verdicts.
 #include "hil/realtime/preflight.h"
 
 #include <gtest/gtest.h>
@@ -93,7 +93,7 @@ TEST(Preflight, DeepIdleStatesCostNothingWhereARunMayHoldThemOff) {
   EXPECT_EQ(find(hil::judge(facts), "idle states").verdict, Verdict::kGood);
 }
 
-// Somebody of a higher priority takes the CPU for 3 ms out of 10; without privileges both have none, and share it.
+// A thread of higher priority takes the CPU for 3 ms out of 10; without privileges both have none, and share it.
 TEST(Preflight, TryingTheMachineNoticesWhoTakesTheCpu) {
   std::atomic<bool> begun{false};
   const std::jthread hog([&begun](const std::stop_token& stopping) {
@@ -173,7 +173,7 @@ TEST(RealTime, RefusalsAreNamedAndTheRestIsGranted) {
   EXPECT_FALSE(hil::request_priority(1000).empty());
 }
 
-// Who may, holds them off; who may not, is told what that costs.
+// With permission idle states are prevented; without it a message says what that costs.
 TEST(RealTime, DeepIdleStatesAreHeldOffOrThatIsRefusedByName) {
   const hil::ShallowIdle awake;
   const bool may = access("/dev/cpu_dma_latency", W_OK) == 0;

@@ -1,4 +1,4 @@
-// Sub-multiples of the base rate: what is held, when it is renewed, and that a replay does the same.
+// Sub-rates: held values, their update, and the same in a replay.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Recordings: what they hold, and what a reader makes of damaged ones.
+// Recordings: their contents, and the reader's results for damaged ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ TEST(Recording, IsReadByLcmItself) {
   EXPECT_EQ(ticks, 50);
 }
 
-// What a reader finds in a file's bytes: the ticks, and whether it takes the recording for whole.
+// Results of reading a file's bytes: the ticks, and whether the recording is complete.
 struct Found {
   std::vector<std::int64_t> hashes;  // of the ticks
   bool complete = false, damaged = false;

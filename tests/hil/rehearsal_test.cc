@@ -1,4 +1,4 @@
-// A step for nothing before each tick: nobody but the clock can tell.
+// Rehearsal of the step before each tick: it changes nothing but the time.
 #include <gtest/gtest.h>
 
 #include "hil/realtime/pacer.h"

@@ -1,4 +1,4 @@
-// Replay: every tick's hash, the first difference by name.
+// Replay: the hash of every tick, the name of the first difference.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -120,7 +120,7 @@ TEST_F(Replay, AChannelThatDoesNotExistIsRefused) {
   EXPECT_THROW(replay_log(edited_), hil::LogError);
 }
 
-// What was recorded of the inputs, tick by tick, and what the executive said.
+// The recorded inputs, tick by tick, and the messages of the executive.
 struct Inputs {
   std::vector<std::pair<std::int64_t, hil::LogChange>> changes;
   std::vector<std::pair<std::int64_t, std::string>> notices;

@@ -1,4 +1,4 @@
-// Texts that mean harm: each is refused with a place, quickly, and nothing else happens.
+// Hostile texts: each is refused with a place, quickly, and nothing else happens.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A small right scenario, and what the loader says to wrong ones.
+// A small valid scenario, and the loader's messages for invalid ones.
 #pragma once
 
 #include <algorithm>
@@ -70,7 +70,7 @@ inline std::string load_errors(const std::string& text, const std::vector<std::s
   }
 }
 
-// What the loader says when one piece of the good scenario is replaced.
+// Messages of the loader if one piece of the good scenario is replaced.
 inline std::string errors_with(const std::string& what, const std::string& with) {
   return load_errors(replaced(kGoodScenario, what, with));
 }

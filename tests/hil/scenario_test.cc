@@ -1,4 +1,4 @@
-// Scenario files: what is right is read, what is wrong is named with its place and its mending.
+// Scenario files: valid ones are read, mistakes are reported with place and correction.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,6 +82,15 @@ INSTANTIATE_TEST_SUITE_P(
     Scenario, ScenarioMistakes,
     ::testing::Values(
         Wrong{"UnknownKey", "mass: 100", "mas: 3\n    mass: 100", "s.yaml:6:5: ", "did you mean 'mass'?"},
+        Wrong{"KeyOfYaml11", "channel: throttle}", "channel: throttle, on: false}",
+              "s.yaml:27:94: ", "unknown key 'on' in element 'engine'; the key `on` is named `enabled` now"},
+        Wrong{"KeyWrittenBackByYaml11", "channel: throttle}", "channel: throttle, true: false}",
+              "s.yaml:27:94: ", "unknown key 'true' in element 'engine'; the key `on` is named `enabled` now"},
+        Wrong{"NameOfYaml11", "name: pair", "name: yes", "s.yaml:2:7: ", "'yes' is not a name; YAML 1.1"},
+        Wrong{"BodyOfYaml11", "channels:", "  No: {mass: 1, inertia: [1, 1, 1]}\nchannels:", "s.yaml:15:3: ",
+              "'No' cannot be the name"},
+        Wrong{"OctalOfYaml11", "mass: 100", "mass: 0100", "s.yaml:6:11: ", "leading zero"},
+        Wrong{"SexagesimalOfYaml11", "mass: 100", "mass: 1:30", "s.yaml:6:11: ", "unexpected ':'"},
         Wrong{"DuplicateKey", "mass: 100", "mass: 100\n    mass: 100", "s.yaml:7:5: ", "first given on line 6"},
         Wrong{"DuplicateBody",
               "channels:", "  core: {mass: 1, inertia: [1, 1, 1]}\nchannels:", "s.yaml:15:3: ", "duplicate key 'core'"},
@@ -142,6 +151,20 @@ TEST(Scenario, ReportsAllMistakesAtOnceInTheirOrder) {
   EXPECT_LT(errors.find("mass is 0"), errors.find("'rte'"));
 }
 
+TEST(Scenario, TakesOnAndOffForTrueAndFalse) {
+  const auto load = [](const std::string& value, const std::string& to) {
+    std::string text = replaced(kGoodScenario, "channel: throttle}", "channel: throttle, enabled: " + value + "}");
+    text = replaced(text, "{raise: kr}", "{raise: kr}, {switch: {element: engine, to: " + to + "}}");
+    return hil::load_scenario_text(text, "s.yaml");
+  };
+  const hil::Scenario canonical = load("false", "true"), accepted = load("off", "on");
+  for (const hil::Scenario* s : {&canonical, &accepted}) {
+    EXPECT_FALSE(s->model.loads[0].on);
+    EXPECT_EQ(s->model.events[0].then[1].value, 1.0);
+  }
+  EXPECT_EQ(load("true", "off").model.events[0].then[1].value, 0.0);
+}
+
 TEST(Scenario, DoesNotReportConsequencesOfAMistake) {
   const std::string errors = errors_with("position: [3, 0, 0]", "position: [3, 0, nought]");  // the joint's gap is one
   EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 0) << errors;
@@ -179,7 +202,7 @@ TEST(ScenarioOverrides, ReachScalarsThatAreThere) {
 }
 
 TEST(ScenarioOverrides, ReachScalarsThatTheFileLeavesOut) {
-  const hil::Scenario s = load_with({"elements.engine.on=false", "gravity.uniform[2]=-9.81",
+  const hil::Scenario s = load_with({"elements.engine.enabled=false", "gravity.uniform[2]=-9.81",
                                      "elements.engine.point.1=2", "elements.engine.scale=0.5"});
   EXPECT_FALSE(s.model.loads[0].on);
   EXPECT_EQ(s.model.gravity.uniform, Eigen::Vector3d(0, 0, -9.81));

@@ -1,4 +1,4 @@
-// A small session: a scenario with one commanded thruster, and a participant that can be told to misbehave.
+// A small session: a scenario with one commanded thruster, and a participant that can misbehave on request.
 #pragma once
 
 #include <algorithm>
@@ -226,7 +226,7 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.flight_software = scenario.flight_software;
   options.timing = scenario.timing;
   options.ticks = ticks;
-  options.start_timeout_ns = 20'000'000'000;  // a stalled machine is nobody missing
+  options.start_timeout_ns = 20'000'000'000;  // a stalled machine is not a missing participant
   options.resend_ns = 5'000'000;
   options.faults = faults;
   hil::Link link(256, 256);

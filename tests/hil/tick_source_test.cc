@@ -1,4 +1,4 @@
-// What paces the cyclic thread: the clock, and descriptors from outside. No fact is about how late something came.
+// Tick sources of the cyclic thread: the clock, and descriptors from outside. No fact depends on delays.
 #include "hil/realtime/tick_source.h"
 
 #include <gtest/gtest.h>

@@ -1,29 +1,29 @@
 #!/usr/bin/env python3
-"""Who includes whom: rooms only what is below them, the kernel nothing but Eigen and the standard library: includes_test.py"""
+"""Includes point one way: a module includes only modules below it, the kernel only Eigen and the standard library: includes_test.py"""
 
 import re
 import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("kernel", "hil", "bridge", "tools")  # from below
+MODULES = ("kernel", "hil", "bridge", "tools")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 
-def list_includes(room):
-    for path in sorted((ROOT / room).rglob("*")):
+def list_includes(module):
+    for path in sorted((ROOT / module).rglob("*")):
         if path.suffix in (".h", ".cc") and "examples" not in path.parts:
             for ours, foreign in INCLUDE.findall(path.read_text(encoding="utf-8")):
                 yield path.relative_to(ROOT), ours, foreign
 
 
 class IncludesTest(unittest.TestCase):
-    def test_rooms_include_only_what_is_below_them(self):
-        for level, room in enumerate(ROOMS):
-            allowed = ROOMS[:level + 1]
-            for path, ours, _ in list_includes(room):
+    def test_modules_include_only_modules_below_them(self):
+        for level, module in enumerate(MODULES):
+            allowed = MODULES[:level + 1]
+            for path, ours, _ in list_includes(module):
                 other = ours.split("/")[0]
-                if other in (*ROOMS, "tests", "bench"):
+                if other in (*MODULES, "tests", "bench"):
                     self.assertIn(other, allowed, f"{path} includes {ours}")
 
     def test_the_kernel_includes_nothing_but_eigen_and_the_standard_library(self):

@@ -154,7 +154,7 @@ TEST(DenseKkt, RowsAreTheDerivativesOfTheConstraints) {
   EXPECT_GT(universal_rows, 5);
 }
 
-// Accelerations and multipliers of a tree of twenty bodies, computed by somebody else.
+// Accelerations and multipliers of a tree of twenty bodies, computed by an independent program.
 TEST(DenseKkt, AgreesWithTheReferenceTree) {
   const nlohmann::json reference = load_reference("tree20");
   const Model model = build_tree20(reference);

@@ -110,7 +110,7 @@ TEST(Elementary, SineAndCosineAreWithinAnUlp) {
   expect_within_promise("sin, cos of any double", worst_cos);
 }
 
-// Where the reduction cancels most, and where the quadrant changes.
+// Arguments for which the reduction cancels most, and for which the quadrant changes.
 TEST(Elementary, SineAndCosineAreWithinAnUlpAroundMultiplesOfAQuarterPi) {
   Worst worst_sin, worst_cos;
   test::Random random(kSeed);
@@ -132,8 +132,8 @@ TEST(Elementary, SineAndCosineAreWithinAnUlpAroundMultiplesOfAQuarterPi) {
   expect_within_promise("cos near k pi/4", worst_cos);
 }
 
-// Every power of two and its neighbours, subnormals and the largest double among them: the reduction's table from end
-// to end, and the border below which the sine is its argument.
+// Every power of two and the adjacent doubles, subnormals and the largest double among them: the reduction's table from
+// end to end, and the border below which the sine is its argument.
 TEST(Elementary, SineAndCosineAreWithinAnUlpAtEveryMagnitude) {
   Worst worst_sin, worst_cos;
   for (int e = -1074; e <= 1023; ++e) {

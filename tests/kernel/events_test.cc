@@ -1,4 +1,4 @@
-// When events act, in what order, and what they may change.
+// Times, order and allowed effects of events.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -211,7 +211,7 @@ TEST(Flexible, AFreeBodyKeepsMomentaAndUndampedItsEnergy) {
   EXPECT_LT(norm(after.angular_momentum - before.angular_momentum), 1e-12 * norm(before.angular_momentum));
 }
 
-// What a marker's velocity is said to be is how its pose changes.
+// The velocity of a marker is the rate of change of its pose.
 TEST(Flexible, AMarkersVelocityIsTheRateOfItsPose) {
   const Mast mast = build_mast(3, Support::kClamped, 4, {9});
   Simulation s(mast.model);

@@ -1,4 +1,4 @@
-// What pushes and pulls, against closed-form motion and conservation laws.
+// Forces and torques, against closed-form motion and conservation laws.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -92,7 +92,7 @@ TEST(Hostile, AChainOfHeavyAndLightLinksSteps) {
   EXPECT_EQ(survive(s, 1000).status, StepStatus::kOk);
 }
 
-// What only a sensor would show.
+// Non-finite values that appear only in a sensor.
 TEST(Hostile, ASensorThatOverflowsIsRefused) {
   Model model;
   model.bodies = {box("top", 1, 1, 2, 3)};

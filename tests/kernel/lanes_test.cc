@@ -1,4 +1,4 @@
-// Lanes: whatever the width, the same bits; what lies beside a body does not matter to it.
+// Lanes: every width gives the same bits; a body does not depend on the bodies in other lanes.
 #include <gtest/gtest.h>
 
 #include <bit>

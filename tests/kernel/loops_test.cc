@@ -59,7 +59,7 @@ struct LoopTally {
   Disagreement worst, worst_redundant;
 };
 
-// Where rows are redundant, multipliers are not unique, but what they do to the bodies is.
+// With redundant rows multipliers are not unique, but their effect on the bodies is.
 void expect_to_agree(const KernelSolution& ours, const DenseSolution& dense, const Model& model,
                      const SystemState& state, std::uint64_t seed, LoopTally& tally) {
   if (dense.condition > kSingular) {

@@ -1,4 +1,4 @@
-// Mechanisms whose motion others have published.
+// Mechanisms with published motions.
 #include <gtest/gtest.h>
 
 #include <cmath>

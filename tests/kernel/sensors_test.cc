@@ -1,4 +1,4 @@
-// What the instruments read, against statics and circular motion.
+// Sensor values, against statics and circular motion.
 #include <gtest/gtest.h>
 
 #include "tests/support/simulation.h"

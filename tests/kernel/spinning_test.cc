@@ -58,7 +58,7 @@ MatrixXd differentiate(const std::function<VectorXd(const VectorXd&)>& f, const 
   return out;
 }
 
-// Where the particles' z' is 0, with a spin of that size, rad/s, near its direction: by Gauss and Newton.
+// State with z' = 0 for all particles, for a spin of that magnitude, rad/s, near its direction: by Gauss and Newton.
 VectorXd find_steady_spin(const ModalBody& lumped, const Vector3d& spin) {
   VectorXd z = VectorXd::Zero(kSize);
   z.head<3>() = spin;
@@ -129,8 +129,8 @@ TEST(Spinning, SmallMotionsHaveTheFrequenciesAndDampingOfTheParticles) {
   std::cout << "largest difference of an eigenvalue, of the fastest frequency: " << worst << "\n";
 }
 
-// What the comparison would miss if the spin's terms were not there: a pair of bendings, equal to a thousandth at rest,
-// parts by more than a twentieth.
+// Sensitivity of the comparison to the spin's terms: a pair of bending modes, equal to a thousandth at rest, differs by
+// more than a twentieth.
 TEST(Spinning, TheSpinSplitsAPairOfBendings) {
   const ModalBody lumped = build_lattice_mast(3, kModes, Support::kFree);
   const auto rest = calc_kernel_eigenvalues(lumped, find_steady_spin(lumped, Vector3d::Zero()));

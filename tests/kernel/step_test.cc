@@ -1,4 +1,4 @@
-// What holds of every step, whatever the model.
+// Properties of every step, for any model.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -109,7 +109,7 @@ TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
   }
 }
 
-// One that somebody changes between two steps is not taken for what the step before has left.
+// A state that was changed between two steps is not taken for the result of the previous step.
 TEST(Step, AChangedStateCounts) {
   Simulation changed(build_boosters()), fresh(build_boosters());
   for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);

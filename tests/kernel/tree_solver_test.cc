@@ -1,4 +1,4 @@
-// The tree solver against a dense solve of the same equations that knows nothing of trees.
+// The tree solver against a dense solve of the same equations.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -10,7 +10,7 @@ using Vector3 = Eigen::Matrix<Real, 3, 1>;
 using Matrix3 = Eigen::Matrix<Real, 3, 3>;
 using Index = Eigen::Index;
 
-// What the rows need of a body, or of the ground: everything in inertial axes.
+// Data of a body, or of the ground, that the rows need: all in inertial axes.
 struct Frame {
   Vector3 p = Vector3::Zero(), v = Vector3::Zero(), w = Vector3::Zero();
   Matrix3 C = Matrix3::Identity();

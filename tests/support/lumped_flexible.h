@@ -13,7 +13,7 @@
 
 namespace unlatch::test {
 
-// What a kernel gets of a flexible body: everything per point mass, in the axes of the body's frame.
+// Input of a kernel for a flexible body: data of each point mass, in the axes of the body's frame.
 struct ModalBody {
   std::vector<double> masses;  // m_i, kg
   std::vector<Eigen::Vector3d>

@@ -150,7 +150,7 @@ Motion random_motion(Random& random, const Joint& joint, bool follower_axes_give
   return motion;
 }
 
-// Where and how fast the follower is when the base is known, or the reverse.
+// Pose and velocity of the follower from those of the base, or the reverse.
 //   C_j F = C_i R turn,         r_j = r_i + C_i A offset,
 //   w_j = w_i + C_i R turn_rate,  r_j' − r_i' = C_i A offset_rate + w_i × (r_j − r_i)
 Placed place(const Placed& known, bool known_is_base, const Joint& joint, const Matrix3d& follower_axes,

@@ -87,7 +87,7 @@ class ScenarioDraw:
             mass = bodies[name]["mass"]
             if kind < 2:
                 elements[f"e{i}"] = {"type": ("thrust", "torque")[kind], "body": name, "direction": draw_vector(draw, 1)[:2] + [1],
-                                     "profile": draw_profile(draw, draw.uniform(0.2, 3) * mass), "on": draw.random() < 0.8}
+                                     "profile": draw_profile(draw, draw.uniform(0.2, 3) * mass), "enabled": draw.random() < 0.8}
                 if self.scenario["channels"] and draw.random() < 0.6:
                     elements[f"e{i}"]["channel"] = draw.choice(list(self.scenario["channels"]))
             elif kind == 2 and len(self.names) > 1:
@@ -141,7 +141,7 @@ class ScenarioDraw:
             joint = draw.choice(list(joints))
             return {"set_mode": {"joint": joint, "mode": draw.choice(list(joints[joint]["modes"]))}}
         if kind == 2 and elements:
-            return draw.choice(({"switch": {"element": draw.choice(elements), "to": draw.choice(("on", "off", 0.5))}},
+            return draw.choice(({"switch": {"element": draw.choice(elements), "to": draw.choice((True, False, 0.5))}},
                                 {"ramp": {"element": draw.choice(elements), "to": 0, "over": 0.1}}))
         return {"raise": {"signal": "fuse", "to": draw.choice((0, 1, 2))}}
 

@@ -61,7 +61,7 @@ class Simulation {
   Block state_memory_, workspace_memory_;
 };
 
-// Where the workspace has a coordinate that some element, guard or sensor reads.
+// Index in the evaluation of a coordinate that an element, guard or sensor reads.
 inline std::size_t find_coordinate(const PlanData& plan, int joint, int row) {
   std::size_t i = 0;
   while (plan.coordinates.at(i).joint != joint || plan.coordinates[i].row != row) ++i;

@@ -36,8 +36,8 @@ Disagreement compare(const DenseSolution& a, const DenseSolution& b);
 // The same where rows are redundant, so that the multipliers are not unique: the generalised forces Gᵀ λ are.
 Disagreement compare_row_forces(const KernelSolution& kernel, const DenseSolution& dense, const DenseKkt& kkt);
 
-// How much the dense solution changes per relative change of everything that goes into it: masses, inertias, points,
-// axes, velocities, loads. A backward stable solver's error is a small multiple of this times the unit roundoff.
+// Change of the dense solution for a relative change of all its inputs: masses, inertias, points, axes, velocities,
+// loads. A backward stable solver's error is a small multiple of this times the unit roundoff.
 double calc_condition(const Model& model, const SystemState& state, const std::vector<Wrench>& wrenches,
                       Random& random);
 

@@ -1,5 +1,5 @@
-// What must hold of a step, whatever the model: bounded work and a status; a new state that is finite, or the old one
-// untouched.
+// Properties of every step, for any model: bounded work and a status; a new state that is finite, or the old one
+// unchanged.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -38,8 +38,8 @@ struct BodyAccelerations {
   std::vector<Eigen::Vector3d> linear, angular;  // m/s², rad/s²
 };
 
-// What programs are compared by: a free root's acceleration (linear, angular), then, joint by joint in the model's
-// order, the relative acceleration of the two bodies along each freedom.
+// Quantities by which programs are compared: the acceleration of a free root (linear, angular), then, joint by joint in
+// the model's order, the relative acceleration of the two bodies along each degree of freedom.
 std::vector<double> calc_joint_accelerations(const Model& model, const BodyAccelerations& bodies);
 
 }  // namespace unlatch::test

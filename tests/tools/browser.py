@@ -87,7 +87,7 @@ class Browser:
         return message
 
     def note(self, message):
-        """What a page says to nobody in particular: errors, and what it fetched."""
+        """Events of a page: errors, and its requests."""
         method, params = message.get("method"), message.get("params", {})
         if method == "Runtime.exceptionThrown":
             details = params["exceptionDetails"]

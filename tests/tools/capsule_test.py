@@ -54,7 +54,7 @@ class CapsuleTest(ProcessTest):
         self.compare_with_ode("free")
 
     def test_an_internal_torque_follows_the_papers_equations(self):
-        self.compare_with_ode("friction", "--set", "elements.friction.on=true")
+        self.compare_with_ode("friction", "--set", "elements.friction.enabled=true")
 
     def test_phase_is_the_exact_one_and_not_its_quadratic(self):
         a, c, a0 = (A1 - A1K) / T, (C1 - C1K) / T, A1 + A2

@@ -98,11 +98,11 @@ class ChaosTest(ProcessTest):
         return "with its policy applied" if policies else "undisturbed as far as it knows"
 
     def check_logger(self, session):
-        """What the logger left is whole up to its end."""
+        """The logger's file is complete up to its end."""
         if session.get_log("logger").exists():
             read_events(session.get_log("logger"))
 
-    def befall(self, session, draw):
+    def disturb(self, session, draw):
         """Something happens to one of the processes; says what."""
         name = draw.choice(("simulator", "fsw", "logger"))
         time.sleep(draw.uniform(0, 0.7))
@@ -131,12 +131,12 @@ class ChaosTest(ProcessTest):
             for name in names:
                 session.start(name)
                 time.sleep(draw.choice((0, 0.05)))
-            what = self.befall(session, draw)
+            what = self.disturb(session, draw)
             time.sleep(draw.uniform(0, 0.5))
             code = session.interrupt("simulator")
             self.assertIn(code, ENDINGS, session.get_said("simulator"))
             outcome = self.check_recording(session, was_killed=code < 0)
-            # Who has not heard the end gives up by himself (the flight software), or is told to (the logger).
+            # A process that did not receive the end stops by itself (the flight software), or is told to stop (the logger).
             self.assertIn(session.running["fsw"].wait(HANG), (0, 1), session.get_said("fsw"))
             self.assertIn(session.interrupt("logger"), ENDINGS, session.get_said("logger"))
             self.check_logger(session)
@@ -195,7 +195,7 @@ class ChaosTest(ProcessTest):
             process = subprocess.Popen([UNLATCH, "hil", REFERENCE, "--transport", "inproc", "--pace", "realtime", "--until", "2",
                                         "--overruns", overruns, "--log", str(log), "--json", str(report)],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            while process.poll() is None:  # again and again: nobody knows when it is under way
+            while process.poll() is None:  # repeatedly: the moment at which it starts is unknown
                 process.send_signal(signal.SIGSTOP)
                 time.sleep(0.05)
                 process.send_signal(signal.SIGCONT)

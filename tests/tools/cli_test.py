@@ -17,7 +17,7 @@ BUSY = ["run", REFERENCE, "--until", "900"]  # long enough for a progress bar on
 
 
 def read_terminal(command, environment=None, until=None, keys=b""):
-    """What a program writes to a terminal of 80 x 24, until it ends or `until` is seen."""
+    """Output of a program on a terminal of 80 x 24, until it ends or `until` appears."""
     child, terminal = pty.fork()
     if child == 0:
         os.environ.update(environment or {})
@@ -45,7 +45,7 @@ def list_verbs():
 
 class CliTest(ProcessTest):
     def complete(self, line, *shell):
-        """What the bash script offers for a line that ends at the cursor."""
+        """Completions of the bash script for a line that ends at the cursor."""
         script = (f"source <({UNLATCH} completion bash); COMP_LINE=$1; COMP_POINT=${{#1}}; shift; COMP_WORDS=(\"$@\"); "
                   "COMP_CWORD=$(($# - 1)); _unlatch; printf '%s\\n' \"${COMPREPLY[@]}\"")
         words = line.split(" ")

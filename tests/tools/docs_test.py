@@ -37,7 +37,7 @@ class DocsTest(ProcessTest):
         for entry in SOURCE.iterdir():
             if entry.name not in ("build", ".git"):
                 (self.folder / entry.name).symlink_to(entry)
-        # Where the page's reader has built.
+        # The reader's build folder.
         (self.folder / "build/release").mkdir(parents=True)
         (self.folder / "build/release/bin").symlink_to(BIN)
         done = subprocess.run(["bash", "-euxo", "pipefail", "-c", "\n".join(blocks)], cwd=self.folder, text=True, timeout=SLOWEST,

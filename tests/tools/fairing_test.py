@@ -78,7 +78,7 @@ class FairingTest(ProcessTest):
         self.check("scenario")
 
     def test_a_dead_pusher_twists_and_tumbles_as_the_mass_points_do(self):
-        self.check("dead-pusher", "--set", "elements.push1_left.on=false")
+        self.check("dead-pusher", "--set", "elements.push1_left.enabled=false")
 
     def test_errors_fall_with_the_fourth_power_of_the_step(self):
         coarse, fine = (self.measure("scenario", "--set", f"step.dt={dt}")[1] for dt in (0.002, 0.001))

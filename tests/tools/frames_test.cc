@@ -1,4 +1,4 @@
-// What frames keep of a model that no scenario describes yet: flexible bodies. All else of them is in report_test.py.
+// Frames of flexible bodies. Other properties of frames are tested in report_test.py.
 #include "tools/report/frames.h"
 
 #include <gtest/gtest.h>

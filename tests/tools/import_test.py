@@ -128,6 +128,10 @@ joints:
         self.assertIn("stiffness: 5, damping: 0.25, rest: 0.52359877", written)
         self.assertIn("left out: 1 actuators", written)
 
+    def test_a_link_called_on_gets_a_name_that_yaml_1_1_leaves_alone(self):
+        out = self.bring_in(robot(link("base"), link("On"), joint("base", "On")))
+        self.assertEqual([body["name"] for body in self.run_json(UNLATCH, "check", out)["bodies"]], ["base", "body_On"])
+
     def test_frames_without_mass_belong_to_who_carries_them(self):
         tool = '<link name="tool"><visual><geometry><box size="1 2 3"/></geometry></visual></link>'
         out = self.bring_in(robot(link("base"), tool, link("arm"), joint("base", "tool"), joint("tool", "arm", "revolute", '<axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/><dynamics damping="0.5"/>')))

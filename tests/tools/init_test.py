@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ElementTree
 from processes import BOOSTERS, REFERENCE, SOURCE, UNLATCH, ProcessTest, call, main
 
 KINDS = sorted(path.stem for path in (SOURCE / "tools/unlatch/starters").glob("*.yaml"))
-# What each starter shows when it is run: something happens, to all that it is about.
+# Events that each starter shows when it is run.
 HAPPENS = {"separation": ["release"], "boosters": ["release", "contact", "liftoff"], "array": ["latch"],
            "capsule": ["release", "ignition"], "fairing": ["release"]}
 

@@ -28,11 +28,11 @@ def build_scenario():
             bodies.append(f"  {name}: {{mass: {5 + link % 3}, inertia: [1, 2, 3], position: [{link + 1}, {2 * arm}, 0]}}")
             point = f"[0.5, {2 * arm if inner == 'hub' else 0}, 0]"
             joints.append(f"  j{name}:\n    between: [{inner}, {name}]\n    point: {point}\n    follower_point: [-0.5, 0, 0]\n"
-                          f"    modes: {{on: {{kind: revolute, axis: {'yz'[link % 2]}}}, off: {{rows: []}}}}\n    mode: on")
+                          f"    modes: {{held: {{kind: revolute, axis: {'yz'[link % 2]}}}, free: {{rows: []}}}}\n    mode: held")
             springs.append(f"  s{name}: {{type: joint_spring, joint: j{name}, axis: rot_{'yz'[link % 2]}, stiffness: 900, damping: 12}}")
             inner = name
         events.append(f"  - {{name: leave, subject: {inner}, when: {{time: {100 * (arm + 1)}.0003}}, "
-                      f"then: [{{set_mode: {{joint: j{inner}, mode: off}}}}]}}")
+                      f"then: [{{set_mode: {{joint: j{inner}, mode: free}}}}]}}")
     push = "  push: {type: torque, body: a0l10, direction: [0, 0, 1], profile: {harmonic: [{amplitude: 4, frequency: 1.7, phase: 0}]}}"
     return "\n".join(["unlatch: 1", "name: long", "step: {dt: 0.001, until: 1}", "bodies:", *bodies, "joints:", *joints,
                       "elements:", *springs, push, "events:", *events, ""])

@@ -56,7 +56,7 @@ class ModesTest(ProcessTest):
         self.assertLess(body["made"]["gram"], 1e-12)
         self.assertLess(body["made"]["momentum"], 1e-12)
         self.assertLess(body["found"]["gram"], 1e-2)
-        # What CalculiX left, imported as anybody's files would be, is the same file but for what the mesh was.
+        # CalculiX's own files, imported like those of any user, give the same file but for the mesh.
         again = self.folder / "again.modes"
         self.run_ok(UNLATCH, "modes", "import", self.folder / "ccx/shell.frd", "--dat", self.folder / "ccx/shell.dat",
                     "--thickness", "0.01", "--density", "4000", "--modes", "7", "--marker", "hinge=0,2,0",

@@ -1,4 +1,4 @@
-// What `unlatch watch` makes of messages, without a transport: losses, sessions, hostile names, screens of any size.
+// The view of `unlatch watch`, without a transport: losses, sessions, hostile names, screens of any size.
 #include "tools/watch/observation.h"
 
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ TEST_F(Watching, FollowsOneSessionUntilItIsSilent) {
   EXPECT_EQ(look().session, 7);
   EXPECT_TRUE(has_notice("another simulator"));
   pass(2000ms);
-  EXPECT_TRUE(has_notice("fallen silent"));
+  EXPECT_TRUE(has_notice("stopped sending"));
   hear_state(8, 51);
   EXPECT_EQ(look().session, 8);
   EXPECT_EQ(look().lost, 0);

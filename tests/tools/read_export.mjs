@@ -1,4 +1,4 @@
-// What a reader of others finds in an exported file, as JSON: node read_export.mjs NODE_MODULES FILE.mcap|FILE.parquet
+// Contents of an exported file, read by another library, as JSON: node read_export.mjs NODE_MODULES FILE.mcap|FILE.parquet
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';

@@ -26,7 +26,7 @@ ENDLESS = ["--until", "100000"]
 
 
 def in_mounts_of_its_own(script, *arguments):
-    """Runs a shell script where it may mount what nobody else sees; None where that is not allowed."""
+    """Runs a shell script that may mount file systems privately; None if that is not allowed."""
     for how in ("-m", "-rm"):
         if subprocess.run(["unshare", how, "true"], capture_output=True).returncode == 0:
             return subprocess.run(["unshare", how, "sh", "-c", script, "sh", *map(str, arguments)],
@@ -82,10 +82,10 @@ class RecordingsTest(ProcessTest):
             print(f"  {outcomes.count(outcome):4} killed {outcome}")
         self.assertIn("well under way", outcomes)
 
-    # --- No room, no permission ---------------------------------------------------------------------------------
+    # --- No space, no permission --------------------------------------------------------------------------------
 
     def check_cut_short(self, result, log, report_file, replay):
-        """A run whose recording found no room: said at once and at the end, with the result of the whole run."""
+        """A run whose recording had no space: reported at once and at the end, with the result of the whole run."""
         self.assertEqual(result.returncode, 3, result.stderr)
         self.assertIn(f"{log}: cannot be written", result.stderr)
         report = json.loads(report_file.read_text())
@@ -213,7 +213,7 @@ class RecordingsTest(ProcessTest):
         told = [entry["channel"] for entry in difference["inputs"] if not entry["same"]]
         self.assertIn(report["first_input"]["channel"], told)
         self.assertEqual({change["cause"] for change in difference["changes"][0]}, {"command"})
-        self.assertEqual(difference["changes"][1], [], "nobody spoke at pace fast")
+        self.assertEqual(difference["changes"][1], [], "no participant at pace fast")
         text = self.run_ok(UNLATCH, "diff", logs[0], logs[2], code=1).stdout
         self.assertRegex(text, r"first difference at tick \d+ \(t = ")
         self.assertIn(" ULP", text)

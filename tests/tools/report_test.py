@@ -201,7 +201,7 @@ class ReportTest(ProcessTest):
                 frames = run["frames"]
                 self.assertEqual(frames["seen"], 10_001)
                 self.assertGreater(frames["count"], 500)
-                # What is kept: every so many, the first, the last, and all near events.
+                # Ticks that are kept: every n-th, the first, the last, and all near events.
                 ticks = array("d", base64.b64decode(frames["ticks"])).tolist()
                 self.assertEqual(len(ticks), frames["count"])
                 self.assertEqual(ticks, sorted(set(ticks)))

@@ -283,7 +283,7 @@ class ToolsTest(ProcessTest):
 
     def test_flight_software_gives_up_without_a_simulator(self):
         result = self.run_ok(FSW, "--transport", "dds", "--patience", "0.3", code=1)
-        self.assertIn("no simulator was heard", result.stderr)
+        self.assertIn("no simulator was found", result.stderr)
 
 
 if __name__ == "__main__":

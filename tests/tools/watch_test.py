@@ -125,7 +125,7 @@ class WatchTest(ProcessTest):
         first = self.fly("dds")
         before = self.find(lines, lambda look: look["status"] == "running" and look["tick"] > 100)
         first.kill()
-        self.find(lines, lambda look: any("fallen silent" in notice["text"] for notice in look["notices"]))
+        self.find(lines, lambda look: any("stopped sending" in notice["text"] for notice in look["notices"]))
         self.fly("dds", "--start-timeout", "60")
         after = self.find(lines, lambda look: look["session"] != before["session"] and look["tick"] > 100)
         self.assertTrue(any("now follows" in notice["text"] for notice in after["notices"]))

@@ -1,4 +1,4 @@
-// A run as JSON, an object a line. Ticks look like the samples of `unlatch run --json`.
+// A run as JSON, one object on each line. Ticks have the form of the samples of `unlatch run --json`.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

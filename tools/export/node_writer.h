@@ -1,4 +1,4 @@
-// MCAP and Parquet are written by a program for Node.js that is part of this one: it gets lines through a pipe.
+// Writer of MCAP and Parquet: a program for Node.js inside this one, which receives lines through a pipe.
 #pragma once
 
 #include <sys/types.h>
@@ -20,7 +20,7 @@ class NodeWriter {
  public:
   // Starts it; `format`: mcap or parquet. Throws NodeMissing.
   NodeWriter(const std::string& format, const std::string& path);
-  // What has not been finished is ended by force.
+  // An unfinished process is killed.
   ~NodeWriter();
   NodeWriter(const NodeWriter&) = delete;
   NodeWriter& operator=(const NodeWriter&) = delete;

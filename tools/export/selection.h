@@ -1,4 +1,4 @@
-// What of a run goes out, tick by tick: the chosen bodies, every so many ticks, and the events in between.
+// Selection of a run for export: the chosen bodies, every n-th tick, and the events in between.
 #pragma once
 
 #include <cstdint>

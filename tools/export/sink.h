@@ -1,4 +1,5 @@
-// Where a run goes out to: one format each. Everything is written as it comes; nothing grows with the run.
+// Destination of an export, one class for each format. Data are written as they arrive; memory does not grow with the
+// run.
 #pragma once
 
 #include <cstdio>
@@ -10,7 +11,7 @@
 
 namespace unlatch::tools {
 
-// How the run ended, for formats that tell.
+// End of the run, for formats that record it.
 struct ExportEnd {
   std::string status, message;
   std::string hash;  // of the last state

@@ -1,4 +1,4 @@
-// A run as a table: one row a tick, one column a number. Two ways to write it: CSV, and arrays of JSON.
+// A run as a table: one row for each tick, one column for each number, written as CSV or as arrays of JSON.
 #include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>

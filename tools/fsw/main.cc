@@ -13,8 +13,8 @@
 int main(int argc, char** argv) {
   using namespace unlatch;
   CLI::App app{
-      "Reference flight software: the separation cyclogram of strap-on boosters, over DDS or LCM. It knows the "
-      "simulator by its messages alone, and may be started before or after it.",
+      "Reference flight software: the separation cyclogram of strap-on boosters, over DDS or LCM. It knows only the "
+      "messages of the simulator, and may be started before or after it.",
       "unlatch-fsw"};
   app.footer(
       "Example:\n"
@@ -24,8 +24,8 @@ int main(int argc, char** argv) {
   std::string name = "fsw";
   double patience_s = 60;
   tools::add_transport_options(app, transport, false);
-  app.add_option("--name", name, "name under which the scenario requires it")->type_name("NAME")->capture_default_str();
-  app.add_option("--patience", patience_s, "gives up when it has heard no simulator for so long, s")
+  app.add_option("--name", name, "its name in the scenario")->type_name("NAME")->capture_default_str();
+  app.add_option("--patience", patience_s, "longest wait for a simulator, s")
       ->type_name("SECONDS")
       ->check(tools::check_seconds)
       ->capture_default_str();

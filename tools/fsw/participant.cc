@@ -29,7 +29,7 @@ Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>
   while (!stop.load(std::memory_order_relaxed)) {
     if (!port_.poll(message, kPollWait)) {
       if (std::chrono::duration<double>(Clock::now() - heard).count() < patience_s) continue;
-      outcome.explanation = session_ == 0 ? "no simulator was heard" : "the simulator has fallen silent";
+      outcome.explanation = session_ == 0 ? "no simulator was found" : "the simulator has stopped sending";
       return outcome;
     }
     if (message.kind == MessageKind::kHello) {

@@ -1,4 +1,4 @@
-// What flight software sees of the simulator: names and sensor values, as its messages tell them.
+// The flight software's view of the simulator: names and sensor values from its messages.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ class Vehicle {
   std::int32_t parts_sensed_ = 0;
 };
 
-// What flight software wants, for one tick.
+// The flight software's commands for one tick.
 class Commands {
  public:
   struct Setting {

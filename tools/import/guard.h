@@ -11,8 +11,8 @@ namespace unlatch::tools {
 // ImportError.
 std::string read_xml(const std::string& path);
 
-// What `work` returns, computed in a child process with bounded memory and time. Throws ImportError with what the child
-// threw, or with how it died. This process must have one thread.
+// Result of `work`, computed in a child process with bounded memory and time. Throws ImportError with the child's
+// exception, or with the reason of its death. This process must have one thread.
 std::string compute_apart(const std::function<std::string()>& work);
 
 }  // namespace unlatch::tools

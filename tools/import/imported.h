@@ -1,4 +1,4 @@
-// What is read from another tool's file, in unlatch's terms: bodies in W at the file's zero configuration, body axes
+// A model from another tool's file, in unlatch's terms: bodies in W at the file's zero configuration, body axes are
 // those of the link, origins at the centres of mass. SI.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace unlatch::tools {
 
-// The file is not what it should be, or has what cannot be said in a scenario; what() says what, where, how to mend it.
+// The file is invalid, or has content that a scenario cannot express; what() says what, where, and the correction.
 class ImportError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -1,4 +1,4 @@
-// MJCF, read and completed by MuJoCo: bodies, inertias and defaults are those that it would compute with.
+// MJCF, read and completed by MuJoCo: bodies, inertias and defaults are those of MuJoCo's own computation.
 #include <cmath>
 #include <memory>
 #include <utility>

@@ -1,9 +1,10 @@
-// An imported model in the language of scenarios.
+// Writes an imported model as a scenario.
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <set>
 
+#include "hil/language/yaml_reader.h"
 #include "tools/import/imported.h"
 
 namespace unlatch::tools {
@@ -39,6 +40,7 @@ class Names {
       made += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
     if (made.empty() || !std::isalpha(static_cast<unsigned char>(made[0]))) made = otherwise + made;
     made = made.substr(0, kNameLength);
+    if (!hil::is_name(made)) made = otherwise + "_" + made;  // a word such as `on`
     std::string unique = made;
     for (int i = 2; !taken_.insert(unique).second; ++i) {
       const std::string suffix = "_" + std::to_string(i);

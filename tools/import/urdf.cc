@@ -13,7 +13,7 @@ namespace {
 using Eigen::Isometry3d;
 using Kind = ImportedJoint::Kind;
 
-// What urdfdom says of its failures.
+// Error messages of urdfdom.
 class Listener final : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
@@ -34,7 +34,7 @@ Isometry3d to_isometry(const urdf::Pose& pose) {
   return X;
 }
 
-// Where a link is, and which body it belongs to.
+// Pose of a link, and the body to which it belongs.
 struct Placed {
   int body = -1;  // the ground
   Isometry3d X_WL = Isometry3d::Identity();
@@ -185,7 +185,7 @@ class Reader {
     model_.joints.push_back(joint);
   }
 
-  // What a link collides as, or, without that, what it looks like.
+  // Collision shapes of a link, or its visual shapes if it has none.
   void add_shapes(const urdf::Link& link, const Placed& placed, const Isometry3d& X_WB) {
     std::vector<std::pair<urdf::GeometryConstSharedPtr, urdf::Pose>> list;
     for (const auto& part : link.collision_array) list.emplace_back(part->geometry, part->origin);

@@ -1,4 +1,4 @@
-// CalculiX: what it is told (a deck of a free shell) and what it leaves (.frd: mesh and shapes; .dat: frequencies).
+// CalculiX: its input (a deck of a free shell) and its output (.frd: mesh and shapes; .dat: frequencies).
 //
 // Its results stand in fixed columns and run together ("0.1-1.46183E-03-6.86110E-04"): they are cut by column, never at
 // white space. Shells must have been written with *NODE FILE, OUTPUT=2D, or the nodes are those of the bricks into
@@ -21,7 +21,7 @@ struct MeshModes {
   std::string program;                                      // "CalculiX Version 2.20"
 };
 
-// What is wrong with a file of CalculiX, with its place.
+// A mistake in a file of CalculiX, with its place.
 class CalculixError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

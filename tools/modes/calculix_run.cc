@@ -1,4 +1,4 @@
-// Runs CalculiX as a process of its own, without a shell.
+// Runs CalculiX as a separate process, without a shell.
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>

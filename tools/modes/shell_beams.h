@@ -1,4 +1,4 @@
-// Which modes of a half shell are those of the curved beam: matched by shape, not by number.
+// Modes of a half shell that are those of the curved beam: matched by shape, not by number.
 #pragma once
 
 #include <vector>

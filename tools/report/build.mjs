@@ -22,7 +22,7 @@ function hash(text) {
   return `'sha256-${createHash('sha256').update(text, 'utf8').digest('base64')}'`;
 }
 
-// Whoever's code is in the page is named in it, with their licence.
+// The page names the authors of the code that it contains, with their licences.
 function collectLicences(inputs) {
   const names = new Set(inputs.map((file) => /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file)?.[1]).filter(Boolean));
   return [...names].sort().map((name) => {

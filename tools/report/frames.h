@@ -1,5 +1,5 @@
-// What a replay shows, thinned out for a page: every so many ticks, and every tick near an event. Positions are kept
-// relative to the first body's, whose own are kept in full, so that single precision is enough for the rest.
+// Frames of a replay for a page, thinned out: every n-th tick, and every tick near an event. Positions are relative to
+// those of the first body, which have full precision, so that single precision is enough for the others.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// What moves, for a page: bodies with their shapes, joints, loads, springs, and where each is in a frame.
+// The structure for a page: bodies with their shapes, joints, loads, springs, and the position of each in a frame.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// What `unlatch check` finds, for programs.
+// Results of `unlatch check` as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>

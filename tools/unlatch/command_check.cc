@@ -134,12 +134,12 @@ void add_check(CLI::App& app, int& exit_code) {
   auto graph = std::make_shared<std::string>();
   auto json = std::make_shared<std::string>();
   CLI::App* command =
-      add_verb(app, "check", "Validates a scenario and prints its plan; every mistake with file, line and column.",
+      add_verb(app, "check", "Validates a scenario and prints its plan, or every mistake with file, line and column.",
                "unlatch check hil/scenarios/boosters/scenario.yaml --graph boosters.svg");
   add_scenario_options(*command, *options);
-  command->add_option("--graph", *graph, "a picture of bodies, joints, modes and events (.svg); needs graphviz")
+  command->add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
       ->type_name("FILE");
-  add_json_option(*command, *json, "of a scenario that is not valid, its mistakes");
+  add_json_option(*command, *json, "for an invalid scenario its mistakes");
   command->callback([options, graph, json, &exit_code] { exit_code = run(*options, *graph, *json); });
 }
 

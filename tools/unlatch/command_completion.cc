@@ -25,12 +25,12 @@ void add_completion(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_verb(
       app, "completion",
-      "Prints the completion of a shell: verbs, options, files, and the values of a scenario that --set reaches. "
-      "With paths it prints those values alone, one a line.",
+      "Prints the completion script of a shell: verbs, options, files, and the values of a scenario for --set. "
+      "With paths it prints only those values, one on each line.",
       "source <(unlatch completion bash)\n"
       "unlatch completion zsh > ~/.zfunc/_unlatch\n"
       "unlatch completion fish > ~/.config/fish/completions/unlatch.fish");
-  command->add_option("SHELL", options->shell, "bash, zsh or fish; or paths")
+  command->add_option("SHELL", options->shell, "bash, zsh, fish or paths")
       ->required()
       ->check(CLI::IsMember(std::vector<std::string>{"bash", "zsh", "fish", "paths"}));
   command->add_option("SCENARIO", options->scenario, "scenario file, for paths");
@@ -59,8 +59,7 @@ void add_man(CLI::App& app, int& exit_code) {
                                "unlatch man run | man -l -\n"
                                "unlatch man --out build/man1");
   command->add_option("VERB", options->verb, "the verb (default: the program)");
-  command->add_option("--out", options->folder, "existing folder into which all pages are written")
-      ->type_name("FOLDER");
+  command->add_option("--out", options->folder, "existing folder for all pages")->type_name("FOLDER");
   command->callback([&app, options, &exit_code] {
     const CLI::App* verb = nullptr;
     if (!options->verb.empty()) {

@@ -26,7 +26,8 @@ std::string describe(const hil::LogEnding& ending) {
 
 void print_fields(std::FILE* to, const DiffReport& report, const hil::StateDifference& difference) {
   if (difference.fields_tick < 0) {
-    std::fprintf(to, "  which fields differ cannot be told: not both states can be computed or are recorded\n");
+    std::fprintf(to,
+                 "  the fields that differ are unknown: one of the states was not recorded and cannot be computed\n");
     return;
   }
   if (difference.fields_tick != difference.tick) {
@@ -42,7 +43,7 @@ void print_fields(std::FILE* to, const DiffReport& report, const hil::StateDiffe
     std::fprintf(to, "\n");
   }
   if (difference.fields.size() > kFieldsShown) {
-    std::fprintf(to, "  … and %zu fields more\n", difference.fields.size() - kFieldsShown);
+    std::fprintf(to, "  … and %zu more fields\n", difference.fields.size() - kFieldsShown);
   }
 }
 
@@ -99,7 +100,7 @@ void print_diff(std::FILE* to, const DiffReport& report) {
     print_inputs(to, report, *diff.state);
   } else {
     const bool same = diff.agrees() && !diff.is_damaged();
-    const std::string text = "the same bits at all " + std::to_string(diff.compared) + " ticks that both have";
+    const std::string text = "the same bits at all " + std::to_string(diff.compared) + " ticks of both";
     std::fprintf(to, "%s: %s, from tick %" PRId64 " on%s\n", both.c_str(),
                  paint(to, same ? Colour::kGreen : Colour::kYellow, text).c_str(), diff.first_tick,
                  same ? "" : ", and yet they differ");
@@ -127,14 +128,14 @@ int run(const DiffOptions& options) {
 
 void add_diff(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<DiffOptions>();
-  CLI::App* command = add_verb(
-      app, "diff",
-      "Compares two recordings of one model: the first tick, body and field that differ, by how much, and what the "
-      "step that led there was told. Exit code 0: the same bits and inputs to the same end; 1: not; 2: they cannot be "
-      "compared.",
-      "unlatch diff yesterday.log today.log");
+  CLI::App* command =
+      add_verb(app, "diff",
+               "Compares two recordings of one model. Prints the first tick, body and field that differ, the "
+               "difference, and the "
+               "inputs of that step. Exit code 0: same bits, inputs and end; 1: different; 2: they cannot be compared.",
+               "unlatch diff yesterday.log today.log");
   command->add_option("A", options->logs[0], "recording made by --log")->required();
-  command->add_option("B", options->logs[1], "another")->required();
+  command->add_option("B", options->logs[1], "second recording")->required();
   add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

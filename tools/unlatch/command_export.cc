@@ -46,7 +46,7 @@ class Destination {
 
   [[nodiscard]] std::FILE* get_stream() const { return node_ ? node_->get_stream() : file_.get(); }
 
-  // Early, so that nobody replays an hour onto a full disk.
+  // Opened early, so that a full disk is found before a long replay.
   void check() const {
     if (std::ferror(get_stream()) != 0) throw OutputError(path_ + ": cannot be written: " + std::strerror(errno));
   }
@@ -116,21 +116,20 @@ void add_export(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = add_verb(
       app, "export",
-      "Replays a recording and writes it in a format of other tools. csv: a line a tick, units in the header. json: an "
-      "object a line: the run, its ticks and events. mcap: for Foxglove, with the 3D scene, transforms, reactions, "
-      "events. parquet: the table of csv. mcap and parquet need Node.js. Lengths in m, angles in rad, SI throughout; "
-      "reactions are those on the follower. Exit code 1: it was written, but the recording does not replay as "
-      "recorded.",
+      "Replays a recording and converts it. csv: one line for each tick, units in the header. json: one object on each "
+      "line: the run, its ticks and events. mcap: for Foxglove, with the 3D scene, transforms, reactions, events. "
+      "parquet: the table of csv. mcap and parquet need Node.js. SI units, angles in rad; reactions act on the "
+      "follower. Exit code 1: the file was written, but the replay differs from the recording.",
       "unlatch export run.log --format csv --every 10 --out run.csv\n"
       "unlatch export run.log --format mcap --bodies core,booster1 --out run.mcap");
   command->add_option("LOG", options->log, "recording made by --log")->required();
-  command->add_option("--format", options->format, "what to write")
+  command->add_option("--format", options->format, "output format")
       ->required()
       ->check(CLI::IsMember(std::vector<std::string>{"csv", "json", "mcap", "parquet"}));
   command->add_option("--out", options->out, "file to write; - for standard output (csv, json)")
       ->required()
       ->type_name("FILE");
-  command->add_option("--every", options->every, "only ticks that are a multiple of it, the first and the last")
+  command->add_option("--every", options->every, "only ticks that are multiples of it, and the first and last")
       ->type_name("TICKS")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
       ->capture_default_str();

@@ -139,7 +139,7 @@ class Session {
 
   void tell_faults() {
     for (const auto& [fault, count] : faults_->list_tallies()) {
-      std::fprintf(stderr, "fault script: %s %s befell %lld messages\n",
+      std::fprintf(stderr, "fault script: %s %s affected %lld messages\n",
                    hil::kFaultNames[static_cast<std::size_t>(fault->kind)].c_str(), fault->subject.c_str(),
                    static_cast<long long>(count));
     }
@@ -191,7 +191,7 @@ class Session {
     const auto limit_ns = std::llround(std::max(limit_s, 2 * scenario_.dt) * 1e9) + options_.pacing.get_patience_ns();
     return std::make_unique<hil::Watchdog>(
         executive.get_beats(), limit_ns, priority, [&executive, aborts](std::int64_t silent_ns) {
-          std::fprintf(stderr, "watchdog: no sign of life of the cyclic thread for %.1f s, %s%s\n",
+          std::fprintf(stderr, "watchdog: no progress of the cyclic thread for %.1f s, %s%s\n",
                        static_cast<double>(silent_ns) * 1e-9, executive.describe_place().c_str(),
                        aborts ? "; the process ends here (timing.watchdog.action: abort)" : "");
           if (aborts) std::_Exit(kExitFailed);
@@ -240,8 +240,8 @@ class Session {
       message += (message.empty() ? "" : "; ") + std::string(lossy.what());
     }
     if (!recording.shortfall.empty()) {
-      message += (message.empty() ? "" : "; ") + std::string("what is reported ends with the recording: ") +
-                 recording.shortfall;
+      message +=
+          (message.empty() ? "" : "; ") + std::string("the results end with the recording: ") + recording.shortfall;
     }
     std::string status = get_status_name(end.status);
     if (replayed && !replayed->agrees()) status = "different";
@@ -273,13 +273,12 @@ class Session {
 
 void add_hil(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<HilOptions>();
-  CLI::App* command =
-      add_verb(app, "hil",
-               "Runs a scenario with flight software in the loop: a process of its own, which begins before or after "
-               "this one. With "
-               "--transport inproc the reference flight software runs in this process.",
-               "unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log &\n"
-               "unlatch-fsw --transport dds");
+  CLI::App* command = add_verb(
+      app, "hil",
+      "Runs a scenario with flight software in the loop. The flight software is another process, started before or "
+      "after this one. With --transport inproc the reference flight software runs in this process.",
+      "unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log &\n"
+      "unlatch-fsw --transport dds");
   add_scenario_options(*command, options->scenario);
   add_transport_options(*command, options->transport, true);
   command
@@ -287,14 +286,12 @@ void add_hil(CLI::App& app, int& exit_code) {
                    "realtime: by the clock; lockstep: by the answers; fast: without flight software")
       ->required()
       ->check(CLI::IsMember(std::vector<std::string>{"realtime", "lockstep", "fast"}));
-  command->add_option("--start-timeout", options->start_timeout_s, "how long to wait for the flight software, s")
+  command->add_option("--start-timeout", options->start_timeout_s, "longest wait for the flight software, s")
       ->type_name("SECONDS")
       ->check(check_seconds)
       ->capture_default_str();
   add_pacing_options(*command, options->pacing);
-  command
-      ->add_option("--faults", options->faults,
-                   "fault script (.yaml): what goes wrong on purpose, see hil/scenarios/FAULTS.md")
+  command->add_option("--faults", options->faults, "fault script (.yaml), see hil/scenarios/FAULTS.md")
       ->type_name("FILE");
   add_output_options(*command, options->output);
   command->callback([options, &exit_code] {

@@ -36,7 +36,7 @@ int run(const ImportOptions& options) {
     return write_scenario(is_urdf ? read_urdf(text, path.filename().string(), options.fixed_base)
                                   : read_mjcf(options.file));
   });
-  // What is not physical is told as of any scenario, and not written.
+  // An unphysical model is reported like that of any scenario, and not written.
   const hil::Scenario checked = hil::load_scenario_text(scenario, "the scenario that it makes");
   hil::build_simulation(checked);
   write_text(scenario, options.out);
@@ -51,11 +51,11 @@ void add_import(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command = add_verb(
       app, "import",
-      "Makes a scenario from a URDF or an MJCF file, as a starting point. Taken over: bodies with mass and inertia, "
+      "Converts a URDF or MJCF file to a scenario, as a starting point. Converted: bodies with mass and inertia, "
       "joints (fixed, revolute, continuous, prismatic, planar, floating; MJCF: hinge, slide, ball, free, two crossed "
       "hinges, connect and weld), springs and dampers of joints, shapes (box, cylinder, sphere, capsule; meshes of "
       "MJCF "
-      "as convex hulls), gravity. Left out, each named at the head of the file: ranges, dry friction, actuators, "
+      "as convex hulls), gravity. Left out, and listed at the top of the file: ranges, dry friction, actuators, "
       "tendons, sensors, contacts, meshes of a URDF. The bodies are at the file's zero configuration, at rest.",
       "unlatch import arm.urdf --fixed-base --out arm.yaml\n"
       "unlatch import pendulum.xml --out pendulum.yaml && unlatch run pendulum.yaml");
@@ -64,7 +64,7 @@ void add_import(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("FILE");
   command->add_flag("--fixed-base", options->fixed_base, "URDF: a root link with mass is welded to the ground");
-  command->add_flag("--force", options->force, "replaces a file that exists");
+  command->add_flag("--force", options->force, "overwrites an existing file");
   command->callback([options, &exit_code] {
     try {
       exit_code = run(*options);

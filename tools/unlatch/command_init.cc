@@ -38,10 +38,8 @@ int run(const std::string& file, const std::string& like) {
   if (path.extension() != ".yaml") path += ".yaml";
   const std::string name = path.stem().string();
   if (!hil::is_name(name)) {
-    std::fprintf(
-        stderr,
-        "'%s' cannot be the name of a scenario; begin with a letter; letters, digits, _ and -; at most 40 characters\n",
-        name.c_str());
+    std::fprintf(stderr, "'%s' cannot be the name of a scenario; %s\n", name.c_str(),
+                 hil::describe_name_rule(name).c_str());
     return kExitUsage;
   }
   const auto& starters = get_starters();
@@ -50,14 +48,14 @@ int run(const std::string& file, const std::string& like) {
   const std::string placeholder = "name: NAME";
   text.replace(text.find(placeholder), placeholder.size(), "name: " + name);
   if (const int error = write_new(path, text)) {
-    const char* const what = error == EEXIST ? "there is such a file already; give another name" : std::strerror(error);
+    const char* const what = error == EEXIST ? "this file exists already; give another name" : std::strerror(error);
     std::fprintf(stderr, "%s: %s\n", path.c_str(), what);
     return error == EEXIST ? kExitUsage : kExitEnvironment;
   }
   const fs::path schema = path.parent_path() / "unlatch.schema.json";
   if (const int error = write_new(schema, get_schema()); error != 0 && error != EEXIST)
     std::fprintf(stderr, "%s: %s; editors will not check the scenario\n", schema.c_str(), std::strerror(error));
-  std::printf("%s is there; look at it, then:\n  unlatch check %s\n  unlatch run %s\n", path.c_str(), path.c_str(),
+  std::printf("%s is written. Read it, then run:\n  unlatch check %s\n  unlatch run %s\n", path.c_str(), path.c_str(),
               path.c_str());
   return kExitDone;
 }
@@ -69,16 +67,14 @@ void add_init(CLI::App& app, int& exit_code) {
     std::string file, like = "separation";
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      add_verb(app, "init", "Writes a scenario to begin with, with comments, and the schema by which editors check it.",
-               "unlatch init first --like array");
+  CLI::App* command = add_verb(
+      app, "init", "Writes a scenario to start from, with comments, and the schema with which editors check it.",
+      "unlatch init first --like array");
   std::vector<std::string> kinds;
   for (const Starter& starter : get_starters()) kinds.push_back(starter.name);
-  command
-      ->add_option("NAME", options->file,
-                   "name of the scenario, and of its file NAME.yaml; may have a folder before it")
+  command->add_option("NAME", options->file, "name of the scenario and of its file NAME.yaml; may include a folder")
       ->required();
-  command->add_option("--like", options->like, "what it is like")->check(CLI::IsMember(kinds))->capture_default_str();
+  command->add_option("--like", options->like, "kind of structure")->check(CLI::IsMember(kinds))->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(options->file, options->like); });
 }
 

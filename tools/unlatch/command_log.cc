@@ -24,7 +24,7 @@ struct LogOptions {
   std::string out, json;
 };
 
-// What was heard of the first session that spoke.
+// Messages of the first session.
 class Listener {
  public:
   explicit Listener(const std::string& path) : writer_(path) {}
@@ -117,7 +117,7 @@ int run(const LogOptions& options) {
   listener.flush();
   std::FILE* const people = get_people_stream(options.json);
   std::fprintf(people, "%s: %s\n", options.out.c_str(),
-               listener.was_started() ? "messages heard" : "no session was heard");
+               listener.was_started() ? "messages received" : "no session was found");
   listener.print(people, port->get_counts());
   write_json(listener.build_json(options, port->get_counts()), options.json);
   if (!listener.get_error().empty()) throw OutputError(listener.get_error());
@@ -128,12 +128,13 @@ int run(const LogOptions& options) {
 
 void add_log(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<LogOptions>();
-  CLI::App* command =
-      add_verb(app, "log", "Writes what an ordinary subscriber hears into an LCM event log, until the session ends.",
-               "unlatch log --transport dds --out heard.log");
+  CLI::App* command = add_verb(
+      app, "log",
+      "Records the messages of a session into an LCM event log, as an ordinary subscriber, until the session ends.",
+      "unlatch log --transport dds --out heard.log");
   add_transport_options(*command, options->transport, false);
   command->add_option("--out", options->out, "file to write")->required()->type_name("FILE");
-  add_json_option(*command, options->json, "what was heard, counted");
+  add_json_option(*command, options->json, "numbers of received messages");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

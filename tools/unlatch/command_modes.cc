@@ -22,10 +22,10 @@ using Json = nlohmann::ordered_json;
 // --- What the verbs share -------------------------------------------------------------------------------------------
 
 void add_shell_options(CLI::App& command, HalfShell& shell) {
-  command.add_option("--radius", shell.radius, "of the half circle, m")->check(CLI::PositiveNumber);
-  command.add_option("--thickness", shell.thickness, "of the wall, m")->check(CLI::PositiveNumber);
+  command.add_option("--radius", shell.radius, "radius of the half circle, m")->check(CLI::PositiveNumber);
+  command.add_option("--thickness", shell.thickness, "wall thickness, m")->check(CLI::PositiveNumber);
   command.add_option("--young", shell.young, "Young's modulus, N/m2")->check(CLI::PositiveNumber);
-  command.add_option("--density", shell.density, "kg/m3")->check(CLI::PositiveNumber);
+  command.add_option("--density", shell.density, "density, kg/m3")->check(CLI::PositiveNumber);
   command.add_option("--poisson", shell.poisson, "Poisson's ratio")->check(CLI::Range(0.0, 0.499));
 }
 
@@ -191,10 +191,10 @@ struct ExportOptions {
 };
 void add_export_options(CLI::App& command, ExportOptions& options) {
   command.add_option("--marker", options.markers, "NAME=x,y,z: an attachment frame at the nearest node; repeatable");
-  command.add_option("--modes", options.count, "elastic modes, at most")->check(CLI::Range(1, 200));
-  command.add_option("--digits", options.digits, "of shapes, behind the first of the largest")
+  command.add_option("--modes", options.count, "largest number of elastic modes")->check(CLI::Range(1, 200));
+  command.add_option("--digits", options.digits, "digits of shapes after the first digit of the largest")
       ->check(CLI::Range(2, 15));
-  command.add_option("--title", options.title, "a line for people, into the modes file");
+  command.add_option("--title", options.title, "title in the modes file");
 }
 
 constexpr double kRigidHz = 0.1;  // CalculiX prints rigid modes at some mHz
@@ -333,9 +333,9 @@ void add_arc(CLI::App& app, int& exit_code) {
       "Frequencies of a curved beam, free at both ends: Anshakov et al. (3.4), and the exact inextensional arc.",
       "unlatch modes arc --radius 2 --thickness 0.01");
   add_shell_options(*command, options->shell);
-  command->add_option("--angle", options->angle_deg, "of the arc, degrees")->check(CLI::Range(1.0, 359.0));
-  command->add_option("--modes", options->count, "how many")->check(CLI::Range(1, 50));
-  command->add_option("--points", options->points, "of each shape in the JSON")->check(CLI::Range(3, 10001));
+  command->add_option("--angle", options->angle_deg, "angle of the arc, degrees")->check(CLI::Range(1.0, 359.0));
+  command->add_option("--modes", options->count, "number of modes")->check(CLI::Range(1, 50));
+  command->add_option("--points", options->points, "points of each shape in the JSON")->check(CLI::Range(3, 10001));
   add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run_arc(*options); });
 }
@@ -343,21 +343,21 @@ void add_arc(CLI::App& app, int& exit_code) {
 void add_shell(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ShellOptions>();
   HalfShell& shell = options->shell;
-  CLI::App* command =
-      add_verb(app, "shell",
-               "A half shell, free, by finite elements (CalculiX) beside both beam models; --out writes a modes file.",
-               "unlatch modes shell --cone 0\n"
-               "unlatch modes shell --out fairing.modes --marker hinge=0,2,0");
+  CLI::App* command = add_verb(
+      app, "shell",
+      "Modes of a free half shell by finite elements (CalculiX), beside both beam models; --out writes a modes file.",
+      "unlatch modes shell --cone 0\n"
+      "unlatch modes shell --out fairing.modes --marker hinge=0,2,0");
   add_shell_options(*command, shell);
-  command->add_option("--cylinder", shell.cylinder, "its height, m")->check(CLI::PositiveNumber);
+  command->add_option("--cylinder", shell.cylinder, "height of the cylinder, m")->check(CLI::PositiveNumber);
   command->add_option("--cone", shell.cone, "height of the cone to its apex, m; 0: none")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--nose", shell.nose, "radius where the cone is cut, m");
+  command->add_option("--nose", shell.nose, "radius at which the cone is cut, m");
   command->add_option("--around", shell.around, "elements around the half circle")->check(CLI::Range(2, 200));
   command->add_option("--cylinder-rows", shell.cylinder_rows, "elements along the cylinder")->check(CLI::Range(1, 500));
   command->add_option("--cone-rows", shell.cone_rows, "elements along the cone")->check(CLI::Range(1, 500));
   command->add_option("--ccx", options->ccx, "CalculiX's program");
-  command->add_option("--keep", options->keep, "folder in which CalculiX's files stay");
+  command->add_option("--keep", options->keep, "folder that keeps CalculiX's files");
   command->add_option("--out", options->file.out, "modes file");
   add_export_options(*command, options->file);
   add_json_option(*command, options->json);
@@ -367,12 +367,12 @@ void add_shell(CLI::App& app, int& exit_code) {
 void add_modes_import(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
-      add_verb(app, "import", "CalculiX's modes of a shell (.frd, and .dat for more digits) into a modes file.",
+      add_verb(app, "import", "Converts CalculiX's modes of a shell (.frd, and .dat for more digits) to a modes file.",
                "unlatch modes import job.frd --dat job.dat --thickness 0.01 --density 4000 --out job.modes");
-  command->add_option("frd", options->frd, "written with *NODE FILE, OUTPUT=2D")->required();
-  command->add_option("--dat", options->dat, "of the same run");
-  command->add_option("--thickness", options->thickness, "of the wall, m")->required()->check(CLI::PositiveNumber);
-  command->add_option("--density", options->density, "kg/m3")->required()->check(CLI::PositiveNumber);
+  command->add_option("frd", options->frd, "CalculiX's .frd file, written with *NODE FILE, OUTPUT=2D")->required();
+  command->add_option("--dat", options->dat, ".dat file of the same run");
+  command->add_option("--thickness", options->thickness, "wall thickness, m")->required()->check(CLI::PositiveNumber);
+  command->add_option("--density", options->density, "density, kg/m3")->required()->check(CLI::PositiveNumber);
   command->add_option("--out", options->file.out, "modes file")->required();
   add_export_options(*command, options->file);
   add_json_option(*command, options->json);
@@ -382,9 +382,9 @@ void add_modes_import(CLI::App& app, int& exit_code) {
 void add_show(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ShowOptions>();
   CLI::App* command = add_verb(
-      app, "show", "What a modes file holds, how well it is conditioned, what a selection of modes leaves out.",
+      app, "show", "Prints the contents of a modes file, its conditioning, and the effect of a selection of modes.",
       "unlatch modes show fairing.modes --select 1,4,5");
-  command->add_option("file", options->path, "a modes file (hil/MODES.md)")->required();
+  command->add_option("file", options->path, "modes file (hil/MODES.md)")->required();
   command->add_option("--select", options->select, "numbers of modes (default: all)")->delimiter(',');
   add_json_option(*command, options->json);
   command->callback([options, &exit_code] { exit_code = run_show(*options); });

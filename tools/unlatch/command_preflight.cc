@@ -1,4 +1,4 @@
-// unlatch preflight: what this machine costs a hard-real-time run, and how to mend it.
+// unlatch preflight: checks whether this machine is ready for a hard-real-time run, and says how to improve it.
 #include <algorithm>
 
 #include "hil/realtime/preflight.h"
@@ -48,7 +48,7 @@ int run(const PreflightOptions& options) {
   const std::string verdict = count(Verdict::kMissing) > 0 ? "missing" : count(Verdict::kCosts) > 0 ? "costs" : "good";
   std::FILE* const to = get_people_stream(options.json);
   print(to, checks);
-  std::fprintf(to, "\n%zu checks: %ld good, %ld that cost something, %ld missing, %ld unknown\n", checks.size(),
+  std::fprintf(to, "\n%zu checks: %ld good, %ld with a cost, %ld missing, %ld unknown\n", checks.size(),
                static_cast<long>(count(Verdict::kGood)), static_cast<long>(count(Verdict::kCosts)),
                static_cast<long>(count(Verdict::kMissing)), static_cast<long>(count(Verdict::kUnknown)));
 
@@ -68,18 +68,18 @@ int run(const PreflightOptions& options) {
 
 void add_preflight(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<PreflightOptions>();
-  CLI::App* command = add_verb(app, "preflight",
-                               "Says what this machine costs a hard-real-time run, and how to mend it; changes "
-                               "nothing. Works on one CPU for half a second to "
-                               "find out who else does.",
-                               "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
+  CLI::App* command =
+      add_verb(app, "preflight",
+               "Checks whether this machine is ready for a hard-real-time run, and says how to improve it; changes "
+               "nothing. Loads one CPU for half a second to "
+               "measure other load on it.",
+               "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
   add_json_option(*command, options->json);
-  command->add_option("--cpu", options->cpu, "the CPU to try, that of the cyclic thread")
+  command->add_option("--cpu", options->cpu, "CPU to test, that of the cyclic thread")
       ->type_name("NUMBER")
       ->check(CLI::Range(0, 1023));
-  command->add_flag("--no-trial", options->no_trial,
-                    "reads what the system tells, and leaves the CPU to those who work on it");
-  command->add_flag("--strict", options->strict, "exit code 3 unless everything is good");
+  command->add_flag("--no-trial", options->no_trial, "only reads system settings; does not load the CPU");
+  command->add_flag("--strict", options->strict, "exit code 3 unless all checks pass");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -28,8 +28,8 @@ void add_replay(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = add_verb(
       app, "replay",
-      "Runs a recording again, compares the state's hash at every tick, and names the first difference (exit "
-      "code 1). A recording that was cut short replays up to its end, with status 'truncated' and exit code 0.",
+      "Runs a recording again, compares the hash of the state at every tick, and reports the first difference (exit "
+      "code 1). A truncated recording replays up to its end, with status 'truncated' and exit code 0.",
       "unlatch replay run.log --json replay.json");
   command->add_option("LOG", options->log, "recording made by --log")->required();
   add_json_option(*command, options->json);

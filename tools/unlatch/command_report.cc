@@ -25,7 +25,7 @@ struct ReportOptions {
   std::string out;
 };
 
-// What `unlatch replay` prints.
+// The output of `unlatch replay`.
 std::string build_summary(const RunReport& report) {
   char* text = nullptr;
   std::size_t length = 0;
@@ -125,11 +125,12 @@ void add_report(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<ReportOptions>();
   CLI::App* command = add_verb(
       app, "report",
-      "Replays a recording, or two, and writes one HTML file that needs no network: the bodies in motion, plots, the "
-      "event timeline, timing, the scenario. Exit code 1: it was written, but a recording does not replay as recorded.",
+      "Replays one or two recordings and writes one HTML file that works offline: the bodies in motion, plots, the "
+      "event "
+      "timeline, timing, the scenario. Exit code 1: the file was written, but a replay differs from its recording.",
       "unlatch report run.log --out run.html\n"
       "unlatch report yesterday.log today.log --out both.html");
-  command->add_option("LOG", options->logs, "recording made by --log; a second one is laid over the first")
+  command->add_option("LOG", options->logs, "recording made by --log; a second one is drawn over the first")
       ->required()
       ->expected(1, 2);
   command->add_option("--out", options->out, "file to write (.html)")->required()->type_name("FILE");

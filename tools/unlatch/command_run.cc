@@ -133,7 +133,7 @@ int run(const RunOptions& options) {
 void add_run(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command =
-      add_verb(app, "run", "Runs a scenario without flight software, as fast as it goes.",
+      add_verb(app, "run", "Runs a scenario without flight software, as fast as possible.",
                "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
                "unlatch run hil/scenarios/boosters/reference.yaml --set bodies.core.mass=99000 --log run.log");
   add_scenario_options(*command, options->scenario);
@@ -142,12 +142,11 @@ void add_run(CLI::App& app, int& exit_code) {
                    "times at which the JSON has all bodies and reactions, s (default: the end)")
       ->delimiter(',')
       ->type_name("SECONDS,...");
-  command
-      ->add_option("--checkpoint", options->checkpoints, "writes down the state at a time, s, for --resume; repeatable")
+  command->add_option("--checkpoint", options->checkpoints, "saves the state at a time, s, for --resume; repeatable")
       ->type_name("SECONDS FILE");
   command
       ->add_option("--resume", options->resume,
-                   "goes on from a checkpoint of the same scenario, to the same bits; what is reported begins there")
+                   "continues from a checkpoint of the same scenario, with the same bits; results start there")
       ->type_name("FILE");
   add_output_options(*command, options->output);
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -29,7 +29,7 @@ struct WatchOptions {
   bool once = false;
 };
 
-// Where a look goes: the whole screen, or a line a second.
+// Destination of each view: the whole screen, or a line each second.
 class Output {
  public:
   explicit Output(const WatchOptions& options) : options_(options), json_(options.json) {
@@ -96,7 +96,7 @@ int run(const WatchOptions& options) {
     if (options.once && is_whole(view, calc_age(now, state_heard))) return output.write(view), kExitDone;
     if (!output.show(view, now)) break;
   }
-  if (options.once) std::fprintf(stderr, "unlatch watch: no session was heard\n");
+  if (options.once) std::fprintf(stderr, "unlatch watch: no session was found\n");
   return was_heard && !options.once ? kExitDone : kExitFailed;
 }
 
@@ -106,17 +106,17 @@ void add_watch(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<WatchOptions>();
   CLI::App* command =
       add_verb(app, "watch",
-               "Shows a session as it goes: modes and reactions of the joints, clearances, times, "
-               "messages, participants, events. It only listens, from any machine, and follows the next "
-               "session when one ends. On a terminal ten times a second (q: leave); elsewhere a line a "
-               "second.",
+               "Shows a session while it runs: modes and reactions of the joints, clearances, times, "
+               "messages, participants, events. It only receives, on any machine, and continues with the next "
+               "session when one ends. On a terminal it updates ten times a second (q: quit); elsewhere it prints a "
+               "line each second.",
                "unlatch watch --transport dds");
   add_transport_options(*command, options->transport, false);
-  command->add_option("--for", options->seconds, "leaves after so long, s of wall time (default: never)")
+  command->add_option("--for", options->seconds, "ends after this wall time, s (default: never)")
       ->type_name("SECONDS")
       ->check(check_seconds);
-  command->add_flag("--once", options->once, "shows one look, when all is known, and leaves");
-  add_json_option(*command, options->json, "one object a line, each second");
+  command->add_flag("--once", options->once, "shows one complete view and ends");
+  add_json_option(*command, options->json, "one object on each line, each second");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

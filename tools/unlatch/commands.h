@@ -1,4 +1,4 @@
-// The subcommands of `unlatch`. Each adds itself to the command line; the program then runs the one that was chosen.
+// The subcommands of `unlatch`. Each adds itself to the command line; the program then runs the chosen one.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -30,7 +30,7 @@ void add_watch(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 void add_man(CLI::App& app, int& exit_code);
 
-// What check, run and hil say about their scenario.
+// Notes of check, run and hil about their scenario.
 struct ScenarioOptions {
   std::string path;
   std::vector<std::string> overrides;

@@ -13,7 +13,7 @@ std::string join(const std::vector<std::string>& words) {
   return text;
 }
 
-// Which files an argument means: the ending, or "" for any.
+// Files that an argument accepts: their extension, or "" for any.
 std::string get_ending(const OptionText& option) {
   if (option.names[0] == "SCENARIO" || option.names[0] == "--faults") return "yaml";
   return option.is_argument ? "log" : "";

@@ -11,7 +11,7 @@ std::string build_bash_completion(const CLI::App& app);
 std::string build_zsh_completion(const CLI::App& app);
 std::string build_fish_completion(const CLI::App& app);
 
-// What may stand before the = of --set: the path of every value in the scenario's file, one a line.
+// Paths for --set: the path of every value in the scenario's file, one on each line.
 std::string list_scenario_paths(const std::string& scenario);
 
 }  // namespace unlatch::tools

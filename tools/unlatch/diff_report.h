@@ -1,4 +1,4 @@
-// What the comparison of two recordings found, as JSON.
+// Result of the comparison of two recordings, as JSON.
 #pragma once
 
 #include <array>

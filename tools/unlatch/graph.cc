@@ -286,7 +286,7 @@ class Phases {
            row("&#160;&#160;" + actions);
   }
 
-  // What else happens, and when; events whose numbers alone differ once.
+  // The other events with their conditions; events that differ only in a number appear once.
   std::string describe_other_events() {
     std::vector<std::string> order;
     std::map<std::string, std::vector<const Event*>> alike;

@@ -1,4 +1,4 @@
-// A model as a picture: bodies, joints with their modes, elements, and how events lead from mode to mode.
+// A model as a drawing: bodies, joints with their modes, elements, and the events between modes.
 #pragma once
 
 #include <stdexcept>

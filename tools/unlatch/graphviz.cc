@@ -1,4 +1,4 @@
-// The graphviz program `dot`, run with descriptors and no shell.
+// Runs the graphviz program `dot`, with descriptors and no shell.
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/mman.h>

@@ -14,7 +14,7 @@
 int main(int argc, char** argv) {
   using namespace unlatch;
   CLI::App app{
-      "Separation and deployment dynamics in hard real time, with flight software in the loop. Each verb has --help.",
+      "Simulates separation and deployment in hard real time, with flight software in the loop. Each verb has --help.",
       "unlatch"};
   app.footer("Exit codes: " + std::string(tools::kExitCodesText) +
              ".\nExample:\n  unlatch check hil/scenarios/boosters/scenario.yaml");

@@ -1,4 +1,4 @@
-// Manual pages, in man(7)'s language, from the CLI11 description.
+// Manual pages in the format of man(7), from the CLI11 description.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -54,28 +54,28 @@ void add_pacing_options(CLI::App& command, PacingOptions& options) {
   const std::string group = "Real time";
   command
       .add_option("--overruns", options.overruns,
-                  "what a tick that takes too long leads to: fail, slip, skip_output, catch_up or catch_up=TICKS")
+                  "reaction to a late tick: fail, slip, skip_output, catch_up or catch_up=TICKS")
       ->type_name("POLICY")
       ->group(group);
-  command.add_option("--spin-us", options.spin_us, "wait awake for so long before each deadline, us")
+  command.add_option("--spin-us", options.spin_us, "time of waiting awake before each deadline, us")
       ->type_name("MICROSECONDS")
       ->check(CLI::Range(0.0, 10000.0))
       ->group(group);
   command
       .add_option("--tick-source", options.source,
-                  "tick by fd:N (timerfd, eventfd, pipe) or a FIFO or device FILE, not by the clock")
+                  "tick source in place of the clock: fd:N (timerfd, eventfd, pipe), or a FIFO or device FILE")
       ->type_name("SOURCE")
       ->group(group);
-  command.add_option("--cpu", options.thread.cpu, "the cyclic thread's only CPU")
+  command.add_option("--cpu", options.thread.cpu, "CPU of the cyclic thread")
       ->type_name("NUMBER")
       ->check(CLI::Range(0, 1023))
       ->group(group);
-  command.add_option("--priority", options.thread.priority, "its priority of SCHED_FIFO")
+  command.add_option("--priority", options.thread.priority, "priority of the cyclic thread, SCHED_FIFO")
       ->type_name("NUMBER")
       ->check(CLI::Range(1, 98))
       ->capture_default_str()
       ->group(group);
-  command.add_flag("--tick-times", options.tick_times, "where each tick's time went, into the recording")->group(group);
+  command.add_flag("--tick-times", options.tick_times, "records the times of the parts of each tick")->group(group);
 }
 
 }  // namespace unlatch::tools

@@ -1,4 +1,4 @@
-// The options of `hil` that are about pace.
+// Options of `hil` for the pace.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,11 +18,11 @@ struct PacingOptions {
   bool tick_times = false;
   hil::RealTimeOptions thread;
 
-  // What of this a scenario can say as well, as overrides of it: so it is in the recording.
+  // The options that a scenario has too, as overrides of it, so that the recording contains them.
   void add_overrides(std::vector<std::string>& overrides) const;
   // Null for the clock. Throws CLI::ValidationError. A file that was opened stays open.
   [[nodiscard]] std::unique_ptr<hil::TickSource> open_source(std::int64_t period_ns) const;
-  // How long a tick from outside may be waited for, ns; 0 for the clock.
+  // Longest wait for a tick from outside, ns; 0 for the clock.
   [[nodiscard]] std::int64_t get_patience_ns() const;
 };
 void add_pacing_options(CLI::App& command, PacingOptions& options);

@@ -1,4 +1,4 @@
-// Says, once and at once, that a recording has stopped, so that nobody flies an hour for nothing.
+// Reports once, and immediately, that a recording has stopped, so that no long run is lost.
 #pragma once
 
 #include "hil/recording/recorder.h"

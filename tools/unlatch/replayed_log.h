@@ -1,4 +1,4 @@
-// A recording that is run again, and what comes of it.
+// Replay of a recording, and its result.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// The result of a run, of any kind, as JSON for programs and as tables for people.
+// The result of a run, of any kind, as JSON for programs and as tables for readers.
 #pragma once
 
 #include <cstdio>
@@ -28,13 +28,13 @@ struct RunReport {
 std::string to_hex(std::int64_t hash);
 const char* get_status_name(hil::RunStatus status);
 
-// What went wrong with a separation, a sentence each: who still hangs on, who left long after the first, who struck.
+// Verdicts on a separation, a sentence each: bodies that did not separate, that separated late, that collided.
 std::vector<std::string> build_verdicts(const RunReport& report);
 
 nlohmann::ordered_json build_json(const RunReport& report);
 void print_report(std::FILE* to, const RunReport& report);
 
-// Where --json goes: nowhere, standard output ("-"), or a file. Throws OutputError.
+// Destination of --json: none, standard output ("-"), or a file. Throws OutputError.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

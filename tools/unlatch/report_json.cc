@@ -52,7 +52,7 @@ Json build_audit(const EventAudit& audit) {
           {"momentum_jump", to_json(audit.jump.momentum)},
           {"angular_momentum_jump", to_json(audit.jump.angular_momentum)},
           {"energy_jump", audit.jump.kinetic},
-          {"entitled",
+          {"allowed",
            {{"momentum_jump", to_json(audit.allowed.momentum)},
             {"angular_momentum_jump", to_json(audit.allowed.angular_momentum)},
             {"energy_jump", audit.allowed.kinetic}}}};

@@ -70,7 +70,7 @@ void print_reactions(std::FILE* to, const RunReport& report) {
   }
 }
 
-// What events changed beyond what they were entitled to: nothing for a release, its impulse and loss for a latch.
+// Changes by events beyond the allowed ones. Allowed are: none for a release, its impulse and loss for a latch.
 void print_audit(std::FILE* to, const std::vector<EventAudit>& audits) {
   if (audits.empty()) return;
   double momentum = 0, angular = 0, energy = 0, entitled = 0;
@@ -82,9 +82,9 @@ void print_audit(std::FILE* to, const std::vector<EventAudit>& audits) {
   }
   print_heading(to, "Audit of momentum and energy");
   std::fprintf(to,
-               "  at %zu instants of events, largest change beyond the entitled: %.3g kg m/s, %.3g kg m2/s, %.3g J\n",
+               "  at %zu instants of events, largest change beyond the allowed: %.3g kg m/s, %.3g kg m2/s, %.3g J\n",
                audits.size(), momentum, angular, energy);
-  std::fprintf(to, "  largest change of kinetic energy that an event was entitled to: %.6g J\n", entitled);
+  std::fprintf(to, "  largest allowed change of kinetic energy by an event: %.6g J\n", entitled);
 }
 
 double to_us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }

@@ -29,7 +29,7 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
       ->check(check_seconds);
   command
       .add_option("--set", options.overrides,
-                  "replaces one value of the scenario, e.g. bodies.core.mass=98000; repeatable")
+                  "replaces one value of the scenario, for example bodies.core.mass=98000; repeatable")
       ->type_name("PATH=VALUE")
       ->take_all()
       ->allow_extra_args(false);
@@ -60,7 +60,7 @@ void warn_of_unstable_elements(const hil::Scenario& scenario) {
 
 void add_output_options(CLI::App& command, OutputOptions& options) {
   add_json_option(command, options.json);
-  command.add_option("--log", options.log, "a recording, an LCM event log that `unlatch replay` reads")
+  command.add_option("--log", options.log, "recording to write (LCM event log), for `unlatch replay`")
       ->type_name("FILE");
   command.parse_complete_callback([&options] {
     if (options.log == "-") throw CLI::ValidationError("--log", "a recording goes to a file, not to standard output");

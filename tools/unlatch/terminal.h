@@ -1,4 +1,4 @@
-// Text for people: colours on a terminal alone, a progress line that does not flood a file.
+// Terminal output: colours on a terminal only, a progress line that does not fill a file.
 #pragma once
 
 #include <chrono>
@@ -17,8 +17,8 @@ bool has_colours(std::FILE* stream);
 std::string paint(bool colours, Colour colour, const std::string& text);
 std::string paint(std::FILE* stream, Colour colour, const std::string& text);
 
-// How far a run is, and how long it will still take, on standard error: a line that is written over on a terminal;
-// elsewhere a line each quarter. Silent for runs that take less than a second.
+// Progress of a run and its remaining time, on standard error: on a terminal one line that is overwritten, elsewhere a
+// line each quarter. Silent for runs that take less than a second.
 class Progress {
  public:
   Progress(double dt, std::int64_t last_tick);

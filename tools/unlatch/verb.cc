@@ -48,7 +48,7 @@ OptionText describe(const CLI::Option& option) {
 const char* const kExitCodesText =
     "0 done; 1 the run or the comparison failed: a fault, an abort, a difference; 2 the command line or an input file "
     "is "
-    "wrong; 3 the environment: no permission, no middleware, no space, a program that is not installed";
+    "wrong; 3 the environment: no permission, no middleware, no disk space, a missing program";
 
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& description, const std::string& example) {
   CLI::App* const command = app.add_subcommand(name, description);

@@ -1,4 +1,4 @@
-// How a verb presents itself: help, manual page and completion are all made from the same CLI11 description.
+// Description of a verb: help, manual page and completion are made from one CLI11 description.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -35,7 +35,7 @@ bool depends_on_hello(MessageKind kind) {
 
 bool has_ended(RunStatus status) { return status >= RunStatus::kDone; }
 
-// How many bytes of `text` are one character of UTF-8; 0 for what is none.
+// Number of bytes of the first UTF-8 character of `text`; 0 if it is invalid.
 std::size_t calc_character_length(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const std::size_t length = byte(0) < 0x80                      ? 1
@@ -115,7 +115,7 @@ bool Observation::follow(const hil::Message& message, Time now) {
   if (session == 0 || !is_from_simulator(message.kind)) return false;
   const bool is_free = view_.session == 0 || has_ended(view_.status) || to_seconds(now - heard_) > kSilent_s;
   if (!is_free) {
-    if (stranger_ != session) tell("another simulator speaks here as well, session " + to_hex(session), true);
+    if (stranger_ != session) tell("another simulator sends here too, session " + to_hex(session), true);
     stranger_ = session;
     return false;
   }
@@ -145,7 +145,7 @@ void Observation::begin(std::int64_t session) {
   stranger_ = 0;
   told_silence_ = false;
   if (is_second) {
-    tell("session " + before + (had_ended ? " has ended" : " has fallen silent") + "; now follows session " +
+    tell("session " + before + (had_ended ? " has ended" : " has stopped sending") + "; now follows session " +
              to_hex(session),
          !had_ended);
   }
@@ -204,22 +204,22 @@ void Observation::hear_source(const hil::Source& part) {
     if (!was_complete) load_source();
     return;
   }
-  view_.scenario_note = "the scenario is on its way: " + std::to_string(source_.get_parts() - source_.get_missing()) +
+  view_.scenario_note = "the scenario is arriving: " + std::to_string(source_.get_parts() - source_.get_missing()) +
                         " of " + std::to_string(source_.get_parts()) + " parts";
 }
 
 // The modes, shapes and pairs of the scenario are shown only if it compiles here to the model that runs there.
 void Observation::load_source() {
   const std::vector<std::string> texts = source_.split();
-  view_.scenario_note = "the scenario that was heard is no scenario";
+  view_.scenario_note = "the received scenario is invalid";
   if (texts.empty()) return;
   try {
     auto scenario = std::make_unique<hil::Scenario>(hil::load_scenario_text(
-        texts[0], "the scenario that was heard", std::vector<std::string>(texts.begin() + 1, texts.end())));
+        texts[0], "the received scenario", std::vector<std::string>(texts.begin() + 1, texts.end())));
     const auto hash = static_cast<std::int64_t>(hil::build_simulation(*scenario)->plan().get_hash());
     if (hash != view_.hello.model_hash || scenario->model.bodies.size() != view_.bodies.size() ||
         scenario->model.joints.size() != view_.joints.size()) {
-      view_.scenario_note = "the scenario that was heard compiles to another model here: no modes and clearances";
+      view_.scenario_note = "the received scenario compiles to another model here: no modes and clearances";
       return;
     }
     clearances_.emplace(scenario->clearance, scenario->shapes);
@@ -229,8 +229,7 @@ void Observation::load_source() {
     name_modes();
   } catch (const std::exception& error) {
     const std::string what = error.what();
-    view_.scenario_note =
-        "the scenario that was heard cannot be read here: " + clean_text(what.substr(0, what.find('\n')));
+    view_.scenario_note = "the received scenario cannot be read here: " + clean_text(what.substr(0, what.find('\n')));
   }
 }
 
@@ -342,9 +341,9 @@ const View& Observation::look(Time now, const bridge::PortCounts& port) {
   view_.silent_s = to_seconds(now - heard_);
   const bool is_silent = view_.silent_s > kSilent_s && !has_ended(view_.status);
   if (is_silent && !told_silence_) {
-    tell("the simulator has fallen silent: it was killed, hangs, or cannot be heard from here", true);
+    tell("the simulator has stopped sending: it was killed, hangs, or cannot be reached", true);
   }
-  if (!is_silent && told_silence_) tell("the simulator is heard again", false);
+  if (!is_silent && told_silence_) tell("the simulator sends again", false);
   told_silence_ = is_silent;
   update_clearances();
   update_rates(now);

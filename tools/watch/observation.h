@@ -13,7 +13,7 @@
 
 namespace unlatch::tools {
 
-// What may be shown of a text from outside: control characters and bytes that are no UTF-8 become '?'.
+// Text from outside, safe to show: control characters and bytes that are not UTF-8 become '?'.
 std::string clean_text(std::string_view text);
 
 class Observation {
@@ -24,7 +24,7 @@ class Observation {
   static constexpr double kSilent_s = 1.5;
 
   void hear(const hil::Message& message, Time now);
-  // What depends on time, clearances included; some ten times a second.
+  // Values that depend on time, clearances included; some ten times a second.
   const View& look(Time now, const bridge::PortCounts& port);
 
  private:

@@ -135,7 +135,7 @@ class Screen {
       add(line.add(Colour::kYellow, "waits for a simulator"));
       return;
     }
-    line.add(Colour::kBold, view_.scenario.empty() ? "(no Hello heard yet)" : view_.scenario);
+    line.add(Colour::kBold, view_.scenario.empty() ? "(no Hello yet)" : view_.scenario);
     line.add(format("  session %llx  ", static_cast<unsigned long long>(view_.session)));
     const bool is_silent = view_.silent_s > 1 && view_.status < RunStatus::kDone;
     const std::string status = is_silent ? format("silent for %.0f s", view_.silent_s) : get_status_text(view_.status);
@@ -160,7 +160,7 @@ class Screen {
     const bool known = view_.reactions_tick >= 0;
     add(begin().add(Colour::kBold, pad("Joint", 14) + pad("mode", 12) +
                                        (known ? "         x         y         z     rot_x     rot_y     rot_z  N, N m"
-                                              : "reactions: none heard yet")));
+                                              : "reactions: none yet")));
     for (std::size_t i = 0; i < std::min(shown, view_.joints.size()); ++i) {
       const WatchedJoint& joint = view_.joints[i];
       Line line = begin();
@@ -175,7 +175,7 @@ class Screen {
 
   void draw_clearances(std::size_t shown) {
     if (view_.clearances.empty()) return;
-    add(begin().add(Colour::kBold, pad("Clearance", 30) + "     now    least seen"));
+    add(begin().add(Colour::kBold, pad("Clearance", 30) + "     now      smallest"));
     for (std::size_t i = 0; i < std::min(shown, view_.clearances.size()); ++i) {
       const hil::Clearance& clearance = view_.clearances[i];
       const std::string pair = view_.bodies[static_cast<std::size_t>(clearance.a)] + " – " +
@@ -194,7 +194,7 @@ class Screen {
 
   void draw_timing() {
     if (!view_.health) {
-      add(begin().add(Colour::kBold, "Time  ").add("no Health heard yet"));
+      add(begin().add(Colour::kBold, "Time  ").add("no Health yet"));
       return;
     }
     const hil::Health& health = *view_.health;
@@ -229,7 +229,7 @@ class Screen {
     for (const std::int64_t count : view_.health->rejected) refused += count;
     add(begin()
             .add(Colour::kBold, "Simulator ")
-            .add(format("commands late %lld, refused %lld; dropped %lld, said again %lld; missing participants %lld",
+            .add(format("commands late %lld, refused %lld; dropped %lld, repeated %lld; missing participants %lld",
                         static_cast<long long>(view_.health->late), static_cast<long long>(refused),
                         static_cast<long long>(view_.health->dropped), static_cast<long long>(view_.health->resent),
                         static_cast<long long>(view_.health->missing))));

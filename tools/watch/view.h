@@ -1,4 +1,4 @@
-// What an observer knows of a session: all of it heard, or computed from what was heard.
+// An observer's view of a session: received messages, and values computed from them.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ struct WatchedNotice {
 };
 
 struct View {
-  std::int64_t session = 0;  // 0: nobody has been heard yet
+  std::int64_t session = 0;  // 0: no message yet
   std::string scenario;      // its name
   hil::Hello hello;
   bool has_hello = false, has_state = false;

@@ -1,4 +1,4 @@
-// What the program writes: one JSON object a line, on descriptor 3, read as it comes.
+// Input from the program: one JSON object on each line, on descriptor 3, read as it arrives.
 import { createReadStream } from 'node:fs';
 import { createInterface } from 'node:readline';
 

@@ -1,4 +1,4 @@
-// What was run, how it ended, and what must not be overlooked.
+// Head of the page: the run, its end, and warnings.
 import { digits, el } from './dom.js';
 
 const MARKS = { ok: '✓', fault: '✕', aborted: '✕', different: '≠', damaged: '✕', truncated: '…' };

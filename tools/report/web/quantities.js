@@ -1,4 +1,4 @@
-// What can be plotted: groups of curves over time, of one unit each. A group has `choices` (components, units, …), and
+// Quantities for plots: groups of curves over time, each group with one unit. A group has `choices` (components, units, …), and
 // choice.build(run) gives the run's curves: {name, colour (number), values (on the run's frames), marks: [{t, value}]}.
 import { BODY, GROUND, ROWS, relativePosition, rotate } from './run.js';
 
@@ -52,7 +52,7 @@ function vectors(title, note, unit, column, scale) {
   ] };
 }
 
-// Where the others are, as seen from the first body.
+// Positions of the other bodies, seen from the first body.
 function relative(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(relativePosition(run, i, 0, atFrame(frame)))) })).slice(1);
@@ -62,7 +62,7 @@ function relative(runs) {
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm', build: curves((p) => p[k]) })) ] };
 }
 
-// In the first body's axes too, seen by somebody who does not turn with it.
+// Velocities in the axes of the first body, for an observer who does not rotate with it.
 function relativeVelocity(runs) {
   const calc = (run, i, frame) => {
     const place = atFrame(frame);

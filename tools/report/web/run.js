@@ -40,7 +40,7 @@ export class Run {
     return this.constants.get(column);
   }
 
-  // Where t lies among the frames: at `index` and `fraction` of the way to the next.
+  // Position of t among the frames: `index`, and `fraction` of the interval to the next.
   find(t) {
     let low = 0, high = this.count - 1;
     if (!(t > this.first)) return { index: 0, fraction: 0 };

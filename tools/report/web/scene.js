@@ -72,7 +72,7 @@ export class Actors {
     }
   }
 
-  // Where the view's origin is, relative to the run's first body, and how it is turned.
+  // Position of the view's origin relative to the run's first body, and its rotation.
   calcView(place, follow) {
     if (follow.body === GROUND) return { p: this.run.origin(place).map((value) => -value), q: [1, 0, 0, 0] };
     const pose = this.run.pose(follow.body, place);

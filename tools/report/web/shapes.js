@@ -1,4 +1,4 @@
-// What a body looks like, in its axes: a mesh and its edges.
+// Shape of a body, in its axes: a mesh and its edges.
 import * as THREE from 'three';
 import { ConvexGeometry } from 'three/addons/geometries/ConvexGeometry.js';
 

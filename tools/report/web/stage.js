@@ -120,7 +120,7 @@ export class Stage {
     this.request();
   }
 
-  // What is to be seen at these times, but nothing that is far away by then.
+  // Bodies to show at these times, without those that are far away by then.
   calcBox(times) {
     const near = new THREE.Vector3().setScalar(NEAR * this.reach);
     const box = new THREE.Box3();

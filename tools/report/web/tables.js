@@ -1,4 +1,4 @@
-// What engineers read off a run, and where it came from.
+// Tables of results, and of their origin.
 import { digits, download, el, fixed, table } from './dom.js';
 import { ROWS } from './run.js';
 
@@ -39,10 +39,10 @@ function buildPeaks(runs, clock) {
 }
 
 function buildAudit(runs, clock) {
-  return both(runs, ['at t, s', 'momentum, kg m/s', 'angular momentum, kg m²/s', 'energy, J', 'entitled energy, J'], (run) => run.audit.map((item) => [
-    go(clock, item.t), digits(norm(minus(item.momentum_jump, item.entitled.momentum_jump)), 3),
-    digits(norm(minus(item.angular_momentum_jump, item.entitled.angular_momentum_jump)), 3),
-    digits(item.energy_jump - item.entitled.energy_jump, 3), digits(item.entitled.energy_jump, 6)]));
+  return both(runs, ['at t, s', 'momentum, kg m/s', 'angular momentum, kg m²/s', 'energy, J', 'allowed energy, J'], (run) => run.audit.map((item) => [
+    go(clock, item.t), digits(norm(minus(item.momentum_jump, item.allowed.momentum_jump)), 3),
+    digits(norm(minus(item.angular_momentum_jump, item.allowed.angular_momentum_jump)), 3),
+    digits(item.energy_jump - item.allowed.energy_jump, 3), digits(item.allowed.energy_jump, 6)]));
 }
 
 function buildProvenance(data, runs) {
@@ -76,7 +76,7 @@ export function buildTables(data, runs, clock) {
     add('Smallest clearances', 'of every tick', buildClearances(runs, clock)),
     add('Tip-off rates', 'body axes, at the end of the step in which the body was let go', buildTipOffs(runs, clock)),
     add('Peak reactions', 'of every tick, signed, on the follower; click to go there', runs.some((run) => run.joints.length) ? buildPeaks(runs, clock) : null),
-    add('Audit of momentum and energy', 'what events changed beyond what they are entitled to', buildAudit(runs, clock)),
+    add('Audit of momentum and energy', 'changes by events beyond the allowed ones', buildAudit(runs, clock)),
     section('Where this comes from', '', buildProvenance(data, runs), buildTexts(runs)),
   ].filter(Boolean));
 }

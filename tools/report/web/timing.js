@@ -1,4 +1,4 @@
-// Where the time of a run in the loop went: histograms and percentiles.
+// Timing of a run in the loop: histograms and percentiles.
 import uPlot from 'uplot';
 import { colour, css } from './colours.js';
 import { digits, el, select, table } from './dom.js';
