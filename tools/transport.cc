@@ -5,23 +5,23 @@
 
 namespace unlatch::tools {
 
-void add_transport_options(CLI::App& command, TransportOptions& options, bool with_inproc) {
+void add_transport_options(Command command, TransportOptions& options, bool with_inproc) {
   std::vector<std::string> names{"dds", "lcm"};
   if (with_inproc) names.push_back("inproc");
-  command.add_option("--transport", options.name, "what carries the messages")->required()->check(CLI::IsMember(names));
+  command.add_option("--transport", options.name, "what carries the messages").required().one_of(names);
   command.add_option("--domain", options.dds.domain, "DDS domain, 0 to 230")
-      ->type_name("NUMBER")
-      ->check(CLI::Range(0, 230))
-      ->capture_default_str();
+      .type_name("NUMBER")
+      .within(0, 230)
+      .default_shown();
   command
       .add_option("--interface", options.dds.interface, "network interface; lo: nobody outside this machine takes part")
-      ->type_name("NAME")
-      ->capture_default_str();
+      .type_name("NAME")
+      .default_shown();
   command
       .add_option("--security", options.dds.security,
                   "DDS: folder with this program's identity (bridge/SECURITY.md); nobody without one takes part")
-      ->type_name("FOLDER");
-  command.add_option("--lcm-url", options.lcm_url, "LCM network")->type_name("URL")->capture_default_str();
+      .type_name("FOLDER");
+  command.add_option("--lcm-url", options.lcm_url, "LCM network").type_name("URL").default_shown();
 }
 
 std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role) {

@@ -125,18 +125,18 @@ int run(const DiffOptions& options) {
 
 }  // namespace
 
-void add_diff(CLI::App& app, int& exit_code) {
+void add_diff(Command app, int& exit_code) {
   auto options = std::make_shared<DiffOptions>();
-  CLI::App* command = add_verb(
-      app, "diff",
+  Command command = app.add_verb(
+      "diff",
       "Compares two recordings of one model: the first tick, body and field that differ, by how much, and what the "
       "step that led there was told. Exit code 0: the same bits and inputs to the same end; 1: not; 2: they cannot be "
       "compared.",
       "unlatch diff yesterday.log today.log");
-  command->add_option("A", options->logs[0], "recording made by --log")->required();
-  command->add_option("B", options->logs[1], "another")->required();
-  add_json_option(*command, options->json);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command.add_option("A", options->logs[0], "recording made by --log").required();
+  command.add_option("B", options->logs[1], "another").required();
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

@@ -30,7 +30,7 @@ int run(const ImportOptions& options) {
     return kExitEnvironment;
   }
   if (!options.force && options.out != "-" && std::filesystem::exists(options.out)) {
-    throw CLI::ValidationError("--out", options.out + " exists; --force replaces it");
+    refuse_option("--out", options.out + " exists; --force replaces it");
   }
   const std::string scenario = compute_apart([&] {
     return write_scenario(is_urdf ? read_urdf(text, path.filename().string(), options.fixed_base)
@@ -47,10 +47,10 @@ int run(const ImportOptions& options) {
 
 }  // namespace
 
-void add_import(CLI::App& app, int& exit_code) {
+void add_import(Command app, int& exit_code) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = add_verb(
-      app, "import",
+  Command command = app.add_verb(
+      "import",
       "Makes a scenario from a URDF or an MJCF file, as a starting point. Taken over: bodies with mass and inertia, "
       "joints (fixed, revolute, continuous, prismatic, planar, floating; MJCF: hinge, slide, ball, free, two crossed "
       "hinges, connect and weld), springs and dampers of joints, shapes (box, cylinder, sphere, capsule; meshes of "
@@ -59,13 +59,13 @@ void add_import(CLI::App& app, int& exit_code) {
       "tendons, sensors, contacts, meshes of a URDF. The bodies are at the file's zero configuration, at rest.",
       "unlatch import arm.urdf --fixed-base --out arm.yaml\n"
       "unlatch import pendulum.xml --out pendulum.yaml && unlatch run pendulum.yaml");
-  command->add_option("FILE", options->file, "URDF (.urdf) or MJCF (.xml)")->required();
-  command->add_option("--out", options->out, "scenario to write (.yaml); - for standard output")
-      ->required()
-      ->type_name("FILE");
-  command->add_flag("--fixed-base", options->fixed_base, "URDF: a root link with mass is welded to the ground");
-  command->add_flag("--force", options->force, "replaces a file that exists");
-  command->callback([options, &exit_code] {
+  command.add_option("FILE", options->file, "URDF (.urdf) or MJCF (.xml)").required();
+  command.add_option("--out", options->out, "scenario to write (.yaml); - for standard output")
+      .required()
+      .type_name("FILE");
+  command.add_flag("--fixed-base", options->fixed_base, "URDF: a root link with mass is welded to the ground");
+  command.add_flag("--force", options->force, "replaces a file that exists");
+  command.callback([options, &exit_code] {
     try {
       exit_code = run(*options);
     } catch (const ImportError& error) {

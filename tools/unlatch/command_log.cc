@@ -126,15 +126,15 @@ int run(const LogOptions& options) {
 
 }  // namespace
 
-void add_log(CLI::App& app, int& exit_code) {
+void add_log(Command app, int& exit_code) {
   auto options = std::make_shared<LogOptions>();
-  CLI::App* command =
-      add_verb(app, "log", "Writes what an ordinary subscriber hears into an LCM event log, until the session ends.",
-               "unlatch log --transport dds --out heard.log");
-  add_transport_options(*command, options->transport, false);
-  command->add_option("--out", options->out, "file to write")->required()->type_name("FILE");
-  add_json_option(*command, options->json, "what was heard, counted");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  Command command =
+      app.add_verb("log", "Writes what an ordinary subscriber hears into an LCM event log, until the session ends.",
+                   "unlatch log --transport dds --out heard.log");
+  add_transport_options(command, options->transport, false);
+  command.add_option("--out", options->out, "file to write").required().type_name("FILE");
+  command.add_json_option(options->json, "what was heard, counted");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

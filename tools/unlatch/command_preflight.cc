@@ -66,21 +66,21 @@ int run(const PreflightOptions& options) {
 
 }  // namespace
 
-void add_preflight(CLI::App& app, int& exit_code) {
+void add_preflight(Command app, int& exit_code) {
   auto options = std::make_shared<PreflightOptions>();
-  CLI::App* command = add_verb(app, "preflight",
-                               "Says what this machine costs a hard-real-time run, and how to mend it; changes "
-                               "nothing. Works on one CPU for half a second to "
-                               "find out who else does.",
-                               "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
-  add_json_option(*command, options->json);
-  command->add_option("--cpu", options->cpu, "the CPU to try, that of the cyclic thread")
-      ->type_name("NUMBER")
-      ->check(CLI::Range(0, 1023));
-  command->add_flag("--no-trial", options->no_trial,
-                    "reads what the system tells, and leaves the CPU to those who work on it");
-  command->add_flag("--strict", options->strict, "exit code 3 unless everything is good");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  Command command = app.add_verb("preflight",
+                                 "Says what this machine costs a hard-real-time run, and how to mend it; changes "
+                                 "nothing. Works on one CPU for half a second to "
+                                 "find out who else does.",
+                                 "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
+  command.add_json_option(options->json);
+  command.add_option("--cpu", options->cpu, "the CPU to try, that of the cyclic thread")
+      .type_name("NUMBER")
+      .within(0, 1023);
+  command.add_flag("--no-trial", options->no_trial,
+                   "reads what the system tells, and leaves the CPU to those who work on it");
+  command.add_flag("--strict", options->strict, "exit code 3 unless everything is good");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

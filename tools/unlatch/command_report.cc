@@ -92,7 +92,7 @@ void refuse_to_overwrite(const ReportOptions& options) {
   for (const std::string& log : options.logs) {
     std::error_code error;
     if (std::filesystem::equivalent(log, options.out, error)) {
-      throw CLI::ValidationError("--out", options.out + " is the recording; the report needs a file of its own");
+      refuse_option("--out", options.out + " is the recording; the report needs a file of its own");
     }
   }
 }
@@ -121,19 +121,19 @@ int run(const ReportOptions& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, int& exit_code) {
+void add_report(Command app, int& exit_code) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = add_verb(
-      app, "report",
+  Command command = app.add_verb(
+      "report",
       "Replays a recording, or two, and writes one HTML file that needs no network: the bodies in motion, plots, the "
       "event timeline, timing, the scenario. Exit code 1: it was written, but a recording does not replay as recorded.",
       "unlatch report run.log --out run.html\n"
       "unlatch report yesterday.log today.log --out both.html");
-  command->add_option("LOG", options->logs, "recording made by --log; a second one is laid over the first")
-      ->required()
-      ->expected(1, 2);
-  command->add_option("--out", options->out, "file to write (.html)")->required()->type_name("FILE");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command.add_option("LOG", options->logs, "recording made by --log; a second one is laid over the first")
+      .required()
+      .expected(1, 2);
+  command.add_option("--out", options->out, "file to write (.html)").required().type_name("FILE");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

@@ -35,7 +35,7 @@ struct Span {
 std::int64_t calc_tick_within(const char* option, const char* what, double time, const Span& span) {
   const std::int64_t tick = hil::calc_nearest_tick(time, span.dt);
   if (!(tick >= span.first && tick <= span.last)) {
-    throw CLI::ValidationError(option, std::to_string(time) + " s is not within the run");
+    refuse_option(option, std::to_string(time) + " s is not within the run");
   }
   constexpr double kSameTime = 1e-9;  // of a step: the rounding of T / dt
   if (std::abs(static_cast<double>(tick) - time / span.dt) > kSameTime * std::max(1.0, time / span.dt)) {
@@ -107,7 +107,7 @@ int run(const RunOptions& options) {
   if (!options.resume.empty()) hil::read_checkpoint(options.resume, scenario, simulation);
   const Span span{scenario.dt, simulation.get_tick(), last_tick};
   if (span.first > span.last) {
-    throw CLI::ValidationError("--resume", options.resume + ": is of a time after the end of this run");
+    refuse_option("--resume", options.resume + ": is of a time after the end of this run");
   }
   hil::RunAnalysis analysis(scenario, simulation, calc_sample_ticks(options, span));
   Checkpoints checkpoints(options, scenario, simulation, span);
@@ -130,27 +130,27 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, int& exit_code) {
+void add_run(Command app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command =
-      add_verb(app, "run", "Runs a scenario without flight software, as fast as it goes.",
-               "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
-               "unlatch run hil/scenarios/boosters/reference.yaml --set bodies.core.mass=99000 --log run.log");
-  add_scenario_options(*command, options->scenario);
+  Command command =
+      app.add_verb("run", "Runs a scenario without flight software, as fast as it goes.",
+                   "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
+                   "unlatch run hil/scenarios/boosters/reference.yaml --set bodies.core.mass=99000 --log run.log");
+  add_scenario_options(command, options->scenario);
   command
-      ->add_option("--sample", options->samples,
-                   "times at which the JSON has all bodies and reactions, s (default: the end)")
-      ->delimiter(',')
-      ->type_name("SECONDS,...");
+      .add_option("--sample", options->samples,
+                  "times at which the JSON has all bodies and reactions, s (default: the end)")
+      .delimiter(',')
+      .type_name("SECONDS,...");
   command
-      ->add_option("--checkpoint", options->checkpoints, "writes down the state at a time, s, for --resume; repeatable")
-      ->type_name("SECONDS FILE");
+      .add_option("--checkpoint", options->checkpoints, "writes down the state at a time, s, for --resume; repeatable")
+      .type_name("SECONDS FILE");
   command
-      ->add_option("--resume", options->resume,
-                   "goes on from a checkpoint of the same scenario, to the same bits; what is reported begins there")
-      ->type_name("FILE");
-  add_output_options(*command, options->output);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+      .add_option("--resume", options->resume,
+                  "goes on from a checkpoint of the same scenario, to the same bits; what is reported begins there")
+      .type_name("FILE");
+  add_output_options(command, options->output);
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

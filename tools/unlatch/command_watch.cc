@@ -102,22 +102,22 @@ int run(const WatchOptions& options) {
 
 }  // namespace
 
-void add_watch(CLI::App& app, int& exit_code) {
+void add_watch(Command app, int& exit_code) {
   auto options = std::make_shared<WatchOptions>();
-  CLI::App* command =
-      add_verb(app, "watch",
-               "Shows a session as it goes: modes and reactions of the joints, clearances, times, "
-               "messages, participants, events. It only listens, from any machine, and follows the next "
-               "session when one ends. On a terminal ten times a second (q: leave); elsewhere a line a "
-               "second.",
-               "unlatch watch --transport dds");
-  add_transport_options(*command, options->transport, false);
-  command->add_option("--for", options->seconds, "leaves after so long, s of wall time (default: never)")
-      ->type_name("SECONDS")
-      ->check(check_seconds);
-  command->add_flag("--once", options->once, "shows one look, when all is known, and leaves");
-  add_json_option(*command, options->json, "one object a line, each second");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  Command command =
+      app.add_verb("watch",
+                   "Shows a session as it goes: modes and reactions of the joints, clearances, times, "
+                   "messages, participants, events. It only listens, from any machine, and follows the next "
+                   "session when one ends. On a terminal ten times a second (q: leave); elsewhere a line a "
+                   "second.",
+                   "unlatch watch --transport dds");
+  add_transport_options(command, options->transport, false);
+  command.add_option("--for", options->seconds, "leaves after so long, s of wall time (default: never)")
+      .type_name("SECONDS")
+      .check(check_seconds);
+  command.add_flag("--once", options->once, "shows one look, when all is known, and leaves");
+  command.add_json_option(options->json, "one object a line, each second");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

@@ -15,7 +15,7 @@ constexpr std::string_view kDescriptor = "fd:";
 
 int open_descriptor(const std::string& source) {
   const auto refuse = [&source](const std::string& why) -> int {
-    throw CLI::ValidationError("--tick-source", "'" + source + "' " + why);
+    refuse_option("--tick-source", "'" + source + "' " + why);
   };
   if (!source.starts_with(kDescriptor)) {
     const int descriptor = open(source.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -50,32 +50,32 @@ std::unique_ptr<hil::TickSource> PacingOptions::open_source(std::int64_t period_
 
 std::int64_t PacingOptions::get_patience_ns() const { return source.empty() ? 0 : kPatience_ns; }
 
-void add_pacing_options(CLI::App& command, PacingOptions& options) {
+void add_pacing_options(Command command, PacingOptions& options) {
   const std::string group = "Real time";
   command
       .add_option("--overruns", options.overruns,
                   "what a tick that takes too long leads to: fail, slip, skip_output, catch_up or catch_up=TICKS")
-      ->type_name("POLICY")
-      ->group(group);
+      .type_name("POLICY")
+      .group(group);
   command.add_option("--spin-us", options.spin_us, "wait awake for so long before each deadline, us")
-      ->type_name("MICROSECONDS")
-      ->check(CLI::Range(0.0, 10000.0))
-      ->group(group);
+      .type_name("MICROSECONDS")
+      .within(0.0, 10000.0)
+      .group(group);
   command
       .add_option("--tick-source", options.source,
                   "tick by fd:N (timerfd, eventfd, pipe) or a FIFO or device FILE, not by the clock")
-      ->type_name("SOURCE")
-      ->group(group);
+      .type_name("SOURCE")
+      .group(group);
   command.add_option("--cpu", options.thread.cpu, "the cyclic thread's only CPU")
-      ->type_name("NUMBER")
-      ->check(CLI::Range(0, 1023))
-      ->group(group);
+      .type_name("NUMBER")
+      .within(0, 1023)
+      .group(group);
   command.add_option("--priority", options.thread.priority, "its priority of SCHED_FIFO")
-      ->type_name("NUMBER")
-      ->check(CLI::Range(1, 98))
-      ->capture_default_str()
-      ->group(group);
-  command.add_flag("--tick-times", options.tick_times, "where each tick's time went, into the recording")->group(group);
+      .type_name("NUMBER")
+      .within(1, 98)
+      .default_shown()
+      .group(group);
+  command.add_flag("--tick-times", options.tick_times, "where each tick's time went, into the recording").group(group);
 }
 
 }  // namespace unlatch::tools
