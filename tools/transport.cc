@@ -1,7 +1,8 @@
 #include "tools/transport.h"
 
-#include <cstdio>
 #include <vector>
+
+#include "hil/modules/module.h"
 
 namespace unlatch::tools {
 
@@ -24,15 +25,12 @@ void add_transport_options(Command command, TransportOptions& options, bool with
   command.add_option("--lcm-url", options.lcm_url, "LCM network").type_name("URL").default_shown();
 }
 
-std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role) {
-  if (options.name == "lcm") {
-    if (!options.dds.security.empty()) throw bridge::PortError("LCM has no security: use --transport dds");
-    const bridge::LcmOptions lcm{options.lcm_url, options.dds.interface};
-    std::fprintf(stderr, "%s\n", describe(lcm).c_str());
-    return bridge::open_lcm_port(role, lcm);
-  }
-  std::fprintf(stderr, "%s\n", describe(options.dds).c_str());
-  return bridge::open_dds_port(role, options.dds);
+std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role) try {
+  using Open = bridge::Port*(const TransportOptions&, bridge::Role);
+  return std::unique_ptr<bridge::Port>(
+      hil::find_function<Open>("unlatch-transports", "unlatch_open_port")(options, role));
+} catch (const hil::ModuleError& error) {
+  throw bridge::PortError(error.what());
 }
 
 }  // namespace unlatch::tools

@@ -1,7 +1,7 @@
 // What moves, for a page: bodies with their shapes, joints, loads, springs, and where each is in a frame.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "tools/report/frames.h"
 

@@ -117,9 +117,9 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
       draw_graph(describe_graph(scenario.model, simulation->plan(), title), graph);
     }
     if (json != "-") print_plan(options, scenario, *simulation);
-    if (!json.empty()) write_json(build_plan_json(scenario, *simulation), json);
+    if (!json.empty()) write_plan_json(scenario, *simulation, json);
   } catch (const hil::ScenarioError& error) {
-    if (!json.empty()) write_json(build_mistakes_json(error), json);
+    if (!json.empty()) write_mistakes_json(error, json);
     throw;
   }
   return kExitDone;

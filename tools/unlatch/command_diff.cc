@@ -118,7 +118,7 @@ int run(const DiffOptions& options) {
   progress.clear();
   const DiffReport report{opened, diff};
   print_diff(get_people_stream(options.json), report);
-  write_json(build_json(report), options.json);
+  write_json(report, options.json);
   if (!diff.state && diff.is_damaged()) return kExitUsage;
   return diff.agrees() ? kExitDone : kExitFailed;
 }

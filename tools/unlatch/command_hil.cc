@@ -248,7 +248,7 @@ class Session {
     const RunReport report{scenario_, *again,     analysis,          status,   message, end.tick,
                            end.hash,  end.timing, recording.notices, replayed, refused_};
     print_report(get_people_stream(options_.output.json), report);
-    write_json(build_json(report), options_.output.json);
+    write_json(report, options_.output.json);
     if (!error.empty()) throw OutputError(error);
     return status == "ok" ? kExitDone : kExitFailed;
   }

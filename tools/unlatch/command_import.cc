@@ -1,6 +1,7 @@
 // unlatch import: another tool's description as a starting point for a scenario.
 #include <filesystem>
 
+#include "hil/modules/module.h"
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/import/guard.h"
@@ -16,6 +17,10 @@ struct ImportOptions {
   bool fixed_base = false, force = false;
 };
 
+const ImportReaders& load_readers() {
+  return *hil::find_function<const ImportReaders*()>("unlatch-import", "unlatch_get_import_readers")();
+}
+
 int run(const ImportOptions& options) {
   const std::filesystem::path path(options.file);
   const std::string text = read_xml(options.file);
@@ -23,18 +28,19 @@ int run(const ImportOptions& options) {
   if (!is_urdf && text.find("<mujoco") == std::string::npos) {
     throw ImportError("is neither a URDF (<robot>) nor an MJCF (<mujoco>)");
   }
-  if (!is_urdf && !has_mjcf()) {
+  const ImportReaders& readers = load_readers();
+  if (!is_urdf && readers.read_mjcf == nullptr) {
     std::fprintf(stderr,
-                 "unlatch import: this program was built without MuJoCo; install libmujoco-dev and build again from "
-                 "the beginning: cmake --fresh --preset release\n");
+                 "unlatch import: this program was built without MuJoCo; install libmujoco-dev and build again: "
+                 "cmake --preset release && tools/build\n");
     return kExitEnvironment;
   }
   if (!options.force && options.out != "-" && std::filesystem::exists(options.out)) {
     refuse_option("--out", options.out + " exists; --force replaces it");
   }
   const std::string scenario = compute_apart([&] {
-    return write_scenario(is_urdf ? read_urdf(text, path.filename().string(), options.fixed_base)
-                                  : read_mjcf(options.file));
+    return write_scenario(is_urdf ? readers.read_urdf(text, path.filename().string(), options.fixed_base)
+                                  : readers.read_mjcf(options.file));
   });
   // What is not physical is told as of any scenario, and not written.
   const hil::Scenario checked = hil::load_scenario_text(scenario, "the scenario that it makes");

@@ -1,6 +1,7 @@
 // unlatch log: an ordinary subscriber that writes what it hears into an LCM event log.
 #include <array>
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "hil/recording/log_file.h"
 #include "tools/exit_codes.h"

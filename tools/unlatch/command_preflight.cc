@@ -1,5 +1,6 @@
 // unlatch preflight: what this machine costs a hard-real-time run, and how to mend it.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "hil/realtime/preflight.h"
 #include "tools/exit_codes.h"

@@ -18,7 +18,7 @@ int run(const ReplayOptions& options) {
   progress.clear();
   const RunReport report = log.build_report();
   print_report(get_people_stream(options.json), report);
-  write_json(build_json(report), options.json);
+  write_json(report, options.json);
   return log.is_sound() ? kExitDone : kExitFailed;
 }
 

@@ -1,6 +1,8 @@
 // unlatch run: without flight software, as fast as it goes, in one process.
 #include <atomic>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -80,12 +82,15 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
                               Checkpoints& checkpoints, std::int64_t last_tick) {
   std::atomic<std::int64_t> tick{simulation.get_tick()};
   Progress progress(simulation.plan().options.dt, last_tick);
+  std::mutex mutex;
+  std::condition_variable_any stopped;  // ends the wait for the next look at once
   std::jthread watcher([&](const std::stop_token& stopping) {
     RecordingWatch recording(recorder);
+    std::unique_lock lock(mutex);
     while (!stopping.stop_requested()) {
       recording.look(progress);
       progress.show(tick.load(std::memory_order_relaxed));
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      stopped.wait_for(lock, stopping, std::chrono::milliseconds(20), [] { return false; });
     }
   });
   hil::LogEnd end = hil::run_fast(simulation, analysis, recorder, last_tick, catch_interrupts(), [&] {
@@ -123,7 +128,7 @@ int run(const RunOptions& options) {
                          end.message, end.tick,    end.hash, end.timing,
                          {},          std::nullopt};
   print_report(get_people_stream(options.output.json), report);
-  write_json(build_json(report), options.output.json);
+  write_json(report, options.output.json);
   if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
   return end.status == hil::RunStatus::kDone ? kExitDone : kExitFailed;
 }

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "bridge/port.h"
+#include "hil/modules/module.h"
 #include "hil/recording/log_file.h"
 #include "hil/simulation/simulation.h"
 #include "tools/exit_codes.h"
@@ -57,6 +58,8 @@ int main(int argc, char** argv) {
   } catch (const hil::LogError& error) {
     return fail(error.what(), tools::kExitUsage);
   } catch (const bridge::PortError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const hil::ModuleError& error) {
     return fail(error.what(), tools::kExitEnvironment);
   } catch (const tools::GraphError& error) {
     return fail(error.what(), tools::kExitEnvironment);
