@@ -102,7 +102,7 @@ int run(const ReportOptions& options) {
   if (!has_page()) {
     std::fprintf(stderr,
                  "unlatch report: this program was built without the page, which needs Node.js and npm; install them "
-                 "(tools/setup does), and build again from the beginning: cmake --fresh --preset release\n");
+                 "(tools/setup does), and build again: cmake --preset release\n");
     return kExitEnvironment;
   }
   refuse_to_overwrite(options);
