@@ -1,6 +1,5 @@
 # cmake --install: the kernel as a library that find_package(unlatch) finds, in component `kernel`; and, in a full build,
 # the executables, in component `tools`. Headers keep their spelling: #include "unlatch/model.h".
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set_target_properties(unlatch_kernel PROPERTIES EXPORT_NAME kernel)

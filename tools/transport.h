@@ -1,11 +1,11 @@
 // Transport options, common to all tools.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "bridge/port.h"
+#include "tools/command_line.h"
 
 namespace unlatch::tools {
 
@@ -16,7 +16,7 @@ struct TransportOptions {
 };
 
 // Adds --transport (required; inproc only where it makes sense), --domain, --interface, --security, --lcm-url.
-void add_transport_options(CLI::App& command, TransportOptions& options, bool with_inproc);
+void add_transport_options(Command command, TransportOptions& options, bool with_inproc);
 
 // dds or lcm; says on standard error where messages will go. Throws bridge::PortError.
 std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role);

@@ -1,16 +1,12 @@
 #include "hil/analysis/clearance.h"
 
-#include <fcl/geometry/shape/box.h>
-#include <fcl/geometry/shape/capsule.h>
-#include <fcl/geometry/shape/cone.h>
-#include <fcl/geometry/shape/convex.h>
-#include <fcl/geometry/shape/cylinder.h>
-#include <fcl/geometry/shape/sphere.h>
-#include <fcl/narrowphase/distance.h>
-
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <string>
+
+#include "hil/analysis/convex_distance.h"
+#include "hil/modules/module.h"
 
 namespace unlatch::hil {
 namespace {
@@ -51,101 +47,51 @@ double calc_round_distance(const Shape& a, const Pose& at_a, const Shape& b, con
   return std::max(0.0, between - a.radius - b.radius);
 }
 
-// FCL's shapes with an axis are centred, along z.
-Eigen::Isometry3d calc_axis_pose(const Shape& shape) {
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.translate(0.5 * (shape.from + shape.to));
-  X.rotate(Eigen::Quaterniond::FromTwoVectors(Vector::UnitZ(), shape.to - shape.from));
-  return X;
-}
-
-// GJK needs the points alone: without faces FCL searches all of them, and points inside the hull do no harm.
-std::shared_ptr<fcl::CollisionGeometryd> build_hull(const std::vector<Vector>& points) {
-  return std::make_shared<fcl::Convexd>(std::make_shared<const std::vector<Vector>>(points), 0,
-                                        std::make_shared<const std::vector<int>>());
-}
-
-struct Piece {
-  Shape shape;
-  std::shared_ptr<fcl::CollisionGeometryd> geometry;
-  Eigen::Isometry3d X_BS = Eigen::Isometry3d::Identity();
-};
-
-Piece build_piece(const Shape& shape) {
-  Piece piece{shape, nullptr, Eigen::Isometry3d::Identity()};
-  const double length = (shape.to - shape.from).norm();
-  switch (shape.kind) {
-    case Shape::Kind::kSphere:
-      piece.geometry = std::make_shared<fcl::Sphered>(shape.radius);
-      piece.X_BS.translate(shape.from);
-      return piece;
-    case Shape::Kind::kCapsule:
-      piece.geometry = std::make_shared<fcl::Capsuled>(shape.radius, length);
-      break;
-    case Shape::Kind::kCylinder:
-      piece.geometry = std::make_shared<fcl::Cylinderd>(shape.radius, length);
-      break;
-    case Shape::Kind::kCone:
-      piece.geometry = std::make_shared<fcl::Coned>(shape.radius, length);
-      break;
-    case Shape::Kind::kBox:
-      piece.geometry = std::make_shared<fcl::Boxd>(shape.size);
-      piece.X_BS.translate(shape.from);
-      piece.X_BS.rotate(shape.q_BS);
-      return piece;
-    case Shape::Kind::kHull:
-      piece.geometry = build_hull(shape.points);
-      return piece;
-  }
-  piece.X_BS = calc_axis_pose(shape);
-  return piece;
-}
-
-// Debian's FCL was built with Eigen's vectors, which want 16-byte alignment; this project builds without them, and
-// Eigen then aligns nothing. Only transforms cross the border.
-struct alignas(16) AlignedPose {
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-};
-static_assert(sizeof(Eigen::Isometry3d) == 16 * sizeof(double));
-
-AlignedPose calc_piece_pose(const Piece& piece, const Pose& body) {
-  AlignedPose pose;
-  pose.X.translate(body.p_WB);
-  pose.X.rotate(body.q_WB.normalized());
-  pose.X = pose.X * piece.X_BS;
-  return pose;
-}
-
-double calc_distance(const Piece& a, const Pose& at_a, const Piece& b, const Pose& at_b) {
-  if (is_round(a.shape) && is_round(b.shape)) return calc_round_distance(a.shape, at_a, b.shape, at_b);
-  fcl::DistanceRequestd request;
-  request.enable_signed_distance = false;
-  request.distance_tolerance = 1e-7;
-  request.gjk_solver_type = fcl::GST_LIBCCD;
-  const AlignedPose X_a = calc_piece_pose(a, at_a), X_b = calc_piece_pose(b, at_b);
-  fcl::DistanceResultd result;
-  fcl::distance(a.geometry.get(), X_a.X, b.geometry.get(), X_b.X, request, result);
-  return std::max(0.0, result.min_distance);
-}
-
 }  // namespace
 
+std::unique_ptr<ConvexDistance> open_convex_distance() {
+  return std::unique_ptr<ConvexDistance>(
+      find_function<ConvexDistance*()>("unlatch-fcl", "unlatch_open_convex_distance")());
+}
+
+// Pieces that no closed form serves are known to `convex` by a number.
 struct ClearanceMonitor::Geometry {
+  struct Piece {
+    Shape shape;
+    std::optional<std::size_t> convex;
+  };
   std::vector<std::vector<Piece>> bodies;
+  std::unique_ptr<ConvexDistance> convex;  // null until a pair needs it
+
+  void add_convex(Piece& piece) {
+    if (!convex) convex = open_convex_distance();
+    if (!piece.convex) piece.convex = convex->add(piece.shape);
+  }
+
+  double calc_distance(Piece& a, const Pose& at_a, Piece& b, const Pose& at_b) {
+    if (is_round(a.shape) && is_round(b.shape)) return calc_round_distance(a.shape, at_a, b.shape, at_b);
+    return convex->calc(*a.convex, at_a, *b.convex, at_b);
+  }
 };
 
 ClearanceMonitor::ClearanceMonitor(const std::vector<std::pair<int, int>>& pairs,
                                    const std::vector<std::vector<Shape>>& shapes)
     : geometry_(std::make_unique<Geometry>()) {
   for (const std::vector<Shape>& list : shapes) {
-    std::vector<Piece>& pieces = geometry_->bodies.emplace_back();
-    for (const Shape& shape : list) pieces.push_back(build_piece(shape));
+    std::vector<Geometry::Piece>& pieces = geometry_->bodies.emplace_back();
+    for (const Shape& shape : list) pieces.push_back({shape, {}});
   }
   for (const auto& [a, b] : pairs) {
     for (const int body : {a, b})
       if (body < 0 || static_cast<std::size_t>(body) >= shapes.size() || shapes[static_cast<std::size_t>(body)].empty())
         throw std::invalid_argument("clearance: body " + std::to_string(body) + " has no shape");
     clearances_.push_back({.a = a, .b = b});
+    for (Geometry::Piece& piece_a : geometry_->bodies[static_cast<std::size_t>(a)]) {
+      for (Geometry::Piece& piece_b : geometry_->bodies[static_cast<std::size_t>(b)]) {
+        if (!is_round(piece_a.shape) || !is_round(piece_b.shape))
+          geometry_->add_convex(piece_a), geometry_->add_convex(piece_b);
+      }
+    }
   }
 }
 
@@ -157,9 +103,9 @@ void ClearanceMonitor::update(double time, const std::vector<Pose>& poses) {
   for (Clearance& clearance : clearances_) {
     const auto a = static_cast<std::size_t>(clearance.a), b = static_cast<std::size_t>(clearance.b);
     clearance.now = std::numeric_limits<double>::infinity();
-    for (const Piece& piece_a : geometry_->bodies[a])
-      for (const Piece& piece_b : geometry_->bodies[b])
-        clearance.now = std::min(clearance.now, calc_distance(piece_a, poses.at(a), piece_b, poses.at(b)));
+    for (Geometry::Piece& piece_a : geometry_->bodies[a])
+      for (Geometry::Piece& piece_b : geometry_->bodies[b])
+        clearance.now = std::min(clearance.now, geometry_->calc_distance(piece_a, poses.at(a), piece_b, poses.at(b)));
     if (clearance.now < clearance.smallest) {
       clearance.smallest = clearance.now;
       clearance.time = time;

@@ -7,6 +7,7 @@
 #include "kernel/dynamics/residuals.h"
 #include "tests/support/linkages.h"
 #include "tests/support/simulation.h"
+#include "tests/support/small_models.h"
 
 namespace unlatch::test {
 namespace {

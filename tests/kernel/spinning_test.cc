@@ -3,13 +3,15 @@
 // its place and attitude follow, and for modes without momentum the centre of mass goes straight on.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <complex>
 #include <functional>
 #include <iostream>
 #include <vector>
 
+#include "tests/support/linear_algebra.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/simulation.h"
 
@@ -69,7 +71,7 @@ VectorXd find_steady_spin(const ModalBody& lumped, const Vector3d& spin) {
     slope << differentiate([&](const VectorXd& at) { return calc_rate(lumped, at); }, z),
         VectorXd::Zero(kSize).transpose();
     slope.bottomRows<1>().head<3>() = z.head<3>().normalized().transpose();
-    z -= slope.colPivHouseholderQr().solve(residual);
+    z -= test::solve_least_squares(slope, residual);
   }
   return z;
 }
@@ -100,12 +102,13 @@ std::vector<std::complex<double>> calc_kernel_eigenvalues(const ModalBody& lumpe
   Model model;
   model.bodies.push_back(build_flexible_body("mast", lumped));
   Simulation s(model, {.dt = kStep});
-  const VectorXcd map = differentiate([&](const VectorXd& at) { return advance(s, at); }, z).eigenvalues();
+  const VectorXcd map = test::calc_eigenvalues(differentiate([&](const VectorXd& at) { return advance(s, at); }, z));
   return pick_oscillations(map.array().log().matrix() / kStep);
 }
 
 std::vector<std::complex<double>> calc_particle_eigenvalues(const ModalBody& lumped, const VectorXd& z) {
-  return pick_oscillations(differentiate([&](const VectorXd& at) { return calc_rate(lumped, at); }, z).eigenvalues());
+  return pick_oscillations(
+      test::calc_eigenvalues(differentiate([&](const VectorXd& at) { return calc_rate(lumped, at); }, z)));
 }
 
 const Vector3d kAlong = Vector3d::UnitX(), kAcross = Vector3d::UnitZ();  // of the mast

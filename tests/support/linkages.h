@@ -4,58 +4,19 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/small_models.h"
+#include "unlatch/model.h"
 
 namespace unlatch::test {
 
 // A rod of 1 m and 1 kg from one point to another.
-inline Body build_rod(const std::string& name, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  Body rod = box(name, 1, 1e-3, 1.0 / 12, 1.0 / 12);
-  rod.p_WB = 0.5 * (from + to);
-  rod.q_WB = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), to - from);
-  return rod;
-}
+Body build_rod(const std::string& name, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 // A hinge at a point of the world, about an axis of the world.
-inline Joint build_hinge(const Model& model, int base, int follower, const Eigen::Vector3d& point,
-                         const Eigen::Vector3d& axis) {
-  const auto attitude = [&](int b) {
-    return b == kGround ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
-                        : model.bodies[static_cast<std::size_t>(b)].q_WB.toRotationMatrix();
-  };
-  const auto position = [&](int b) {
-    return b == kGround ? Eigen::Vector3d(0, 0, 0) : model.bodies[static_cast<std::size_t>(b)].p_WB;
-  };
-  Joint joint;
-  joint.name = "hinge" + std::to_string(model.joints.size());
-  joint.base = base;
-  joint.follower = follower;
-  joint.point_base = attitude(base).transpose() * (point - position(base));
-  joint.point_follower = attitude(follower).transpose() * (point - position(follower));
-  const Eigen::Vector3d x = axis.unitOrthogonal();
-  Eigen::Matrix3d world;
-  world << x, axis.cross(x), axis;
-  joint.axes = attitude(base).transpose() * world;
-  joint.modes = {{"hinge", kRevoluteRows}};
-  return joint;
-}
+Joint build_hinge(const Model& model, int base, int follower, const Eigen::Vector3d& point,
+                  const Eigen::Vector3d& axis);
 
 // A closed chain of rods through `points`, hinged at each about `axes`, the last rod being the ground.
-inline Model build_linkage(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& axes,
-                           const Eigen::Vector3d& gravity) {
-  Model model;
-  model.gravity.uniform = gravity;
-  const int rods = static_cast<int>(points.size()) - 1;
-  for (int k = 0; k < rods; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    model.bodies.push_back(build_rod("rod" + std::to_string(k), points[i], points[i + 1]));
-  }
-  for (int k = 0; k <= rods; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    const bool last = k == rods;
-    model.joints.push_back(build_hinge(model, last ? kGround : k - 1, last ? k - 1 : k, points[i], axes[i]));
-  }
-  return model;
-}
+Model build_linkage(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& axes,
+                    const Eigen::Vector3d& gravity);
 
 }  // namespace unlatch::test

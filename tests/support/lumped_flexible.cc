@@ -1,8 +1,10 @@
 #include "tests/support/lumped_flexible.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <stdexcept>
+
+#include "tests/support/linear_algebra.h"
 
 namespace unlatch::test {
 namespace {
@@ -65,17 +67,17 @@ ModalBody build_lattice_mast(int bays, int modes, Support support) {
   VectorXd mass(K.rows());
   for (Index i = 0; i < K.rows(); ++i) mass[i] = body.masses[static_cast<std::size_t>(i / 3)];
   const VectorXd root = mass.tail(size).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(root.asDiagonal() * K.bottomRightCorner(size, size) *
-                                                      root.asDiagonal());
+  const SymmetricEigen eigen =
+      calc_symmetric_eigen(root.asDiagonal() * K.bottomRightCorner(size, size) * root.asDiagonal());
   if (size - rigid < modes) throw std::invalid_argument("a mast of that many bays has fewer modes");
   if (modes == 0) {  // Eigen takes no blocks of nothing
     body.shapes.assign(body.masses.size(), Eigen::Matrix<double, 3, Eigen::Dynamic>(3, 0));
     return body;
   }
-  body.frequencies = eigen.eigenvalues().segment(rigid, modes).cwiseSqrt();
+  body.frequencies = eigen.values.segment(rigid, modes).cwiseSqrt();
   body.damping = 2 * kDamping * body.frequencies;
   MatrixXd shapes = MatrixXd::Zero(K.rows(), modes);
-  shapes.bottomRows(size) = root.asDiagonal() * eigen.eigenvectors().middleCols(rigid, modes);
+  shapes.bottomRows(size) = root.asDiagonal() * eigen.vectors.middleCols(rigid, modes);
   for (Index i = 0; i < K.rows(); i += 3) body.shapes.emplace_back(shapes.middleRows<3>(i));
   return body;
 }

@@ -1,8 +1,11 @@
 #include "tests/support/tree_links.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <stdexcept>
+
+#include "tests/support/linear_algebra.h"
 
 namespace unlatch::test {
 namespace {
@@ -17,7 +20,7 @@ std::vector<double> calc_speeds(const std::vector<Vector3d>& axes, const Vector3
   if (axes.empty()) return {};
   Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(axes.size()));
   for (std::size_t k = 0; k < axes.size(); ++k) columns.col(static_cast<Eigen::Index>(k)) = axes[k];
-  const Eigen::VectorXd speeds = columns.colPivHouseholderQr().solve(motion);
+  const Eigen::VectorXd speeds = solve_least_squares(columns, motion);
   return {speeds.begin(), speeds.end()};
 }
 

@@ -73,7 +73,7 @@ int open_program() {
 NodeWriter::NodeWriter(const std::string& format, const std::string& path) {
   if (get_program().empty()) {
     throw NodeMissing("this program was built without the writer of " + format + ", which needs Node.js and npm: " +
-                      kInstall + "; then build again from the beginning: cmake --fresh --preset release");
+                      kInstall + "; then build again: cmake --preset release");
   }
   const Descriptor program(open_program());
   int ends[2];

@@ -1,47 +1,38 @@
 // unlatch-fsw: the reference flight software, a program of its own that knows the simulator by its messages alone.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 
+#include "tools/command_line.h"
 #include "tools/exit_codes.h"
 #include "tools/fsw/participant.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"
 #include "tools/unlatch/manual.h"
-#include "tools/unlatch/verb.h"
 
 int main(int argc, char** argv) {
   using namespace unlatch;
-  CLI::App app{
+  tools::CommandLine command_line(
       "Reference flight software: the separation cyclogram of strap-on boosters, over DDS or LCM. It knows only the "
       "messages of the simulator, and may be started before or after it.",
-      "unlatch-fsw"};
-  app.footer(
+      "unlatch-fsw",
       "Example:\n"
       "  unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime &\n"
       "  unlatch-fsw --transport dds");
+  tools::Command command = command_line.get_command();
   tools::TransportOptions transport;
   std::string name = "fsw";
   double patience_s = 60;
-  tools::add_transport_options(app, transport, false);
-  app.add_option("--name", name, "its name in the scenario")->type_name("NAME")->capture_default_str();
-  app.add_option("--patience", patience_s, "longest wait for a simulator, s")
-      ->type_name("SECONDS")
-      ->check(tools::check_seconds)
-      ->capture_default_str();
-  // For the build.
-  app.add_option_function<std::string>("--manual",
-                                       [&app](const std::string& path) {
-                                         std::ofstream(path) << tools::build_manual(app, nullptr);
-                                         throw CLI::Success();
-                                       })
-      ->trigger_on_parse()
-      ->group("");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? tools::kExitDone : tools::kExitUsage;
-  }
+  tools::add_transport_options(command, transport, false);
+  command.add_option("--name", name, "its name in the scenario").type_name("NAME").default_shown();
+  command.add_option("--patience", patience_s, "longest wait for a simulator, s")
+      .type_name("SECONDS")
+      .check(tools::check_seconds)
+      .default_shown();
+  command.add_hidden_action("--manual", [command](const std::string& path) {  // for the build
+    std::ofstream(path) << tools::build_manual(command, nullptr);
+  });
+  int exit_code = tools::kExitDone;
+  if (!command_line.parse(argc, argv, exit_code)) return exit_code;
 
   const std::atomic<bool>& stop = tools::catch_interrupts();
   try {

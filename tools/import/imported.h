@@ -51,9 +51,13 @@ struct ImportedModel {
 
 inline constexpr std::size_t kMostImported = 4096;  // bodies, joints, shapes
 
-// `text` is the file's; both throw ImportError.
+// The readers, which throw ImportError. They and the libraries that they need are the module unlatch-import, whose
+// function unlatch_get_import_readers gives this table.
+struct ImportReaders {
+  ImportedModel (*read_urdf)(const std::string& text, const std::string& path, bool fixed_base);  // the file's text
+  ImportedModel (*read_mjcf)(const std::string& path);  // null: this program was built without MuJoCo
+};
 ImportedModel read_urdf(const std::string& text, const std::string& path, bool fixed_base);
-bool has_mjcf();  // this program was built with MuJoCo
 ImportedModel read_mjcf(const std::string& path);
 
 // The axis as z of a right-handed frame.

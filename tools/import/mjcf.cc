@@ -1,22 +1,13 @@
 // MJCF, read and completed by MuJoCo: bodies, inertias and defaults are those of MuJoCo's own computation.
+#include <mujoco/mujoco.h>
+
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include "tools/import/imported.h"
 
-#ifdef UNLATCH_MUJOCO
-#include <mujoco/mujoco.h>
-#endif
-
 namespace unlatch::tools {
-
-#ifndef UNLATCH_MUJOCO
-
-bool has_mjcf() { return false; }
-ImportedModel read_mjcf(const std::string&) { throw ImportError("this program was built without MuJoCo"); }
-
-#else
 
 namespace {
 
@@ -265,8 +256,6 @@ class Reader {
 
 }  // namespace
 
-bool has_mjcf() { return true; }
-
 ImportedModel read_mjcf(const std::string& path) {
   char error[1000] = "";
   const Model loaded(mj_loadXML(path.c_str(), nullptr, error, sizeof error));
@@ -281,7 +270,5 @@ ImportedModel read_mjcf(const std::string& path) {
   Reader(*loaded, model).read();
   return model;
 }
-
-#endif
 
 }  // namespace unlatch::tools

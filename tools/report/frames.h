@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "hil/analysis/run_analysis.h"

@@ -1,5 +1,6 @@
 #include "tools/report/page.h"
 
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
 

@@ -2,7 +2,7 @@
 // program, with a place for the data.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace unlatch::tools {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 namespace unlatch::tools {

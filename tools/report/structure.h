@@ -1,7 +1,7 @@
 // The structure for a page: bodies with their shapes, joints, loads, springs, and the position of each in a frame.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "tools/report/frames.h"
 

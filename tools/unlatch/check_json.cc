@@ -1,6 +1,9 @@
 #include "tools/unlatch/check_json.h"
 
+#include <nlohmann/json.hpp>
+
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/report.h"
 #include "unlatch/frequencies.h"
 
 namespace unlatch::tools {
@@ -52,7 +55,7 @@ Json build_elimination(const Model& model, const Plan& plan) {
 
 }  // namespace
 
-Json build_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation) {
+void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation, const std::string& target) {
   const Model& model = scenario.model;
   const Plan& plan = simulation.plan();
   Json json = {{"schema", 1},       {"valid", true},          {"scenario", scenario.name}, {"title", scenario.title},
@@ -79,10 +82,10 @@ Json build_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation)
                     {"signals", model.signals.size()},
                     {"events", model.events.size()}};
   json["bytes"] = {{"state", plan.get_state_bytes()}, {"workspace", plan.get_workspace_bytes()}};
-  return json;
+  write_json(json, target);
 }
 
-Json build_mistakes_json(const hil::ScenarioError& error) {
+void write_mistakes_json(const hil::ScenarioError& error, const std::string& target) {
   Json json = {{"schema", 1}, {"valid", false}, {"mistakes", Json::array()}};
   for (const hil::ScenarioMistake& mistake : error.mistakes) {
     json["mistakes"].push_back({{"file", mistake.file},
@@ -92,7 +95,7 @@ Json build_mistakes_json(const hil::ScenarioError& error) {
                                 {"what", mistake.what},
                                 {"mend", mistake.mend}});
   }
-  return json;
+  write_json(json, target);
 }
 
 }  // namespace unlatch::tools

@@ -1,7 +1,7 @@
-// Results of `unlatch check` as JSON.
+// Results of `unlatch check` as JSON, written as report.h says.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <string>
 
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
@@ -10,8 +10,8 @@ namespace unlatch::tools {
 
 // The plan of a valid scenario: bodies, joints with their modes, elimination order, elements, sizes. Overwrites the
 // simulation's workspace.
-nlohmann::ordered_json build_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation);
+void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation, const std::string& target);
 // Every mistake, with its place.
-nlohmann::ordered_json build_mistakes_json(const hil::ScenarioError& error);
+void write_mistakes_json(const hil::ScenarioError& error, const std::string& target);
 
 }  // namespace unlatch::tools

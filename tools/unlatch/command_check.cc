@@ -119,9 +119,9 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
       draw_graph(describe_graph(scenario.model, simulation->plan(), title), graph);
     }
     if (json != "-") print_plan(options, scenario, *simulation);
-    if (!json.empty()) write_json(build_plan_json(scenario, *simulation), json);
+    if (!json.empty()) write_plan_json(scenario, *simulation, json);
   } catch (const hil::ScenarioError& error) {
-    if (!json.empty()) write_json(build_mistakes_json(error), json);
+    if (!json.empty()) write_mistakes_json(error, json);
     throw;
   }
   return kExitDone;
@@ -129,18 +129,18 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
 
 }  // namespace
 
-void add_check(CLI::App& app, int& exit_code) {
+void add_check(Command app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
   auto graph = std::make_shared<std::string>();
   auto json = std::make_shared<std::string>();
-  CLI::App* command =
-      add_verb(app, "check", "Validates a scenario and prints its plan, or every mistake with file, line and column.",
-               "unlatch check hil/scenarios/boosters/scenario.yaml --graph boosters.svg");
-  add_scenario_options(*command, *options);
-  command->add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
-      ->type_name("FILE");
-  add_json_option(*command, *json, "for an invalid scenario its mistakes");
-  command->callback([options, graph, json, &exit_code] { exit_code = run(*options, *graph, *json); });
+  Command command =
+      app.add_verb("check", "Validates a scenario and prints its plan, or every mistake with file, line and column.",
+                   "unlatch check hil/scenarios/boosters/scenario.yaml --graph boosters.svg");
+  add_scenario_options(command, *options);
+  command.add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
+      .type_name("FILE");
+  command.add_json_option(*json, "for an invalid scenario its mistakes");
+  command.callback([options, graph, json, &exit_code] { exit_code = run(*options, *graph, *json); });
 }
 
 }  // namespace unlatch::tools

@@ -119,25 +119,25 @@ int run(const DiffOptions& options) {
   progress.clear();
   const DiffReport report{opened, diff};
   print_diff(get_people_stream(options.json), report);
-  write_json(build_json(report), options.json);
+  write_json(report, options.json);
   if (!diff.state && diff.is_damaged()) return kExitUsage;
   return diff.agrees() ? kExitDone : kExitFailed;
 }
 
 }  // namespace
 
-void add_diff(CLI::App& app, int& exit_code) {
+void add_diff(Command app, int& exit_code) {
   auto options = std::make_shared<DiffOptions>();
-  CLI::App* command =
-      add_verb(app, "diff",
-               "Compares two recordings of one model. Prints the first tick, body and field that differ, the "
+  Command command = app.add_verb(
+      "diff",
+      "Compares two recordings of one model. Prints the first tick, body and field that differ, the "
                "difference, and the "
                "inputs of that step. Exit code 0: same bits, inputs and end; 1: different; 2: they cannot be compared.",
-               "unlatch diff yesterday.log today.log");
-  command->add_option("A", options->logs[0], "recording made by --log")->required();
-  command->add_option("B", options->logs[1], "second recording")->required();
-  add_json_option(*command, options->json);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+      "unlatch diff yesterday.log today.log");
+  command.add_option("A", options->logs[0], "recording made by --log").required();
+  command.add_option("B", options->logs[1], "second recording").required();
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

@@ -25,10 +25,10 @@ bool needs_node(const std::string& format) { return format == "mcap" || format =
 void check_output(const ExportOptions& options) {
   std::error_code error;
   if (std::filesystem::equivalent(options.log, options.out, error)) {
-    throw CLI::ValidationError("--out", options.out + " is the recording; what is exported needs a file of its own");
+    refuse_option("--out", options.out + " is the recording; what is exported needs a file of its own");
   }
   if (options.out == "-" && needs_node(options.format)) {
-    throw CLI::ValidationError("--out", options.format + " goes to a file, not to standard output");
+    refuse_option("--out", options.format + " goes to a file, not to standard output");
   }
 }
 
@@ -83,7 +83,7 @@ int run(const ExportOptions& options) {
   try {
     selection.emplace(opened.scenario, simulation, options.bodies, options.every);
   } catch (const std::invalid_argument& error) {
-    throw CLI::ValidationError("--bodies", error.what());
+    refuse_option("--bodies", error.what());
   }
   Destination destination(options);
   const auto sink = build_sink(options.format, destination.get_stream());
@@ -112,31 +112,31 @@ int run(const ExportOptions& options) {
 
 }  // namespace
 
-void add_export(CLI::App& app, int& exit_code) {
+void add_export(Command app, int& exit_code) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = add_verb(
-      app, "export",
+  Command command = app.add_verb(
+      "export",
       "Replays a recording and converts it. csv: one line for each tick, units in the header. json: one object on each "
       "line: the run, its ticks and events. mcap: for Foxglove, with the 3D scene, transforms, reactions, events. "
       "parquet: the table of csv. mcap and parquet need Node.js. SI units, angles in rad; reactions act on the "
       "follower. Exit code 1: the file was written, but the replay differs from the recording.",
       "unlatch export run.log --format csv --every 10 --out run.csv\n"
       "unlatch export run.log --format mcap --bodies core,booster1 --out run.mcap");
-  command->add_option("LOG", options->log, "recording made by --log")->required();
-  command->add_option("--format", options->format, "output format")
-      ->required()
-      ->check(CLI::IsMember(std::vector<std::string>{"csv", "json", "mcap", "parquet"}));
-  command->add_option("--out", options->out, "file to write; - for standard output (csv, json)")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--every", options->every, "only ticks that are multiples of it, and the first and last")
-      ->type_name("TICKS")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
-      ->capture_default_str();
-  command->add_option("--bodies", options->bodies, "only these bodies (default: all)")
-      ->delimiter(',')
-      ->type_name("NAME,...");
-  command->callback([options, &exit_code] {
+  command.add_option("LOG", options->log, "recording made by --log").required();
+  command.add_option("--format", options->format, "output format")
+      .required()
+      .one_of({"csv", "json", "mcap", "parquet"});
+  command.add_option("--out", options->out, "file to write; - for standard output (csv, json)")
+      .required()
+      .type_name("FILE");
+  command.add_option("--every", options->every, "only ticks that are multiples of it, and the first and last")
+      .type_name("TICKS")
+      .within(std::int64_t{1}, std::int64_t{1'000'000'000})
+      .default_shown();
+  command.add_option("--bodies", options->bodies, "only these bodies (default: all)")
+      .delimiter(',')
+      .type_name("NAME,...");
+  command.callback([options, &exit_code] {
     try {
       exit_code = run(*options);
     } catch (const NodeMissing& missing) {

@@ -248,7 +248,7 @@ class Session {
     const RunReport report{scenario_, *again,     analysis,          status,   message, end.tick,
                            end.hash,  end.timing, recording.notices, replayed, refused_};
     print_report(get_people_stream(options_.output.json), report);
-    write_json(build_json(report), options_.output.json);
+    write_json(report, options_.output.json);
     if (!error.empty()) throw OutputError(error);
     return status == "ok" ? kExitDone : kExitFailed;
   }
@@ -271,30 +271,32 @@ class Session {
 
 }  // namespace
 
-void add_hil(CLI::App& app, int& exit_code) {
+void add_hil(Command app, int& exit_code) {
   auto options = std::make_shared<HilOptions>();
-  CLI::App* command = add_verb(
-      app, "hil",
+  Command command = app.add_verb(
+      "hil",
       "Runs a scenario with flight software in the loop. The flight software is another process, started before or "
       "after this one. With --transport inproc the reference flight software runs in this process.",
       "unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log &\n"
       "unlatch-fsw --transport dds");
-  add_scenario_options(*command, options->scenario);
-  add_transport_options(*command, options->transport, true);
+  add_scenario_options(command, options->scenario);
+  add_transport_options(command, options->transport, true);
   command
-      ->add_option("--pace", options->pace_name,
-                   "realtime: by the clock; lockstep: by the answers; fast: without flight software")
-      ->required()
-      ->check(CLI::IsMember(std::vector<std::string>{"realtime", "lockstep", "fast"}));
-  command->add_option("--start-timeout", options->start_timeout_s, "longest wait for the flight software, s")
-      ->type_name("SECONDS")
-      ->check(check_seconds)
-      ->capture_default_str();
-  add_pacing_options(*command, options->pacing);
-  command->add_option("--faults", options->faults, "fault script (.yaml), see hil/scenarios/FAULTS.md")
-      ->type_name("FILE");
-  add_output_options(*command, options->output);
-  command->callback([options, &exit_code] {
+      .add_option("--pace", options->pace_name,
+                  "realtime: by the clock; lockstep: by the answers; fast: without flight software")
+      .required()
+      .one_of({"realtime", "lockstep", "fast"});
+  command.add_option("--start-timeout", options->start_timeout_s, "longest wait for the flight software, s")
+      .type_name("SECONDS")
+      .check(check_seconds)
+      .default_shown();
+  add_pacing_options(command, options->pacing);
+  command
+      .add_option("--faults", options->faults,
+                  "fault script (.yaml), see hil/scenarios/FAULTS.md")
+      .type_name("FILE");
+  add_output_options(command, options->output);
+  command.callback([options, &exit_code] {
     options->pace = options->pace_name == "realtime"   ? hil::Pace::kRealtime
                     : options->pace_name == "lockstep" ? hil::Pace::kLockstep
                                                        : hil::Pace::kFast;

@@ -1,6 +1,7 @@
 // unlatch import: another tool's description as a starting point for a scenario.
 #include <filesystem>
 
+#include "hil/modules/module.h"
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/import/guard.h"
@@ -16,6 +17,10 @@ struct ImportOptions {
   bool fixed_base = false, force = false;
 };
 
+const ImportReaders& load_readers() {
+  return *hil::find_function<const ImportReaders*()>("unlatch-import", "unlatch_get_import_readers")();
+}
+
 int run(const ImportOptions& options) {
   const std::filesystem::path path(options.file);
   const std::string text = read_xml(options.file);
@@ -23,18 +28,19 @@ int run(const ImportOptions& options) {
   if (!is_urdf && text.find("<mujoco") == std::string::npos) {
     throw ImportError("is neither a URDF (<robot>) nor an MJCF (<mujoco>)");
   }
-  if (!is_urdf && !has_mjcf()) {
+  const ImportReaders& readers = load_readers();
+  if (!is_urdf && readers.read_mjcf == nullptr) {
     std::fprintf(stderr,
-                 "unlatch import: this program was built without MuJoCo; install libmujoco-dev and build again from "
-                 "the beginning: cmake --fresh --preset release\n");
+                 "unlatch import: this program was built without MuJoCo; install libmujoco-dev and build again: "
+                 "cmake --preset release && tools/build\n");
     return kExitEnvironment;
   }
   if (!options.force && options.out != "-" && std::filesystem::exists(options.out)) {
-    throw CLI::ValidationError("--out", options.out + " exists; --force replaces it");
+    refuse_option("--out", options.out + " exists; --force replaces it");
   }
   const std::string scenario = compute_apart([&] {
-    return write_scenario(is_urdf ? read_urdf(text, path.filename().string(), options.fixed_base)
-                                  : read_mjcf(options.file));
+    return write_scenario(is_urdf ? readers.read_urdf(text, path.filename().string(), options.fixed_base)
+                                  : readers.read_mjcf(options.file));
   });
   // An unphysical model is reported like that of any scenario, and not written.
   const hil::Scenario checked = hil::load_scenario_text(scenario, "the scenario that it makes");
@@ -47,10 +53,10 @@ int run(const ImportOptions& options) {
 
 }  // namespace
 
-void add_import(CLI::App& app, int& exit_code) {
+void add_import(Command app, int& exit_code) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = add_verb(
-      app, "import",
+  Command command = app.add_verb(
+      "import",
       "Converts a URDF or MJCF file to a scenario, as a starting point. Converted: bodies with mass and inertia, "
       "joints (fixed, revolute, continuous, prismatic, planar, floating; MJCF: hinge, slide, ball, free, two crossed "
       "hinges, connect and weld), springs and dampers of joints, shapes (box, cylinder, sphere, capsule; meshes of "
@@ -59,13 +65,13 @@ void add_import(CLI::App& app, int& exit_code) {
       "tendons, sensors, contacts, meshes of a URDF. The bodies are at the file's zero configuration, at rest.",
       "unlatch import arm.urdf --fixed-base --out arm.yaml\n"
       "unlatch import pendulum.xml --out pendulum.yaml && unlatch run pendulum.yaml");
-  command->add_option("FILE", options->file, "URDF (.urdf) or MJCF (.xml)")->required();
-  command->add_option("--out", options->out, "scenario to write (.yaml); - for standard output")
-      ->required()
-      ->type_name("FILE");
-  command->add_flag("--fixed-base", options->fixed_base, "URDF: a root link with mass is welded to the ground");
-  command->add_flag("--force", options->force, "overwrites an existing file");
-  command->callback([options, &exit_code] {
+  command.add_option("FILE", options->file, "URDF (.urdf) or MJCF (.xml)").required();
+  command.add_option("--out", options->out, "scenario to write (.yaml); - for standard output")
+      .required()
+      .type_name("FILE");
+  command.add_flag("--fixed-base", options->fixed_base, "URDF: a root link with mass is welded to the ground");
+  command.add_flag("--force", options->force, "overwrites an existing file");
+  command.callback([options, &exit_code] {
     try {
       exit_code = run(*options);
     } catch (const ImportError& error) {

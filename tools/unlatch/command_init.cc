@@ -62,20 +62,21 @@ int run(const std::string& file, const std::string& like) {
 
 }  // namespace
 
-void add_init(CLI::App& app, int& exit_code) {
+void add_init(Command app, int& exit_code) {
   struct Options {
     std::string file, like = "separation";
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = add_verb(
-      app, "init", "Writes a scenario to start from, with comments, and the schema with which editors check it.",
-      "unlatch init first --like array");
+  Command command =
+      app.add_verb("init", "Writes a scenario to start from, with comments, and the schema with which editors check it.",
+                   "unlatch init first --like array");
   std::vector<std::string> kinds;
   for (const Starter& starter : get_starters()) kinds.push_back(starter.name);
-  command->add_option("NAME", options->file, "name of the scenario and of its file NAME.yaml; may include a folder")
-      ->required();
-  command->add_option("--like", options->like, "kind of structure")->check(CLI::IsMember(kinds))->capture_default_str();
-  command->callback([options, &exit_code] { exit_code = run(options->file, options->like); });
+  command
+      .add_option("NAME", options->file, "name of the scenario and of its file NAME.yaml; may include a folder")
+      .required();
+  command.add_option("--like", options->like, "kind of structure").one_of(kinds).default_shown();
+  command.callback([options, &exit_code] { exit_code = run(options->file, options->like); });
 }
 
 }  // namespace unlatch::tools

@@ -1,6 +1,7 @@
 // unlatch log: an ordinary subscriber that writes what it hears into an LCM event log.
 #include <array>
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "hil/recording/log_file.h"
 #include "tools/exit_codes.h"
@@ -126,16 +127,15 @@ int run(const LogOptions& options) {
 
 }  // namespace
 
-void add_log(CLI::App& app, int& exit_code) {
+void add_log(Command app, int& exit_code) {
   auto options = std::make_shared<LogOptions>();
-  CLI::App* command = add_verb(
-      app, "log",
-      "Records the messages of a session into an LCM event log, as an ordinary subscriber, until the session ends.",
-      "unlatch log --transport dds --out heard.log");
-  add_transport_options(*command, options->transport, false);
-  command->add_option("--out", options->out, "file to write")->required()->type_name("FILE");
-  add_json_option(*command, options->json, "numbers of received messages");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  Command command =
+      app.add_verb("log", "Records the messages of a session into an LCM event log, as an ordinary subscriber, until the session ends.",
+                   "unlatch log --transport dds --out heard.log");
+  add_transport_options(command, options->transport, false);
+  command.add_option("--out", options->out, "file to write").required().type_name("FILE");
+  command.add_json_option(options->json, "numbers of received messages");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

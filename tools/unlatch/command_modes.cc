@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 
@@ -21,12 +22,12 @@ using Json = nlohmann::ordered_json;
 
 // --- What the verbs share -------------------------------------------------------------------------------------------
 
-void add_shell_options(CLI::App& command, HalfShell& shell) {
-  command.add_option("--radius", shell.radius, "radius of the half circle, m")->check(CLI::PositiveNumber);
-  command.add_option("--thickness", shell.thickness, "wall thickness, m")->check(CLI::PositiveNumber);
-  command.add_option("--young", shell.young, "Young's modulus, N/m2")->check(CLI::PositiveNumber);
-  command.add_option("--density", shell.density, "density, kg/m3")->check(CLI::PositiveNumber);
-  command.add_option("--poisson", shell.poisson, "Poisson's ratio")->check(CLI::Range(0.0, 0.499));
+void add_shell_options(Command command, HalfShell& shell) {
+  command.add_option("--radius", shell.radius, "radius of the half circle, m").positive();
+  command.add_option("--thickness", shell.thickness, "wall thickness, m").positive();
+  command.add_option("--young", shell.young, "Young's modulus, N/m2").positive();
+  command.add_option("--density", shell.density, "density, kg/m3").positive();
+  command.add_option("--poisson", shell.poisson, "Poisson's ratio").within(0.0, 0.499);
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -42,7 +43,7 @@ MarkerRequest parse_marker(const std::string& text) {
   Eigen::Vector3d& p = marker.position;
   if (std::sscanf(text.c_str(), "%63[^=]=%lf,%lf,%lf%n", name, &p.x(), &p.y(), &p.z(), &end) != 4 ||
       end != static_cast<int>(text.size()) || !p.allFinite())
-    throw CLI::ValidationError("--marker", "'" + text + "' is not NAME=x,y,z");
+    refuse_option("--marker", "'" + text + "' is not NAME=x,y,z");
   marker.name = name;
   return marker;
 }
@@ -189,11 +190,10 @@ struct ExportOptions {
   std::string out, title;
   int count = 8, digits = 5;
 };
-void add_export_options(CLI::App& command, ExportOptions& options) {
+void add_export_options(Command command, ExportOptions& options) {
   command.add_option("--marker", options.markers, "NAME=x,y,z: an attachment frame at the nearest node; repeatable");
-  command.add_option("--modes", options.count, "largest number of elastic modes")->check(CLI::Range(1, 200));
-  command.add_option("--digits", options.digits, "digits of shapes after the first digit of the largest")
-      ->check(CLI::Range(2, 15));
+  command.add_option("--modes", options.count, "largest number of elastic modes").within(1, 200);
+  command.add_option("--digits", options.digits, "digits of shapes after the first digit of the largest").within(2, 15);
   command.add_option("--title", options.title, "title in the modes file");
 }
 
@@ -298,7 +298,7 @@ Json compare_models(std::FILE* to, const hil::Modes& modes, const HalfShell& s) 
 int run_shell(const ShellOptions& options) {
   const HalfShell& s = options.shell;
   if (s.cone > 0 && !(s.nose > 0 && s.nose < s.radius))
-    throw CLI::ValidationError("--nose", "the cone ends at a radius between 0 and that of the cylinder");
+    refuse_option("--nose", "the cone ends at a radius between 0 and that of the cylinder");
   const MeshModes found = solve_shell(options);
   hil::Modes modes = build_export(found, s.thickness * s.density, options.file);
   char text[240];
@@ -326,81 +326,78 @@ int run_shell(const ShellOptions& options) {
 
 // --- The command line -----------------------------------------------------------------------------------------------
 
-void add_arc(CLI::App& app, int& exit_code) {
+void add_arc(Command app, int& exit_code) {
   auto options = std::make_shared<ArcOptions>();
-  CLI::App* command = add_verb(
-      app, "arc",
-      "Frequencies of a curved beam, free at both ends: Anshakov et al. (3.4), and the exact inextensional arc.",
+  Command command = app.add_verb(
+      "arc", "Frequencies of a curved beam, free at both ends: Anshakov et al. (3.4), and the exact inextensional arc.",
       "unlatch modes arc --radius 2 --thickness 0.01");
-  add_shell_options(*command, options->shell);
-  command->add_option("--angle", options->angle_deg, "angle of the arc, degrees")->check(CLI::Range(1.0, 359.0));
-  command->add_option("--modes", options->count, "number of modes")->check(CLI::Range(1, 50));
-  command->add_option("--points", options->points, "points of each shape in the JSON")->check(CLI::Range(3, 10001));
-  add_json_option(*command, options->json);
-  command->callback([options, &exit_code] { exit_code = run_arc(*options); });
+  add_shell_options(command, options->shell);
+  command.add_option("--angle", options->angle_deg, "angle of the arc, degrees").within(1.0, 359.0);
+  command.add_option("--modes", options->count, "number of modes").within(1, 50);
+  command.add_option("--points", options->points, "points of each shape in the JSON").within(3, 10001);
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = run_arc(*options); });
 }
 
-void add_shell(CLI::App& app, int& exit_code) {
+void add_shell(Command app, int& exit_code) {
   auto options = std::make_shared<ShellOptions>();
   HalfShell& shell = options->shell;
-  CLI::App* command = add_verb(
-      app, "shell",
-      "Modes of a free half shell by finite elements (CalculiX), beside both beam models; --out writes a modes file.",
+  Command command = app.add_verb(
+      "shell", "Modes of a free half shell by finite elements (CalculiX), beside both beam models; --out writes a modes file.",
       "unlatch modes shell --cone 0\n"
       "unlatch modes shell --out fairing.modes --marker hinge=0,2,0");
-  add_shell_options(*command, shell);
-  command->add_option("--cylinder", shell.cylinder, "height of the cylinder, m")->check(CLI::PositiveNumber);
-  command->add_option("--cone", shell.cone, "height of the cone to its apex, m; 0: none")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--nose", shell.nose, "radius at which the cone is cut, m");
-  command->add_option("--around", shell.around, "elements around the half circle")->check(CLI::Range(2, 200));
-  command->add_option("--cylinder-rows", shell.cylinder_rows, "elements along the cylinder")->check(CLI::Range(1, 500));
-  command->add_option("--cone-rows", shell.cone_rows, "elements along the cone")->check(CLI::Range(1, 500));
-  command->add_option("--ccx", options->ccx, "CalculiX's program");
-  command->add_option("--keep", options->keep, "folder that keeps CalculiX's files");
-  command->add_option("--out", options->file.out, "modes file");
-  add_export_options(*command, options->file);
-  add_json_option(*command, options->json);
-  command->callback([options, &exit_code] { exit_code = run_shell(*options); });
+  add_shell_options(command, shell);
+  command.add_option("--cylinder", shell.cylinder, "height of the cylinder, m").positive();
+  command.add_option("--cone", shell.cone, "height of the cone to its apex, m; 0: none").not_negative();
+  command.add_option("--nose", shell.nose, "radius at which the cone is cut, m");
+  command.add_option("--around", shell.around, "elements around the half circle").within(2, 200);
+  command.add_option("--cylinder-rows", shell.cylinder_rows, "elements along the cylinder").within(1, 500);
+  command.add_option("--cone-rows", shell.cone_rows, "elements along the cone").within(1, 500);
+  command.add_option("--ccx", options->ccx, "CalculiX's program");
+  command.add_option("--keep", options->keep, "folder that keeps CalculiX's files");
+  command.add_option("--out", options->file.out, "modes file");
+  add_export_options(command, options->file);
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = run_shell(*options); });
 }
 
-void add_modes_import(CLI::App& app, int& exit_code) {
+void add_modes_import(Command app, int& exit_code) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command =
-      add_verb(app, "import", "Converts CalculiX's modes of a shell (.frd, and .dat for more digits) to a modes file.",
-               "unlatch modes import job.frd --dat job.dat --thickness 0.01 --density 4000 --out job.modes");
-  command->add_option("frd", options->frd, "CalculiX's .frd file, written with *NODE FILE, OUTPUT=2D")->required();
-  command->add_option("--dat", options->dat, ".dat file of the same run");
-  command->add_option("--thickness", options->thickness, "wall thickness, m")->required()->check(CLI::PositiveNumber);
-  command->add_option("--density", options->density, "density, kg/m3")->required()->check(CLI::PositiveNumber);
-  command->add_option("--out", options->file.out, "modes file")->required();
-  add_export_options(*command, options->file);
-  add_json_option(*command, options->json);
-  command->callback([options, &exit_code] { exit_code = run_import(*options); });
+  Command command =
+      app.add_verb("import", "Converts CalculiX's modes of a shell (.frd, and .dat for more digits) to a modes file.",
+                   "unlatch modes import job.frd --dat job.dat --thickness 0.01 --density 4000 --out job.modes");
+  command.add_option("frd", options->frd, "CalculiX's .frd file, written with *NODE FILE, OUTPUT=2D").required();
+  command.add_option("--dat", options->dat, ".dat file of the same run");
+  command.add_option("--thickness", options->thickness, "wall thickness, m").required().positive();
+  command.add_option("--density", options->density, "density, kg/m3").required().positive();
+  command.add_option("--out", options->file.out, "modes file").required();
+  add_export_options(command, options->file);
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = run_import(*options); });
 }
 
-void add_show(CLI::App& app, int& exit_code) {
+void add_show(Command app, int& exit_code) {
   auto options = std::make_shared<ShowOptions>();
-  CLI::App* command = add_verb(
-      app, "show", "Prints the contents of a modes file, its conditioning, and the effect of a selection of modes.",
-      "unlatch modes show fairing.modes --select 1,4,5");
-  command->add_option("file", options->path, "modes file (hil/MODES.md)")->required();
-  command->add_option("--select", options->select, "numbers of modes (default: all)")->delimiter(',');
-  add_json_option(*command, options->json);
-  command->callback([options, &exit_code] { exit_code = run_show(*options); });
+  Command command =
+      app.add_verb("show", "Prints the contents of a modes file, its conditioning, and the effect of a selection of modes.",
+                   "unlatch modes show fairing.modes --select 1,4,5");
+  command.add_option("file", options->path, "modes file (hil/MODES.md)").required();
+  command.add_option("--select", options->select, "numbers of modes (default: all)").delimiter(',');
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = run_show(*options); });
 }
 
 }  // namespace
 
-void add_modes(CLI::App& app, int& exit_code) {
-  CLI::App* command = add_verb(
-      app, "modes", "Natural frequencies and shapes for flexible bodies: beam theory, finite elements, modes files.",
+void add_modes(Command app, int& exit_code) {
+  Command command = app.add_verb(
+      "modes", "Natural frequencies and shapes for flexible bodies: beam theory, finite elements, modes files.",
       "unlatch modes arc --radius 2 --thickness 0.01");
-  command->require_subcommand(1);
-  add_arc(*command, exit_code);
-  add_shell(*command, exit_code);
-  add_modes_import(*command, exit_code);
-  add_show(*command, exit_code);
+  command.require_verb();
+  add_arc(command, exit_code);
+  add_shell(command, exit_code);
+  add_modes_import(command, exit_code);
+  add_show(command, exit_code);
 }
 
 }  // namespace unlatch::tools

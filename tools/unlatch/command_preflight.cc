@@ -1,5 +1,6 @@
 // unlatch preflight: checks whether this machine is ready for a hard-real-time run, and says how to improve it.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "hil/realtime/preflight.h"
 #include "tools/exit_codes.h"
@@ -66,21 +67,21 @@ int run(const PreflightOptions& options) {
 
 }  // namespace
 
-void add_preflight(CLI::App& app, int& exit_code) {
+void add_preflight(Command app, int& exit_code) {
   auto options = std::make_shared<PreflightOptions>();
-  CLI::App* command =
-      add_verb(app, "preflight",
-               "Checks whether this machine is ready for a hard-real-time run, and says how to improve it; changes "
+  Command command = app.add_verb("preflight",
+                                 "Checks whether this machine is ready for a hard-real-time run, and says how to improve it; changes "
                "nothing. Loads one CPU for half a second to "
                "measure other load on it.",
-               "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
-  add_json_option(*command, options->json);
-  command->add_option("--cpu", options->cpu, "CPU to test, that of the cyclic thread")
-      ->type_name("NUMBER")
-      ->check(CLI::Range(0, 1023));
-  command->add_flag("--no-trial", options->no_trial, "only reads system settings; does not load the CPU");
-  command->add_flag("--strict", options->strict, "exit code 3 unless all checks pass");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+                                 "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
+  command.add_json_option(options->json);
+  command.add_option("--cpu", options->cpu, "CPU to test, that of the cyclic thread")
+      .type_name("NUMBER")
+      .within(0, 1023);
+  command.add_flag("--no-trial", options->no_trial,
+                   "only reads system settings; does not load the CPU");
+  command.add_flag("--strict", options->strict, "exit code 3 unless all checks pass");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

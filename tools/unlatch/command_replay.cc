@@ -18,22 +18,22 @@ int run(const ReplayOptions& options) {
   progress.clear();
   const RunReport report = log.build_report();
   print_report(get_people_stream(options.json), report);
-  write_json(build_json(report), options.json);
+  write_json(report, options.json);
   return log.is_sound() ? kExitDone : kExitFailed;
 }
 
 }  // namespace
 
-void add_replay(CLI::App& app, int& exit_code) {
+void add_replay(Command app, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = add_verb(
-      app, "replay",
+  Command command = app.add_verb(
+      "replay",
       "Runs a recording again, compares the hash of the state at every tick, and reports the first difference (exit "
       "code 1). A truncated recording replays up to its end, with status 'truncated' and exit code 0.",
       "unlatch replay run.log --json replay.json");
-  command->add_option("LOG", options->log, "recording made by --log")->required();
-  add_json_option(*command, options->json);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command.add_option("LOG", options->log, "recording made by --log").required();
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "tools/exit_codes.h"
 #include "tools/report/page.h"
@@ -92,7 +93,7 @@ void refuse_to_overwrite(const ReportOptions& options) {
   for (const std::string& log : options.logs) {
     std::error_code error;
     if (std::filesystem::equivalent(log, options.out, error)) {
-      throw CLI::ValidationError("--out", options.out + " is the recording; the report needs a file of its own");
+      refuse_option("--out", options.out + " is the recording; the report needs a file of its own");
     }
   }
 }
@@ -101,7 +102,7 @@ int run(const ReportOptions& options) {
   if (!has_page()) {
     std::fprintf(stderr,
                  "unlatch report: this program was built without the page, which needs Node.js and npm; install them "
-                 "(tools/setup does), and build again from the beginning: cmake --fresh --preset release\n");
+                 "(tools/setup does), and build again: cmake --preset release\n");
     return kExitEnvironment;
   }
   refuse_to_overwrite(options);
@@ -121,20 +122,20 @@ int run(const ReportOptions& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, int& exit_code) {
+void add_report(Command app, int& exit_code) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = add_verb(
-      app, "report",
+  Command command = app.add_verb(
+      "report",
       "Replays one or two recordings and writes one HTML file that works offline: the bodies in motion, plots, the "
       "event "
       "timeline, timing, the scenario. Exit code 1: the file was written, but a replay differs from its recording.",
       "unlatch report run.log --out run.html\n"
       "unlatch report yesterday.log today.log --out both.html");
-  command->add_option("LOG", options->logs, "recording made by --log; a second one is drawn over the first")
-      ->required()
-      ->expected(1, 2);
-  command->add_option("--out", options->out, "file to write (.html)")->required()->type_name("FILE");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command.add_option("LOG", options->logs, "recording made by --log; a second one is drawn over the first")
+      .required()
+      .expected(1, 2);
+  command.add_option("--out", options->out, "file to write (.html)").required().type_name("FILE");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

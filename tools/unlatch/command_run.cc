@@ -1,6 +1,8 @@
 // unlatch run: without flight software, as fast as it goes, in one process.
 #include <atomic>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -35,7 +37,7 @@ struct Span {
 std::int64_t calc_tick_within(const char* option, const char* what, double time, const Span& span) {
   const std::int64_t tick = hil::calc_nearest_tick(time, span.dt);
   if (!(tick >= span.first && tick <= span.last)) {
-    throw CLI::ValidationError(option, std::to_string(time) + " s is not within the run");
+    refuse_option(option, std::to_string(time) + " s is not within the run");
   }
   constexpr double kSameTime = 1e-9;  // of a step: the rounding of T / dt
   if (std::abs(static_cast<double>(tick) - time / span.dt) > kSameTime * std::max(1.0, time / span.dt)) {
@@ -80,12 +82,15 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
                               Checkpoints& checkpoints, std::int64_t last_tick) {
   std::atomic<std::int64_t> tick{simulation.get_tick()};
   Progress progress(simulation.plan().get_options().dt, last_tick);
+  std::mutex mutex;
+  std::condition_variable_any stopped;  // ends the wait for the next look at once
   std::jthread watcher([&](const std::stop_token& stopping) {
     RecordingWatch recording(recorder);
+    std::unique_lock lock(mutex);
     while (!stopping.stop_requested()) {
       recording.look(progress);
       progress.show(tick.load(std::memory_order_relaxed));
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      stopped.wait_for(lock, stopping, std::chrono::milliseconds(20), [] { return false; });
     }
   });
   hil::LogEnd end = hil::run_fast(simulation, analysis, recorder, last_tick, catch_interrupts(), [&] {
@@ -107,7 +112,7 @@ int run(const RunOptions& options) {
   if (!options.resume.empty()) hil::read_checkpoint(options.resume, scenario, simulation);
   const Span span{scenario.dt, simulation.get_tick(), last_tick};
   if (span.first > span.last) {
-    throw CLI::ValidationError("--resume", options.resume + ": is of a time after the end of this run");
+    refuse_option("--resume", options.resume + ": is of a time after the end of this run");
   }
   hil::RunAnalysis analysis(scenario, simulation, calc_sample_ticks(options, span));
   Checkpoints checkpoints(options, scenario, simulation, span);
@@ -123,33 +128,34 @@ int run(const RunOptions& options) {
                          end.message, end.tick,    end.hash, end.timing,
                          {},          std::nullopt};
   print_report(get_people_stream(options.output.json), report);
-  write_json(build_json(report), options.output.json);
+  write_json(report, options.output.json);
   if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
   return end.status == hil::RunStatus::kDone ? kExitDone : kExitFailed;
 }
 
 }  // namespace
 
-void add_run(CLI::App& app, int& exit_code) {
+void add_run(Command app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command =
-      add_verb(app, "run", "Runs a scenario without flight software, as fast as possible.",
-               "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
+  Command command =
+      app.add_verb("run", "Runs a scenario without flight software, as fast as possible.",
+                   "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
                "unlatch run hil/scenarios/boosters/reference.yaml --set bodies.core.mass=99000 --log run.log");
-  add_scenario_options(*command, options->scenario);
+  add_scenario_options(command, options->scenario);
   command
-      ->add_option("--sample", options->samples,
-                   "times at which the JSON has all bodies and reactions, s (default: the end)")
-      ->delimiter(',')
-      ->type_name("SECONDS,...");
-  command->add_option("--checkpoint", options->checkpoints, "saves the state at a time, s, for --resume; repeatable")
-      ->type_name("SECONDS FILE");
+      .add_option("--sample", options->samples,
+                  "times at which the JSON has all bodies and reactions, s (default: the end)")
+      .delimiter(',')
+      .type_name("SECONDS,...");
   command
-      ->add_option("--resume", options->resume,
-                   "continues from a checkpoint of the same scenario, with the same bits; results start there")
-      ->type_name("FILE");
-  add_output_options(*command, options->output);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+      .add_option("--checkpoint", options->checkpoints, "saves the state at a time, s, for --resume; repeatable")
+      .type_name("SECONDS FILE");
+  command
+      .add_option("--resume", options->resume,
+                  "continues from a checkpoint of the same scenario, with the same bits; results start there")
+      .type_name("FILE");
+  add_output_options(command, options->output);
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

@@ -102,22 +102,22 @@ int run(const WatchOptions& options) {
 
 }  // namespace
 
-void add_watch(CLI::App& app, int& exit_code) {
+void add_watch(Command app, int& exit_code) {
   auto options = std::make_shared<WatchOptions>();
-  CLI::App* command =
-      add_verb(app, "watch",
-               "Shows a session while it runs: modes and reactions of the joints, clearances, times, "
+  Command command =
+      app.add_verb("watch",
+                   "Shows a session while it runs: modes and reactions of the joints, clearances, times, "
                "messages, participants, events. It only receives, on any machine, and continues with the next "
                "session when one ends. On a terminal it updates ten times a second (q: quit); elsewhere it prints a "
                "line each second.",
-               "unlatch watch --transport dds");
-  add_transport_options(*command, options->transport, false);
-  command->add_option("--for", options->seconds, "ends after this wall time, s (default: never)")
-      ->type_name("SECONDS")
-      ->check(check_seconds);
-  command->add_flag("--once", options->once, "shows one complete view and ends");
-  add_json_option(*command, options->json, "one object on each line, each second");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+                   "unlatch watch --transport dds");
+  add_transport_options(command, options->transport, false);
+  command.add_option("--for", options->seconds, "ends after this wall time, s (default: never)")
+      .type_name("SECONDS")
+      .check(check_seconds);
+  command.add_flag("--once", options->once, "shows one complete view and ends");
+  command.add_json_option(options->json, "one object on each line, each second");
+  command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace unlatch::tools

@@ -1,34 +1,33 @@
 // The subcommands of `unlatch`. Each adds itself to the command line; the program then runs the chosen one.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
-#include "tools/unlatch/verb.h"
+#include "tools/command_line.h"
 
 namespace unlatch::tools {
 
 // Each sets `exit_code` when it has run. Errors of the user's files, the middleware and so on leave as exceptions;
 // main.cc turns them into messages and exit codes.
-void add_check(CLI::App& app, int& exit_code);
-void add_run(CLI::App& app, int& exit_code);
-void add_hil(CLI::App& app, int& exit_code);
-void add_replay(CLI::App& app, int& exit_code);
-void add_preflight(CLI::App& app, int& exit_code);
-void add_diff(CLI::App& app, int& exit_code);
-void add_report(CLI::App& app, int& exit_code);
-void add_log(CLI::App& app, int& exit_code);
-void add_init(CLI::App& app, int& exit_code);
-void add_modes(CLI::App& app, int& exit_code);
-void add_export(CLI::App& app, int& exit_code);
-void add_import(CLI::App& app, int& exit_code);
-void add_watch(CLI::App& app, int& exit_code);
-void add_completion(CLI::App& app, int& exit_code);
-void add_man(CLI::App& app, int& exit_code);
+void add_check(Command app, int& exit_code);
+void add_run(Command app, int& exit_code);
+void add_hil(Command app, int& exit_code);
+void add_replay(Command app, int& exit_code);
+void add_preflight(Command app, int& exit_code);
+void add_diff(Command app, int& exit_code);
+void add_report(Command app, int& exit_code);
+void add_log(Command app, int& exit_code);
+void add_init(Command app, int& exit_code);
+void add_modes(Command app, int& exit_code);
+void add_export(Command app, int& exit_code);
+void add_import(Command app, int& exit_code);
+void add_watch(Command app, int& exit_code);
+void add_completion(Command app, int& exit_code);
+void add_man(Command app, int& exit_code);
 
 // Notes of check, run and hil about their scenario.
 struct ScenarioOptions {
@@ -36,7 +35,7 @@ struct ScenarioOptions {
   std::vector<std::string> overrides;
   double until = 0, dt = 0;  // s; 0: as the scenario says
 };
-void add_scenario_options(CLI::App& command, ScenarioOptions& options);
+void add_scenario_options(Command command, ScenarioOptions& options);
 
 // Throws hil::ScenarioError.
 hil::Scenario load(const ScenarioOptions& options);
@@ -52,6 +51,6 @@ inline constexpr double kAccurate = 0.2, kStable = 2.8;
 struct OutputOptions {
   std::string json, log;
 };
-void add_output_options(CLI::App& command, OutputOptions& options);
+void add_output_options(Command command, OutputOptions& options);
 
 }  // namespace unlatch::tools

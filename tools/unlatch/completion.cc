@@ -2,7 +2,6 @@
 
 #include "hil/language/yaml_document.h"
 #include "hil/scenario/scenario.h"
-#include "tools/unlatch/verb.h"
 
 namespace unlatch::tools {
 namespace {
@@ -30,17 +29,17 @@ std::string quote(const std::string& text) {
   return quoted + "'";
 }
 
-std::vector<std::string> list_long_names(const CLI::App& verb) {
+std::vector<std::string> list_long_names(const Command& verb) {
   std::vector<std::string> names;
-  for (const OptionText& option : list_options(verb)) {
+  for (const OptionText& option : verb.list_options()) {
     if (!option.is_argument) names.insert(names.end(), option.names.begin(), option.names.end());
   }
   return names;
 }
 
-std::vector<std::string> list_verb_names(const CLI::App& app) {
+std::vector<std::string> list_verb_names(const Command& app) {
   std::vector<std::string> names;
-  for (const CLI::App* verb : list_verbs(app)) names.push_back(verb->get_name());
+  for (const Command& verb : app.list_verbs()) names.push_back(verb.get_name());
   return names;
 }
 
@@ -67,9 +66,9 @@ void list_paths(const hil::YamlNode& node, const std::string& path, std::string&
 
 // --- bash -----------------------------------------------------------------------------------------------------------
 
-std::string build_bash_values(const CLI::App& verb) {
+std::string build_bash_values(const Command& verb) {
   std::string cases;
-  for (const OptionText& option : list_options(verb)) {
+  for (const OptionText& option : verb.list_options()) {
     if (option.is_argument || option.value.empty()) continue;
     std::string action = ";";  // a value that cannot be guessed
     if (!option.choices.empty()) action = "_unlatch_words " + quote(join(option.choices));
@@ -83,9 +82,9 @@ std::string build_bash_values(const CLI::App& verb) {
   return cases;
 }
 
-std::string build_bash_verb(const CLI::App& verb) {
+std::string build_bash_verb(const Command& verb) {
   std::string action;
-  for (const OptionText& option : list_options(verb)) {
+  for (const OptionText& option : verb.list_options()) {
     if (!option.is_argument || !action.empty()) continue;
     action = option.choices.empty() ? "_unlatch_files " + quote(get_ending(option))
                                     : "_unlatch_words " + quote(join(option.choices));
@@ -127,11 +126,11 @@ std::string list_scenario_paths(const std::string& scenario) {
 }
 
 // A path with a colon comes in three words: what is before it, the colon, what is behind.
-std::string build_bash_completion(const CLI::App& app) {
+std::string build_bash_completion(const Command& app) {
   std::string values, verbs;
-  for (const CLI::App* verb : list_verbs(app)) {
-    values += build_bash_values(*verb);
-    verbs += build_bash_verb(*verb);
+  for (const Command& verb : app.list_verbs()) {
+    values += build_bash_values(verb);
+    verbs += build_bash_verb(verb);
   }
   return std::string(kBashHead) + "  if ((COMP_CWORD == 1)); then _unlatch_words " +
          quote(join(list_verb_names(app)) + " " + join(list_long_names(app))) + "; return; fi\n" +
@@ -160,10 +159,10 @@ std::string escape_zsh(const std::string& text) {
   return escaped;
 }
 
-std::string build_zsh_verb(const CLI::App& verb) {
+std::string build_zsh_verb(const Command& verb) {
   std::string specs;
   int place = 0;
-  for (const OptionText& option : list_options(verb)) {
+  for (const OptionText& option : verb.list_options()) {
     if (option.is_argument) {
       const std::string where = option.is_repeatable ? "*" : std::to_string(++place);
       specs += " \\\n        " + quote(where + ":" + option.names[0] + ":" + build_zsh_action(option));
@@ -180,11 +179,11 @@ std::string build_zsh_verb(const CLI::App& verb) {
 
 }  // namespace
 
-std::string build_zsh_completion(const CLI::App& app) {
+std::string build_zsh_completion(const Command& app) {
   std::string names, verbs;
-  for (const CLI::App* verb : list_verbs(app)) {
-    names += "      " + quote(verb->get_name() + ":" + escape_zsh(get_summary(*verb))) + "\n";
-    verbs += build_zsh_verb(*verb);
+  for (const Command& verb : app.list_verbs()) {
+    names += "      " + quote(verb.get_name() + ":" + escape_zsh(verb.get_summary())) + "\n";
+    verbs += build_zsh_verb(verb);
   }
   return "#compdef unlatch\n# zsh completion of unlatch, written by `unlatch completion zsh`\n"
          "_unlatch_paths() {\n  local scenario=${words[(r)*.yaml]}\n  [[ -n $scenario ]] || return 1\n"
@@ -201,17 +200,17 @@ std::string build_zsh_completion(const CLI::App& app) {
 
 // --- fish -----------------------------------------------------------------------------------------------------------
 
-std::string build_fish_completion(const CLI::App& app) {
+std::string build_fish_completion(const Command& app) {
   std::string lines =
       "# fish completion of unlatch, written by `unlatch completion fish`\ncomplete -c unlatch -f\n"
       "function __unlatch_paths\n  set -l scenario (commandline -opc | string match '*.yaml')\n"
       "  test -n \"$scenario\"; and unlatch completion paths $scenario[1] 2>/dev/null | string replace -r '$' "
       "'='\nend\n";
-  for (const CLI::App* verb : list_verbs(app)) {
-    lines += "complete -c unlatch -n __fish_use_subcommand -a " + verb->get_name() + " -d " +
-             quote(get_summary(*verb)) + "\n";
-    const std::string here = "complete -c unlatch -n '__fish_seen_subcommand_from " + verb->get_name() + "'";
-    for (const OptionText& option : list_options(*verb)) {
+  for (const Command& verb : app.list_verbs()) {
+    lines += "complete -c unlatch -n __fish_use_subcommand -a " + verb.get_name() + " -d " + quote(verb.get_summary()) +
+             "\n";
+    const std::string here = "complete -c unlatch -n '__fish_seen_subcommand_from " + verb.get_name() + "'";
+    for (const OptionText& option : verb.list_options()) {
       std::string line = here;
       if (option.is_argument) {
         line += option.choices.empty() ? " -k -a '(__fish_complete_suffix ." + get_ending(option) + ")'"

@@ -1,6 +1,7 @@
 #include "tools/unlatch/diff_report.h"
 
 #include <bit>
+#include <nlohmann/json.hpp>
 
 #include "tools/unlatch/report.h"
 
@@ -79,5 +80,7 @@ nlohmann::ordered_json build_json(const DiffReport& report) {
   }
   return json;
 }
+
+void write_json(const DiffReport& report, const std::string& target) { write_json(build_json(report), target); }
 
 }  // namespace unlatch::tools

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "hil/recording/log_diff.h"
@@ -25,5 +25,6 @@ bool has_same_bits(const hil::Two& values);
 const char* get_cause_name(hil::ChangeCause cause);
 
 nlohmann::ordered_json build_json(const DiffReport& report);
+void write_json(const DiffReport& report, const std::string& target);  // as in report.h
 
 }  // namespace unlatch::tools

@@ -1,8 +1,10 @@
 // unlatch: the command line.
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 
 #include "bridge/port.h"
+#include "hil/modules/module.h"
 #include "hil/recording/log_file.h"
 #include "hil/simulation/simulation.h"
 #include "tools/exit_codes.h"
@@ -11,42 +13,45 @@
 #include "tools/unlatch/graph.h"
 #include "tools/unlatch/report.h"
 
+namespace unlatch::tools {
+namespace {
+
+// In the order of --help.
+void add_verbs(Command program, int& exit_code) {
+  for (const auto add : {add_init, add_check, add_run, add_hil, add_replay, add_diff, add_report, add_export,
+                         add_import, add_log, add_watch, add_preflight, add_modes, add_completion, add_man}) {
+    add(program, exit_code);
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::tools
+
 int main(int argc, char** argv) {
   using namespace unlatch;
-  CLI::App app{
-      "Simulates separation and deployment in hard real time, with flight software in the loop. Each verb has --help.",
-      "unlatch"};
-  app.footer("Exit codes: " + std::string(tools::kExitCodesText) +
-             ".\nExample:\n  unlatch check hil/scenarios/boosters/scenario.yaml");
+  constexpr const char* kVersion = "unlatch " UNLATCH_VERSION;
+  if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
+    std::puts(kVersion);
+    return tools::kExitDone;
+  }
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), to be told like a full disk
-  app.set_version_flag("--version", "unlatch " UNLATCH_VERSION);
-  app.require_subcommand(1);
+  tools::CommandLine command_line(
+      "Simulates separation and deployment in hard real time, with flight software in the loop. Each verb has --help.",
+      "unlatch",
+      "Exit codes: " + std::string(tools::kExitCodesText) +
+          ".\nExample:\n  unlatch check hil/scenarios/boosters/scenario.yaml");
+  command_line.set_version(kVersion);
+  command_line.get_command().require_verb();
   int exit_code = tools::kExitDone;
-  tools::add_init(app, exit_code);
-  tools::add_check(app, exit_code);
-  tools::add_run(app, exit_code);
-  tools::add_hil(app, exit_code);
-  tools::add_replay(app, exit_code);
-  tools::add_diff(app, exit_code);
-  tools::add_report(app, exit_code);
-  tools::add_export(app, exit_code);
-  tools::add_import(app, exit_code);
-  tools::add_log(app, exit_code);
-  tools::add_watch(app, exit_code);
-  tools::add_preflight(app, exit_code);
-  tools::add_modes(app, exit_code);
-  tools::add_completion(app, exit_code);
-  tools::add_man(app, exit_code);
+  tools::add_verbs(command_line.get_command(), exit_code);
 
   const auto fail = [](const char* what, int code) {
     std::fprintf(stderr, "%s\n", what);
     return code;
   };
   try {
-    app.parse(argc, argv);
+    command_line.parse(argc, argv, exit_code);
     return exit_code;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? tools::kExitDone : tools::kExitUsage;
   } catch (const hil::ScenarioError& error) {
     return fail(error.what(), tools::kExitUsage);
   } catch (const hil::SimulationError& error) {
@@ -56,6 +61,8 @@ int main(int argc, char** argv) {
   } catch (const hil::LogError& error) {
     return fail(error.what(), tools::kExitUsage);
   } catch (const bridge::PortError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const hil::ModuleError& error) {
     return fail(error.what(), tools::kExitEnvironment);
   } catch (const tools::GraphError& error) {
     return fail(error.what(), tools::kExitEnvironment);

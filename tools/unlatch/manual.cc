@@ -1,7 +1,5 @@
 #include "tools/unlatch/manual.h"
 
-#include "tools/unlatch/verb.h"
-
 namespace unlatch::tools {
 namespace {
 
@@ -49,12 +47,12 @@ std::string build_paragraph(const std::string& text) {
   return lines + "\n";
 }
 
-std::string build_synopsis(const std::string& name, const CLI::App& command) {
+std::string build_synopsis(const std::string& name, const Command& command) {
   std::string line = ".B " + escape(name) + "\n[\\fIoption\\fR]...";
-  for (const OptionText& option : list_options(command)) {
+  for (const OptionText& option : command.list_options()) {
     if (option.is_argument) line += " " + in_italics(option.names[0]) + (option.is_repeatable ? "..." : "");
   }
-  if (!list_verbs(command).empty()) line = ".B " + escape(name) + "\n\\fIverb\\fR [\\fIoption\\fR]...";
+  if (!command.list_verbs().empty()) line = ".B " + escape(name) + "\n\\fIverb\\fR [\\fIoption\\fR]...";
   return line + "\n";
 }
 
@@ -69,38 +67,38 @@ std::string build_option(const OptionText& option) {
   return ".TP\n" + head + "\n" + build_paragraph(text + required);
 }
 
-std::string build_examples(const CLI::App& command) {
+std::string build_examples(const Command& command) {
   std::string lines;
-  for (const std::string& line : CLI::detail::split(command.get_footer(), '\n')) {
+  for (const std::string& line : command.list_footer()) {
     if (line.starts_with("  ")) lines += escape(line.substr(2)) + "\n";
   }
   return lines.empty() ? "" : ".SH EXAMPLES\n.nf\n" + lines + ".fi\n";
 }
 
-std::string build_verb_list(const CLI::App& app) {
+std::string build_verb_list(const Command& app) {
   std::string text = ".SH VERBS\n";
-  for (const CLI::App* verb : list_verbs(app)) {
-    text += ".TP\n.BR unlatch\\-" + escape(verb->get_name()) + " (1)\n" + escape(get_summary(*verb)) + ".\n";
+  for (const Command& verb : app.list_verbs()) {
+    text += ".TP\n.BR unlatch\\-" + escape(verb.get_name()) + " (1)\n" + escape(verb.get_summary()) + ".\n";
   }
   return text;
 }
 
 }  // namespace
 
-std::string build_manual(const CLI::App& app, const CLI::App* verb) {
-  const CLI::App& command = verb != nullptr ? *verb : app;
+std::string build_manual(const Command& app, const Command* verb) {
+  const Command& command = verb != nullptr ? *verb : app;
   const std::string name = verb != nullptr ? app.get_name() + " " + verb->get_name() : app.get_name();
   const std::string page = verb != nullptr ? app.get_name() + "-" + verb->get_name() : app.get_name();
   std::string upper = page;
   for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
 
   std::string text = ".TH " + escape(upper) + " 1 \"\" \"unlatch " UNLATCH_VERSION "\" \"unlatch\"\n";
-  text += ".SH NAME\n" + escape(page) + " \\- " + escape(get_summary(command)) + "\n";
+  text += ".SH NAME\n" + escape(page) + " \\- " + escape(command.get_summary()) + "\n";
   text += ".SH SYNOPSIS\n" + build_synopsis(name, command);
   text += ".SH DESCRIPTION\n" + build_paragraph(command.get_description());
-  if (!list_verbs(command).empty()) text += build_verb_list(command);
+  if (!command.list_verbs().empty()) text += build_verb_list(command);
   text += ".SH OPTIONS\n";
-  for (const OptionText& option : list_options(command)) text += build_option(option);
+  for (const OptionText& option : command.list_options()) text += build_option(option);
   text += ".SH EXIT STATUS\n" + build_paragraph(kExitCodesText);
   text += ".SH ENVIRONMENT\n.TP\n.B NO_COLOR\nif set, no colours; without a terminal there are none anyway\n";
   text += build_examples(command);

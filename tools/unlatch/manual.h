@@ -1,12 +1,13 @@
-// Manual pages in the format of man(7), from the CLI11 description.
+// Manual pages in the format of man(7), from the description of the command line.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+#include "tools/command_line.h"
 
 namespace unlatch::tools {
 
 // Of the program itself, or, with `verb`, of one of its verbs: "unlatch-run(1)".
-std::string build_manual(const CLI::App& app, const CLI::App* verb);
+std::string build_manual(const Command& app, const Command* verb);
 
 }  // namespace unlatch::tools

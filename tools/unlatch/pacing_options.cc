@@ -15,7 +15,7 @@ constexpr std::string_view kDescriptor = "fd:";
 
 int open_descriptor(const std::string& source) {
   const auto refuse = [&source](const std::string& why) -> int {
-    throw CLI::ValidationError("--tick-source", "'" + source + "' " + why);
+    refuse_option("--tick-source", "'" + source + "' " + why);
   };
   if (!source.starts_with(kDescriptor)) {
     const int descriptor = open(source.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -50,32 +50,32 @@ std::unique_ptr<hil::TickSource> PacingOptions::open_source(std::int64_t period_
 
 std::int64_t PacingOptions::get_patience_ns() const { return source.empty() ? 0 : kPatience_ns; }
 
-void add_pacing_options(CLI::App& command, PacingOptions& options) {
+void add_pacing_options(Command command, PacingOptions& options) {
   const std::string group = "Real time";
   command
       .add_option("--overruns", options.overruns,
                   "reaction to a late tick: fail, slip, skip_output, catch_up or catch_up=TICKS")
-      ->type_name("POLICY")
-      ->group(group);
+      .type_name("POLICY")
+      .group(group);
   command.add_option("--spin-us", options.spin_us, "time of waiting awake before each deadline, us")
-      ->type_name("MICROSECONDS")
-      ->check(CLI::Range(0.0, 10000.0))
-      ->group(group);
+      .type_name("MICROSECONDS")
+      .within(0.0, 10000.0)
+      .group(group);
   command
       .add_option("--tick-source", options.source,
                   "tick source in place of the clock: fd:N (timerfd, eventfd, pipe), or a FIFO or device FILE")
-      ->type_name("SOURCE")
-      ->group(group);
+      .type_name("SOURCE")
+      .group(group);
   command.add_option("--cpu", options.thread.cpu, "CPU of the cyclic thread")
-      ->type_name("NUMBER")
-      ->check(CLI::Range(0, 1023))
-      ->group(group);
+      .type_name("NUMBER")
+      .within(0, 1023)
+      .group(group);
   command.add_option("--priority", options.thread.priority, "priority of the cyclic thread, SCHED_FIFO")
-      ->type_name("NUMBER")
-      ->check(CLI::Range(1, 98))
-      ->capture_default_str()
-      ->group(group);
-  command.add_flag("--tick-times", options.tick_times, "records the times of the parts of each tick")->group(group);
+      .type_name("NUMBER")
+      .within(1, 98)
+      .default_shown()
+      .group(group);
+  command.add_flag("--tick-times", options.tick_times, "records the times of the parts of each tick").group(group);
 }
 
 }  // namespace unlatch::tools

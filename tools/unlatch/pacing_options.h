@@ -1,7 +1,6 @@
 // Options of `hil` for the pace.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/tick_source.h"
+#include "tools/command_line.h"
 
 namespace unlatch::tools {
 
@@ -20,11 +20,11 @@ struct PacingOptions {
 
   // The options that a scenario has too, as overrides of it, so that the recording contains them.
   void add_overrides(std::vector<std::string>& overrides) const;
-  // Null for the clock. Throws CLI::ValidationError. A file that was opened stays open.
+  // Null for the clock. Refuses what cannot be opened, as refuse_option() does. A file that was opened stays open.
   [[nodiscard]] std::unique_ptr<hil::TickSource> open_source(std::int64_t period_ns) const;
   // Longest wait for a tick from outside, ns; 0 for the clock.
   [[nodiscard]] std::int64_t get_patience_ns() const;
 };
-void add_pacing_options(CLI::App& command, PacingOptions& options);
+void add_pacing_options(Command command, PacingOptions& options);
 
 }  // namespace unlatch::tools

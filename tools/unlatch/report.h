@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +32,7 @@ const char* get_status_name(hil::RunStatus status);
 std::vector<std::string> build_verdicts(const RunReport& report);
 
 nlohmann::ordered_json build_json(const RunReport& report);
+void write_json(const RunReport& report, const std::string& target);
 void print_report(std::FILE* to, const RunReport& report);
 
 // Destination of --json: none, standard output ("-"), or a file. Throws OutputError.
@@ -46,7 +47,7 @@ void write_text(const std::string& text, const std::string& target);
 class JsonLines {
  public:
   explicit JsonLines(const std::string& target);
-  void write(const nlohmann::ordered_json& json);
+  void write(const std::string& json);  // an object in one line
 
  private:
   struct Close {

@@ -1,5 +1,6 @@
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "tools/unlatch/report.h"
 
@@ -184,6 +185,8 @@ void write_json(const nlohmann::ordered_json& json, const std::string& target) {
   write_text(json.dump(1) + "\n", target);
 }
 
+void write_json(const RunReport& report, const std::string& target) { write_json(build_json(report), target); }
+
 void write_text(const std::string& text, const std::string& target) {
   std::FILE* const file = target == "-" ? stdout : std::fopen(target.c_str(), "wb");
   if (file == nullptr) throw OutputError(target + ": cannot be created: " + std::strerror(errno));
@@ -199,9 +202,9 @@ JsonLines::JsonLines(const std::string& target) : target_(target) {
   if (!file_) throw OutputError(target + ": cannot be created: " + std::strerror(errno));
 }
 
-void JsonLines::write(const nlohmann::ordered_json& json) {
+void JsonLines::write(const std::string& json) {
   if (!file_) return;
-  const std::string text = json.dump() + "\n";
+  const std::string text = json + "\n";
   if (std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size() && std::fflush(file_.get()) == 0) return;
   throw OutputError(target_ + ": cannot be written: " + std::strerror(errno));
 }

@@ -19,20 +19,17 @@ std::string to_text(double value) {
 
 }  // namespace
 
-void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
-  command.add_option("SCENARIO", options.path, "scenario file (.yaml)")->required();
+void add_scenario_options(Command command, ScenarioOptions& options) {
+  command.add_option("SCENARIO", options.path, "scenario file (.yaml)").required();
   command.add_option("--until", options.until, "end of the run, s (default: the scenario's)")
-      ->type_name("SECONDS")
-      ->check(check_seconds);
-  command.add_option("--dt", options.dt, "step, s (default: the scenario's)")
-      ->type_name("SECONDS")
-      ->check(check_seconds);
+      .type_name("SECONDS")
+      .check(check_seconds);
+  command.add_option("--dt", options.dt, "step, s (default: the scenario's)").type_name("SECONDS").check(check_seconds);
   command
       .add_option("--set", options.overrides,
                   "replaces one value of the scenario, for example bodies.core.mass=98000; repeatable")
-      ->type_name("PATH=VALUE")
-      ->take_all()
-      ->allow_extra_args(false);
+      .type_name("PATH=VALUE")
+      .repeatable();
 }
 
 hil::Scenario load(const ScenarioOptions& options) {
@@ -58,14 +55,14 @@ void warn_of_unstable_elements(const hil::Scenario& scenario) {
   }
 }
 
-void add_output_options(CLI::App& command, OutputOptions& options) {
-  add_json_option(command, options.json);
+void add_output_options(Command command, OutputOptions& options) {
+  command.add_json_option(options.json);
   command.add_option("--log", options.log, "recording to write (LCM event log), for `unlatch replay`")
-      ->type_name("FILE");
-  command.parse_complete_callback([&options] {
-    if (options.log == "-") throw CLI::ValidationError("--log", "a recording goes to a file, not to standard output");
+      .type_name("FILE");
+  command.parsed_callback([&options] {
+    if (options.log == "-") refuse_option("--log", "a recording goes to a file, not to standard output");
     if (!options.log.empty() && options.log == options.json)
-      throw CLI::ValidationError("--log", "the recording and the JSON need different files");
+      refuse_option("--log", "the recording and the JSON need different files");
   });
 }
 

@@ -1,7 +1,6 @@
 // Draws a View: lines of text for a terminal of a given size, and one line for everything else.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -21,6 +20,7 @@ std::vector<std::string> draw(const View& view, const ScreenOptions& options);
 // "t 1.234 s, tick 1234, running; 4 of 4 joints …": for a file, a line a second.
 std::string describe(const View& view);
 
-nlohmann::ordered_json build_json(const View& view);
+// The same as one line of JSON.
+std::string build_json(const View& view);
 
 }  // namespace unlatch::tools

@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "tools/watch/screen.h"
 
 namespace unlatch::tools {
@@ -32,7 +34,7 @@ Json build_health(const hil::Health& health) {
 
 }  // namespace
 
-Json build_json(const View& view) {
+std::string build_json(const View& view) {
   Json json = {{"schema", 1}, {"session", view.session}, {"scenario", view.scenario}};
   json["status"] = view.session == 0 ? "waiting" : std::string(get_text(view.status));
   if (view.has_hello) {
@@ -77,7 +79,7 @@ Json build_json(const View& view) {
   for (const WatchedNotice& notice : view.notices) {
     json["notices"].push_back({{"t", notice.time}, {"text", notice.text}, {"bad", notice.is_bad}});
   }
-  return json;
+  return json.dump();
 }
 
 }  // namespace unlatch::tools

@@ -1,0 +1,22 @@
+#include "tests/support/linear_algebra.h"
+
+#include <Eigen/Dense>
+
+namespace unlatch::test {
+
+Eigen::VectorXcd calc_eigenvalues(const Eigen::MatrixXd& matrix) { return matrix.eigenvalues(); }
+
+SymmetricEigen calc_symmetric_eigen(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Eigen::VectorXd solve_full_pivots(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return matrix.fullPivLu().solve(right);
+}
+
+Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return matrix.colPivHouseholderQr().solve(right);
+}
+
+}  // namespace unlatch::test

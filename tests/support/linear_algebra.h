@@ -1,0 +1,22 @@
+// Eigen's decompositions for tests, compiled once: each takes a compiler some ten seconds wherever it is instantiated.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace unlatch::test {
+
+// Eigenvalues of any square matrix, in no order.
+Eigen::VectorXcd calc_eigenvalues(const Eigen::MatrixXd& matrix);
+
+// Eigenvalues, ascending, and orthonormal eigenvectors (columns) of a symmetric matrix; its lower triangle is read.
+struct SymmetricEigen {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+SymmetricEigen calc_symmetric_eigen(const Eigen::MatrixXd& matrix);
+
+// The x of matrix · x = right: by Gauss with full pivots; least squares by Householder's QR.
+Eigen::VectorXd solve_full_pivots(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
+Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
+
+}  // namespace unlatch::test

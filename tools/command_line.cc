@@ -1,0 +1,208 @@
+#include "tools/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "tools/exit_codes.h"
+
+namespace unlatch::tools {
+namespace {
+
+// CLI11 describes CLI::IsMember as "{dds,lcm}".
+std::vector<std::string> list_choices(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t begin = type.find('{');
+  if (begin == std::string::npos || type.back() != '}') return {};
+  return CLI::detail::split(type.substr(begin + 1, type.size() - begin - 2), ',');
+}
+
+std::string get_value_name(const CLI::Option& option, const std::vector<std::string>& choices) {
+  if (option.get_items_expected_max() == 0) return "";
+  if (choices.empty()) {
+    const std::string type = option.get_type_name();
+    return type.substr(0, type.find(':'));  // "FLOAT:POSITIVE"
+  }
+  std::string names;
+  for (const std::string& choice : choices) names += (names.empty() ? "" : "|") + choice;
+  return names;
+}
+
+OptionText describe(const CLI::Option& option) {
+  OptionText text;
+  text.is_argument = option.nonpositional() == false;
+  text.is_required = option.get_required();
+  text.is_repeatable =
+      option.get_items_expected_max() > 1 || option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+  text.choices = list_choices(option);
+  text.value = text.is_argument ? "" : get_value_name(option, text.choices);
+  text.description = option.get_description();
+  if (!option.get_default_str().empty()) text.description += " (default: " + option.get_default_str() + ")";
+  if (text.is_argument) {
+    text.names.push_back(option.get_name());
+  } else {
+    for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  }
+  return text;
+}
+
+}  // namespace
+
+const char* const kExitCodesText =
+    "0 done; 1 the run or the comparison failed: a fault, an abort, a difference; 2 the command line or an input file "
+    "is "
+    "wrong; 3 the environment: no permission, no middleware, no space, a program that is not installed";
+
+template <typename Target>
+OptionHandle add(CLI::App& app, const std::string& name, Target& target, const std::string& description) {
+  return OptionHandle(app.add_option(name, target, description));
+}
+
+std::string check_seconds(const std::string& text) {
+  double value = 0;  // CLI::PositiveNumber says so in four hundred digits
+  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)
+             ? std::string{}
+             : "'" + text + "' is not a positive number of seconds";
+}
+
+// --- An option
+// --------------------------------------------------------------------------------------------------------
+
+OptionHandle OptionHandle::type_name(const std::string& name) { return option_->type_name(name), *this; }
+OptionHandle OptionHandle::group(const std::string& name) { return option_->group(name), *this; }
+OptionHandle OptionHandle::required() { return option_->required(), *this; }
+OptionHandle OptionHandle::default_shown() { return option_->capture_default_str(), *this; }
+OptionHandle OptionHandle::delimiter(char separator) { return option_->delimiter(separator), *this; }
+OptionHandle OptionHandle::expected(int least, int most) { return option_->expected(least, most), *this; }
+OptionHandle OptionHandle::repeatable() { return option_->take_all()->allow_extra_args(false), *this; }
+
+OptionHandle OptionHandle::check(const OptionCheck& check) { return option_->check(check), *this; }
+OptionHandle OptionHandle::one_of(const std::vector<std::string>& values) {
+  return option_->check(CLI::IsMember(values)), *this;
+}
+OptionHandle OptionHandle::within(std::int64_t least, std::int64_t most) {
+  return option_->check(CLI::Range(least, most)), *this;
+}
+OptionHandle OptionHandle::within(double least, double most) { return option_->check(CLI::Range(least, most)), *this; }
+OptionHandle OptionHandle::positive() { return option_->check(CLI::PositiveNumber), *this; }
+OptionHandle OptionHandle::not_negative() { return option_->check(CLI::NonNegativeNumber), *this; }
+
+// --- A command
+// --------------------------------------------------------------------------------------------------------
+
+Command Command::add_verb(const std::string& name, const std::string& description, const std::string& example) {
+  CLI::App* const verb = app_->add_subcommand(name, description);
+  std::string footer = "Example:";
+  for (const std::string& line : CLI::detail::split(example, '\n')) footer += "\n  " + line;
+  verb->footer(footer);
+  return Command(verb);
+}
+
+void Command::require_verb() { app_->require_subcommand(1); }
+
+OptionHandle Command::add_option(const std::string& name, std::string& target, const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_option(const std::string& name, double& target, const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_option(const std::string& name, int& target, const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_option(const std::string& name, std::int64_t& target, const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_option(const std::string& name, std::vector<std::string>& target,
+                                 const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_option(const std::string& name, std::vector<double>& target, const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_option(const std::string& name, std::vector<int>& target, const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_option(const std::string& name, std::vector<std::pair<double, std::string>>& target,
+                                 const std::string& description) {
+  return add(*app_, name, target, description);
+}
+OptionHandle Command::add_flag(const std::string& name, bool& target, const std::string& description) {
+  return OptionHandle(app_->add_flag(name, target, description));
+}
+
+void Command::add_json_option(std::string& target, const std::string& what) {
+  add_option("--json", target, "the result as JSON, - for standard output" + (what.empty() ? "" : "; " + what))
+      .type_name("FILE");
+}
+
+void Command::add_hidden_action(const std::string& name, const std::function<void(const std::string&)>& act) {
+  app_->add_option_function<std::string>(name,
+                                         [act](const std::string& value) {
+                                           act(value);
+                                           throw CLI::Success();
+                                         })
+      ->trigger_on_parse()
+      ->group("");
+}
+
+void Command::callback(const std::function<void()>& act) { app_->callback(act); }
+void Command::parsed_callback(const std::function<void()>& act) { app_->parse_complete_callback(act); }
+
+std::string Command::get_name() const { return app_->get_name(); }
+std::string Command::get_description() const { return app_->get_description(); }
+std::vector<std::string> Command::list_footer() const { return CLI::detail::split(app_->get_footer(), '\n'); }
+
+std::string Command::get_summary() const {
+  const std::string text = get_description();
+  std::size_t end = 0;
+  while (end < text.size() && !((text[end] == '.' || text[end] == ':' || text[end] == ';' || text[end] == '\n') &&
+                                (end + 1 == text.size() || text[end + 1] == ' ' || text[end] == '\n')))
+    ++end;
+  return text.substr(0, end);
+}
+
+std::vector<OptionText> Command::list_options() const {
+  std::vector<OptionText> arguments, options;
+  for (const CLI::Option* option : std::as_const(*app_).get_options()) {
+    if (option->get_group().empty()) continue;
+    OptionText text = describe(*option);
+    (text.is_argument ? arguments : options).push_back(std::move(text));
+  }
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return arguments;
+}
+
+std::vector<Command> Command::list_verbs() const {
+  std::vector<Command> verbs;
+  for (CLI::App* verb : app_->get_subcommands([](CLI::App*) { return true; })) {
+    if (!verb->get_group().empty()) verbs.emplace_back(verb);
+  }
+  return verbs;
+}
+
+// --- The command line
+// -------------------------------------------------------------------------------------------------
+
+CommandLine::CommandLine(const std::string& description, const std::string& name, const std::string& footer)
+    : app_(new CLI::App(description, name)) {
+  app_->footer(footer);
+}
+
+CommandLine::~CommandLine() { delete app_; }
+
+void CommandLine::set_version(const std::string& text) { app_->set_version_flag("--version", text); }
+
+bool CommandLine::parse(int argc, char** argv, int& exit_code) {
+  try {
+    app_->parse(argc, argv);
+    return true;
+  } catch (const CLI::ParseError& error) {
+    exit_code = app_->exit(error) == 0 ? kExitDone : kExitUsage;
+    return false;
+  }
+}
+
+void refuse_option(const std::string& option, const std::string& why) { throw CLI::ValidationError(option, why); }
+void refuse_missing(const std::string& option) { throw CLI::RequiredError(option); }
+
+}  // namespace unlatch::tools

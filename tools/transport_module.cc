@@ -1,0 +1,26 @@
+// Module unlatch-transports: the middleware, Cyclone DDS and LCM.
+#include <cstdio>
+
+#include "tools/transport.h"
+
+namespace unlatch::tools {
+namespace {
+
+std::unique_ptr<bridge::Port> open(const TransportOptions& options, bridge::Role role) {
+  if (options.name == "lcm") {
+    if (!options.dds.security.empty()) throw bridge::PortError("LCM has no security: use --transport dds");
+    const bridge::LcmOptions lcm{options.lcm_url, options.dds.interface};
+    std::fprintf(stderr, "%s\n", describe(lcm).c_str());
+    return bridge::open_lcm_port(role, lcm);
+  }
+  std::fprintf(stderr, "%s\n", describe(options.dds).c_str());
+  return bridge::open_dds_port(role, options.dds);
+}
+
+}  // namespace
+}  // namespace unlatch::tools
+
+extern "C" unlatch::bridge::Port* unlatch_open_port(const unlatch::tools::TransportOptions& options,
+                                                    unlatch::bridge::Role role) {
+  return unlatch::tools::open(options, role).release();
+}
