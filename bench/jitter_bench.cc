@@ -14,7 +14,7 @@
 #include "hil/executive/executive.h"
 #include "hil/messages/link.h"
 #include "hil/realtime/histogram.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/yardsticks.h"
 #include "hil/run/run.h"

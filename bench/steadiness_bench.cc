@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/yardsticks.h"
 #include "hil/run/run.h"

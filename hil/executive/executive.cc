@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/run/run.h"
 
 namespace unlatch::hil {
@@ -25,6 +25,7 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
       link_(link),
       recorder_(recorder),
       options_(options),
+      clock_(*options.clock),
       dt_ns_(std::llround(simulation.plan().options.dt * 1e9)),
       timeout_ns_(std::llround(options.flight_software.timeout * 1e9)),
       catalog_(build_catalog(simulation.model())),
@@ -36,7 +37,7 @@ Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, con
                                           .accept_late = options.pace == Pace::kRealtime}),
       commander_(simulation.model().channels.size(), nullptr),
       commanded_(simulation.channels().begin(), simulation.channels().end()),
-      own_ticks_(std::make_unique<MonotonicTicks>(dt_ns_, std::llround(options.timing.spin * 1e9))),
+      own_ticks_(std::make_unique<MonotonicTicks>(dt_ns_, std::llround(options.timing.spin * 1e9), clock_)),
       ticks_(options.ticks != nullptr ? options.ticks : own_ticks_.get()) {
   hello_.session = options.session;
   hello_.schema_hash = kSchemaHash;
@@ -86,7 +87,7 @@ LogEnd Executive::run() {
   hash_ = simulation_.calc_hash();
   if (!introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
   timing_.begin_counts();
-  ticks_->restart(started_ns_);
+  ticks_->restart(*started_ns_);
 
   while (simulation_.get_tick() < options_.last_tick) {
     if (await_tick() == Go::kStop || cycle() == Go::kStop) return conclude_stop();
@@ -108,7 +109,7 @@ Executive::Go Executive::await_tick() noexcept {
     return Go::kStop;
   }
   now_.wakeup_ns = ticks_->get_latency_ns();
-  now_.held_up = ticks_->is_backlogged() ? 1 : rehearsed_ns_ > ticks_->get_due_ns() ? 2 : 0;
+  now_.held_up = ticks_->is_backlogged() ? 1 : rehearsed_ns_ && *rehearsed_ns_ > ticks_->get_due_ns() ? 2 : 0;
   timing_.wakeup.record(now_.wakeup_ns);
   beat(Place::kHearing);
   // The State went out a period before the instant for which we have just been woken.
@@ -123,10 +124,10 @@ void Executive::rehearse(std::int64_t left_ns) noexcept {
     rehearsal_ns_ /= 2;  // it may have been longer than usual
     return;
   }
-  const std::int64_t begin_ns = get_monotonic_ns();
+  const std::int64_t begin_ns = clock_.get_ns();
   simulation_.rehearse();
-  rehearsed_ns_ = get_monotonic_ns();
-  rehearsal_ns_ = rehearsed_ns_ - begin_ns;
+  rehearsed_ns_ = clock_.get_ns();
+  rehearsal_ns_ = *rehearsed_ns_ - begin_ns;
 }
 
 Executive::Go Executive::cycle() noexcept {
@@ -136,9 +137,9 @@ Executive::Go Executive::cycle() noexcept {
 
   // 2. Step.
   beat(Place::kStepping);
-  const std::int64_t begin_ns = get_monotonic_ns();
+  const std::int64_t begin_ns = clock_.get_ns();
   const StepReport report = simulation_.step();
-  const std::int64_t end_ns = get_monotonic_ns();
+  const std::int64_t end_ns = clock_.get_ns();
   if (options_.pace == Pace::kRealtime) now_.input_ns = begin_ns - ticks_->get_awake_ns();
   now_.step_ns = end_ns - begin_ns;
   now_.substeps = report.substeps;
@@ -166,22 +167,22 @@ void Executive::speak(const StepReport& report) noexcept {
   if (!is_last && !simulation_.is_state_due()) return;
   if (!is_last && options_.pace == Pace::kRealtime &&
       options_.timing.overruns.kind == OverrunPolicy::Kind::kSkipOutput &&
-      get_monotonic_ns() > ticks_->get_next_due_ns()) {
+      clock_.get_ns() > ticks_->get_next_due_ns()) {
     ++skipped_outputs_;
     return;
   }
   publish_state(is_last ? RunStatus::kDone : RunStatus::kRunning);
-  if (applied_since_ns_ != 0) timing_.turnaround.record(sent_ns_ - applied_since_ns_);
-  applied_since_ns_ = 0;
+  if (applied_since_ns_) timing_.turnaround.record(sent_ns_ - *applied_since_ns_);
+  applied_since_ns_.reset();
 }
 
 Executive::Go Executive::account(std::int64_t step_end_ns) noexcept {
   const MayWait without_deadlines(options_.pace != Pace::kRealtime);
-  const std::int64_t now_ns = get_monotonic_ns();
+  const std::int64_t now_ns = clock_.get_ns();
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
-  if (now_ns - health_ns_ >= kHealthInterval_ns) publish_health(now_ns);
-  if (now_ns - reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
+  if (now_ns - *health_ns_ >= kHealthInterval_ns) publish_health(now_ns);
+  if (!reactions_ns_ || now_ns - *reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
   announce(now_ns);
   verdicts_left_ = kVerdictsPerTick;
   if (options_.pace != Pace::kRealtime) return Go::kStep;

@@ -17,12 +17,14 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "hil/faults/fault_injector.h"
 #include "hil/messages/line.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/executive_timing.h"
 #include "hil/realtime/nonblocking.h"
 #include "hil/realtime/tick_source.h"
@@ -43,6 +45,7 @@ struct ExecutiveOptions {
   FaultInjector* faults = nullptr;                 // what goes wrong on purpose; null for nothing
   std::vector<Source> source = {};                 // the scenario, for observers; empty: not told
   TickSource* ticks = nullptr;                     // real time: what paces it; null for the monotonic clock
+  const Clock* clock = &kMonotonicClock;           // all times below and in messages
   std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
   std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
   std::int64_t announce_ns =
@@ -141,6 +144,7 @@ class Executive {
   Line& link_;
   Recorder& recorder_;
   const ExecutiveOptions options_;
+  const Clock& clock_;
   const std::int64_t dt_ns_;
   const std::int64_t timeout_ns_;
   Hello hello_;
@@ -162,28 +166,28 @@ class Executive {
   StepReport last_report_;     // why the run stops, if it was the step
   bool overrun_ends_ = false;  // why the run stops, if it was an overrun
   std::int64_t slipped_ns_ = 0, skipped_outputs_ = 0;
-  Message message_;                // scratch
-  Message spoken_;                 // scratch
-  State state_;                    // scratch
-  Reactions reactions_;            // scratch
-  std::int64_t rehearsal_ns_ = 0;  // how long the latest took
-  std::int64_t rehearsed_ns_ = 0;  // when the last rehearsal ended
+  Message message_;                           // scratch
+  Message spoken_;                            // scratch
+  State state_;                               // scratch
+  Reactions reactions_;                       // scratch
+  std::int64_t rehearsal_ns_ = 0;             // how long the latest took
+  std::optional<std::int64_t> rehearsed_ns_;  // when the last rehearsal ended
   std::int64_t hash_ = 0;
   std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0,
                verdict_sequence_ = 0, reactions_sequence_ = 0, source_sequence_ = 0;
-  std::int64_t sent_ns_ = 0;           // when the latest State went out
-  std::int64_t sent_tick_ = 0;         // and its tick
-  bool round_trip_open_ = false;       // it has not been answered by all yet
-  std::int64_t heard_ns_ = 0;          // when the latest command arrived
-  std::int64_t applied_since_ns_ = 0;  // arrival of the latest command that no State has followed yet; 0: none
-  std::int64_t started_ns_ = 0, health_ns_ = 0, reactions_ns_ = 0;
-  std::int64_t cutoff_ns_ = 0;     // real time: commands that arrive later are for the next tick
-  std::int64_t announced_ns_ = 0;  // when announce() last spoke
-  std::size_t announce_next_ = 0;  // 0: Hello, then the catalog
-  std::size_t source_next_ = 0;    // part of the source whose turn it is
-  std::int32_t refused_id_ = 0;    // of the latest HelloAck that was refused, so that each is told once
-  int verdicts_left_ = 0;          // that may still be told at this tick
-  std::int64_t malformed_ = 0;     // of the line, already counted
+  std::int64_t sent_ns_ = 0;                      // when the latest State went out
+  std::int64_t sent_tick_ = 0;                    // and its tick
+  bool round_trip_open_ = false;                  // it has not been answered by all yet
+  std::int64_t heard_ns_ = 0;                     // when the latest command arrived; set before it is read
+  std::optional<std::int64_t> applied_since_ns_;  // arrival of the latest command that no State has followed yet
+  std::optional<std::int64_t> started_ns_, health_ns_, reactions_ns_;
+  std::int64_t cutoff_ns_ = 0;                // real time: commands that arrive later are for the next tick
+  std::optional<std::int64_t> announced_ns_;  // when announce() last spoke
+  std::size_t announce_next_ = 0;             // 0: Hello, then the catalog
+  std::size_t source_next_ = 0;               // part of the source whose turn it is
+  std::optional<std::int32_t> refused_id_;    // of the latest HelloAck that was refused, so that each is told once
+  int verdicts_left_ = 0;                     // that may still be told at this tick
+  std::int64_t malformed_ = 0;                // of the line, already counted
   std::int64_t resent_ = 0;
 
   std::atomic<bool> stop_{false};

@@ -1,6 +1,6 @@
 // How the faults of a script enter: messages pass through the injector on their way in and out, channels may be held.
 #include "hil/executive/executive.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 
 namespace unlatch::hil {
 
@@ -10,7 +10,7 @@ void Executive::begin_faults() noexcept {
     tell_faults();
     resume(participant);
   };
-  options_.faults->begin_tick(simulation_.get_tick(), get_monotonic_ns(), roster_, go_on);
+  options_.faults->begin_tick(simulation_.get_tick(), clock_.get_ns(), roster_, go_on);
   tell_faults();
   force_channels();
 }
@@ -21,7 +21,7 @@ void Executive::say(const Message& message) noexcept {
     link_.send(message);
     return;
   }
-  const std::int64_t now_ns = get_monotonic_ns();
+  const std::int64_t now_ns = clock_.get_ns();
   std::int64_t arrived_ns = 0;
   options_.faults->offer(Direction::kOut, message, 0, now_ns, {});
   while (options_.faults->take(Direction::kOut, now_ns, spoken_, arrived_ns)) link_.send(spoken_);
@@ -29,7 +29,7 @@ void Executive::say(const Message& message) noexcept {
 
 // What has been held back until now, either way; and freezes that are over by the clock.
 void Executive::pass_through_faults() noexcept {
-  const std::int64_t now_ns = get_monotonic_ns();
+  const std::int64_t now_ns = clock_.get_ns();
   std::int64_t arrived_ns = 0;
   options_.faults->look_at_clock(now_ns, roster_, [this](Participant& participant) { resume(participant); });
   while (options_.faults->take(Direction::kIn, now_ns, message_, arrived_ns)) hear(message_, arrived_ns);

@@ -6,7 +6,7 @@
 
 #include "hil/executive/executive.h"
 #include "hil/messages/notices.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 
 namespace unlatch::hil {
 namespace {
@@ -22,7 +22,7 @@ constexpr std::int64_t kPauseLook_ns = 5'000'000;
 Executive::Go Executive::wait_realtime() noexcept {
   drain();
   is_answered();  // closes the round trip
-  if (Participant* const overdue = find_overdue(get_monotonic_ns())) return lose(*overdue);
+  if (Participant* const overdue = find_overdue(clock_.get_ns())) return lose(*overdue);
   return Go::kStep;
 }
 
@@ -33,7 +33,7 @@ Executive::Go Executive::wait_lockstep() noexcept {
     drain();
     if (is_answered()) return Go::kStep;
     if (stop_.load(std::memory_order_relaxed)) return end_message_ = "interrupted", Go::kStop;
-    const std::int64_t now_ns = get_monotonic_ns();
+    const std::int64_t now_ns = clock_.get_ns();
     if (Participant* const overdue = find_overdue(now_ns)) {
       if (lose(*overdue) == Go::kStop) return Go::kStop;
       continue;
@@ -50,28 +50,28 @@ Executive::Go Executive::wait_lockstep() noexcept {
 // Waits, without stepping, until the participant, or a new start of it, is back.
 Executive::Go Executive::pause(Participant& participant) noexcept {
   const double limit_s = options_.flight_software.pause_limit;
-  const std::int64_t give_up_ns = get_monotonic_ns() + std::llround(limit_s * 1e9);
-  std::int64_t resend_at_ns = 0;
+  const std::int64_t give_up_ns = clock_.get_ns() + std::llround(limit_s * 1e9);
+  std::optional<std::int64_t> resend_at_ns;  // none: at once
   while (!participant.has_answered(simulation_.get_tick())) {
     if (stop_.load(std::memory_order_relaxed)) return end_message_ = "interrupted", Go::kStop;
-    const std::int64_t now_ns = get_monotonic_ns();
+    const std::int64_t now_ns = clock_.get_ns();
     if (now_ns >= give_up_ns) {
       end_message_ = "the flight software '" + participant.name + "' did not come back within the pause_limit of " +
                      std::to_string(limit_s) + " s";
       return Go::kStop;
     }
-    if (now_ns >= resend_at_ns) {
+    if (!resend_at_ns || now_ns >= *resend_at_ns) {
       resend_state(RunStatus::kPaused);
       resend_at_ns = now_ns + std::max(options_.resend_ns, kPauseLook_ns);
     }
     announce(now_ns);
-    sleep_until_ns(now_ns + kPauseLook_ns);
+    clock_.sleep_until_ns(now_ns + kPauseLook_ns);
     drain();
   }
-  const std::int64_t now_ns = get_monotonic_ns();
+  const std::int64_t now_ns = clock_.get_ns();
   ticks_->restart(now_ns);  // the pause is no overrun
   for (Participant& other : roster_.all()) {
-    if (other.waiting_since_ns >= 0) other.waiting_since_ns = now_ns;
+    if (other.waiting_since_ns) other.waiting_since_ns = now_ns;
   }
   return Go::kStep;
 }
@@ -79,21 +79,22 @@ Executive::Go Executive::pause(Participant& participant) noexcept {
 // Have all required participants that take part answered this tick? Those who have owe nothing any more.
 bool Executive::is_answered() noexcept {
   const std::int64_t tick = sent_tick_;
-  std::int64_t last_ns = 0;
+  std::optional<std::int64_t> last_ns;
   bool all = true;
   for (Participant& participant : roster_.all()) {
     if (!participant.is_present()) continue;
     if (participant.has_answered(tick)) {
-      participant.waiting_since_ns = -1;
-      if (participant.required) last_ns = std::max(last_ns, participant.ack_arrived_ns);
+      participant.waiting_since_ns.reset();
+      if (participant.required)
+        last_ns = std::max(last_ns.value_or(participant.ack_arrived_ns), participant.ack_arrived_ns);
     } else {
       // Also one that had answered, and has since announced a command that is not here.
-      if (participant.waiting_since_ns < 0) participant.waiting_since_ns = get_monotonic_ns();
+      if (!participant.waiting_since_ns) participant.waiting_since_ns = clock_.get_ns();
       if (participant.required) all = false;
     }
   }
   if (!all) return false;
-  if (round_trip_open_ && last_ns > 0) timing_.round_trip.record(last_ns - sent_ns_);
+  if (round_trip_open_ && last_ns) timing_.round_trip.record(*last_ns - sent_ns_);
   round_trip_open_ = false;
   return true;
 }
@@ -101,7 +102,7 @@ bool Executive::is_answered() noexcept {
 Participant* Executive::find_overdue(std::int64_t now_ns) noexcept {
   for (Participant& participant : roster_.all()) {
     if (!participant.required || !participant.is_present()) continue;
-    const bool overdue = participant.waiting_since_ns >= 0 && now_ns - participant.waiting_since_ns > timeout_ns_;
+    const bool overdue = participant.waiting_since_ns && now_ns - *participant.waiting_since_ns > timeout_ns_;
     if (overdue || participant.leaving) return &participant;
   }
   return nullptr;
@@ -110,7 +111,7 @@ Participant* Executive::find_overdue(std::int64_t now_ns) noexcept {
 // --- Hearing --------------------------------------------------------------------------------------------------------
 
 void Executive::drain() noexcept {
-  const MayWait without_deadlines(options_.pace != Pace::kRealtime || started_ns_ == 0);
+  const MayWait without_deadlines(options_.pace != Pace::kRealtime || !started_ns_);
   beat(Place::kHearing);
   std::int64_t arrived_ns = 0;
   std::int64_t malformed = link_.get_malformed();
@@ -118,7 +119,7 @@ void Executive::drain() noexcept {
     if (options_.faults == nullptr) {
       hear(message_, arrived_ns);
     } else {
-      options_.faults->offer(Direction::kIn, message_, arrived_ns, get_monotonic_ns(), find_speaker(message_));
+      options_.faults->offer(Direction::kIn, message_, arrived_ns, clock_.get_ns(), find_speaker(message_));
     }
   }
   if (options_.faults != nullptr) {
@@ -160,7 +161,7 @@ void Executive::hear_hello(const HelloAck& hello) noexcept {
   if (!mismatch.empty()) refuse(hello, Reject::kMismatch, kNotAdmitted);
   if (status == AckStatus::kRefused) mismatch = get_name(hello.reason);
   if (!mismatch.empty() || status == AckStatus::kRefused) {
-    if (started_ns_ == 0 && known != nullptr && known->required) {
+    if (!started_ns_ && known != nullptr && known->required) {
       refusal_ = "the flight software '" + std::string(name) + "' does not take part: " + std::string(mismatch);
     }
     return;
@@ -179,7 +180,7 @@ void Executive::hear_hello(const HelloAck& hello) noexcept {
       return publish_notice(kJoined, name);
     case Admission::kNewStart:
       desk_.drop(*known);  // what its earlier start had sent for later
-      known->waiting_since_ns = get_monotonic_ns();
+      known->waiting_since_ns = clock_.get_ns();
       return publish_notice(kRejoined, name);
     case Admission::kNameTaken:
       return refuse(hello, Reject::kNameTaken, kSecondOfName);
@@ -201,7 +202,7 @@ void Executive::hear_command(const Command& command, std::int64_t arrived_ns) no
   Participant* const sender = command.session == options_.session ? roster_.find(command.participant) : nullptr;
   if (sender != nullptr) resume(*sender);
   heard_ns_ = arrived_ns;
-  const bool in_time = options_.pace != Pace::kRealtime || arrived_ns <= cutoff_ns_ || started_ns_ == 0;
+  const bool in_time = options_.pace != Pace::kRealtime || arrived_ns <= cutoff_ns_ || !started_ns_;
   const std::int64_t tick = simulation_.get_tick();
   const auto [reason, applied_tick] = desk_.offer(command, sender, in_time ? tick : tick + 1);
   if (reason) publish_verdict(*reason, command.participant, command.sequence, command.channel, applied_tick);
@@ -211,7 +212,7 @@ void Executive::hear_command(const Command& command, std::int64_t arrived_ns) no
 void Executive::resume(Participant& participant) noexcept {
   if (participant.standing != Participant::Standing::kLost) return;
   participant.standing = Participant::Standing::kPresent;
-  participant.waiting_since_ns = get_monotonic_ns();
+  participant.waiting_since_ns = clock_.get_ns();
   publish_notice(kResumed, participant.name);
 }
 
@@ -228,7 +229,7 @@ void Executive::hear_ack(const StepAck& ack, std::int64_t arrived_ns) noexcept {
   if (ack.tick < participant->ack.tick) return;
   if (ack.tick > participant->ack.tick) {
     participant->ack_arrived_ns = arrived_ns;
-    participant->waiting_since_ns = get_monotonic_ns();  // alive: what it still owes counts from now
+    participant->waiting_since_ns = clock_.get_ns();  // alive: what it still owes counts from now
   }
   participant->ack = ack;
 }

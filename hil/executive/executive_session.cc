@@ -5,7 +5,7 @@
 
 #include "hil/executive/executive.h"
 #include "hil/messages/notices.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 
 namespace unlatch::hil {
 namespace {
@@ -21,16 +21,16 @@ constexpr std::int64_t kFarewellInterval_ns = 5'000'000;
 
 bool Executive::introduce(std::string& failure) {
   if (options_.pace == Pace::kFast) return say_hello(), true;
-  const std::int64_t give_up_ns = get_monotonic_ns() + options_.start_timeout_ns;
+  const std::int64_t give_up_ns = clock_.get_ns() + options_.start_timeout_ns;
   do {
     if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
     say_hello();
-    if (wait_for_introductions(get_monotonic_ns() + kHelloInterval_ns)) {
+    if (wait_for_introductions(clock_.get_ns() + kHelloInterval_ns)) {
       hello_.status = static_cast<std::int32_t>(RunStatus::kConfigured);
       return true;
     }
     if (!refusal_.empty()) return failure = refusal_, false;
-  } while (get_monotonic_ns() < give_up_ns);
+  } while (clock_.get_ns() < give_up_ns);
   failure = "no answer from the flight software " +
             roster_.list_required([](const Participant& participant) { return !participant.is_present(); }) +
             " within " + std::to_string(options_.start_timeout_ns / 1'000'000'000) +
@@ -41,13 +41,13 @@ bool Executive::introduce(std::string& failure) {
 // Configured: State(0) goes out until everybody required has answered it, so that the way is known to be open in both
 // directions, for every topic, before the clock starts. Armed: it is; the first step follows.
 bool Executive::configure(std::string& failure) {
-  const std::int64_t give_up_ns = get_monotonic_ns() + options_.start_timeout_ns;
+  const std::int64_t give_up_ns = clock_.get_ns() + options_.start_timeout_ns;
   if (options_.faults != nullptr) begin_faults();
   if (options_.pace != Pace::kFast) {
     publish_state(RunStatus::kConfigured);
     while (drain(), !is_answered()) {
       if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
-      const std::int64_t now_ns = get_monotonic_ns();
+      const std::int64_t now_ns = clock_.get_ns();
       if (now_ns > give_up_ns || !roster_.is_complete()) {
         failure = "the flight software " + roster_.list_required([](const Participant& participant) {
           return !participant.has_answered(0);
@@ -59,21 +59,21 @@ bool Executive::configure(std::string& failure) {
         resend_state(RunStatus::kConfigured);
         sent_ns_ = now_ns;
       }
-      sleep_until_ns(now_ns + kLook_ns);
+      clock_.sleep_until_ns(now_ns + kLook_ns);
     }
     resend_state(RunStatus::kArmed);
     resent_ = 0;
   }
   hello_.status = static_cast<std::int32_t>(RunStatus::kRunning);
-  started_ns_ = health_ns_ = get_monotonic_ns();
+  started_ns_ = health_ns_ = clock_.get_ns();
   if (options_.pace == Pace::kFast) publish_state(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning);
   return true;
 }
 
 bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
-  while (!roster_.is_complete() && refusal_.empty() && get_monotonic_ns() < deadline_ns) {
+  while (!roster_.is_complete() && refusal_.empty() && clock_.get_ns() < deadline_ns) {
     drain();
-    sleep_until_ns(get_monotonic_ns() + kLook_ns);
+    clock_.sleep_until_ns(clock_.get_ns() + kLook_ns);
   }
   return roster_.is_complete() && refusal_.empty();
 }
@@ -96,14 +96,14 @@ bool Executive::send_until_taken(const Message& message) {
   }
   for (int attempt = 0; attempt < 100; ++attempt) {
     if (link_.send(message)) return true;
-    sleep_until_ns(get_monotonic_ns() + kLook_ns);
+    clock_.sleep_until_ns(clock_.get_ns() + kLook_ns);
   }
   return false;
 }
 
 // For those who come later, or come back: one message now and then, so that no tick is burdened with a whole catalog.
 void Executive::announce(std::int64_t now_ns) noexcept {
-  if (now_ns - announced_ns_ < options_.announce_ns) return;
+  if (announced_ns_ && now_ns - *announced_ns_ < options_.announce_ns) return;
   announced_ns_ = now_ns;
   if (announce_next_ == 0) {
     say(hello_);
@@ -150,11 +150,11 @@ void Executive::publish_state(RunStatus status) noexcept {
     say(state_);
     if (record) recorder_.state(state_);
   }
-  sent_ns_ = get_monotonic_ns();
+  sent_ns_ = clock_.get_ns();
   sent_tick_ = simulation_.get_tick();
   round_trip_open_ = true;
   for (Participant& participant : roster_.all()) {
-    if (participant.waiting_since_ns < 0) participant.waiting_since_ns = sent_ns_;
+    if (!participant.waiting_since_ns) participant.waiting_since_ns = sent_ns_;
   }
 }
 
@@ -233,7 +233,7 @@ void Executive::publish_health(std::int64_t now_ns) noexcept {
   health.sequence = health_sequence_++;
   health.tick = simulation_.get_tick();
   health.time_ns = health.tick * dt_ns_;
-  health.wall_ns = now_ns - started_ns_;
+  health.wall_ns = started_ns_ ? now_ns - *started_ns_ : 0;
   health.step_p50_ns = timing_.step.calc_percentile(0.5);
   health.step_max_ns = timing_.step.get_max();
   health.wakeup_p50_ns = timing_.wakeup.calc_percentile(0.5);
@@ -281,11 +281,11 @@ LogEnd Executive::conclude(RunStatus status, std::string message) {
   tell_rest_of_source();
   for (int i = 0; i < kFarewells; ++i) {
     resend_state(status);
-    sleep_until_ns(get_monotonic_ns() + kFarewellInterval_ns);
+    clock_.sleep_until_ns(clock_.get_ns() + kFarewellInterval_ns);
   }
   resent_ -= kFarewells;
-  publish_health(get_monotonic_ns());
-  if (status != RunStatus::kFaulted) publish_reactions(get_monotonic_ns());
+  publish_health(clock_.get_ns());
+  if (status != RunStatus::kFaulted) publish_reactions(clock_.get_ns());
 
   LogEnd end;
   end.tick = simulation_.get_tick();

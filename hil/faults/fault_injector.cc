@@ -174,7 +174,7 @@ void FaultInjector::offer(Direction direction, const Message& message, std::int6
   const std::uint64_t identity = calc_identity(message, from);
   const std::uint64_t draw = mix(identity, static_cast<std::uint64_t>(count_attempt(identity)));
   std::vector<Held>& held = held_[static_cast<std::size_t>(direction)];
-  Held next{message, arrived_ns, 0, 0, false};
+  Held next{message, arrived_ns, {}, {}, false};
   int copies = 1;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
     if (!befalls(i, message, draw, from)) continue;
@@ -214,9 +214,9 @@ bool FaultInjector::take(Direction direction, std::int64_t now_ns, Message& mess
                          std::int64_t& arrived_ns) noexcept {
   std::vector<Held>& held = held_[static_cast<std::size_t>(direction)];
   for (auto one = held.begin(); one != held.end(); ++one) {
-    if (one->awaits_another || one->due_tick > tick_ || one->due_ns > now_ns) continue;
+    if (one->awaits_another || one->due_tick.value_or(tick_) > tick_ || one->due_ns.value_or(now_ns) > now_ns) continue;
     message = one->message;
-    const bool delayed = one->due_tick > 0 || one->due_ns > 0;
+    const bool delayed = one->due_tick || one->due_ns;
     arrived_ns = delayed ? now_ns : one->arrived_ns;
     held.erase(one);
     return true;

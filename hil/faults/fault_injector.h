@@ -78,8 +78,9 @@ class FaultInjector {
   };
   struct Held {
     Message message;
-    std::int64_t arrived_ns = 0, due_tick = 0, due_ns = 0;
-    bool awaits_another = false;  // reordered: until another has passed
+    std::int64_t arrived_ns = 0;
+    std::optional<std::int64_t> due_tick, due_ns;  // delayed: until then
+    bool awaits_another = false;                   // reordered: until another has passed
   };
   struct Attempts {
     std::uint64_t message = 0;

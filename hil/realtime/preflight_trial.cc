@@ -3,7 +3,7 @@
 #include <thread>
 #include <vector>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/preflight.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/yardsticks.h"

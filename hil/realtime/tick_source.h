@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "hil/realtime/clock.h"
+
 namespace unlatch::hil {
 
 class TickSource {
@@ -26,7 +28,7 @@ class TickSource {
   [[nodiscard]] virtual std::int64_t calc_behind(std::int64_t now_ns) const noexcept = 0;
   [[nodiscard]] virtual const char* get_failure() const noexcept { return ""; }
 
-  // Of the tick waited for last. All ns of CLOCK_MONOTONIC.
+  // Of the tick waited for last. All ns of the clock.
   [[nodiscard]] std::int64_t get_due_ns() const noexcept { return due_ns_; }
   [[nodiscard]] std::int64_t get_next_due_ns() const noexcept { return due_ns_ + period_ns_; }
   [[nodiscard]] std::int64_t get_awake_ns() const noexcept { return awake_ns_; }
@@ -47,7 +49,8 @@ class TickSource {
 // looks at the clock again and again from there: no wake-up latency, at the price of that much of a CPU.
 class MonotonicTicks final : public TickSource {
  public:
-  MonotonicTicks(std::int64_t period_ns, std::int64_t spin_ns) : TickSource(period_ns), spin_ns_(spin_ns) {}
+  MonotonicTicks(std::int64_t period_ns, std::int64_t spin_ns, const Clock& clock = kMonotonicClock)
+      : TickSource(period_ns), clock_(clock), spin_ns_(spin_ns) {}
 
   void restart(std::int64_t now_ns) noexcept override { due_ns_ = now_ns; }
   std::int64_t doze() noexcept override;
@@ -56,6 +59,7 @@ class MonotonicTicks final : public TickSource {
   std::int64_t calc_behind(std::int64_t now_ns) const noexcept override;
 
  private:
+  const Clock& clock_;
   const std::int64_t spin_ns_;
   bool dozed_ = false;  // since the latest tick
 };

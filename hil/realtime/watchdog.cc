@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 
 namespace unlatch::hil {

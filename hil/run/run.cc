@@ -5,7 +5,7 @@
 #include <random>
 
 #include "hil/realtime/executive_timing.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 
 namespace unlatch::hil {
 namespace {

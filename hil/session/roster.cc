@@ -56,7 +56,7 @@ Admission Roster::begin(Participant& participant, const HelloAck& hello, Admissi
   participant.id = hello.participant;
   participant.ack = StepAck{};
   participant.ack.tick = -1;
-  participant.waiting_since_ns = -1;
+  participant.waiting_since_ns.reset();
   participant.seen = SeenCommands{};
   return how;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,7 @@ struct Participant {
   std::int32_t id = 0;   // of its present start
   StepAck ack;           // the latest; tick -1: none yet
   std::int64_t ack_arrived_ns = 0;
-  std::int64_t waiting_since_ns = -1;  // wall time since which it owes an answer; -1: it owes none
+  std::optional<std::int64_t> waiting_since_ns;  // wall time since which it owes an answer, if it owes one
   SeenCommands seen;
 
   [[nodiscard]] bool is_present() const noexcept { return standing == Standing::kPresent; }

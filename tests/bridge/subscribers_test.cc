@@ -16,7 +16,7 @@
 #include "bridge/port.h"
 #include "bridge/pump.h"
 #include "hil/realtime/histogram.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 #include "hil/run/run.h"
 

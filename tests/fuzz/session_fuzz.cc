@@ -1,5 +1,5 @@
 // What participants say to the cyclic executive, in real time and in lockstep, under every policy. Nobody waits: the
-// clock below stands in for hil/realtime/pacer.cc and jumps to every deadline, so that an execution is short and the
+// clock below jumps to every deadline, so that an execution is short and the
 // same each time.
 //
 //   input  = choices (1 byte: bit 0 the pace, bit 7 a spin, the rest policy and delay), then what is said, item by item
@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "hil/executive/executive.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;
@@ -20,12 +20,11 @@ constexpr std::int32_t kComputer = 7;
 constexpr std::int64_t kSession = 4711;
 std::int64_t clock_ns = 0;
 
-}  // namespace
-
-std::int64_t hil::get_monotonic_ns() noexcept { return clock_ns += kLook_ns; }
-void hil::sleep_until_ns(std::int64_t deadline_ns) noexcept { clock_ns = std::max(clock_ns, deadline_ns); }
-
-namespace {
+class JumpingClock final : public hil::Clock {
+ public:
+  [[nodiscard]] std::int64_t get_ns() const noexcept override { return clock_ns += kLook_ns; }
+  void sleep_until_ns(std::int64_t deadline_ns) const noexcept override { clock_ns = std::max(clock_ns, deadline_ns); }
+};
 
 // Says what the flight software says to begin with, then what the input has for it.
 class FuzzLine final : public hil::Line {
@@ -132,9 +131,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const auto simulation = hil::build_simulation(scenario);
   static const auto beginning = simulation->save();
   fuzz::require(simulation->restore(beginning), "a simulation that does not go back to its beginning");
-  clock_ns = 1'000'000'000;
+  clock_ns = -1'000'000;  // a session from just before the clock reads 0
 
+  const JumpingClock clock;
   hil::ExecutiveOptions options;
+  options.clock = &clock;
   options.pace = (data[0] & 1) != 0 ? hil::Pace::kRealtime : hil::Pace::kLockstep;
   options.session = kSession;
   options.last_tick = 4;

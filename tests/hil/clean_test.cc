@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "hil/realtime/executive_timing.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/simulation/source_text.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "hil/messages/notices.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

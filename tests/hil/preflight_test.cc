@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/watchdog.h"
 #include "tests/hil/session_support.h"

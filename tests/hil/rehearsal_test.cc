@@ -1,7 +1,7 @@
 // A step for nothing before each tick: nobody but the clock can tell.
 #include <gtest/gtest.h>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {
