@@ -37,6 +37,11 @@ class Struct:
     size: int = 0  # bytes, of the struct and of its fields on the wire
     fingerprint: int = 0  # LCM's, unsigned
 
+    @property
+    def cpp(self):
+        """The C++ struct's name: no type of the kernel has it (unlatch::State is the kernel's state)."""
+        return f"{self.name}Message"
+
     def snake(self):
         return re.sub(r"(?<!^)(?=[A-Z])", "_", self.name).lower()
 

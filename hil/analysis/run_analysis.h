@@ -28,7 +28,7 @@ struct ReactionSample {
 struct Sample {
   std::int64_t tick = 0;
   double time = 0;
-  std::vector<unlatch::BodyState> bodies;
+  std::vector<BodyState> bodies;
   std::vector<std::vector<double>> modal;  // per body: its modal coordinates
   std::vector<ReactionSample> reactions;
 };

@@ -25,7 +25,7 @@ class FaultReader {
     for (std::size_t i = 0; i < kMessageKinds; ++i) {
       messages_.emplace_back(get_kind_name(static_cast<MessageKind>(i)));
     }
-    for (const Catalog& item : build_catalog(scenario.model)) {
+    for (const CatalogMessage& item : build_catalog(scenario.model)) {
       if (item.kind == static_cast<int>(CatalogKind::kSensor)) values_.emplace_back(get_name(item.name));
     }
     for (const Channel& channel : scenario.model.channels) channels_.push_back(channel.name);

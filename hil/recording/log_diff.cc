@@ -39,8 +39,8 @@ class Side {
   [[nodiscard]] const std::vector<LogChange>& get_step_changes() const { return step_changes_; }
   // Of the step from this state on.
   [[nodiscard]] std::span<const double> get_inputs() const { return std::as_const(simulation_).channels(); }
-  [[nodiscard]] const std::vector<State>& get_recorded_states() const { return recording_.states; }
-  [[nodiscard]] const unlatch::State& get_state() const { return simulation_.state(); }
+  [[nodiscard]] const std::vector<StateMessage>& get_recorded_states() const { return recording_.states; }
+  [[nodiscard]] const State& get_state() const { return simulation_.state(); }
 
   [[nodiscard]] LogEnding get_ending() const {
     LogEnding ending{record_.tick, std::nullopt, recording_.shortfall, recording_.damaged, unreproduced_};
@@ -98,7 +98,7 @@ void note_first_input(const std::array<Side, 2>& sides, std::optional<InputDiffe
 // The fields at the first tick, from here on, for which both have recorded State messages.
 void find_recorded_fields(std::array<Side, 2>& sides, const Model& model, StateDifference& difference) {
   do {
-    const std::vector<State>&a = sides[0].get_recorded_states(), &b = sides[1].get_recorded_states();
+    const std::vector<StateMessage>&a = sides[0].get_recorded_states(), &b = sides[1].get_recorded_states();
     if (a.empty() || a.size() != b.size()) continue;
     for (std::size_t i = a.size(); i-- > 0;) {  // part 0 comes last
       if (a[i].part != b[i].part || a[i].tick != b[i].tick) continue;

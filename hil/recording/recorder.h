@@ -28,8 +28,8 @@ class Recorder {
   [[nodiscard]] bool wants_state(std::int64_t tick) const noexcept {
     return state_every_ > 0 && tick % state_every_ == 0;
   }
-  void state(const State& part) noexcept;
-  void event(const Event& event) noexcept { push(event); }
+  void state(const StateMessage& part) noexcept;
+  void event(const EventMessage& event) noexcept { push(event); }
   void change(const LogChange& change) noexcept { push(change); }
   void timing(const TickTiming& timing) noexcept { push(timing); }
   void tick(std::int64_t tick, std::int64_t hash) noexcept;  // seals what came before
@@ -49,7 +49,7 @@ class Recorder {
     std::int64_t tick, hash, lost;
     std::int32_t states;  // State messages in the other ring that belong before it
   };
-  using Item = std::variant<Mark, LogChange, Event, TickTiming>;
+  using Item = std::variant<Mark, LogChange, EventMessage, TickTiming>;
 
   bool push(const Item& item) noexcept;
   void run(const std::stop_token& stopping);
@@ -64,7 +64,7 @@ class Recorder {
   std::int64_t state_every_ = 0;  // ticks
 
   moodycamel::BlockingReaderWriterCircularBuffer<Item> items_;
-  moodycamel::BlockingReaderWriterCircularBuffer<State> states_{kStateRoom};
+  moodycamel::BlockingReaderWriterCircularBuffer<StateMessage> states_{kStateRoom};
   std::int32_t states_of_tick_ = 0;  // cyclic thread
   std::int64_t items_lost_ = 0;      // cyclic thread, until close()
   std::int64_t states_lost_ = 0;     // the same; reported, but a replay does not need them

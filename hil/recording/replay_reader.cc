@@ -1,6 +1,6 @@
 #include "hil/recording/replay_reader.h"
 
-#include "hil/messages/notices.h"
+#include "hil/messages/event_names.h"
 
 namespace unlatch::hil {
 namespace {
@@ -66,8 +66,8 @@ bool RecordingReader::stop(std::string why, bool is_damage) {
 }
 
 void RecordingReader::keep_message() {
-  Event event;
-  State state;
+  EventMessage event;
+  StateMessage state;
   if (event_.channel == get_channel(MessageKind::kEvent)) {
     if (decode(event_.data, event) && is_notice(event)) notices.push_back(event);
   } else if (keeps_states && event_.channel == get_channel(MessageKind::kState)) {

@@ -27,10 +27,11 @@ class RecordingReader {
   LogHeader header;
   std::optional<LogEnd> end;
   std::string shortfall;
-  bool damaged = false;        // the shortfall is damage, not a writer that was killed
-  std::vector<Event> notices;  // what the executive said of participants and policies, up to here
-  bool keeps_states = false;   // whether next() fills
-  std::vector<State> states;   // the State messages recorded for the tick that next() gave, or, at the end, for the end
+  bool damaged = false;               // the shortfall is damage, not a writer that was killed
+  std::vector<EventMessage> notices;  // what the executive said of participants and policies, up to here
+  bool keeps_states = false;          // whether next() fills
+  std::vector<StateMessage>
+      states;  // the State messages recorded for the tick that next() gave, or, at the end, for the end
 
  private:
   bool stop(std::string why, bool is_damage);

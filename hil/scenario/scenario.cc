@@ -170,7 +170,7 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
   else
     mistakes_.add(map.node().find("delay")->mark, "this delay is not usable", "whole ticks, 0 to 1000");
   const int policy = map.choice("policy", "policy", kPolicyNames, static_cast<int>(software.policy));
-  if (policy >= 0) software.policy = static_cast<FlightSoftware::Policy>(policy);
+  if (policy >= 0) software.policy = static_cast<Policy>(policy);
   map.finish();
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hil/language/scenario_error.h"
+#include "hil/messages/messages.h"
 #include "hil/scenario/rates.h"
 #include "hil/scenario/shapes.h"
 #include "hil/scenario/timing_options.h"
@@ -17,19 +18,14 @@ namespace unlatch::hil {
 
 // The flight software that must answer, and what happens when it does not.
 struct FlightSoftware {
-  enum class Policy {
-    kHold,   // channels keep their last values
-    kZero,   // channels go to 0, or to the nearest value of their range
-    kSafe,   // channels go to their safe values
-    kPause,  // the run waits
-    kAbort,  // the run ends
-    kEvict,  // as hold, and the participant may not come back
-  };
   std::vector<std::string> required;  // names of participants
   double timeout = 0.25;              // s of wall time without an answer
   double pause_limit = 600;           // s of wall time that the policy 'pause' waits before it aborts
   double cutoff = 1;                  // real time: fraction of a tick after which its commands are late
   int delay = 0;                      // ticks by which the transport delays every command
+  // kHold: channels keep their last values; kZero: they go to 0, or to the nearest value of their range; kSafe: to
+  // their safe values; kPause: the run waits; kAbort: the run ends; kEvict: as kHold, and the participant may not come
+  // back.
   Policy policy = Policy::kHold;
 };
 extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy

@@ -19,7 +19,7 @@ struct OverrunPolicy {
 
 struct TimingOptions {
   OverrunPolicy overruns;
-  double spin = 0;               // s before a deadline that are waited through awake, after a rehearsal of the step
+  double spin = 0;               // s before a deadline that are waited through awake, after a warm-up step
   double watchdog = 5;           // s without a sign of life of the cyclic thread until the watchdog barks; 0: none
   bool watchdog_aborts = false;  // and then ends the process
   bool per_tick = false;         // every tick's account goes into the recording

@@ -4,11 +4,11 @@
 
 namespace unlatch::hil {
 
-std::vector<Source> build_source(const std::string& text, const std::vector<std::string>& overrides,
-                                 std::int64_t session) {
+std::vector<SourceMessage> build_source(const std::string& text, const std::vector<std::string>& overrides,
+                                        std::int64_t session) {
   std::string whole = text + '\0';
   for (const std::string& override : overrides) whole += override + '\0';
-  std::vector<Source> messages((whole.size() + kSourcePerPart - 1) / kSourcePerPart);
+  std::vector<SourceMessage> messages((whole.size() + kSourcePerPart - 1) / kSourcePerPart);
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::size_t begin = i * kSourcePerPart, count = std::min(kSourcePerPart, whole.size() - begin);
     messages[i].session = session;
@@ -20,7 +20,7 @@ std::vector<Source> build_source(const std::string& text, const std::vector<std:
   return messages;
 }
 
-void SourceText::hear(const Source& part) {
+void SourceText::hear(const SourceMessage& part) {
   if (parts_.empty()) {
     if (part.parts > kMaxParts) return;
     session_ = part.session;

@@ -11,14 +11,14 @@
 namespace unlatch::hil {
 
 // Of at least one part; sequence is left 0. `text` and `overrides` have no NUL in them: the loader sees to that.
-std::vector<Source> build_source(const std::string& text, const std::vector<std::string>& overrides,
-                                 std::int64_t session);
+std::vector<SourceMessage> build_source(const std::string& text, const std::vector<std::string>& overrides,
+                                        std::int64_t session);
 
 // Puts together the parts of one session, in whatever order they come.
 class SourceText {
  public:
   // Parts of another session, or of another size than the first one heard, are left out.
-  void hear(const Source& part);
+  void hear(const SourceMessage& part);
 
   [[nodiscard]] std::size_t get_parts() const { return parts_.size(); }  // 0: none was heard yet
   [[nodiscard]] std::size_t get_missing() const { return missing_; }

@@ -27,20 +27,25 @@ class JumpingClock final : public hil::Clock {
 };
 
 // Says what the flight software says to begin with, then what the input has for it.
-class FuzzLine final : public hil::Line {
+class FuzzConnection final : public hil::Connection {
  public:
-  FuzzLine(std::span<const std::uint8_t> script, std::int64_t model_hash) : script_(script), model_hash_(model_hash) {}
+  FuzzConnection(std::span<const std::uint8_t> script, std::int64_t model_hash)
+      : script_(script), model_hash_(model_hash) {}
 
   bool send(const hil::Message& message) noexcept override {
     if (message.kind == hil::MessageKind::kState) tick_ = message.state.tick;
     fuzz::require(hil::is_well_formed(message), "a message of the simulator's that no port would let through");
     return true;
   }
-  bool receive(hil::Message& message, std::int64_t& arrived_ns) noexcept override {
-    arrived_ns = clock_ns;
+  bool receive(hil::Arrival& arrival) noexcept override {
+    arrival.arrived_ns = clock_ns;
+    hil::Message message;
     if (said_ < 2) {
-      message = said_ == 0 ? hil::Message(make_hello()) : hil::Message(make_ack());
-      ++said_;
+      if (said_++ == 0) {
+        arrival.message = make_hello();
+      } else {
+        arrival.message = make_ack();
+      }
       return true;
     }
     if (script_.empty()) return false;
@@ -49,25 +54,27 @@ class FuzzLine final : public hil::Line {
     if ((marks & 0x80) != 0) return false;  // what follows comes later
     switch (marks % 3) {
       case 0: {
-        hil::Command command = take<hil::Command>();
+        hil::CommandMessage command = take<hil::CommandMessage>();
         adapt(command, marks);
         message = command;
         break;
       }
       case 1: {
-        hil::StepAck ack = take<hil::StepAck>();
+        hil::StepAckMessage ack = take<hil::StepAckMessage>();
         adapt(ack, marks);
         message = ack;
         break;
       }
       default: {
-        hil::HelloAck hello = take<hil::HelloAck>();
+        hil::HelloAckMessage hello = take<hil::HelloAckMessage>();
         if ((marks & 0x40) != 0) hello = mix(make_hello(), hello);
         message = hello;
         break;
       }
     }
-    return hil::is_well_formed(message);  // a port lets nothing else through
+    if (!hil::is_well_formed(message)) return false;  // a port lets nothing else through
+    arrival.message = *hil::to_participant_message(message);
+    return true;
   }
   void wait(std::chrono::nanoseconds limit) noexcept override { clock_ns += limit.count(); }
   [[nodiscard]] std::int64_t get_dropped_out() const noexcept override { return 0; }
@@ -90,8 +97,8 @@ class FuzzLine final : public hil::Line {
     if ((marks & 0x20) != 0) message.participant = kComputer;
     if ((marks & 0x10) != 0) message.tick = tick_ + message.tick % 3;
   }
-  [[nodiscard]] hil::HelloAck make_hello() const {
-    hil::HelloAck hello;
+  [[nodiscard]] hil::HelloAckMessage make_hello() const {
+    hil::HelloAckMessage hello;
     hello.session = kSession;
     hello.schema_hash = hil::kSchemaHash;
     hello.model_hash = model_hash_;
@@ -102,14 +109,14 @@ class FuzzLine final : public hil::Line {
     hil::set_name(hello.name, "fsw");
     return hello;
   }
-  static hil::StepAck make_ack() {
-    hil::StepAck ack;
+  static hil::StepAckMessage make_ack() {
+    hil::StepAckMessage ack;
     ack.session = kSession;
     ack.participant = kComputer;
     return ack;
   }
   // Agreed on everything, with another's number, status and name.
-  static hil::HelloAck mix(hil::HelloAck agreed, const hil::HelloAck& other) {
+  static hil::HelloAckMessage mix(hil::HelloAckMessage agreed, const hil::HelloAckMessage& other) {
     agreed.participant = other.participant % 4 + kComputer;
     agreed.status = other.status;
     if (other.name[0] != 0) agreed.name = other.name;
@@ -141,14 +148,14 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   options.last_tick = 4;
   options.flight_software = scenario.flight_software;
   options.start_timeout_ns = 100'000'000;  // of the clock above; a hundred looks
-  options.flight_software.policy = static_cast<hil::FlightSoftware::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
+  options.flight_software.policy = static_cast<hil::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
   options.flight_software.delay = (data[0] >> 4) % 3;
-  options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; steps are rehearsed
+  options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; with warm-up steps
   options.flight_software.pause_limit = 0.1;               // s; the clock jumps there
-  FuzzLine line({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().hash));
+  FuzzConnection connection({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().hash));
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, options.pace, kSession, options.last_tick),
                          kRoom);
-  hil::LogEnd end = hil::Executive(*simulation, line, recorder, scenario.name, options).run();
+  hil::LogEnd end = hil::Executive(*simulation, connection, recorder, scenario.name, options).run();
   recorder.close(end);
   fuzz::require(end.tick == simulation->get_tick() && end.tick <= options.last_tick, "an end that is elsewhere");
   fuzz::require(fuzz::is_finite(simulation->state()), "a number that is not finite in the state");

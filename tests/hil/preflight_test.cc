@@ -225,9 +225,9 @@ TEST(Watchdog, SeesACyclicThreadThatIsStuckAndWhere) {
   options.pace = hil::Pace::kRealtime;
   options.last_tick = 3;
   options.ticks = &ticks;
-  hil::Link link(64, 64);
+  hil::RingConnection connection(64, 64);
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, options.pace, 1, 3));
-  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
   std::string place;
   {
     const hil::Watchdog watchdog(executive.get_beats(), 30'000'000, 0, [&](std::int64_t) {

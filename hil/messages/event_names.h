@@ -22,7 +22,7 @@ inline constexpr std::string_view kPolicyPrefix = "policy.";               // an
 // notices.
 inline constexpr std::string_view kOverrunPrefix = "overrun.";
 
-[[nodiscard]] inline bool is_notice(const Event& event) noexcept {
+[[nodiscard]] inline bool is_notice(const EventMessage& event) noexcept {
   const std::string_view name = get_name(event.name);
   if (name.starts_with(kFaultPrefix)) return !name.starts_with(kMessageFaultPrefix);
   return name.starts_with(kParticipantPrefix) || name.starts_with(kPolicyPrefix);

@@ -1,4 +1,4 @@
-// A step for nothing before each tick: nobody but the clock can tell.
+// A warm-up step before each tick changes nothing but the time.
 #include <gtest/gtest.h>
 
 #include "hil/realtime/clock.h"
@@ -18,29 +18,29 @@ std::unique_ptr<hil::Simulation> build() {
   return hil::build_simulation(hil::load_scenario_text(kSessionScenario, "session.yaml", {kRates}));
 }
 
-TEST(Rehearsal, LeavesNothingBehind) {
-  const auto rehearsed = build(), plain = build();
+TEST(WarmUp, LeavesNothingBehind) {
+  const auto warmed = build(), plain = build();
   for (int tick = 0; tick < 60; ++tick) {
-    for (hil::Simulation* simulation : {rehearsed.get(), plain.get()}) simulation->channels()[0] = 0.2 + 0.01 * tick;
-    rehearsed->rehearse();
-    ASSERT_EQ(rehearsed->save(), plain->save()) << "before tick " << tick;
-    ASSERT_EQ(rehearsed->step().status, StepStatus::kOk);
+    for (hil::Simulation* simulation : {warmed.get(), plain.get()}) simulation->channels()[0] = 0.2 + 0.01 * tick;
+    warmed->warm_up();
+    ASSERT_EQ(warmed->save(), plain->save()) << "before tick " << tick;
+    ASSERT_EQ(warmed->step().status, StepStatus::kOk);
     ASSERT_EQ(plain->step().status, StepStatus::kOk);
-    ASSERT_EQ(rehearsed->save(), plain->save()) << "tick " << tick;
-    rehearsed->rehearse();
+    ASSERT_EQ(warmed->save(), plain->save()) << "tick " << tick;
+    warmed->warm_up();
     for (std::size_t i = 0; i < plain->workspace().multipliers.size(); ++i)
-      ASSERT_EQ(rehearsed->workspace().multipliers[i], plain->workspace().multipliers[i]) << "tick " << tick;
+      ASSERT_EQ(warmed->workspace().multipliers[i], plain->workspace().multipliers[i]) << "tick " << tick;
   }
 }
 
-TEST(Rehearsal, OfEveryTickOfASessionReplays) {
+TEST(WarmUp, OfEveryTickOfASessionReplays) {
   const std::string log = make_path("log");
   const SessionResult result = run_session(Pace::kRealtime, {}, log, {kRates, "flight_software.timeout=30"});
   EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
   EXPECT_TRUE(replay_log(log).result.agrees());
 }
 
-// Ticks at once, with an hour for a rehearsal before each; after some there will be no more.
+// Ticks at once, with an hour for a warm-up step before each; after some there will be no more.
 class EndingTicks final : public hil::TickSource {
  public:
   explicit EndingTicks(std::int64_t count) : TickSource(1'000'000), left_(count) {}
@@ -59,22 +59,22 @@ class EndingTicks final : public hil::TickSource {
   std::int64_t left_;
 };
 
-// The run ends after a rehearsal of the tick that never comes: in which the latch, held until then, is free.
-TEST(Rehearsal, LastReactionsAreThoseOfTheLastTick) {
+// The run ends after a warm-up step of the tick that never comes: in which the latch, held until then, is free.
+TEST(WarmUp, LastReactionsAreThoseOfTheLastTick) {
   constexpr int kTicks = 20;
-  const auto rehearsed = build(), plain = build();
+  const auto warmed = build(), plain = build();
   EndingTicks ticks(kTicks);
   hil::ExecutiveOptions options;
   options.pace = Pace::kRealtime;
   options.last_tick = 2 * kTicks;
   options.ticks = &ticks;
-  hil::Link link(256, 256);
+  hil::RingConnection connection(256, 256);
   hil::Recorder recorder("", hil::LogHeader{});
-  const hil::LogEnd end = hil::Executive(*rehearsed, link, recorder, "session", options).run();
+  const hil::LogEnd end = hil::Executive(*warmed, connection, recorder, "session", options).run();
   ASSERT_EQ(end.tick, kTicks);
   hil::Message message;
-  hil::Reactions reactions;
-  while (link.take(message)) {
+  hil::ReactionsMessage reactions;
+  while (connection.take(message)) {
     if (message.kind == hil::MessageKind::kReactions) reactions = message.reactions;
   }
   ASSERT_EQ(reactions.tick, kTicks);
@@ -84,7 +84,7 @@ TEST(Rehearsal, LastReactionsAreThoseOfTheLastTick) {
     EXPECT_EQ(reactions.multipliers[row], plain->workspace().multipliers[row]) << "row " << row;
 }
 
-// Due while the rehearsal was still going on.
+// Due while the warm-up step was still going on.
 class OvertakenTicks final : public hil::TickSource {
  public:
   OvertakenTicks() : TickSource(1'000'000) {}
@@ -103,7 +103,7 @@ class OvertakenTicks final : public hil::TickSource {
   std::int64_t calc_behind(std::int64_t) const noexcept override { return 0; }
 };
 
-TEST(Rehearsal, ThatMakesATickLateIsNamedAsTheCause) {
+TEST(WarmUp, ThatMakesATickLateIsNamedAsTheCause) {
   constexpr int kTicks = 5;
   const auto simulation = build();
   OvertakenTicks ticks;
@@ -111,11 +111,11 @@ TEST(Rehearsal, ThatMakesATickLateIsNamedAsTheCause) {
   options.pace = Pace::kRealtime;
   options.last_tick = kTicks;
   options.ticks = &ticks;
-  hil::Link link(256, 256);
+  hil::RingConnection connection(256, 256);
   hil::Recorder recorder("", hil::LogHeader{});
-  const hil::LogEnd end = hil::Executive(*simulation, link, recorder, "session", options).run();
+  const hil::LogEnd end = hil::Executive(*simulation, connection, recorder, "session", options).run();
   EXPECT_EQ(end.timing.overruns, kTicks);
-  EXPECT_EQ(end.timing.overrun_causes[static_cast<std::size_t>(hil::OverrunCause::kRehearsal)], kTicks);
+  EXPECT_EQ(end.timing.overrun_causes[static_cast<std::size_t>(hil::OverrunCause::kWarmUp)], kTicks);
 }
 
 }  // namespace

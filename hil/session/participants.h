@@ -1,5 +1,5 @@
-// Who takes part in a session: which participants have introduced themselves, what each has answered, and which of its
-// commands have been seen. Fixed memory.
+// The participants of a session: which have introduced themselves, the latest answer of each, and the commands seen
+// from each. Fixed memory.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@
 
 namespace unlatch::hil {
 
-// Which of a participant's latest command numbers have arrived, in whatever order.
+// The latest command numbers of a participant that have arrived, in any order.
 class SeenCommands {
  public:
-  // False for a number that was seen already, or is so old that this cannot be told.
+  // False for a number that was seen already, or is too old to be known.
   bool insert(std::int64_t sequence) noexcept;
-  // Have all `count` numbers up to `last` been seen? Counts beyond the window cannot be told and are taken as seen.
+  // True if all `count` numbers up to `last` have been seen. Numbers older than the window count as seen.
   [[nodiscard]] bool has_all(std::int64_t last, std::int64_t count) const noexcept;
 
  private:
@@ -36,11 +36,11 @@ struct Participant {
   std::string name;
   bool required = false;
   Standing standing = Standing::kAbsent;
-  bool leaving = false;  // it said so; the policy is due
+  bool leaving = false;  // it has announced that it leaves; the policy is due
   std::int32_t id = 0;   // of its present start
-  StepAck ack;           // the latest; tick -1: none yet
+  StepAckMessage ack;    // the latest; tick -1: none yet
   std::int64_t ack_arrived_ns = 0;
-  std::optional<std::int64_t> waiting_since_ns;  // wall time since which it owes an answer, if it owes one
+  std::optional<std::int64_t> waiting_since_ns;  // time since which it owes an answer, if it owes one
   SeenCommands seen;
 
   [[nodiscard]] bool is_present() const noexcept { return standing == Standing::kPresent; }
@@ -51,27 +51,27 @@ struct Participant {
 };
 
 enum class Admission {
-  kKnown,       // that start of it introduced itself before; whether it is lost its answers to States decide
+  kKnown,       // that start of it introduced itself before; its answers decide whether it is lost
   kFirstStart,  // of a participant in this session
   kNewStart,    // a new start of one that was lost or had left
-  kNameTaken,   // another start of that name takes part, or its number is another's
+  kNameTaken,   // another start of that name takes part, or another participant has its number
   kEvicted,
   kFull,
 };
 
-class Roster {
+class Participants {
  public:
-  explicit Roster(const std::vector<std::string>& required);
+  explicit Participants(const std::vector<std::string>& required);
 
-  // Null if there is none with that number, whatever its standing.
+  // Null if there is none with that number, of any standing.
   [[nodiscard]] Participant* find(std::int32_t id) noexcept;
   [[nodiscard]] Participant* find(std::string_view name) noexcept;
   // A participant introduces itself.
-  Admission admit(const HelloAck& hello) noexcept;
+  Admission admit(const HelloAckMessage& hello) noexcept;
 
   [[nodiscard]] std::vector<Participant>& all() noexcept { return participants_; }
-  // What recordings call a participant by: required ones count from 0 in the scenario's order, then guests as they
-  // came.
+  // The number of a participant in recordings: required ones from 0 in the scenario's order, then guests in the order
+  // of their arrival.
   [[nodiscard]] std::int32_t get_index(const Participant& participant) const noexcept {
     return static_cast<std::int32_t>(&participant - participants_.data());
   }
@@ -90,9 +90,9 @@ class Roster {
 
  private:
   static constexpr std::size_t kMaxParticipants = 16;
-  static Admission begin(Participant& participant, const HelloAck& hello, Admission how) noexcept;
-  std::vector<Participant> participants_;  // required ones first; never grows beyond what it was given room for
-  std::vector<std::string> guest_names_;   // memory for the names of guests to come: one may join between two deadlines
+  static Admission begin(Participant& participant, const HelloAckMessage& hello, Admission how) noexcept;
+  std::vector<Participant> participants_;  // required ones first; never grows beyond its reserved memory
+  std::vector<std::string> guest_names_;   // memory for names of guests: one may join between two deadlines
 };
 
 }  // namespace unlatch::hil

@@ -1,4 +1,4 @@
-#include "hil/session/roster.h"
+#include "hil/session/participants.h"
 
 #include <algorithm>
 #include <utility>
@@ -22,7 +22,7 @@ bool SeenCommands::has_all(std::int64_t last, std::int64_t count) const noexcept
   return true;
 }
 
-Roster::Roster(const std::vector<std::string>& required) {
+Participants::Participants(const std::vector<std::string>& required) {
   participants_.reserve(std::max(kMaxParticipants, required.size()));
   for (const std::string& name : required) {
     Participant participant;
@@ -35,33 +35,33 @@ Roster::Roster(const std::vector<std::string>& required) {
   for (std::string& name : guest_names_) name.reserve(kNameLength);
 }
 
-Participant* Roster::find(std::int32_t id) noexcept {
+Participant* Participants::find(std::int32_t id) noexcept {
   for (Participant& participant : participants_) {
     if (participant.standing != Standing::kAbsent && participant.id == id) return &participant;
   }
   return nullptr;
 }
 
-Participant* Roster::find(std::string_view name) noexcept {
+Participant* Participants::find(std::string_view name) noexcept {
   for (Participant& participant : participants_) {
     if (participant.name == name) return &participant;
   }
   return nullptr;
 }
 
-// A new start of a participant has said nothing yet.
-Admission Roster::begin(Participant& participant, const HelloAck& hello, Admission how) noexcept {
+// A new start of a participant has sent nothing yet.
+Admission Participants::begin(Participant& participant, const HelloAckMessage& hello, Admission how) noexcept {
   participant.standing = Standing::kPresent;
   participant.leaving = false;
   participant.id = hello.participant;
-  participant.ack = StepAck{};
+  participant.ack = StepAckMessage{};
   participant.ack.tick = -1;
   participant.waiting_since_ns.reset();
   participant.seen = SeenCommands{};
   return how;
 }
 
-Admission Roster::admit(const HelloAck& hello) noexcept {
+Admission Participants::admit(const HelloAckMessage& hello) noexcept {
   const std::string_view name = get_name(hello.name);
   const Participant* const same_id = find(hello.participant);
   if (same_id != nullptr && same_id->name != name) return Admission::kNameTaken;
@@ -87,9 +87,9 @@ Admission Roster::admit(const HelloAck& hello) noexcept {
   return Admission::kEvicted;
 }
 
-bool Roster::is_complete() const noexcept { return count_missing() == 0; }
+bool Participants::is_complete() const noexcept { return count_missing() == 0; }
 
-std::int64_t Roster::count_missing() const noexcept {
+std::int64_t Participants::count_missing() const noexcept {
   return std::count_if(participants_.begin(), participants_.end(), [](const Participant& participant) {
     return participant.required && !participant.is_present();
   });

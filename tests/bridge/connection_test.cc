@@ -1,10 +1,10 @@
-// The rings of hil/messages/link.h, and the pump that serves them. Meant for ThreadSanitizer as well.
+// The connections of the executive: rings, their threads, straight to a port. Meant for ThreadSanitizer as well.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <thread>
 
-#include "bridge/pump.h"
+#include "bridge/threaded_connection.h"
 #include "tests/support/malloc_guard.h"
 
 namespace unlatch::test {
@@ -14,49 +14,54 @@ using namespace std::chrono_literals;
 using hil::Message;
 
 Message make_state(std::int64_t tick) {
-  hil::State state{};
+  hil::StateMessage state{};
   state.tick = tick;
   state.parts = 1;
   state.bodies.back().wz = static_cast<double>(tick);
   return state;
 }
 
-Message make_command(std::int64_t sequence) {
-  hil::Command command{};
+hil::CommandMessage make_command(std::int64_t sequence) {
+  hil::CommandMessage command{};
   command.sequence = sequence;
   return command;
 }
 
-TEST(Link, AFullRingRefusesAndCounts) {
-  hil::Link link(4, 2);
-  for (std::int64_t tick = 0; tick < 4; ++tick) EXPECT_TRUE(link.send(make_state(tick)));
-  EXPECT_FALSE(link.send(make_state(4)));
-  EXPECT_FALSE(link.send(make_state(5)));
-  EXPECT_EQ(link.get_dropped_out(), 2);
-  EXPECT_TRUE(link.deliver(make_command(0)));
-  EXPECT_TRUE(link.deliver(make_command(1)));
-  EXPECT_FALSE(link.deliver(make_command(2)));
-  EXPECT_EQ(link.get_dropped_in(), 1);
+std::int64_t get_sequence(const hil::Arrival& arrival) {
+  return std::get<hil::CommandMessage>(arrival.message).sequence;
+}
+
+TEST(RingConnection, AFullRingRefusesAndCounts) {
+  hil::RingConnection connection(4, 2);
+  for (std::int64_t tick = 0; tick < 4; ++tick) EXPECT_TRUE(connection.send(make_state(tick)));
+  EXPECT_FALSE(connection.send(make_state(4)));
+  EXPECT_FALSE(connection.send(make_state(5)));
+  EXPECT_EQ(connection.get_dropped_out(), 2);
+  EXPECT_TRUE(connection.deliver(make_command(0)));
+  EXPECT_TRUE(connection.deliver(make_command(1)));
+  EXPECT_FALSE(connection.deliver(make_command(2)));
+  EXPECT_EQ(connection.get_dropped_in(), 1);
 
   Message message;
   for (std::int64_t tick = 0; tick < 4; ++tick) {
-    ASSERT_TRUE(link.take(message));
+    ASSERT_TRUE(connection.take(message));
     EXPECT_EQ(message.state.tick, tick);
   }
-  EXPECT_FALSE(link.take(message));
-  EXPECT_TRUE(link.send(make_state(6)));  // there is room again
+  EXPECT_FALSE(connection.take(message));
+  EXPECT_TRUE(connection.send(make_state(6)));  // there is room again
 }
 
-TEST(Link, NeitherRingsNorCodecAllocate) {
+TEST(RingConnection, NeitherRingsNorCodecAllocate) {
   if (!kCountsAllocations) GTEST_SKIP() << "this build's malloc belongs to a sanitizer";
-  hil::Link link(4, 4);
+  hil::RingConnection connection(4, 4);
   Message message = make_state(7);
+  hil::Arrival arrival;
   std::array<std::uint8_t, hil::kMaxWireBytes> bytes{};
   const AllocationCount count;
   for (int round = 0; round < 10; ++round) {  // fuller than full, then empty, past the ring's end
-    for (int i = 0; i < 6; ++i) link.send(message);
-    for (int i = 0; i < 6; ++i) link.deliver(message);
-    while (link.take(message) && link.receive(message)) {
+    for (int i = 0; i < 6; ++i) connection.send(message);
+    for (int i = 0; i < 6; ++i) connection.deliver(make_command(i));
+    while (connection.take(message) && connection.receive(arrival)) {
     }
     const std::size_t length = hil::encode(message, bytes);
     ASSERT_TRUE(hil::decode(hil::MessageKind::kState, std::span(bytes).first(length), message));
@@ -64,40 +69,39 @@ TEST(Link, NeitherRingsNorCodecAllocate) {
   EXPECT_EQ(count.get(), 0);
 }
 
-TEST(Link, ThreadsExchangeEverythingInOrder) {
+TEST(RingConnection, ThreadsExchangeEverythingInOrder) {
   constexpr std::int64_t kMessages = 20000;
-  hil::Link link(64, 64);
-  std::thread bridge([&link] {
+  hil::RingConnection connection(64, 64);
+  std::thread bridge([&connection] {
     Message message;
     for (std::int64_t expected = 0; expected < kMessages;) {
-      if (!link.take(message)) {
+      if (!connection.take(message)) {
         std::this_thread::yield();
         continue;
       }
       ASSERT_EQ(message.state.tick, expected);
       ASSERT_EQ(message.state.bodies.back().wz, static_cast<double>(expected));
-      while (!link.deliver(make_command(expected))) std::this_thread::yield();
+      while (!connection.deliver(make_command(expected))) std::this_thread::yield();
       ++expected;
     }
   });
-  Message message;
+  hil::Arrival arrival;
   std::int64_t sent = 0;
   std::int64_t answered = 0;
   while (answered < kMessages) {
-    if (sent < kMessages && sent - answered < 32 && link.send(make_state(sent))) ++sent;
-    while (link.receive(message)) ASSERT_EQ(message.command.sequence, answered++);
+    if (sent < kMessages && sent - answered < 32 && connection.send(make_state(sent))) ++sent;
+    while (connection.receive(arrival)) ASSERT_EQ(get_sequence(arrival), answered++);
     if (sent - answered >= 32) std::this_thread::yield();
   }
   bridge.join();
 }
 
-TEST(Pump, ServesALockstepBothWays) {
+TEST(ThreadedConnection, ServesALockstepBothWays) {
   constexpr std::int64_t kTicks = 500;
   bridge::InprocHub hub;
   const auto simulator = hub.open(bridge::Role::kSimulator);
   const auto participant = hub.open(bridge::Role::kParticipant);
-  hil::Link link;
-  bridge::Pump pump(link, *simulator);
+  bridge::ThreadedConnection connection(*simulator);
   std::thread flight_software([&participant] {
     Message message;
     for (std::int64_t tick = 0; tick < kTicks; ++tick) {
@@ -106,27 +110,24 @@ TEST(Pump, ServesALockstepBothWays) {
       participant->publish(make_command(tick));
     }
   });
-  Message message;
+  hil::Arrival arrival;
   for (std::int64_t tick = 0; tick < kTicks; ++tick) {
-    ASSERT_TRUE(link.send(make_state(tick)));
-    while (!link.receive(message)) std::this_thread::yield();
-    ASSERT_EQ(message.command.sequence, tick);
+    ASSERT_TRUE(connection.send(make_state(tick)));
+    while (!connection.receive(arrival)) std::this_thread::yield();
+    ASSERT_EQ(get_sequence(arrival), tick);
   }
   flight_software.join();
 }
 
-TEST(Pump, PublishesWhatIsLeftBeforeItStops) {
+TEST(ThreadedConnection, PublishesWhatIsLeftBeforeItStops) {
   constexpr std::int64_t kMessages = 700;
   bridge::InprocHub hub;
   const auto simulator = hub.open(bridge::Role::kSimulator);
   const auto observer = hub.open(bridge::Role::kObserver);
-  hil::Link link(1024, 16);
-  {
-    bridge::Pump pump(link, *simulator);
-    for (std::int64_t tick = 0; tick < kMessages; ++tick) ASSERT_TRUE(link.send(make_state(tick)));
-    pump.stop();
-    pump.stop();
-  }
+  bridge::ThreadedConnection connection(*simulator, 1024, 16);
+  for (std::int64_t tick = 0; tick < kMessages; ++tick) ASSERT_TRUE(connection.send(make_state(tick)));
+  connection.stop();
+  connection.stop();
   EXPECT_EQ(simulator->get_counts().published, kMessages);
   Message message;
   for (std::int64_t tick = 0; tick < kMessages; ++tick) {

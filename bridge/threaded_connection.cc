@@ -1,4 +1,4 @@
-#include "bridge/pump.h"
+#include "bridge/threaded_connection.h"
 
 #include <sys/prctl.h>
 
@@ -31,29 +31,30 @@ void wait_since(Clock::time_point last_message) {
 
 }  // namespace
 
-Pump::Pump(hil::Link& link, Port& port)
-    : link_(link),
+ThreadedConnection::ThreadedConnection(Port& port, std::size_t out_capacity, std::size_t in_capacity,
+                                       const hil::Clock& clock)
+    : RingConnection(out_capacity, in_capacity, clock),
       port_(port),
-      out_([this](const std::stop_token& stopping) { run_out(stopping); }),
-      in_([this](const std::stop_token& stopping) { run_in(stopping); }) {}
+      out_thread_([this](const std::stop_token& stopping) { run_out(stopping); }),
+      in_thread_([this](const std::stop_token& stopping) { run_in(stopping); }) {}
 
-Pump::~Pump() { stop(); }
+ThreadedConnection::~ThreadedConnection() { stop(); }
 
-void Pump::stop() {
-  out_.request_stop();
-  in_.request_stop();
-  if (out_.joinable()) out_.join();
-  if (in_.joinable()) in_.join();
+void ThreadedConnection::stop() {
+  out_thread_.request_stop();
+  in_thread_.request_stop();
+  if (out_thread_.joinable()) out_thread_.join();
+  if (in_thread_.joinable()) in_thread_.join();
 }
 
-void Pump::run_out(const std::stop_token& stopping) {
+void ThreadedConnection::run_out(const std::stop_token& stopping) {
   prctl(PR_SET_TIMERSLACK, 1UL);  // else short sleeps last 50 us longer
   Message message;
   auto last_message = Clock::now();
   while (true) {
     const bool last_look =
         stopping.stop_requested();  // asked before looking, so that nothing sent before stop() is left behind
-    if (link_.take(message)) {
+    if (take(message)) {
       port_.publish(message);
       last_message = Clock::now();
     } else if (last_look) {
@@ -64,11 +65,13 @@ void Pump::run_out(const std::stop_token& stopping) {
   }
 }
 
-void Pump::run_in(const std::stop_token& stopping) {
+void ThreadedConnection::run_in(const std::stop_token& stopping) {
   Message message;
   while (!stopping.stop_requested()) {
-    if (port_.poll(message, kPollWait)) link_.deliver(message);
-    link_.set_malformed(port_.get_malformed());
+    if (port_.poll(message, kPollWait)) {
+      if (const auto received = hil::to_participant_message(message)) deliver(*received);
+    }
+    set_malformed(port_.get_malformed());
   }
 }
 
