@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hil/language/scenario_error.h"
+#include "hil/language/scenario_sources.h"
 #include "hil/messages/messages.h"
 #include "hil/scenario/rates.h"
 #include "hil/scenario/shapes.h"
@@ -54,9 +55,6 @@ struct Scenario {
   std::vector<TracedPoint> points;
   std::map<std::string, SourceMark> marks;  // places of the elements, by ModelError::where: "body 'core'"
 };
-
-// The text of a regular file; `kind` says what it should be, for messages. Throws ScenarioError.
-std::string read_text_file(const std::string& path, const std::string& kind);
 
 // Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file
 // is a ScenarioError as well. A text that includes others holds them too, as Scenario::text does.

@@ -226,17 +226,5 @@ TEST(Histogram, PercentilesAreWithinOneBucketOfTheTruth) {
   EXPECT_EQ(histogram.get_count(), 20000);
 }
 
-TEST(SeenCommands, AreRecognisedInAnyOrder) {
-  hil::SeenCommands seen;
-  EXPECT_TRUE(seen.insert(3));
-  EXPECT_TRUE(seen.insert(1));
-  EXPECT_FALSE(seen.insert(3));
-  EXPECT_FALSE(seen.has_all(3, 3));
-  EXPECT_TRUE(seen.has_all(3, 1));
-  EXPECT_TRUE(seen.insert(2));
-  EXPECT_TRUE(seen.has_all(3, 3));
-  EXPECT_TRUE(seen.has_all(0, 0));
-}
-
 }  // namespace
 }  // namespace unlatch::test

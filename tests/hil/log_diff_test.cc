@@ -1,5 +1,5 @@
 // Comparing recordings: the first tick, body and field that differ, by how much, and what the step was told.
-#include "hil/recording/log_diff.h"
+#include "hil/run/log_diff.h"
 
 #include <gtest/gtest.h>
 

@@ -217,7 +217,8 @@ struct SessionResult {
 // A whole session; `log` empty: not kept.
 inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& habits, const std::string& log = "",
                                  const std::vector<std::string>& overrides = {}, bool with_participant = true,
-                                 hil::TickSource* ticks = nullptr, hil::FaultInjector* faults = nullptr) {
+                                 hil::TickSource* ticks = nullptr, hil::FaultInjector* faults = nullptr,
+                                 const hil::Clock& clock = hil::kMonotonicClock) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
   const auto simulation = hil::build_simulation(scenario);
   hil::ExecutiveOptions options;
@@ -230,7 +231,8 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.start_timeout_ns = 20'000'000'000;  // a stalled machine is nobody missing
   options.resend_ns = 5'000'000;
   options.faults = faults;
-  hil::RingConnection connection(256, 256);
+  options.clock = &clock;
+  hil::RingConnection connection(256, 256, clock);
   hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, options.session, options.last_tick));
   hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
   SessionResult result;

@@ -1,4 +1,4 @@
-#include "hil/recording/log_diff.h"
+#include "hil/run/log_diff.h"
 
 #include <bit>
 #include <utility>

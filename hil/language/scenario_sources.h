@@ -1,5 +1,5 @@
-// Where the text of a scenario and of the files that it includes comes from: a folder, or one text that holds them all,
-// as recordings do. In such a text each included file follows a line `--- # included: NAME`.
+// The text of a scenario and of the files that it includes: from a folder, or from one text that has them all, as in
+// recordings. In such a text each included file follows a line `--- # included: NAME`.
 #pragma once
 
 #include <map>
@@ -7,6 +7,9 @@
 #include <vector>
 
 namespace unlatch::hil {
+
+// The text of a regular file; `kind`: the kind of file expected, for messages. Throws ScenarioError.
+std::string read_text_file(const std::string& path, const std::string& kind);
 
 class ScenarioSources {
  public:
