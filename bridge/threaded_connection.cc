@@ -10,14 +10,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-// The cyclic thread makes no system call to wake us, so the out ring is looked at again and again: at once while an
-// answer in lockstep is likely, often enough for 1 kHz while the run goes on, and seldom when it rests.
+// The cyclic thread makes no system call to wake this one, which polls the out ring: without sleep while an answer in
+// lockstep is likely, often enough for 1 kHz while the run goes on, and seldom when it rests.
 constexpr auto kSpinFor = 100us;
 constexpr auto kAwakeFor = 100ms;
 constexpr auto kShortSleep = 20us;
 constexpr auto kLongSleep = 1ms;
 
-// How long the in thread may take to see that it shall stop.
+// The longest time until the in thread sees that it shall stop.
 constexpr auto kPollWait = 20ms;
 
 void wait_since(Clock::time_point last_message) {

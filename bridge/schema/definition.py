@@ -13,7 +13,7 @@ ROLES = {"simulator", "participant"}
 
 
 class DefinitionError(Exception):
-    """What is wrong in messages.yaml, and where."""
+    """A mistake in messages.yaml, with its place."""
 
 
 @dataclass
@@ -125,7 +125,7 @@ def _check(definition: Definition, struct: Struct):
 
 
 def _lcm_fingerprint(definition: Definition, struct: Struct) -> int:
-    """What lcm-gen computes: a hash over member names, primitive types and dimensions, to which the fingerprints of the
+    """The fingerprint that lcm-gen computes: a hash over member names, primitive types and dimensions, to which the fingerprints of the
     struct types inside are added, all rotated left by one bit."""
 
     def signed(value):

@@ -305,7 +305,7 @@ Executive::Next Executive::lose(Participant& participant) noexcept {
                 " (policy: abort)");
   }
   commands_.remove(participant);
-  // Concerns the channels that the lost participant has set, and those that nobody has.
+  // Concerns the channels that the lost participant has set, and those without a commander.
   const std::vector<Channel>& channels = simulation_.model().channels;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (commanders_[i] != &participant && commanders_[i] != nullptr) continue;

@@ -30,7 +30,7 @@ class Publisher {
 
   // An event of the model that fired in the step to this tick.
   void publish_event(const FiredEvent& fired) noexcept;
-  // An event of the session: a participant, a policy, a fault. People are told as well (take_notice()).
+  // An event of the session: a participant, a policy, a fault. take_notice() gives it to people as well.
   void publish_notice(std::string_view name, std::string_view subject) noexcept;
   void publish_overrun(const Overrun& overrun) noexcept;
 

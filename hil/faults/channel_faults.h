@@ -1,4 +1,4 @@
-// Channels that a fault holds, dead or jammed: commands for them are kept until it ends.
+// Channels with a fault, dead or jammed: commands for them are kept until it ends.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class ChannelFaults {
   ChannelFaults(FaultInjector& faults, std::span<const double> channels)
       : faults_(faults), commanded_(channels.begin(), channels.end()) {}
 
-  // Keeps the commanded `value`. True if the channel, at `now`, takes it: no fault holds it.
+  // Keeps the commanded `value`. True if the channel, at `now`, takes it: it has no fault.
   [[nodiscard]] bool command(std::size_t channel, double value, double now) noexcept {
     commanded_[channel] = value;
     return !faults_.get_forced(channel, now);

@@ -109,7 +109,7 @@ bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants&
   if (fault.is_of_messages() || active.over) return false;
   const Participant* const participant =
       fault.participant.empty() ? nullptr : participants.find(std::string_view(fault.participant));
-  if (!fault.participant.empty() && participant == nullptr) return false;  // pace fast: nobody takes part
+  if (!fault.participant.empty() && participant == nullptr) return false;  // pace fast: there are no participants
   if (!active.on && fault.is_at(tick_)) {
     active.on = true;
     active.since_ns = now_ns;
@@ -157,7 +157,7 @@ bool FaultInjector::hits(std::size_t index, const Message& message, std::uint64_
   return true;
 }
 
-// Flips bits of the encoded message, past the fingerprint as well as in it. False when nobody could read it any more.
+// Flips bits of the encoded message, past the fingerprint as well as in it. False when it cannot be read any more.
 bool FaultInjector::corrupt(Message& message, int bits, std::uint64_t seed) noexcept {
   std::array<std::uint8_t, kMaxWireBytes> bytes;
   const std::size_t length = encode(message, bytes);

@@ -147,7 +147,7 @@ class FaultReader {
       fault.participant = read_name(*participant, mistakes_);
       fault.subject += " " + fault.participant;
       if (message >= 0 && is_from_simulator(fault.message))
-        mistakes_.add(participant->mark, "the simulator says a " + fault.subject + " to everybody at once",
+        mistakes_.add(participant->mark, "the simulator publishes a " + fault.subject + " for all participants at once",
                       "leave `participant` out, or name HelloAck, Command or StepAck");
     }
     if (fault.kind == Kind::kDelay) {

@@ -1,4 +1,4 @@
-// Names of the Event messages that the executive itself sends, as against the model's events. The subject is the
+// Names of the Event messages that the executive itself sends, unlike the model's events. The subject is the
 // participant.
 #pragma once
 
@@ -16,9 +16,9 @@ inline constexpr std::string_view kSecondOfName = "participant.name_taken";  // 
 inline constexpr std::string_view kNotAdmitted = "participant.refused";      // another schema or model, or evicted
 inline constexpr std::string_view kParticipantPrefix = "participant.";
 inline constexpr std::string_view kFaultPrefix = "fault.";  // of a fault script: fault.freeze, fault.freeze.end
-inline constexpr std::string_view kMessageFaultPrefix = "fault.message.";  // too many to tell people one by one
+inline constexpr std::string_view kMessageFaultPrefix = "fault.message.";  // too many for notices
 inline constexpr std::string_view kPolicyPrefix = "policy.";               // and the policy's name, e.g. policy.hold
-// And the cause, e.g. overrun.late_wakeup; the subject says where the time went. There may be many: they are no
+// And the cause, e.g. overrun.late_wakeup; the subject has the parts of the tick's time. There may be many: they are no
 // notices.
 inline constexpr std::string_view kOverrunPrefix = "overrun.";
 

@@ -124,8 +124,8 @@ std::size_t encode(const CatalogMessage& message, std::span<std::uint8_t> to) no
 bool decode(std::span<const std::uint8_t> from, CatalogMessage& message) noexcept;
 [[nodiscard]] bool is_well_formed(const CatalogMessage& message) noexcept;
 
-// A participant is ready, refuses and says why, or takes its leave. It repeats what it heard in Hello, so that both
-// have agreed on it. Sent by the participant.
+// A participant is ready, refuses and gives the reason, or leaves. It repeats the terms of Hello, so that both have
+// agreed on them. Sent by the participant.
 struct HelloAckMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts this participant's HelloAck messages from 0
@@ -133,7 +133,7 @@ struct HelloAckMessage {
   std::int64_t model_hash = 0;  // as in Hello
   std::int64_t dt_ns = 0;  // [ns] as in Hello
   std::int32_t protocol = 0;  // of the participant's own schema
-  // a number of this start of the participant, best drawn at random: two of one name are told apart by it
+  // a number of this start of the participant, best drawn at random: it distinguishes two of one name
   std::int32_t participant = 0;
   std::int32_t status = 0;  // AckStatus
   std::int32_t reserved = 0;  // 0
@@ -147,7 +147,7 @@ std::size_t encode(const HelloAckMessage& message, std::span<std::uint8_t> to) n
 bool decode(std::span<const std::uint8_t> from, HelloAckMessage& message) noexcept;
 [[nodiscard]] bool is_well_formed(const HelloAckMessage& message) noexcept;
 
-// The state at a tick. Part 0 is the token of lockstep; systems beyond one part's room send further parts for the same
+// The state at a tick. Part 0 is the token of lockstep; systems larger than one part send further parts for the same
 // tick first. Sent by the simulator.
 struct StateMessage {
   std::int64_t session = 0;
@@ -189,7 +189,7 @@ std::size_t encode(const CommandMessage& message, std::span<std::uint8_t> to) no
 bool decode(std::span<const std::uint8_t> from, CommandMessage& message) noexcept;
 [[nodiscard]] bool is_well_formed(const CommandMessage& message) noexcept;
 
-// The participant has handled the State of this tick, and says how many commands it sent for it. Resent states are
+// The participant has handled the State of this tick, and announces how many commands it sent for it. Resent states are
 // answered again, equally. Sent by the participant.
 struct StepAckMessage {
   std::int64_t session = 0;
@@ -223,7 +223,7 @@ std::size_t encode(const EventMessage& message, std::span<std::uint8_t> to) noex
 bool decode(std::span<const std::uint8_t> from, EventMessage& message) noexcept;
 [[nodiscard]] bool is_well_formed(const EventMessage& message) noexcept;
 
-// Once a second of wall time: how the run keeps its time, and what it refused. Sent by the simulator.
+// Once a second of wall time: timing of the run, and counts of refused messages. Sent by the simulator.
 struct HealthMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Health messages of the session from 0
@@ -236,10 +236,10 @@ struct HealthMessage {
   std::int64_t wakeup_max_ns = 0;  // [ns]
   std::int64_t overruns = 0;
   std::int64_t dropped = 0;  // messages that found a ring full
-  std::int64_t resent = 0;  // States said again
+  std::int64_t resent = 0;  // States sent again
   std::int64_t late = 0;  // commands applied after the tick that they were due
   std::int64_t missing = 0;  // required participants that take no part at the moment
-  // what was refused, by Reject; malformed bytes of any message among them
+  // refused messages, by Reject; malformed bytes of any message among them
   std::array<std::int64_t, kRejectReasons> rejected{};
 };
 static_assert(sizeof(HealthMessage) == 200);  // the sum of its fields: no padding
@@ -249,15 +249,15 @@ std::size_t encode(const HealthMessage& message, std::span<std::uint8_t> to) noe
 bool decode(std::span<const std::uint8_t> from, HealthMessage& message) noexcept;
 [[nodiscard]] bool is_well_formed(const HealthMessage& message) noexcept;
 
-// A Command or HelloAck that was not taken as it stands: refused, or late. At most 16 a tick are told one by one;
-// Health counts all. Sent by the simulator.
+// A Command or HelloAck that was refused, or is late. At most 16 a tick are sent; Health counts all. Sent by the
+// simulator.
 struct VerdictMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Verdict messages of the session from 0
-  std::int64_t tick = 0;  // at which the simulator heard it
-  std::int64_t refers_to = 0;  // sequence number of what it is about
+  std::int64_t tick = 0;  // at which the simulator received it
+  std::int64_t refers_to = 0;  // sequence number of the message concerned
   std::int64_t applied_tick = 0;  // late: the tick before whose step it acts; refused: -1
-  std::int32_t participant = 0;  // who said it
+  std::int32_t participant = 0;  // its sender
   std::int32_t reason = 0;  // Reject
   std::int32_t channel = 0;  // of a Command; else -1
   std::int32_t reserved = 0;  // 0
@@ -269,8 +269,8 @@ std::size_t encode(const VerdictMessage& message, std::span<std::uint8_t> to) no
 bool decode(std::span<const std::uint8_t> from, VerdictMessage& message) noexcept;
 [[nodiscard]] bool is_well_formed(const VerdictMessage& message) noexcept;
 
-// For observers, ten times a second of wall time and at the end: what every joint holds at a tick. Flight software does
-// not get it: it has sensors. Sent by the simulator.
+// For observers, ten times a second of wall time and at the end: the forces and moments of every joint at a tick.
+// Flight software does not get it: it has sensors. Sent by the simulator.
 struct ReactionsMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Reactions messages of the session from 0

@@ -1,4 +1,4 @@
-// What tells the cyclic thread that it is time for the next tick: the monotonic clock, or a descriptor that something
+// The source of ticks for the cyclic thread: the monotonic clock, or a descriptor that something
 // outside makes readable once a tick.
 #pragma once
 
@@ -18,11 +18,11 @@ class TickSource {
 
   // The time base begins anew: the next tick is due a period from `now_ns`, or with the next one from outside.
   virtual void restart(std::int64_t now_ns) noexcept = 0;
-  // Sleeps until shortly before the next tick, and says how much is left until it is due, ns; 0 if none is for sure.
+  // Sleeps until shortly before the next tick, and returns the time left until it is due, ns; 0 if there may be none.
   virtual std::int64_t doze() noexcept { return 0; }
-  // Waits until the next tick is due. False if it will never be: `stop` was set, or get_failure() says why.
+  // Waits until the next tick is due. False if it will never be: `stop` was set, or see get_failure().
   [[nodiscard]] virtual bool wait(const std::atomic<bool>& stop) noexcept = 0;
-  // Restarts it for a tick that ended late, and says by how much the ticks are put off by that, ns.
+  // Restarts it for a tick that ended late, and returns by how much that postpones the ticks, ns.
   virtual std::int64_t slip(std::int64_t now_ns) noexcept = 0;
   // Ticks that are due by `now_ns` and were not waited for yet, as far as the source knows without asking.
   [[nodiscard]] virtual std::int64_t calc_behind(std::int64_t now_ns) const noexcept = 0;
@@ -65,7 +65,7 @@ class MonotonicTicks final : public TickSource {
 };
 
 // Ticks from outside: a timerfd or eventfd (a read gives how many), or a pipe, socket or character device (each byte is
-// one). The descriptor stays the caller's and is made non-blocking. Since nobody says when a tick was meant to come,
+// one). The descriptor stays the caller's and is made non-blocking. Since the intended time of a tick is unknown,
 // one that comes alone is due when it is seen, and its latency is how much later it came than a period after the one
 // before; of several that are there at once the last is due when they are seen, those before it a period earlier each.
 class DescriptorTicks final : public TickSource {

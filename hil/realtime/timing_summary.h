@@ -1,4 +1,4 @@
-// What a run says of its time: distributions, overruns and their causes, counts. Kept in a recording's last record.
+// Timing of a run: distributions, overruns and their causes, counts. Kept in a recording's last record.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ struct DurationSummary {
   std::vector<Bin> bins;
 };
 
-// Where most of the time of a tick that overran went; see attribute() in hil/realtime/executive_timing.h.
+// The cause of an overrun: the largest part of the tick's time; see attribute() in hil/realtime/executive_timing.h.
 enum class OverrunCause : std::int32_t {
   kBacklog = 0,  // it began late because the tick before ended late
   kLateWakeup,   // the operating system woke the thread late

@@ -24,11 +24,11 @@ std::int64_t calc_state_every(const std::string& path, double dt) {
 
 }  // namespace
 
-Recorder::Recorder(const std::string& path, const LogHeader& header, std::size_t room)
+Recorder::Recorder(const std::string& path, const LogHeader& header, std::size_t capacity)
     : may_wait_(header.pace != Pace::kRealtime),
       us_per_tick_(header.dt * 1e6),
       state_every_(calc_state_every(path, header.dt)),
-      items_(room),
+      items_(capacity),
       writer_(path) {
   encode(header, buffer_);
   writer_.append(0, kHeaderChannel, buffer_);
@@ -50,10 +50,10 @@ bool Recorder::push(const Item& item) noexcept {
   return true;
 }
 
-// The recorder's thread makes room for parts of earlier ticks alone: what one tick has beyond the ring is lost.
+// The recorder's thread frees the slots of earlier ticks alone: parts of one tick beyond the ring's capacity are lost.
 void Recorder::state(const StateMessage& part) noexcept {
   while (!states_.try_enqueue(part)) {
-    if (!may_wait_ || states_of_tick_ == static_cast<std::int32_t>(kStateRoom)) {
+    if (!may_wait_ || states_of_tick_ == static_cast<std::int32_t>(kStateCapacity)) {
       ++states_lost_;
       return;
     }

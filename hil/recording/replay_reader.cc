@@ -15,7 +15,7 @@ std::string to_hex(std::int64_t value) {
   return text;
 }
 
-// Why the first event on `found` is not the one on `wanted`.
+// The reason why the first event is on the channel `found`, not on `wanted`.
 std::string explain_other_kind(const std::string& found, std::string_view wanted) {
   if (wanted == kHeaderChannel && found == kCheckpointChannel) {
     return "is a checkpoint, not a recording; go on from it with `unlatch run --resume`";
@@ -27,7 +27,7 @@ std::string explain_other_kind(const std::string& found, std::string_view wanted
          "; record with `unlatch hil --log` or `unlatch run --log`";
 }
 
-// Why the first event's place holds none.
+// The reason why there is no first event.
 const char* explain_no_header(Result result) {
   if (result == Result::kEnd) return "is empty, not a recording";
   if (result == Result::kTruncated) return "ends before its header is complete; nothing can be replayed";

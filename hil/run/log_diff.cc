@@ -81,7 +81,7 @@ void refuse_other_model(const std::array<RecordingReader*, 2>& recordings) {
   }
   if (a.model_hash != b.model_hash) {
     throw LogError(names + " are of scenario '" + a.scenario_name +
-                   "' with different texts or --set values: different models, whose bits say nothing to each other");
+                   "' with different texts or --set values: different models, whose bits cannot be compared");
   }
 }
 

@@ -1,6 +1,6 @@
 // Compares two recordings of one model: the first tick whose states differ, in which fields and by how much, and what
-// the step that led there was told on either side. The states are found by replaying; where this program gives other
-// bits than a recording's own (another build wrote it), the State messages recorded next tell.
+// the step that led there had as inputs on either side. The states are found by replaying; where this program gives
+// other bits than a recording's own (another build wrote it), the State messages recorded next are compared.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct StateDifference {
   std::array<std::vector<LogChange>, 2> changes{};  // what set them, just before that step
 };
 
-// How far one recording was read, and what stood there.
+// The place up to which one recording was read, and its last record.
 struct LogEnding {
   std::int64_t tick = 0;
   std::optional<RunStatus> status;  // of its last record, if it was read

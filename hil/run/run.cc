@@ -10,7 +10,7 @@
 namespace unlatch::hil {
 namespace {
 
-// What the recorder is told of a run: a State now and then, events, and the hash of every tick.
+// The recording of a run: a State now and then, events, and the hash of every tick.
 class RunRecord {
  public:
   RunRecord(const Simulation& simulation, Recorder* recorder)

@@ -153,7 +153,7 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
   map.finish();
 }
 
-// What the kernel finds wrong with the physics, at the places where it was written.
+// Mistakes that the kernel finds in the physics, with their positions in the text.
 void ScenarioReader::report_physics() {
   for (const Joint& joint : model_.joints)
     for (const int body : {joint.base, joint.follower})

@@ -36,7 +36,7 @@ struct TracedPoint {
   std::string name;
   int body = 0;
   Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();  // body axes, m
-  int seen_from = kGround;                         // the body in whose axes the path is told; the ground: W
+  int seen_from = kGround;                         // the path is in the axes of this body; the ground: W
 };
 
 struct Scenario {

@@ -37,7 +37,7 @@ class Announcer {
   // Once in an interval: one message of Hello and the catalog in turn, and one part of the source.
   void announce(std::int64_t now_ns) noexcept;
   // The next part of the source that has not been sent yet: a run may end before each part has had its turn. False when
-  // there is none, or nobody takes it from the connection. Not for the cycle.
+  // there is none, or the connection stays full. Not for the cycle.
   bool send_unsent_source_part();
 
  private:

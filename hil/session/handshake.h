@@ -14,7 +14,7 @@ namespace unlatch::hil {
 
 class Handshake {
  public:
-  // What follows from one HelloAck, for the executive to count and publish.
+  // The result of one HelloAck, for the executive to count and publish.
   struct Outcome {
     std::optional<Reject> reject = {};
     bool verdict = false;                    // the refusal is answered with a Verdict

@@ -27,13 +27,13 @@ Plan compile_or_throw(const Model& model, const PlanOptions& options) {
   return *std::move(result.plan);
 }
 
-// How many of `total` items fall into part `part` of `room` each.
-std::int32_t calc_share(std::size_t total, std::int32_t part, std::size_t room) {
-  const std::size_t first = static_cast<std::size_t>(part) * room;
-  return total <= first ? 0 : static_cast<std::int32_t>(std::min(total - first, room));
+// The number of `total` items in part `part`, of `capacity` items each.
+std::int32_t calc_share(std::size_t total, std::int32_t part, std::size_t capacity) {
+  const std::size_t first = static_cast<std::size_t>(part) * capacity;
+  return total <= first ? 0 : static_cast<std::int32_t>(std::min(total - first, capacity));
 }
 
-std::size_t calc_parts(std::size_t total, std::size_t room) { return (total + room - 1) / room; }
+std::size_t calc_parts(std::size_t total, std::size_t capacity) { return (total + capacity - 1) / capacity; }
 
 BodyStateMessage to_message(const BodyState& body) {
   return {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
@@ -168,7 +168,7 @@ bool Simulation::take(std::span<const std::uint64_t> saved) {
   return update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_) == StepStatus::kOk;
 }
 
-// What indexes with a state's numbers may rely on.
+// The state's numbers are in their ranges, so that they may be used as indices.
 bool Simulation::is_possible(const State& state) const noexcept {
   constexpr std::int64_t kMaxTick = std::int64_t{1} << 53;  // beyond it a time in seconds does not tell two ticks apart
   if (state.header->plan_hash != plan_.hash || state.header->tick < 0 || state.header->tick > kMaxTick) return false;

@@ -48,7 +48,8 @@ class Simulation {
 
   // Sets the commanded value of a channel, which must exist. True if it changes, to the bit.
   bool set_channel(std::size_t channel, double value) noexcept;
-  // The commanded value of each channel: the next step reads it, unless the channel is in a group that holds.
+  // The commanded value of each channel: the next step reads it, unless the channel is in a group that is not latched
+  // then.
   std::span<double> channels() noexcept { return channels_; }
   std::span<const double> channels() const noexcept { return channels_; }
 
@@ -99,7 +100,7 @@ class Simulation {
 
 // One message per body, joint, channel, sensor value and signal; session is left 0.
 std::vector<CatalogMessage> build_catalog(const Model& model);
-// For each event of the model the message that tells of it, with its name and subject alone.
+// For each event of the model its message, with name and subject alone.
 std::vector<EventMessage> build_event_messages(const Model& model);
 
 }  // namespace unlatch::hil

@@ -20,22 +20,22 @@ std::vector<SourceMessage> build_source(const std::string& text, const std::vect
   return messages;
 }
 
-void SourceText::hear(const SourceMessage& part) {
+void SourceText::add(const SourceMessage& part) {
   if (parts_.empty()) {
     if (part.parts > kMaxParts) return;
     session_ = part.session;
     parts_.resize(static_cast<std::size_t>(part.parts));
-    heard_.resize(parts_.size());
+    received_.resize(parts_.size());
     missing_ = parts_.size();
   }
   const auto index = static_cast<std::size_t>(part.part);
   const bool is_last = index + 1 == parts_.size();
   if (part.session != session_ || static_cast<std::size_t>(part.parts) != parts_.size() || index >= parts_.size() ||
-      heard_[index] || (!is_last && static_cast<std::size_t>(part.count) != kSourcePerPart)) {
+      received_[index] || (!is_last && static_cast<std::size_t>(part.count) != kSourcePerPart)) {
     return;
   }
   parts_[index].assign(part.bytes.begin(), part.bytes.begin() + part.count);
-  heard_[index] = true;
+  received_[index] = true;
   --missing_;
 }
 

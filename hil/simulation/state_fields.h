@@ -1,4 +1,4 @@
-// What differs between two states of one model, field by field and by name, to the last bit.
+// Differences between two states of one model, field by field and by name, to the last bit.
 #pragma once
 
 #include <bit>

@@ -101,7 +101,7 @@ TEST(Executive, ARunTooShortForItTellsTheWholeScenarioAllTheSame) {
   while (connection.take(message)) {
     if (message.kind != hil::MessageKind::kSource) continue;
     EXPECT_EQ(message.source.sequence, next++);
-    heard.hear(message.source);
+    heard.add(message.source);
   }
   EXPECT_TRUE(heard.is_complete());
 }

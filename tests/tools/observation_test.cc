@@ -175,7 +175,7 @@ TEST(SourceText, IsPutTogetherFromPartsInAnyOrderWithRepetitions) {
   parts.insert(parts.end(), parts.begin(), parts.begin() + 2);
   std::shuffle(parts.begin(), parts.end(), random);
   hil::SourceText source;
-  for (const hil::SourceMessage& part : parts) source.hear(part);
+  for (const hil::SourceMessage& part : parts) source.add(part);
   ASSERT_TRUE(source.is_complete());
   EXPECT_EQ(source.split(), (std::vector<std::string>{text, "a.b=1", "", "c=2"}));
 }
@@ -183,16 +183,16 @@ TEST(SourceText, IsPutTogetherFromPartsInAnyOrderWithRepetitions) {
 TEST(SourceText, TakesNothingFromOtherSessionsOrSizes) {
   const std::vector<hil::SourceMessage> parts = hil::build_source(std::string(5000, 'x'), {}, 7);
   hil::SourceText source;
-  source.hear(parts[0]);
+  source.add(parts[0]);
   hil::SourceMessage other = parts[1];
   other.session = 8;
-  source.hear(other);
+  source.add(other);
   other = parts[1];
   other.parts = 9;
-  source.hear(other);
+  source.add(other);
   other = parts[1];
   other.count = 3;
-  source.hear(other);
+  source.add(other);
   EXPECT_EQ(source.get_missing(), parts.size() - 1);
 }
 

@@ -138,7 +138,7 @@ class Session {
 
   void tell_faults() {
     for (const auto& [fault, count] : faults_->list_tallies()) {
-      std::fprintf(stderr, "fault script: %s %s befell %lld messages\n",
+      std::fprintf(stderr, "fault script: %s %s hit %lld messages\n",
                    hil::kFaultNames[static_cast<std::size_t>(fault->kind)].c_str(), fault->subject.c_str(),
                    static_cast<long long>(count));
     }

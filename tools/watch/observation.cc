@@ -199,7 +199,7 @@ void Observation::hear_catalog(const hil::CatalogMessage& item) {
 void Observation::hear_source(const hil::SourceMessage& part) {
   if (scenario_) return;
   const bool was_complete = source_.is_complete();
-  source_.hear(part);
+  source_.add(part);
   if (source_.is_complete()) {
     if (!was_complete) load_source();
     return;
