@@ -1,8 +1,8 @@
 // bridge/<transport>/<bodies>: a round trip as the executive makes it in lockstep: a state out, its acknowledgement
 // back. bridge/bare_<transport>/<bodies>: messages of the same sizes over the same middleware with nothing of ours in
 // between. bridge/bare_one_<transport>/<bodies>: the same bytes in one message. bridge/<transport>_paced/<bodies>: as
-// in real time, through the rings and the pump. Time is wall time a round trip, on the average; p50_us is its median,
-// min_us its best.
+// in real time, through the rings and their threads. Time is wall time a round trip, on the average; p50_us is its
+// median, min_us its best.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -12,12 +12,12 @@
 
 #include "bench/panel_array.h"
 #include "hil/executive/executive.h"
-#include "hil/messages/link.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/histogram.h"
-#include "hil/realtime/pacer.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/yardsticks.h"
 #include "hil/run/run.h"
+#include "hil/session/ring_connection.h"
 
 namespace unlatch::bench {
 namespace {
@@ -102,15 +102,15 @@ int run(const Options& options) {
   executive_options.pace = hil::Pace::kRealtime;
   executive_options.last_tick = std::llround(scenario.until / scenario.dt);
   executive_options.timing.spin = options.spin_us * 1e-6;
-  hil::Link link;
+  hil::RingConnection connection;
   hil::Recorder recorder(
       "", hil::build_log_header(scenario, *simulation, executive_options.pace, 1, executive_options.last_tick));
-  hil::Executive executive(*simulation, link, recorder, scenario.name, executive_options);
+  hil::Executive executive(*simulation, connection, recorder, scenario.name, executive_options);
   // Stands for the bridge: takes what is said, and says nothing.
-  std::jthread listener([&link](const std::stop_token& stopping) {
+  std::jthread listener([&connection](const std::stop_token& stopping) {
     hil::Message message;
     while (!stopping.stop_requested()) {
-      while (link.take(message)) {
+      while (connection.take(message)) {
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/yardsticks.h"
 #include "hil/run/run.h"
@@ -49,7 +49,8 @@ Round run_round(hil::Simulation& simulation) {
   return round;
 }
 
-// Back to back but for kRest_ns; or, with a spin, once a millisecond as the executive would: asleep, rehearsed, awake.
+// Back to back but for kRest_ns; or, with a spin, once a millisecond as the executive would: asleep, a warm-up step,
+// awake.
 std::vector<Round> run_rounds(hil::Simulation& simulation, const Options& options) {
   const auto spin = static_cast<std::int64_t>(options.spin_us * 1e3);
   std::vector<Round> rounds;
@@ -59,7 +60,7 @@ std::vector<Round> run_rounds(hil::Simulation& simulation, const Options& option
   const auto end = start + static_cast<std::int64_t>(options.seconds * 1e9);
   for (std::int64_t tick = start + kTick_ns; tick < end; tick += kTick_ns) {
     hil::sleep_until_ns(spin > 0 ? tick - spin : tick);
-    simulation.rehearse();
+    simulation.warm_up();
     while (hil::get_monotonic_ns() < tick) {
     }
     do {

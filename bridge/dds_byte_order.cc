@@ -1,5 +1,5 @@
 // Cyclone DDS 0.10.2 turns a sample of the other byte order round in place, and for a single 64-bit number takes four
-// times its offset: it writes outside the buffer, for anybody who sends such bytes (found by tests/fuzz/dds_fuzz.cc).
+// times its offset: it writes outside the buffer, for any sender of such bytes (found by tests/fuzz/dds_fuzz.cc).
 // Its calls to its own exported function go through the dynamic linker, which prefers ours: samples of the other
 // byte order are refused, and counted as what cannot be read; the rest is Cyclone's.
 #include "bridge/dds_byte_order.h"

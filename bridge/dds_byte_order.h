@@ -3,7 +3,7 @@
 
 namespace unlatch::bridge {
 
-// Whether that holds in this program. Names the function, so that a static library's user gets it linked.
+// True if that is so in this program. Names the function, so that a static library's user gets it linked.
 [[nodiscard]] bool is_byte_order_checked() noexcept;
 
 }  // namespace unlatch::bridge

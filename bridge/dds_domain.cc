@@ -64,7 +64,7 @@ void close(const DdsEntity* domain) {
 
 std::atomic<std::int64_t> g_unreadable{0};
 
-void hear_log(void*, const dds_log_data_t* line) {
+void read_log(void*, const dds_log_data_t* line) {
   const std::string_view text(line->message, line->size);
   if (text.find(": deserialization unlatch") != std::string_view::npos) {
     g_unreadable.fetch_add(1, std::memory_order_relaxed);
@@ -104,7 +104,7 @@ std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
                     std::to_string(kLastDomain));
   }
   static std::once_flag once;
-  std::call_once(once, [] { dds_set_log_sink(hear_log, nullptr); });
+  std::call_once(once, [] { dds_set_log_sink(read_log, nullptr); });
   if (!is_byte_order_checked())
     throw PortError(
         "Cyclone DDS: this program was linked so that samples of the other byte order are not refused, and 0.10.2 "

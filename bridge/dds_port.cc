@@ -17,20 +17,20 @@ namespace {
 
 using hil::kMessageKinds;
 
-// How a topic is kept. Everything is reliable and keep-last: a reader that does not keep up loses old messages and
-// never blocks the writer. Depths are in messages, for keyed topics per key.
+// Quality of service of a topic. Everything is reliable and keep-last: a reader that does not keep up loses old
+// messages and never blocks the writer. Depths are in messages, for keyed topics per key.
 struct TopicTraits {
   MessageKind kind;
   const dds_topic_descriptor_t* type;
   std::int32_t writer_depth;  // unacknowledged messages kept for resending
   std::int32_t reader_depth;  // messages waiting for poll
   std::int32_t late_depth;    // messages that a late joiner gets (transient-local); 0: none
-  dds_duration_t lifespan;    // after which nobody gets it any more
+  dds_duration_t lifespan;    // after which no reader gets it any more
 };
 
-// What participants say once reaches the simulator even if it was said while the two were still discovering each other,
-// which takes each topic up to a tenth of a second; it is forgotten soon, so that the next simulator does not hear old
-// commands. An acknowledgement is said again whenever the State is.
+// Messages that participants send once reach the simulator even if sent while the two were still discovering each
+// other, which takes each topic up to a tenth of a second; they expire soon, so that the next simulator does not
+// receive old commands. An acknowledgement is sent again whenever the State is.
 constexpr dds_duration_t kRecent = DDS_SECS(2);
 constexpr dds_duration_t kForever = DDS_INFINITY;
 
@@ -52,9 +52,9 @@ constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
 
 constexpr std::int64_t kMaxBlocking = DDS_MSECS(10);
 
-// How long a port that closes waits, for all its writers together, until everybody has what was said. A reader may miss
-// the first message that a writer says after they have met, and gets none of those behind it before that one was said
-// again: some tenths of a second later, when a heartbeat has told the reader to ask for it, fragment by fragment.
+// Timeout of a port that closes, for all its writers together, until every reader has all messages. A reader may miss
+// the first message that a writer sends after discovery, and gets none of those behind it before that one was sent
+// again: some tenths of a second later, when a heartbeat has made the reader ask for it, fragment by fragment.
 constexpr auto kFarewell = std::chrono::seconds(1);
 
 constexpr std::size_t kBatch = 128;  // messages taken from a reader at a time
@@ -151,7 +151,7 @@ class DdsPort final : public Port {
   bool send(const Message& message) override {
     const dds_entity_t writer = writers_[static_cast<std::size_t>(message.kind)];
     if (dds_write(writer, &message.hello) != DDS_RETCODE_OK) return false;
-    // The domain gathers what a writer says until it is told to send it: the parts of a State are one packet.
+    // The domain batches the messages of a writer until it is flushed: the parts of a State are one packet.
     const bool more_follows = message.kind == MessageKind::kState && message.state.part > 0;
     if (!more_follows) dds_write_flush(writer);
     return true;

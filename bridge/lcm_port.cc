@@ -15,7 +15,7 @@
 namespace unlatch::bridge {
 namespace {
 
-// When this many messages of one kind wait, LCM drops the newest without a word.
+// Messages of one kind that may wait: LCM drops the newest beyond that, silently.
 constexpr int kQueueCapacity = 8192;
 
 constexpr std::string_view kUdpScheme = "udpm://";
@@ -111,7 +111,7 @@ std::string describe(const LcmOptions& options) {
   return text +
          (find_lcm_route(options.url).ttl > 0 ? "everyone there may listen and command"
                                               : "nothing leaves this machine, but everyone there may command") +
-         "; LCM cannot keep anybody out";
+         "; LCM has no access control";
 }
 
 std::unique_ptr<Port> open_lcm_port(Role role, const LcmOptions& options) {

@@ -1,4 +1,4 @@
-// Where an LCM address leads: LCM itself leaves that to the machine's routes.
+// The interface that an LCM address leads to: LCM itself leaves that to the machine's routes.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@ namespace unlatch::bridge {
 
 struct LcmRoute {
   std::string interface;  // which the route for the address's group leads through; empty: there is no route
-  int ttl = 0;            // 0: what we say stays on this machine, whatever the interface
+  int ttl = 0;            // 0: messages stay on this machine, whatever the interface
 };
 
 // `url`: udpm://GROUP:PORT?ttl=N, parts of which may be missing.

@@ -33,7 +33,8 @@ bool Port::poll(Message& message, std::chrono::nanoseconds wait) {
     }
     if (result != Received::kOther) malformed_.fetch_add(1, std::memory_order_relaxed);
     wait = deadline - Clock::now();
-    if (wait < std::chrono::nanoseconds::zero()) return false;  // a flood of rubbish does not hold the caller for ever
+    if (wait < std::chrono::nanoseconds::zero())
+      return false;  // a flood of malformed messages does not block the caller for ever
   }
 }
 

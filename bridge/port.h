@@ -1,5 +1,4 @@
-// One party's connection to the others, whatever carries the messages. Three transports make Ports: in-process, Cyclone
-// DDS, LCM.
+// A port: the endpoint of a transport. Three transports make ports: in-process, Cyclone DDS, LCM.
 //
 // A Port is a datagram service: messages of one kind from one sender arrive in order, messages of different kinds may
 // overtake one another, and any may be lost. The protocol above (sequence numbers, StepAck, Hello again until answered)
@@ -29,7 +28,7 @@ enum class Role { kSimulator, kParticipant, kObserver };
 [[nodiscard]] bool publishes(Role role, MessageKind kind) noexcept;
 [[nodiscard]] bool receives(Role role, MessageKind kind) noexcept;
 
-// A connection cannot be opened: what() is a sentence that says why, and what to do about it.
+// A connection cannot be opened: what() has the reason and the remedy.
 class PortError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -113,11 +112,11 @@ struct DdsOptions {
   int domain = 0;  // 0 to 230
   std::string interface = "lo";
   std::string security =
-      {};  // folder with an identity, see SECURITY.md; empty: none, and open to everybody on the interface
+      {};  // folder with an identity, see SECURITY.md; empty: none, and open to every program on the interface
 };
 [[nodiscard]] std::unique_ptr<Port> open_dds_port(Role role, const DdsOptions& options = {});
 
-// LCM over UDP multicast; ttl=0 keeps what is said on this machine. LCM hears and speaks through the interface that the
+// LCM over UDP multicast; ttl=0 keeps messages on this machine. LCM sends and receives through the interface that the
 // machine's route for multicast leads to: if that is not the one expected here, opening is refused. Throws PortError.
 struct LcmOptions {
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
@@ -125,7 +124,7 @@ struct LcmOptions {
 };
 [[nodiscard]] std::unique_ptr<Port> open_lcm_port(Role role, const LcmOptions& options = {});
 
-// A sentence for people: where it speaks, and who else may.
+// A sentence for people: the interface used, and who else may use it.
 [[nodiscard]] std::string describe(const DdsOptions& options);
 [[nodiscard]] std::string describe(const LcmOptions& options);
 

@@ -4,8 +4,8 @@ include(CMakePackageConfigHelpers)
 
 set_target_properties(unlatch_kernel PROPERTIES EXPORT_NAME kernel)
 install(TARGETS unlatch_kernel EXPORT unlatch COMPONENT kernel
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/unlatch ${CMAKE_INSTALL_INCLUDEDIR}/unlatch/kernel/include)
-install(DIRECTORY kernel DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/unlatch COMPONENT kernel FILES_MATCHING PATTERN "*.h")
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY kernel/include/unlatch DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT kernel)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/unlatch)
 install(EXPORT unlatch NAMESPACE unlatch:: FILE unlatch-targets.cmake DESTINATION ${package_dir} COMPONENT kernel)

@@ -9,10 +9,9 @@
 #include <algorithm>
 #include <thread>
 
+#include "bridge/direct_connection.h"
 #include "bridge/port.h"
-#include "bridge/port_line.h"
-#include "bridge/pump.h"
-#include "hil/messages/link.h"
+#include "bridge/threaded_connection.h"
 
 namespace unlatch::bench {
 namespace {
@@ -36,7 +35,7 @@ std::unique_ptr<Port> open_port(const std::string& transport, bool paced, Role r
 // Answers every State with its acknowledgement.
 void echo(Port& port, const std::atomic<bool>& stop) {
   hil::Message message;
-  hil::StepAck ack;
+  hil::StepAckMessage ack;
   while (!stop) {
     if (!port.poll(message, 100ms) || message.kind != hil::MessageKind::kState || message.state.part != 0) continue;
     ack.session = message.state.session;
@@ -93,15 +92,13 @@ class ProtocolPingPong final : public PingPong {
       process_ = std::make_unique<EchoProcess>(transport + (paced ? kPaced : ""));
     }
     if (paced) {
-      auto link = std::make_unique<hil::Link>();
-      pump_ = std::make_unique<bridge::Pump>(*link, *port_);
-      line_ = std::move(link);
+      connection_ = std::make_unique<bridge::ThreadedConnection>(*port_);
     } else {
-      line_ = std::make_unique<bridge::PortLine>(*port_);
+      connection_ = std::make_unique<bridge::DirectConnection>(*port_);
     }
     state_.session = 4711;
   }
-  ~ProtocolPingPong() override { pump_.reset(); }
+  ~ProtocolPingPong() override { connection_.reset(); }
 
  private:
   void send(int bodies) override {
@@ -109,20 +106,20 @@ class ProtocolPingPong final : public PingPong {
     ++state_.tick;
     for (state_.part = state_.parts - 1; state_.part >= 0; --state_.part) {
       ++state_.sequence;
-      line_->send(state_);
+      connection_->send(state_);
     }
   }
 
   bool receive(std::chrono::nanoseconds wait) override {
-    std::int64_t arrived_ns = 0;
     const auto deadline = std::chrono::steady_clock::now() + wait;
     while (true) {
-      while (line_->receive(message_, arrived_ns)) {
-        if (message_.kind == hil::MessageKind::kStepAck && message_.step_ack.tick == state_.tick) return true;
+      while (connection_->receive(arrival_)) {
+        const auto* const ack = std::get_if<hil::StepAckMessage>(&arrival_.message);
+        if (ack != nullptr && ack->tick == state_.tick) return true;
       }
       const auto left = deadline - std::chrono::steady_clock::now();
       if (left <= 0ns) return false;
-      line_->wait(left);
+      connection_->wait(left);
     }
   }
 
@@ -130,10 +127,9 @@ class ProtocolPingPong final : public PingPong {
   std::unique_ptr<Port> port_;
   std::unique_ptr<EchoThread> thread_;
   std::unique_ptr<EchoProcess> process_;
-  std::unique_ptr<hil::Line> line_;
-  std::unique_ptr<bridge::Pump> pump_;
-  hil::State state_;
-  hil::Message message_;
+  std::unique_ptr<hil::Connection> connection_;
+  hil::StateMessage state_;
+  hil::Arrival arrival_;
 };
 
 // Bare, with its other side.
@@ -176,7 +172,7 @@ int calc_parts(int bodies) {
   return (bodies + static_cast<int>(hil::kBodiesPerPart) - 1) / static_cast<int>(hil::kBodiesPerPart);
 }
 
-std::size_t calc_bytes(int bodies) { return static_cast<std::size_t>(calc_parts(bodies)) * sizeof(hil::State); }
+std::size_t calc_bytes(int bodies) { return static_cast<std::size_t>(calc_parts(bodies)) * sizeof(hil::StateMessage); }
 
 void PingPong::run(int bodies) {
   for (auto waited = 0ms; waited < kPatience; waited += kResendAfter) {

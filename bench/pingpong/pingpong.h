@@ -33,8 +33,8 @@ class PingPong {
 };
 
 // who: dds, lcm, inproc: as the executive in lockstep; dds_paced, lcm_paced, inproc_paced: as in real time, through the
-// rings and the pump; bare_dds, bare_lcm, bare_inproc: as many messages of the same size; bare_one_…: as many bytes in
-// one message (kMany only). Ready when it returns: both sides have found each other.
+// rings and their threads; bare_dds, bare_lcm, bare_inproc: as many messages of the same size; bare_one_…: as many
+// bytes in one message (kMany only). Ready when it returns: both sides have found each other.
 [[nodiscard]] std::unique_ptr<PingPong> open_pingpong(const std::string& who);
 
 // Median round trips, in turns of a few each, so that whatever else the machine does befalls all alike.

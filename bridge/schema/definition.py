@@ -13,7 +13,7 @@ ROLES = {"simulator", "participant"}
 
 
 class DefinitionError(Exception):
-    """What is wrong in messages.yaml, and where."""
+    """A mistake in messages.yaml, with its place."""
 
 
 @dataclass
@@ -36,6 +36,11 @@ class Struct:
     fields: list[Field]
     size: int = 0  # bytes, of the struct and of its fields on the wire
     fingerprint: int = 0  # LCM's, unsigned
+
+    @property
+    def cpp(self):
+        """The C++ struct's name: no type of the kernel has it (unlatch::State is the kernel's state)."""
+        return f"{self.name}Message"
 
     def snake(self):
         return re.sub(r"(?<!^)(?=[A-Z])", "_", self.name).lower()
@@ -120,7 +125,7 @@ def _check(definition: Definition, struct: Struct):
 
 
 def _lcm_fingerprint(definition: Definition, struct: Struct) -> int:
-    """What lcm-gen computes: a hash over member names, primitive types and dimensions, to which the fingerprints of the
+    """The fingerprint that lcm-gen computes: a hash over member names, primitive types and dimensions, to which the fingerprints of the
     struct types inside are added, all rotated left by one bit."""
 
     def signed(value):

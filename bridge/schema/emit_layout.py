@@ -6,7 +6,7 @@ def header(d):
            "// idlc's C structs and the structs of hil/messages/messages.h have one layout: a message passes as it lies in memory.",
            "#pragma once", "", "#include <cstddef>", "", "#include \"hil/messages/messages.h\"", "#include \"unlatch.h\"", ""]
     for s in d.structs:
-        ours, theirs = f"unlatch::hil::{s.name}", f"unlatch_{s.name}"
+        ours, theirs = f"unlatch::hil::{s.cpp}", f"unlatch_{s.name}"
         out.append(f"static_assert(sizeof({ours}) == sizeof({theirs}));")
         out += [f"static_assert(offsetof({ours}, {f.name}) == offsetof({theirs}, {f.name}));" for f in s.fields]
     return "\n".join(out) + "\n"

@@ -29,7 +29,7 @@ void RunAnalysis::update(const StepReport& report) {
   }
   if (!scenario_.clearance.empty()) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const unlatch::BodyState& body = simulation_.state().bodies[i];
+      const BodyState& body = simulation_.state().bodies[i];
       poses_[i].p_WB = {body.p.x, body.p.y, body.p.z};
       poses_[i].q_WB = {body.q.w, body.q.x, body.q.y, body.q.z};
     }
@@ -42,7 +42,7 @@ void RunAnalysis::update(const StepReport& report) {
 
 void RunAnalysis::add_event(const FiredEvent& fired) {
   const Model& model = scenario_.model;
-  const unlatch::Event& event = model.events[static_cast<std::size_t>(fired.event)];
+  const Event& event = model.events[static_cast<std::size_t>(fired.event)];
   timeline.push_back({fired.time, event.name, event.subject});
   for (const Action& action : event.then) {
     if (action.kind != Action::Kind::kSetMode) continue;

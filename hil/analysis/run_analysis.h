@@ -1,4 +1,4 @@
-// What engineers read off a run, gathered step by step off the cyclic thread: the event timeline, samples, clearances,
+// Results of a run for engineers, gathered step by step off the cyclic thread: the event timeline, samples, clearances,
 // tip-off rates, peak reactions, audits. A run in the loop is analysed by replaying it.
 #pragma once
 
@@ -28,7 +28,7 @@ struct ReactionSample {
 struct Sample {
   std::int64_t tick = 0;
   double time = 0;
-  std::vector<unlatch::BodyState> bodies;
+  std::vector<BodyState> bodies;
   std::vector<std::vector<double>> modal;  // per body: its modal coordinates
   std::vector<ReactionSample> reactions;
 };

@@ -2,82 +2,64 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <utility>
 
-#include "hil/realtime/pacer.h"
+#include "hil/messages/event_names.h"
 #include "hil/run/run.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr int kVerdictsPerTick = 16;
 constexpr std::int64_t kHealthInterval_ns = 1'000'000'000, kReactionsInterval_ns = 100'000'000;
+constexpr std::int64_t kHelloInterval_ns = 100'000'000;
+constexpr std::int64_t kStartPoll_ns = 1'000'000, kPausePoll_ns = 5'000'000;  // sleep between two calls of receive()
+constexpr std::chrono::milliseconds kLockstepWait(5);  // the longest sleep between two looks at the clock
+constexpr int kMaxArrivals = 512;                      // of one call of receive(): bounds the work of a tick
+constexpr int kFinalStates = 3;                        // the last State, repeated for transports that lose messages
+constexpr std::int64_t kFinalInterval_ns = 5'000'000;
 
-std::int64_t calc_cutoff_ns(const FlightSoftware& flight_software, std::int64_t dt_ns) {
-  return std::llround(flight_software.cutoff * static_cast<double>(dt_ns));
+std::vector<std::string> get_required(const SessionOptions& options) {
+  return options.pace == Pace::kFast ? std::vector<std::string>{} : options.flight_software.required;
+}
+
+Announcer build_announcer(const Simulation& simulation, const std::string& scenario, const ExecutiveOptions& options,
+                          Connection& connection) {
+  std::vector<CatalogMessage> catalog = build_session_catalog(simulation, options);
+  const HelloMessage hello = build_hello(simulation, scenario, options, catalog);
+  return {hello, std::move(catalog), options.source, connection, *options.clock, options.announce_ns};
 }
 
 }  // namespace
 
-Executive::Executive(Simulation& simulation, Line& link, Recorder& recorder, const std::string& scenario,
+Executive::Executive(Simulation& simulation, Connection& connection, Recorder& recorder, const std::string& scenario,
                      const ExecutiveOptions& options)
-    : simulation_(simulation),
-      link_(link),
+    : options_(options),
+      clock_(*options.clock),
+      simulation_(simulation),
       recorder_(recorder),
-      options_(options),
-      dt_ns_(std::llround(simulation.plan().get_options().dt * 1e9)),
-      timeout_ns_(std::llround(options.flight_software.timeout * 1e9)),
-      catalog_(build_catalog(simulation.model())),
-      source_(options.source),
-      model_events_(build_event_messages(simulation.model())),
-      roster_(options.pace == Pace::kFast ? std::vector<std::string>{} : options.flight_software.required),
-      desk_(simulation.model().channels, {.session = options.session,
-                                          .delay_ticks = options.flight_software.delay,
-                                          .accept_late = options.pace == Pace::kRealtime}),
-      commander_(simulation.model().channels.size(), nullptr),
-      commanded_(simulation.channels().begin(), simulation.channels().end()),
-      own_ticks_(std::make_unique<MonotonicTicks>(dt_ns_, std::llround(options.timing.spin * 1e9))),
-      ticks_(options.ticks != nullptr ? options.ticks : own_ticks_.get()) {
-  hello_.session = options.session;
-  hello_.schema_hash = kSchemaHash;
-  hello_.model_hash = static_cast<std::int64_t>(simulation.plan().get_hash());
-  hello_.dt_ns = dt_ns_;
-  hello_.last_tick = options.last_tick;
-  hello_.protocol = kProtocolVersion;
-  hello_.pace = static_cast<std::int32_t>(options.pace);
-  hello_.timeout_ns = timeout_ns_;
-  if (options.pace == Pace::kRealtime) hello_.cutoff_ns = calc_cutoff_ns(options.flight_software, dt_ns_);
-  hello_.delay_ticks = options.flight_software.delay;
-  hello_.policy = static_cast<std::int32_t>(options.flight_software.policy);
-  for (const std::string& name : options.flight_software.required) {
-    Catalog& item = catalog_.emplace_back();
-    item.kind = static_cast<std::int32_t>(CatalogKind::kParticipant);
-    item.index = hello_.participant_count++;
-    set_name(item.name, name);
-  }
-  for (Catalog& item : catalog_) {
-    item.session = options.session;
-    switch (static_cast<CatalogKind>(item.kind)) {
-      case CatalogKind::kBody:
-        ++hello_.body_count;
-        break;
-      case CatalogKind::kJoint:
-        ++hello_.joint_count;
-        break;
-      case CatalogKind::kChannel:
-        ++hello_.channel_count;
-        break;
-      case CatalogKind::kSensor:
-        ++hello_.sensor_count;
-        break;
-      case CatalogKind::kSignal:
-        ++hello_.signal_count;
-        break;
-      case CatalogKind::kParticipant:
-        break;  // counted above
-    }
-  }
-  set_name(hello_.scenario, scenario);
+      participants_(get_required(options)),
+      faulty_connection_(options.faults == nullptr ? nullptr
+                                                   : std::make_unique<FaultyConnection>(
+                                                         connection, *options.faults, participants_, clock_,
+                                                         [this](Participant& participant) { resume(participant); })),
+      connection_(faulty_connection_ ? *faulty_connection_ : connection),
+      announcer_(build_announcer(simulation, scenario, options, connection_)),
+      handshake_(announcer_.get_hello(), participants_),
+      liveness_(participants_, options.flight_software.policy, announcer_.get_hello().timeout_ns),
+      commands_(simulation.model().channels,
+                {.session = options.session,
+                 .delay_ticks = options.flight_software.delay,
+                 .accept_late = options.pace == Pace::kRealtime},
+                rejects_),
+      publisher_(simulation, recorder, connection_, options.faults, options.session),
+      commanders_(simulation.model().channels.size(), nullptr),
+      own_ticks_(std::make_unique<MonotonicTicks>(announcer_.get_hello().dt_ns, std::llround(options.timing.spin * 1e9),
+                                                  clock_)),
+      ticks_(options.ticks != nullptr ? *options.ticks : *own_ticks_) {
+  if (options.faults != nullptr) channel_faults_.emplace(*options.faults, simulation.channels());
 }
 
 LogEnd Executive::run() {
@@ -86,126 +68,398 @@ LogEnd Executive::run() {
   hash_ = simulation_.calc_hash();
   if (!introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
   timing_.begin_counts();
-  ticks_->restart(started_ns_);
+  ticks_.restart(*started_ns_);
 
   while (simulation_.get_tick() < options_.last_tick) {
-    if (await_tick() == Go::kStop || cycle() == Go::kStop) return conclude_stop();
+    if (await_tick() == Next::kStop || cycle() == Next::kStop) return conclude_stop();
   }
   return conclude(RunStatus::kDone, "");
 }
 
-// The only place where the cyclic thread waits.
-Executive::Go Executive::await_tick() noexcept {
+// --- The cycle ------------------------------------------------------------------------------------------------------
+
+// The only place where the cyclic thread waits between two ticks.
+Executive::Next Executive::await_tick() noexcept {
   beat(Place::kWaiting);
   now_ = {.tick = simulation_.get_tick()};
-  if (stop_.load(std::memory_order_relaxed)) return end_message_ = "interrupted", Go::kStop;
+  if (stop_.load(std::memory_order_relaxed)) return stop("interrupted");
   if (options_.pace == Pace::kLockstep) return wait_lockstep();
-  if (options_.pace == Pace::kFast) return Go::kStep;
-  rehearse(ticks_->doze());
-  if (!ticks_->wait(stop_)) {
-    const std::string failure = ticks_->get_failure();
-    end_message_ = failure.empty() ? "interrupted" : "the tick source has failed: " + failure;
-    return Go::kStop;
+  if (options_.pace == Pace::kFast) return Next::kStep;
+  warm_up_.run(simulation_, clock_, ticks_.doze());
+  if (!ticks_.wait(stop_)) {
+    const std::string failure = ticks_.get_failure();
+    return stop(failure.empty() ? "interrupted" : "the tick source has failed: " + failure);
   }
-  now_.wakeup_ns = ticks_->get_latency_ns();
-  now_.held_up = ticks_->is_backlogged() ? 1 : rehearsed_ns_ > ticks_->get_due_ns() ? 2 : 0;
+  now_.wakeup_ns = ticks_.get_latency_ns();
+  now_.held_up = ticks_.is_backlogged() ? 1 : warm_up_.has_ended_after(ticks_.get_due_ns()) ? 2 : 0;
   timing_.wakeup.record(now_.wakeup_ns);
-  beat(Place::kHearing);
-  // The State went out a period before the instant for which we have just been woken.
-  cutoff_ns_ = ticks_->get_due_ns() - dt_ns_ + hello_.cutoff_ns;
+  // The State was sent a period before the instant for which this thread has just been woken.
+  cutoff_ns_ = ticks_.get_due_ns() - announcer_.get_hello().dt_ns + announcer_.get_hello().cutoff_ns;
   return wait_realtime();
 }
 
-// A step for nothing: between two ticks others have had the caches, and the step that counts finds in them what it
-// needs. Only if the last one, and half as much again, would have fitted into what is left.
-void Executive::rehearse(std::int64_t left_ns) noexcept {
-  if (left_ns <= rehearsal_ns_ + rehearsal_ns_ / 2) {
-    rehearsal_ns_ /= 2;  // it may have been longer than usual
-    return;
-  }
-  const std::int64_t begin_ns = get_monotonic_ns();
-  simulation_.rehearse();
-  rehearsed_ns_ = get_monotonic_ns();
-  rehearsal_ns_ = rehearsed_ns_ - begin_ns;
+// No step waits for a participant.
+Executive::Next Executive::wait_realtime() noexcept {
+  receive();
+  const std::int64_t now_ns = clock_.get_ns();
+  is_answered(now_ns);
+  Participant* const overdue = liveness_.find_overdue(now_ns);
+  return overdue != nullptr ? lose(*overdue) : Next::kStep;
 }
 
-Executive::Go Executive::cycle() noexcept {
-  // 1. The tick's inputs are decided.
+Executive::Next Executive::wait_lockstep() noexcept {
+  if (liveness_.get_tick() != simulation_.get_tick()) return Next::kStep;  // no State, no answers
+  std::int64_t resend_at_ns = liveness_.get_sent_ns() + options_.resend_ns;
+  while (true) {
+    receive();
+    const std::int64_t now_ns = clock_.get_ns();
+    if (is_answered(now_ns)) return Next::kStep;
+    if (stop_.load(std::memory_order_relaxed)) return stop("interrupted");
+    if (Participant* const overdue = liveness_.find_overdue(now_ns)) {
+      if (lose(*overdue) == Next::kStop) return Next::kStop;
+      continue;
+    }
+    if (now_ns >= resend_at_ns) {
+      resend_state(simulation_.get_tick() == 0 ? RunStatus::kArmed : RunStatus::kRunning);
+      resend_at_ns = now_ns + options_.resend_ns;
+    }
+    announcer_.announce(now_ns);
+    connection_.wait(kLockstepWait);
+  }
+}
+
+// Waits, without stepping, until the participant, or a new start of it, is back.
+Executive::Next Executive::pause(Participant& participant) noexcept {
+  const double limit_s = options_.flight_software.pause_limit;
+  const std::int64_t give_up_ns = clock_.get_ns() + std::llround(limit_s * 1e9);
+  std::optional<std::int64_t> resend_at_ns;  // none: at once
+  while (!participant.has_answered(simulation_.get_tick())) {
+    if (stop_.load(std::memory_order_relaxed)) return stop("interrupted");
+    const std::int64_t now_ns = clock_.get_ns();
+    if (now_ns >= give_up_ns) {
+      return stop("the flight software '" + participant.name + "' did not come back within the pause_limit of " +
+                  std::to_string(limit_s) + " s");
+    }
+    if (!resend_at_ns || now_ns >= *resend_at_ns) {
+      resend_state(RunStatus::kPaused);
+      resend_at_ns = now_ns + std::max(options_.resend_ns, kPausePoll_ns);
+    }
+    announcer_.announce(now_ns);
+    clock_.sleep_until_ns(now_ns + kPausePoll_ns);
+    receive();
+  }
+  const std::int64_t now_ns = clock_.get_ns();
+  ticks_.restart(now_ns);  // the pause is no overrun
+  liveness_.restart(now_ns);
+  return Next::kStep;
+}
+
+Executive::Next Executive::cycle() noexcept {
+  // 1. Apply the commands of this tick.
   apply_commands();
   recorder_.tick(simulation_.get_tick(), hash_);
 
   // 2. Step.
   beat(Place::kStepping);
-  const std::int64_t begin_ns = get_monotonic_ns();
+  const std::int64_t begin_ns = clock_.get_ns();
   const StepReport report = simulation_.step();
-  const std::int64_t end_ns = get_monotonic_ns();
-  if (options_.pace == Pace::kRealtime) now_.input_ns = begin_ns - ticks_->get_awake_ns();
+  const std::int64_t end_ns = clock_.get_ns();
+  if (is_realtime()) now_.input_ns = begin_ns - ticks_.get_awake_ns();
   now_.step_ns = end_ns - begin_ns;
   now_.substeps = report.substeps;
   timing_.step.record(now_.step_ns);
   last_report_ = report;
-  if (report.status != StepStatus::kOk) return Go::kStop;
+  if (report.status != StepStatus::kOk) return Next::kStop;
 
-  // 3. Say what has become of it.
-  beat(Place::kSpeaking);
+  // 3. Publish the result.
+  beat(Place::kPublishing);
   hash_ = simulation_.calc_hash();
   tick_.store(simulation_.get_tick(), std::memory_order_relaxed);
   if (options_.faults != nullptr) begin_faults();
-  speak(report);
+  publish(report);
 
   // 4. Account for the time.
   return account(end_ns);
 }
 
-void Executive::speak(const StepReport& report) noexcept {
-  const MayWait without_deadlines(options_.pace != Pace::kRealtime);
-  for (const FiredEvent& fired : report.events) {
-    publish_event(model_events_[static_cast<std::size_t>(fired.event)], fired.time, false);
-  }
+void Executive::apply_commands() noexcept {
+  const MayWait without_deadlines(!is_realtime());
+  if (options_.faults != nullptr) publish_faults();
+  commands_.take_due(simulation_.get_tick(), [this](const CommandQueue::Pending& pending) {
+    const CommandMessage& command = pending.command;
+    commanders_[static_cast<std::size_t>(command.channel)] = pending.sender;
+    applied_ns_ = command_ns_;
+    set_channel({.channel = command.channel,
+                 .cause = pending.late ? ChangeCause::kLateCommand : ChangeCause::kCommand,
+                 .participant = participants_.get_index(*pending.sender),
+                 .sequence = command.sequence,
+                 .value = command.value});
+  });
+}
+
+void Executive::publish(const StepReport& report) noexcept {
+  const MayWait without_deadlines(!is_realtime());
+  for (const FiredEvent& fired : report.events) publisher_.publish_event(fired);
   const bool is_last = simulation_.get_tick() == options_.last_tick;
   if (!is_last && !simulation_.is_state_due()) return;
-  if (!is_last && options_.pace == Pace::kRealtime &&
-      options_.timing.overruns.kind == OverrunPolicy::Kind::kSkipOutput &&
-      get_monotonic_ns() > ticks_->get_next_due_ns()) {
+  if (!is_last && is_realtime() && options_.timing.overruns.kind == OverrunPolicy::Kind::kSkipOutput &&
+      clock_.get_ns() > ticks_.get_next_due_ns()) {
     ++skipped_outputs_;
     return;
   }
   publish_state(is_last ? RunStatus::kDone : RunStatus::kRunning);
-  if (applied_since_ns_ != 0) timing_.turnaround.record(sent_ns_ - applied_since_ns_);
-  applied_since_ns_ = 0;
+  if (applied_ns_) timing_.turnaround.record(liveness_.get_sent_ns() - *applied_ns_);
+  applied_ns_.reset();
 }
 
-Executive::Go Executive::account(std::int64_t step_end_ns) noexcept {
-  const MayWait without_deadlines(options_.pace != Pace::kRealtime);
-  const std::int64_t now_ns = get_monotonic_ns();
+Executive::Next Executive::account(std::int64_t step_end_ns) noexcept {
+  const MayWait without_deadlines(!is_realtime());
+  const std::int64_t now_ns = clock_.get_ns();
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
-  if (now_ns - health_ns_ >= kHealthInterval_ns) publish_health(now_ns);
-  if (now_ns - reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
-  announce(now_ns);
-  verdicts_left_ = kVerdictsPerTick;
-  if (options_.pace != Pace::kRealtime) return Go::kStep;
-  if (now_ns > ticks_->get_next_due_ns()) return account_overrun(now_ns);
-  return Go::kStep;
+  if (now_ns - *health_ns_ >= kHealthInterval_ns) publish_health(now_ns);
+  if (!reactions_ns_ || now_ns - *reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
+  announcer_.announce(now_ns);
+  publisher_.begin_tick();
+  if (is_realtime() && now_ns > ticks_.get_next_due_ns()) return account_overrun(now_ns);
+  return Next::kStep;
 }
 
-Executive::Go Executive::account_overrun(std::int64_t now_ns) noexcept {
-  publish_overrun(timing_.account_overrun(now_, now_ns - ticks_->get_next_due_ns()));
+Executive::Next Executive::account_overrun(std::int64_t now_ns) noexcept {
+  publisher_.publish_overrun(timing_.account_overrun(now_, now_ns - ticks_.get_next_due_ns()));
   const OverrunPolicy& policy = options_.timing.overruns;
-  if (policy.kind == OverrunPolicy::Kind::kSlip) slipped_ns_ += ticks_->slip(now_ns);
+  if (policy.kind == OverrunPolicy::Kind::kSlip) slipped_ns_ += ticks_.slip(now_ns);
   overrun_ends_ = policy.kind == OverrunPolicy::Kind::kFail ||
-                  (policy.kind == OverrunPolicy::Kind::kCatchUp && ticks_->calc_behind(now_ns) > policy.max_ticks);
-  return overrun_ends_ ? Go::kStop : Go::kStep;
+                  (policy.kind == OverrunPolicy::Kind::kCatchUp && ticks_.calc_behind(now_ns) > policy.max_ticks);
+  return overrun_ends_ ? Next::kStop : Next::kStep;
 }
 
-void Executive::watch_counts() {
-  const std::optional<ThreadCounts> now = read_thread_counts(thread_.load(std::memory_order_relaxed));
-  if (!now) return;             // it does not run yet, or no more
-  timing_.disregard(watched_);  // not the latest: an overrun may be on its way
-  watched_ = *now;
+// --- Inputs ---------------------------------------------------------------------------------------------------------
+
+void Executive::receive() noexcept {
+  const MayWait without_deadlines(!is_realtime() || !started_ns_);
+  beat(Place::kReceiving);
+  for (int i = 0; i < kMaxArrivals && connection_.receive(arrival_); ++i) {
+    std::visit([this](const auto& message) { handle(message, arrival_.arrived_ns); }, arrival_.message);
+  }
+  const std::int64_t malformed = connection_.get_malformed();
+  if (malformed != malformed_) rejects_.add(Reject::kMalformed, malformed - malformed_);
+  malformed_ = malformed;
 }
 
-// Why the loop was left before its last tick, for people.
+void Executive::handle(const HelloAckMessage& answer, std::int64_t) noexcept {
+  const Handshake::Outcome outcome = handshake_.receive(answer, clock_.get_ns());
+  if (outcome.reject) rejects_.add(*outcome.reject);
+  if (outcome.verdict) publisher_.publish_verdict(*outcome.reject, answer.participant, answer.sequence, -1, -1);
+  if (outcome.restarted != nullptr) commands_.remove(*outcome.restarted);
+  if (!outcome.notice.empty()) publisher_.publish_notice(outcome.notice, get_name(answer.name));
+}
+
+void Executive::handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept {
+  Participant* const sender = command.session == options_.session ? participants_.find(command.participant) : nullptr;
+  if (sender != nullptr) resume(*sender);
+  command_ns_ = arrived_ns;
+  const bool in_time = !is_realtime() || !cutoff_ns_ || arrived_ns <= *cutoff_ns_;
+  const std::int64_t tick = simulation_.get_tick();
+  const auto [reason, applied_tick] = commands_.add(command, sender, in_time ? tick : tick + 1);
+  if (reason) {
+    publisher_.publish_verdict(*reason, command.participant, command.sequence, command.channel, applied_tick);
+  }
+}
+
+void Executive::handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept {
+  if (ack.session != options_.session) return rejects_.add(Reject::kWrongSession);
+  Participant* const sender = participants_.find(ack.participant);
+  if (sender == nullptr || sender->standing == Participant::Standing::kEvicted) {
+    return rejects_.add(Reject::kUnknownParticipant);
+  }
+  const bool sane =
+      ack.tick >= 0 && ack.tick <= simulation_.get_tick() && ack.last_command >= 0 && ack.command_count >= 0;
+  if (!sane) return rejects_.add(Reject::kMalformed);
+  resume(*sender);
+  liveness_.receive(ack, *sender, arrived_ns, clock_.get_ns());
+}
+
+bool Executive::is_answered(std::int64_t now_ns) noexcept {
+  const bool answered = liveness_.update(now_ns);
+  if (const auto round_trip_ns = liveness_.take_round_trip_ns()) timing_.round_trip.record(*round_trip_ns);
+  return answered;
+}
+
+void Executive::resume(Participant& participant) noexcept {
+  if (liveness_.resume(participant, clock_.get_ns())) publisher_.publish_notice(kResumed, participant.name);
+}
+
+// A required participant has not answered in time, or leaves: the policy is applied.
+Executive::Next Executive::lose(Participant& participant) noexcept {
+  const Policy policy = liveness_.get_policy();
+  char name[kNameLength] = {};
+  const std::string_view policy_name = get_text(policy);
+  kPolicyPrefix.copy(name, kPolicyPrefix.size());
+  policy_name.copy(name + kPolicyPrefix.size(), sizeof name - kPolicyPrefix.size() - 1);
+  publisher_.publish_notice(name, participant.name);
+  const bool left = liveness_.lose(participant);
+  if (policy == Policy::kPause) return pause(participant);
+  if (policy == Policy::kAbort) {
+    return stop("the flight software '" + participant.name + "' " + (left ? "has left" : "did not answer in time") +
+                " (policy: abort)");
+  }
+  commands_.remove(participant);
+  // Concerns the channels that the lost participant has set, and those without a commander.
+  const std::vector<Channel>& channels = simulation_.model().channels;
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (commanders_[i] != &participant && commanders_[i] != nullptr) continue;
+    const std::optional<double> value = calc_policy_value(policy, channels[i]);
+    if (!value) continue;
+    set_channel({.channel = static_cast<std::int32_t>(i),
+                 .cause = ChangeCause::kPolicy,
+                 .participant = participants_.get_index(participant),
+                 .sequence = 0,
+                 .value = *value});
+  }
+  return Next::kStep;
+}
+
+void Executive::set_channel(const LogChange& change) noexcept {
+  const auto channel = static_cast<std::size_t>(change.channel);
+  const bool is_fault = change.cause == ChangeCause::kFault;
+  if (channel_faults_ && !is_fault) {
+    if (!channel_faults_->command(channel, change.value, simulation_.channels()[channel])) return;
+  }
+  if (simulation_.set_channel(channel, change.value)) recorder_.change(change);
+}
+
+// --- Outputs --------------------------------------------------------------------------------------------------------
+
+void Executive::publish_state(RunStatus status) noexcept {
+  publisher_.publish_state(status, hash_);
+  liveness_.begin_round(simulation_.get_tick(), clock_.get_ns());
+}
+
+void Executive::resend_state(RunStatus status) noexcept {
+  liveness_.set_tick(simulation_.get_tick());
+  publisher_.resend_state(status);
+}
+
+void Executive::publish_health(std::int64_t now_ns) noexcept {
+  HealthMessage health;
+  health.wall_ns = started_ns_ ? now_ns - *started_ns_ : 0;
+  health.step_p50_ns = timing_.step.calc_percentile(0.5);
+  health.step_max_ns = timing_.step.get_max();
+  health.wakeup_p50_ns = timing_.wakeup.calc_percentile(0.5);
+  health.wakeup_max_ns = timing_.wakeup.get_max();
+  health.overruns = timing_.get_overruns();
+  health.dropped = calc_dropped();
+  health.late = commands_.get_late();
+  health.missing = participants_.count_missing();
+  health.rejected = rejects_.by_reason;
+  publisher_.publish_health(health);
+  health_ns_ = now_ns;
+}
+
+void Executive::publish_reactions(std::int64_t now_ns) noexcept {
+  publisher_.publish_reactions();
+  reactions_ns_ = now_ns;
+}
+
+// At the beginning of each tick, before its State is published.
+void Executive::begin_faults() noexcept {
+  const MayWait without_deadlines(!is_realtime());
+  const auto end_freeze = [this](Participant& participant) {
+    publish_faults();
+    resume(participant);
+  };
+  options_.faults->begin_tick(simulation_.get_tick(), clock_.get_ns(), participants_, end_freeze);
+  publish_faults();
+  for (std::size_t i = 0; i < simulation_.channels().size(); ++i) {
+    set_channel({.channel = static_cast<std::int32_t>(i),
+                 .cause = ChangeCause::kFault,
+                 .participant = -1,
+                 .sequence = 0,
+                 .value = channel_faults_->calc_value(i, simulation_.channels()[i])});
+  }
+}
+
+void Executive::publish_faults() noexcept {
+  FaultNotice notice;
+  while (options_.faults->take_notice(notice)) publisher_.publish_notice(notice.name, notice.fault->subject);
+}
+
+std::int64_t Executive::calc_dropped() const noexcept {
+  return connection_.get_dropped_out() + connection_.get_dropped_in() + commands_.get_dropped();
+}
+
+// --- The beginning: nothing here is in the cycle --------------------------------------------------------------------
+
+bool Executive::introduce(std::string& failure) {
+  if (options_.pace == Pace::kFast) return announcer_.send_all(), true;
+  const std::int64_t give_up_ns = clock_.get_ns() + options_.start_timeout_ns;
+  do {
+    if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
+    announcer_.send_all();
+    if (wait_for_introductions(clock_.get_ns() + kHelloInterval_ns)) {
+      announcer_.set_status(RunStatus::kConfigured);
+      return true;
+    }
+    if (!handshake_.get_refusal().empty()) return failure = handshake_.get_refusal(), false;
+  } while (clock_.get_ns() < give_up_ns);
+  failure = "no answer from the flight software " +
+            participants_.list_required([](const Participant& participant) { return !participant.is_present(); }) +
+            " within " + std::to_string(options_.start_timeout_ns / 1'000'000'000) +
+            " s: start it on the same transport, with the name that the scenario requires";
+  return false;
+}
+
+bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
+  const auto is_refused = [this] { return !handshake_.get_refusal().empty(); };
+  while (!participants_.is_complete() && !is_refused() && clock_.get_ns() < deadline_ns) {
+    receive();
+    clock_.sleep_until_ns(clock_.get_ns() + kStartPoll_ns);
+  }
+  return participants_.is_complete() && !is_refused();
+}
+
+// Configured: State(0) is sent until all required participants have answered it, so that each topic is known to work in
+// both directions before the clock starts. Armed: it does; the first step follows.
+bool Executive::configure(std::string& failure) {
+  const std::int64_t give_up_ns = clock_.get_ns() + options_.start_timeout_ns;
+  if (options_.faults != nullptr) begin_faults();
+  if (options_.pace != Pace::kFast) {
+    publish_state(RunStatus::kConfigured);
+    while (receive(), !is_answered(clock_.get_ns())) {
+      if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
+      const std::int64_t now_ns = clock_.get_ns();
+      if (now_ns > give_up_ns || !participants_.is_complete()) {
+        failure = "the flight software " + participants_.list_required([](const Participant& participant) {
+          return !participant.has_answered(0);
+        }) + " has introduced itself, but does not answer State 0: does it receive the State and send StepAck?";
+        return false;
+      }
+      announcer_.announce(now_ns);
+      if (now_ns - liveness_.get_sent_ns() >= options_.resend_ns) {
+        resend_state(RunStatus::kConfigured);
+        liveness_.restart_round_trip(now_ns);
+      }
+      clock_.sleep_until_ns(now_ns + kStartPoll_ns);
+    }
+    resend_state(RunStatus::kArmed);
+    publisher_.set_resent(0);
+  }
+  announcer_.set_status(RunStatus::kRunning);
+  handshake_.begin_run();
+  started_ns_ = health_ns_ = clock_.get_ns();
+  if (options_.pace == Pace::kFast) publish_state(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning);
+  return true;
+}
+
+// --- The end: nothing here is in the cycle --------------------------------------------------------------------------
+
+Executive::Next Executive::stop(std::string message) noexcept {
+  end_message_ = std::move(message);
+  return Next::kStop;
+}
+
+// The loop was left before its last tick.
 LogEnd Executive::conclude_stop() {
   if (last_report_.status != StepStatus::kOk) {
     LogEnd end = conclude(RunStatus::kFaulted, "");
@@ -219,14 +473,50 @@ LogEnd Executive::conclude_stop() {
     end_message_ =
         "tick " + std::to_string(now_.tick) + " overran its period (policy: " +
         (fail ? "fail" : "catch_up, at most " + std::to_string(options_.timing.overruns.max_ticks) + " ticks") +
-        "); the table of overruns says why";
+        "); the table of overruns has the cause";
   }
   return conclude(RunStatus::kAborted, end_message_);
 }
 
+LogEnd Executive::conclude(RunStatus status, std::string message) {
+  if (options_.faults != nullptr) publish_faults();
+  beat(Place::kEnding);
+  while (announcer_.send_unsent_source_part()) beat(Place::kEnding);
+  for (int i = 0; i < kFinalStates; ++i) {
+    resend_state(status);
+    clock_.sleep_until_ns(clock_.get_ns() + kFinalInterval_ns);
+  }
+  publisher_.set_resent(publisher_.get_resent() - kFinalStates);
+  publish_health(clock_.get_ns());
+  if (status != RunStatus::kFaulted) publish_reactions(clock_.get_ns());
+
+  LogEnd end;
+  end.tick = simulation_.get_tick();
+  end.hash = hash_;
+  end.status = status;
+  end.message = std::move(message);
+  end.timing = timing_.summarize();
+  end.timing.slipped_ns = slipped_ns_;
+  end.timing.skipped_outputs = skipped_outputs_;
+  end.timing.late_commands = commands_.get_late();
+  end.timing.rejected = rejects_.by_reason;
+  end.timing.dropped = calc_dropped();
+  end.timing.resent = publisher_.get_resent();
+  return end;
+}
+
+// --- The watching thread --------------------------------------------------------------------------------------------
+
+void Executive::watch_counts() {
+  const std::optional<ThreadCounts> now = read_thread_counts(thread_.load(std::memory_order_relaxed));
+  if (!now) return;             // it does not run yet, or no more
+  timing_.disregard(watched_);  // not the latest: an overrun may be on its way
+  watched_ = *now;
+}
+
 std::string Executive::describe_place() const {
-  static constexpr const char* kPlaces[] = {"before the first tick", "waiting for", "hearing the inputs of",
-                                            "in the step of",        "speaking of", "at the end, after"};
+  static constexpr const char* kPlaces[] = {"before the first tick", "waiting for",           "receiving the inputs of",
+                                            "in the step of",        "publishing results of", "at the end, after"};
   const Place place = place_.load(std::memory_order_relaxed);
   const std::string text = kPlaces[static_cast<std::size_t>(place)];
   return place == Place::kBeginning ? text : text + " tick " + std::to_string(get_tick());

@@ -1,58 +1,65 @@
 // The cyclic executive: steps a simulation at its pace, with flight software in the loop, and accounts for every tick.
 //
-//   real time  wait for the tick → drain the command ring → step → push the state → account for the time
-//              (with a spin before each tick: sleep → rehearse the step → wait awake)
-//   lockstep   push the state → wait until every required participant has answered → step
-//   fast       step
+//   real time  wait for the tick → receive → apply commands → step → publish → account for the time
+//              (with a spin before each tick: sleep → warm-up step → wait awake)
+//   lockstep   publish the State → wait until every required participant has answered → apply commands → step → account
+//   fast       step → publish → account
 //
-// In the loop: no allocation, lock, file or logging; it speaks to the outside through a Line and a Recorder alone (in
-// real time the line is a Link; in lockstep, which has no deadline to miss, it may lead to the middleware itself). Wall
-// time decides whether a participant is alive, simulated time everything else. When a required participant does not
-// answer within its limit, the scenario's policy is applied and recorded, and the run goes on without it until it comes
-// back (hold, zero, safe) or for good (evict), waits for it (pause) or ends (abort). The protocol: hil/PROTOCOL.md.
+// In the loop: no allocation, lock, file or logging; it communicates through a Connection and a Recorder alone (in real
+// time the connection is two rings; in lockstep, which has no deadline to miss, it may lead to the middleware itself).
+// Wall time decides whether a participant is alive, simulated time everything else. When a required participant does
+// not answer within its limit, the scenario's policy is applied and recorded, and the run goes on without it until it
+// comes back (hold, zero, safe) or for good (evict), waits for it (pause) or ends (abort). The protocol:
+// hil/PROTOCOL.md.
+//
+// Its parts: Announcer, Handshake, Participants, Liveness and CommandQueue (hil/session), FaultyConnection and
+// ChannelFaults (hil/faults), Publisher and WarmUp (beside it).
 #pragma once
-
-#include <readerwriterqueue/readerwritercircularbuffer.h>
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "hil/executive/publisher.h"
+#include "hil/executive/warm_up.h"
+#include "hil/faults/channel_faults.h"
 #include "hil/faults/fault_injector.h"
-#include "hil/messages/line.h"
+#include "hil/faults/faulty_connection.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/executive_timing.h"
 #include "hil/realtime/nonblocking.h"
 #include "hil/realtime/tick_source.h"
 #include "hil/recording/recorder.h"
 #include "hil/scenario/scenario.h"
+#include "hil/session/announcer.h"
 #include "hil/session/command_queue.h"
-#include "hil/session/roster.h"
+#include "hil/session/connection.h"
+#include "hil/session/handshake.h"
+#include "hil/session/liveness.h"
+#include "hil/session/participants.h"
+#include "hil/session/reject_counts.h"
+#include "hil/session/session_options.h"
 #include "hil/simulation/simulation.h"
 
 namespace unlatch::hil {
 
-struct ExecutiveOptions {
-  Pace pace = Pace::kLockstep;
-  std::int64_t session = 0;
-  std::int64_t last_tick = 0;  // the run ends there
-  FlightSoftware flight_software;
+struct ExecutiveOptions : SessionOptions {
   TimingOptions timing;
-  FaultInjector* faults = nullptr;                 // what goes wrong on purpose; null for nothing
-  std::vector<Source> source = {};                 // the scenario, for observers; empty: not told
-  TickSource* ticks = nullptr;                     // real time: what paces it; null for the monotonic clock
+  FaultInjector* faults = nullptr;                 // deliberate faults; null for none
+  TickSource* ticks = nullptr;                     // real time: the source of ticks; null for the clock
+  const Clock* clock = &kMonotonicClock;           // of all times of the session
   std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
   std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
-  std::int64_t announce_ns =
-      10'000'000;  // one message of Hello and the catalog in turn, one of the source, while it runs
+  std::int64_t announce_ns = 10'000'000;           // Announcer: one message of Hello and the catalog, one of the source
 };
 
 class Executive {
  public:
-  // All must outlive the executive. `scenario` is the name told to participants.
-  Executive(Simulation& simulation, Line& link, Recorder& recorder, const std::string& scenario,
+  // All must outlive the executive. `scenario` is the name that participants get.
+  Executive(Simulation& simulation, Connection& connection, Recorder& recorder, const std::string& scenario,
             const ExecutiveOptions& options);
 
   // From the introductions to the end, on the calling thread.
@@ -63,135 +70,105 @@ class Executive {
 
   // For one watching thread.
   [[nodiscard]] std::int64_t get_tick() const noexcept { return tick_.load(std::memory_order_relaxed); }
-  [[nodiscard]] bool take_notice(Event& event) noexcept { return notices_.try_dequeue(event); }
-  // The watching thread, once a second or so: what befell the cyclic thread before the last time explains no later
-  // overrun (without it: before the last overrun). Not for the cyclic thread, which makes no system calls for it.
+  [[nodiscard]] bool take_notice(EventMessage& event) noexcept { return publisher_.take_notice(event); }
+  // The watching thread, once a second or so: page faults and preemptions of the cyclic thread before the call before
+  // this one explain no later overrun (without it: before the last overrun). Not for the cyclic thread, which makes no
+  // system calls for it.
   void watch_counts();
-  // For a watchdog: changes as long as the cyclic thread lives; and what it is doing, "in the step of tick 412".
+  // For a watchdog: changes as long as the cyclic thread runs; and its place, "in the step of tick 412".
   [[nodiscard]] const std::atomic<std::int64_t>& get_beats() const noexcept { return beats_; }
   [[nodiscard]] std::string describe_place() const;
 
  private:
-  enum class Go { kStep, kStop };
-  enum class Place : std::int32_t { kBeginning, kWaiting, kHearing, kStepping, kSpeaking, kEnding };
+  enum class Next { kStep, kStop };
+  enum class Place : std::int32_t { kBeginning, kWaiting, kReceiving, kStepping, kPublishing, kEnding };
 
-  // executive.cc: one tick
-  Go await_tick() noexcept;
-  void rehearse(std::int64_t left_ns) noexcept UNLATCH_NONBLOCKING;
-  Go cycle() noexcept UNLATCH_NONBLOCKING;
-  void speak(const StepReport& report) noexcept UNLATCH_NONBLOCKING;
-  Go account(std::int64_t step_end_ns) noexcept UNLATCH_NONBLOCKING;
-  Go account_overrun(std::int64_t now_ns) noexcept UNLATCH_NONBLOCKING;
+  // The beginning: introductions, then State 0 until all have answered it.
+  bool introduce(std::string& failure);
+  bool wait_for_introductions(std::int64_t deadline_ns);
+  bool configure(std::string& failure);
+
+  // The cycle.
+  Next await_tick() noexcept;
+  Next wait_realtime() noexcept;
+  Next wait_lockstep() noexcept;
+  Next pause(Participant& participant) noexcept;
+  Next cycle() noexcept UNLATCH_NONBLOCKING;
+  void apply_commands() noexcept UNLATCH_NONBLOCKING;
+  void publish(const StepReport& report) noexcept UNLATCH_NONBLOCKING;
+  Next account(std::int64_t step_end_ns) noexcept UNLATCH_NONBLOCKING;
+  Next account_overrun(std::int64_t now_ns) noexcept UNLATCH_NONBLOCKING;
+
+  // Inputs.
+  void receive() noexcept UNLATCH_NONBLOCKING;
+  void handle(const HelloAckMessage& answer, std::int64_t arrived_ns) noexcept;
+  void handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept;
+  void handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept;
+  bool is_answered(std::int64_t now_ns) noexcept;
+  void resume(Participant& participant) noexcept;
+  [[nodiscard]] Next lose(Participant& participant) noexcept;
+  void set_channel(const LogChange& change) noexcept;
+
+  // Outputs.
+  void publish_state(RunStatus status) noexcept;
+  void resend_state(RunStatus status) noexcept;
+  void publish_health(std::int64_t now_ns) noexcept;
+  void publish_reactions(std::int64_t now_ns) noexcept;
+  void begin_faults() noexcept;
+  void publish_faults() noexcept;
+
+  // The end.
+  LogEnd conclude(RunStatus status, std::string message);
+  LogEnd conclude_stop();
+
+  [[nodiscard]] bool is_realtime() const noexcept { return options_.pace == Pace::kRealtime; }
+  [[nodiscard]] std::int64_t calc_dropped() const noexcept;
+  Next stop(std::string message) noexcept;
   void beat(Place place) noexcept {
     place_.store(place, std::memory_order_relaxed);
     beats_.fetch_add(1, std::memory_order_relaxed);
   }
-  LogEnd conclude_stop();
 
-  // executive_session.cc: the beginning, the end, and what is said
-  bool introduce(std::string& failure);
-  bool wait_for_introductions(std::int64_t deadline_ns);
-  bool configure(std::string& failure);
-  void say_hello();
-  void announce(std::int64_t now_ns) noexcept;
-  void announce_source() noexcept;
-  void tell_rest_of_source();
-  bool send_until_taken(const Message& message);
-  void say(const Message& message) noexcept;
-  void publish_state(RunStatus status) noexcept;
-  void resend_state(RunStatus status) noexcept;
-  void publish_event(Event event, double time, bool notice) noexcept;
-  void publish_notice(std::string_view what, std::string_view subject) noexcept;
-  void publish_overrun(const Overrun& overrun) noexcept;
-  void publish_health(std::int64_t now_ns) noexcept;
-  void publish_reactions(std::int64_t now_ns) noexcept;
-  void publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
-                       std::int64_t applied_tick) noexcept;
-  [[nodiscard]] std::int64_t calc_dropped() const noexcept;
-  LogEnd conclude(RunStatus status, std::string message);
-
-  // executive_faults.cc: what goes wrong on purpose
-  void begin_faults() noexcept;
-  void pass_through_faults() noexcept;
-  void force_channels() noexcept;
-  void tell_faults() noexcept;
-  [[nodiscard]] std::string_view find_speaker(const Message& message) noexcept;
-
-  // executive_inputs.cc: what is heard, and when it is time to step
-  Go wait_realtime() noexcept;
-  Go wait_lockstep() noexcept;
-  Go pause(Participant& participant) noexcept;
-  void drain() noexcept UNLATCH_NONBLOCKING;
-  void hear(const Message& message, std::int64_t arrived_ns) noexcept;
-  void hear_hello(const HelloAck& hello) noexcept;
-  void hear_command(const Command& command, std::int64_t arrived_ns) noexcept;
-  void hear_ack(const StepAck& ack, std::int64_t arrived_ns) noexcept;
-  void refuse(const HelloAck& hello, Reject reason, std::string_view notice) noexcept;
-  void resume(Participant& participant) noexcept;
-  [[nodiscard]] std::string_view find_mismatch(const HelloAck& hello) const noexcept;
-  bool is_answered() noexcept;
-  [[nodiscard]] Participant* find_overdue(std::int64_t now_ns) noexcept;
-  [[nodiscard]] Go lose(Participant& participant) noexcept;
-  void apply_policy(const Participant& participant) noexcept UNLATCH_NONBLOCKING;
-  void apply_commands() noexcept;
-  void set_channel(std::int32_t channel, double value, ChangeCause cause, std::int32_t participant,
-                   std::int64_t sequence) noexcept;
-
-  Simulation& simulation_;
-  Line& link_;
-  Recorder& recorder_;
   const ExecutiveOptions options_;
-  const std::int64_t dt_ns_;
-  const std::int64_t timeout_ns_;
-  Hello hello_;
-  std::vector<Catalog> catalog_;
-  std::vector<Source> source_;
-  std::vector<Event> model_events_;  // name and subject of each
+  const Clock& clock_;
+  Simulation& simulation_;
+  Recorder& recorder_;
 
-  Roster roster_;
-  CommandDesk desk_;
-  std::vector<const Participant*> commander_;  // of each channel: who set it last, or null
-  std::vector<double> commanded_;              // what each channel would have without faults
-  std::string refusal_;                        // before the first tick: why a required participant will not take part
-  std::string end_message_;
+  Participants participants_;
+  RejectCounts rejects_;
+  std::unique_ptr<FaultyConnection> faulty_connection_;
+  std::optional<ChannelFaults> channel_faults_;
+  Connection& connection_;  // the faulty one, if there is a fault script
+  Announcer announcer_;
+  Handshake handshake_;
+  Liveness liveness_;
+  CommandQueue commands_;
+  Publisher publisher_;
+  std::vector<const Participant*> commanders_;  // of each channel: the sender of its latest command, or null
 
   const std::unique_ptr<TickSource> own_ticks_;
-  TickSource* const ticks_;
+  TickSource& ticks_;
+  WarmUp warm_up_;
   Timing timing_;
   TickTiming now_;             // the tick that is being made
   StepReport last_report_;     // why the run stops, if it was the step
   bool overrun_ends_ = false;  // why the run stops, if it was an overrun
+  std::string end_message_;
   std::int64_t slipped_ns_ = 0, skipped_outputs_ = 0;
-  Message message_;                // scratch
-  Message spoken_;                 // scratch
-  State state_;                    // scratch
-  Reactions reactions_;            // scratch
-  std::int64_t rehearsal_ns_ = 0;  // how long the latest took
-  std::int64_t rehearsed_ns_ = 0;  // when the last rehearsal ended
   std::int64_t hash_ = 0;
-  std::int64_t state_sequence_ = 0, event_sequence_ = 0, catalog_sequence_ = 0, health_sequence_ = 0,
-               verdict_sequence_ = 0, reactions_sequence_ = 0, source_sequence_ = 0;
-  std::int64_t sent_ns_ = 0;           // when the latest State went out
-  std::int64_t sent_tick_ = 0;         // and its tick
-  bool round_trip_open_ = false;       // it has not been answered by all yet
-  std::int64_t heard_ns_ = 0;          // when the latest command arrived
-  std::int64_t applied_since_ns_ = 0;  // arrival of the latest command that no State has followed yet; 0: none
-  std::int64_t started_ns_ = 0, health_ns_ = 0, reactions_ns_ = 0;
-  std::int64_t cutoff_ns_ = 0;     // real time: commands that arrive later are for the next tick
-  std::int64_t announced_ns_ = 0;  // when announce() last spoke
-  std::size_t announce_next_ = 0;  // 0: Hello, then the catalog
-  std::size_t source_next_ = 0;    // part of the source whose turn it is
-  std::int32_t refused_id_ = 0;    // of the latest HelloAck that was refused, so that each is told once
-  int verdicts_left_ = 0;          // that may still be told at this tick
-  std::int64_t malformed_ = 0;     // of the line, already counted
-  std::int64_t resent_ = 0;
+  std::int64_t malformed_ = 0;                            // of the connection, already counted
+  Arrival arrival_;                                       // scratch
+  std::optional<std::int64_t> started_ns_;                // time of the first tick's State
+  std::optional<std::int64_t> health_ns_, reactions_ns_;  // time of the latest
+  std::optional<std::int64_t> cutoff_ns_;                 // real time: commands that arrive later are for the next tick
+  std::optional<std::int64_t> command_ns_;                // arrival of the latest command
+  std::optional<std::int64_t> applied_ns_;  // arrival of the latest that was applied, until the next State
 
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> tick_{0}, beats_{0};
   std::atomic<Place> place_{Place::kBeginning};
   std::atomic<pid_t> thread_{0};  // that runs
   ThreadCounts watched_;          // watching thread
-  moodycamel::BlockingReaderWriterCircularBuffer<Event> notices_{256};
 };
 
 }  // namespace unlatch::hil

@@ -45,8 +45,8 @@ std::int32_t get_id(const Message& message) noexcept {
   }
 }
 
-// What tells a message from others, and a repetition not from its original: kind, speaker, number. Not the number that
-// a participant draws at random when it starts.
+// The identity of a message, which its repetitions share: kind, sender, number. Not the number that a participant draws
+// at random when it starts.
 std::uint64_t calc_identity(const Message& message, std::string_view from) noexcept {
   std::uint64_t identity = mix(mix(0, static_cast<std::uint64_t>(message.kind)), from);
   const auto add = [&identity](std::int64_t value) { identity = mix(identity, static_cast<std::uint64_t>(value)); };
@@ -73,48 +73,48 @@ FaultInjector::FaultInjector(const FaultScript& script) : seed_(script.seed) {
     active.stuck.resize(fault.values.size());
     active.known.resize(fault.values.size());
   }
-  for (std::vector<Held>& held : held_) held.reserve(kRoom);
-  news_.reserve(kRoom);
+  for (std::vector<Held>& held : held_) held.reserve(kCapacity);
+  notices_.reserve(kCapacity);
 }
 
 // --- Beginnings and ends --------------------------------------------------------------------------------------------
 
-void FaultInjector::tell(std::string_view name, const Active& active) noexcept {
-  if (told_ == news_.size()) {
-    news_.clear();
-    told_ = 0;
+void FaultInjector::notify(std::string_view name, const Active& active) noexcept {
+  if (taken_ == notices_.size()) {
+    notices_.clear();
+    taken_ = 0;
   }
-  if (news_.size() == kRoom) {
+  if (notices_.size() == kCapacity) {
     ++dropped_;
     return;
   }
-  news_.push_back({name, &active.fault});
+  notices_.push_back({name, &active.fault});
 }
 
-bool FaultInjector::take_news(FaultNews& news) noexcept {
-  if (told_ == news_.size()) return false;
-  news = news_[told_++];
+bool FaultInjector::take_notice(FaultNotice& notice) noexcept {
+  if (taken_ == notices_.size()) return false;
+  notice = notices_[taken_++];
   return true;
 }
 
 void FaultInjector::end(Active& active) noexcept {
   active.on = false;
   active.over = true;
-  tell(kEnded[static_cast<std::size_t>(active.fault.kind)], active);
+  notify(kEnded[static_cast<std::size_t>(active.fault.kind)], active);
 }
 
-bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Roster& roster) noexcept {
+bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants& participants) noexcept {
   Active& active = faults_[index];
   const Fault& fault = active.fault;
   if (fault.is_of_messages() || active.over) return false;
   const Participant* const participant =
-      fault.participant.empty() ? nullptr : roster.find(std::string_view(fault.participant));
-  if (!fault.participant.empty() && participant == nullptr) return false;  // pace fast: nobody takes part
+      fault.participant.empty() ? nullptr : participants.find(std::string_view(fault.participant));
+  if (!fault.participant.empty() && participant == nullptr) return false;  // pace fast: there are no participants
   if (!active.on && fault.is_at(tick_)) {
     active.on = true;
     active.since_ns = now_ns;
     if (participant != nullptr && fault.kind == Kind::kKill) active.id = participant->id;
-    tell(kBegun[static_cast<std::size_t>(fault.kind)], active);
+    notify(kBegun[static_cast<std::size_t>(fault.kind)], active);
   } else if (active.on && tick_ > fault.last_tick && fault.kind != Kind::kKill) {
     end(active);
     return fault.kind == Kind::kFreeze;
@@ -124,7 +124,7 @@ bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Roster& roste
 
 // --- Messages -------------------------------------------------------------------------------------------------------
 
-// Nothing is heard of a participant that is frozen, or of the start of one that was killed.
+// Nothing is received from a participant that is frozen, or from the start of one that was killed.
 bool FaultInjector::is_muted(const Message& message, std::string_view from) const noexcept {
   return std::any_of(faults_.begin(), faults_.end(), [&](const Active& active) {
     if (!active.on || active.fault.participant != from) return false;
@@ -132,7 +132,7 @@ bool FaultInjector::is_muted(const Message& message, std::string_view from) cons
   });
 }
 
-// How often this message was said before at this tick.
+// The number of times this message was sent before at this tick.
 std::int32_t FaultInjector::count_attempt(std::uint64_t identity) noexcept {
   for (std::size_t i = 0; i < attempts_.size(); ++i) {
     Attempts& attempts = attempts_[(identity + i) % attempts_.size()];
@@ -142,22 +142,22 @@ std::int32_t FaultInjector::count_attempt(std::uint64_t identity) noexcept {
   return 0;
 }
 
-bool FaultInjector::befalls(std::size_t index, const Message& message, std::uint64_t draw,
-                            std::string_view from) noexcept {
+bool FaultInjector::hits(std::size_t index, const Message& message, std::uint64_t draw,
+                         std::string_view from) noexcept {
   Active& active = faults_[index];
   const Fault& fault = active.fault;
   if (!fault.is_of_messages() || fault.message != message.kind || !fault.is_at(tick_)) return false;
   if (!fault.participant.empty() && fault.participant != from) return false;
-  if (active.befallen >= fault.count) return false;
+  if (active.hit_count >= fault.count) return false;
   constexpr double kUnit = 0x1p-53;
   const std::uint64_t bits = mix(mix(seed_, index), draw);
   if (static_cast<double>(bits >> 11) * kUnit >= fault.probability) return false;
-  ++active.befallen;
-  tell(kBegun[static_cast<std::size_t>(fault.kind)], active);
+  ++active.hit_count;
+  notify(kBegun[static_cast<std::size_t>(fault.kind)], active);
   return true;
 }
 
-// Flips bits of the encoded message, past the fingerprint as well as in it. False when nobody could read it any more.
+// Flips bits of the encoded message, past the fingerprint as well as in it. False when it cannot be read any more.
 bool FaultInjector::corrupt(Message& message, int bits, std::uint64_t seed) noexcept {
   std::array<std::uint8_t, kMaxWireBytes> bytes;
   const std::size_t length = encode(message, bytes);
@@ -174,10 +174,10 @@ void FaultInjector::offer(Direction direction, const Message& message, std::int6
   const std::uint64_t identity = calc_identity(message, from);
   const std::uint64_t draw = mix(identity, static_cast<std::uint64_t>(count_attempt(identity)));
   std::vector<Held>& held = held_[static_cast<std::size_t>(direction)];
-  Held next{message, arrived_ns, 0, 0, false};
+  Held next{message, arrived_ns, {}, {}, false};
   int copies = 1;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
-    if (!befalls(i, message, draw, from)) continue;
+    if (!hits(i, message, draw, from)) continue;
     const Fault& fault = faults_[i].fault;
     if (fault.kind == Kind::kDrop) return;
     if (fault.kind == Kind::kDelay && fault.delay_ticks > 0) next.due_tick = tick_ + fault.delay_ticks;
@@ -190,7 +190,7 @@ void FaultInjector::offer(Direction direction, const Message& message, std::int6
     }
   }
   for (int i = 0; i < copies; ++i) {
-    if (held.size() == kRoom) {
+    if (held.size() == kCapacity) {
       ++dropped_;
       return;
     }
@@ -214,9 +214,9 @@ bool FaultInjector::take(Direction direction, std::int64_t now_ns, Message& mess
                          std::int64_t& arrived_ns) noexcept {
   std::vector<Held>& held = held_[static_cast<std::size_t>(direction)];
   for (auto one = held.begin(); one != held.end(); ++one) {
-    if (one->awaits_another || one->due_tick > tick_ || one->due_ns > now_ns) continue;
+    if (one->awaits_another || one->due_tick.value_or(tick_) > tick_ || one->due_ns.value_or(now_ns) > now_ns) continue;
     message = one->message;
-    const bool delayed = one->due_tick > 0 || one->due_ns > 0;
+    const bool delayed = one->due_tick || one->due_ns;
     arrived_ns = delayed ? now_ns : one->arrived_ns;
     held.erase(one);
     return true;
@@ -226,7 +226,7 @@ bool FaultInjector::take(Direction direction, std::int64_t now_ns, Message& mess
 
 // --- Sensors and actuators ------------------------------------------------------------------------------------------
 
-void FaultInjector::distort(State& state) noexcept {
+void FaultInjector::distort(StateMessage& state) noexcept {
   const int first = state.part * static_cast<int>(kSensorsPerPart);
   for (Active& active : faults_) {
     if (!active.on || (active.fault.kind != Kind::kStick && active.fault.kind != Kind::kBias)) continue;
@@ -258,7 +258,7 @@ std::optional<double> FaultInjector::get_forced(std::size_t channel, double valu
 std::vector<FaultInjector::Tally> FaultInjector::list_tallies() const {
   std::vector<Tally> tallies;
   for (const Active& active : faults_) {
-    if (active.fault.is_of_messages()) tallies.push_back({&active.fault, active.befallen});
+    if (active.fault.is_of_messages()) tallies.push_back({&active.fault, active.hit_count});
   }
   return tallies;
 }

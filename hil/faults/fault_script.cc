@@ -25,7 +25,7 @@ class FaultReader {
     for (std::size_t i = 0; i < kMessageKinds; ++i) {
       messages_.emplace_back(get_kind_name(static_cast<MessageKind>(i)));
     }
-    for (const Catalog& item : build_catalog(scenario.model)) {
+    for (const CatalogMessage& item : build_catalog(scenario.model)) {
       if (item.kind == static_cast<int>(CatalogKind::kSensor)) values_.emplace_back(get_name(item.name));
     }
     for (const Channel& channel : scenario.model.channels) channels_.push_back(channel.name);
@@ -147,7 +147,7 @@ class FaultReader {
       fault.participant = read_name(*participant, mistakes_);
       fault.subject += " " + fault.participant;
       if (message >= 0 && is_from_simulator(fault.message))
-        mistakes_.add(participant->mark, "the simulator says a " + fault.subject + " to everybody at once",
+        mistakes_.add(participant->mark, "the simulator publishes a " + fault.subject + " for all participants at once",
                       "leave `participant` out, or name HelloAck, Command or StepAck");
     }
     if (fault.kind == Kind::kDelay) {

@@ -22,7 +22,7 @@ struct Fault {
     kFreeze,
     kKill,  // of a participant
     kStick,
-    kBias,  // of a sensor value, as State tells it
+    kBias,  // of a sensor value, as published in State
     kDead,
     kJam,  // of an actuator, a command channel
   };
@@ -32,7 +32,7 @@ struct Fault {
   double probability = 1;                                             // of each message
   std::int64_t count = std::numeric_limits<std::int64_t>::max();      // messages at most
   MessageKind message = MessageKind::kState;
-  std::string participant;  // freeze, kill; of messages: who says it, empty for anybody
+  std::string participant;  // freeze, kill; of messages: the sender; empty: any
   std::vector<int> values;  // sensor values, by their index in the catalog
   int channel = -1;
   std::int64_t delay_ticks = 0;  // delay

@@ -120,7 +120,7 @@ double calc_momentum_share(const MassProperties& total, const Matrix6Xd& momenta
   return worst;
 }
 
-// Which of the file's modes are elastic, by index from 0. The others are named in the report.
+// The elastic modes of the file, by index from 0. The others are named in the report.
 std::vector<Index> find_elastic(const Modes& found, const Modes& projected, FlexibleReport& report) {
   const VectorXd before = calc_gram(found).diagonal(), after = calc_gram(projected).diagonal();
   std::vector<Index> elastic;
@@ -218,7 +218,7 @@ Modes condition_modes(const Modes& found, FlexibleReport& report) {
   remove_rigid_motion(total, projected);
   const std::vector<Index> elastic = find_elastic(modes, projected, report);
 
-  // What was found, of the elastic modes, each scaled to modal mass 1.
+  // The elastic modes found, each scaled to modal mass 1.
   pick(elastic, modes);
   scale_to_unit_mass(modes);
   const Matrix6Xd momenta = calc_momenta(modes);

@@ -1,4 +1,4 @@
-// A flexible body from what a finite-element program says of it (modes_file.h): a floating frame at the undeformed
+// A flexible body from the results of a finite-element program (modes_file.h): a floating frame at the undeformed
 // centre of mass, modal coordinates, and the inertia invariants that the motion needs.
 //
 // A mass point at r moves with u = Φ η about a frame that moves as a whole. Modes as they come are orthonormal and free
@@ -18,7 +18,7 @@
 
 namespace unlatch::hil {
 
-// What the kernel needs of it, all from the undeformed centre of mass.
+// The data that the kernel needs, all from the undeformed centre of mass.
 struct FlexibleStructure {
   double mass = 0;          // kg
   Eigen::Vector3d centre;   // of mass, undeformed, from the file's origin, m
@@ -26,7 +26,7 @@ struct FlexibleStructure {
   FlexibleBody flexible;    // modes and inertia invariants
   struct NamedMarker {
     std::string name;
-    Marker marker;  // of which body is for the loader to say
+    Marker marker;  // its body is set by the loader
   };
   std::vector<NamedMarker> markers;
 };
@@ -34,7 +34,7 @@ struct FlexibleStructure {
 // One elastic mode of the file, as found and as it became.
 struct ModeFinding {
   int number = 0;      // in the file, from 1
-  double file_hz = 0;  // as the file says
+  double file_hz = 0;  // as in the file
   double hz = 0;       // with the file's masses, momentum-free and orthonormal
   double overlap = 0;  // |cosine| between the two shapes, by mass: 1 is the same shape
   bool selected = false;

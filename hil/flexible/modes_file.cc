@@ -21,7 +21,7 @@ struct Word {
   int column;
 };
 
-// The lines of the text that say something, cut into words.
+// The lines that are not empty or a comment, cut into words.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -46,7 +46,7 @@ class Lines {
   SourceMark mark(std::size_t word = 0) const {
     return {number_, word < words_.size() ? words_[word].column : static_cast<int>(line_.size()) + 1};
   }
-  // What stands after the first word.
+  // The text after the first word.
   std::string tail() const {
     return words_.size() < 2 ? "" : std::string(words_[1].text.data(), words_.back().text.end());
   }

@@ -1,4 +1,4 @@
-// What a finite-element program says of a structure: mass points, natural frequencies and shapes, attachment frames;
+// Results of a finite-element program for a structure: mass points, natural frequencies and shapes, attachment frames;
 // and the neutral text file that carries it (MODES.md). Nothing here is computed: flexible_body.h does that.
 #pragma once
 

@@ -41,7 +41,7 @@ std::string describe_dimension(const Dimension& dimension);
 // The dimension of an SI unit such as "N m s/rad"; "" is plain. Throws std::logic_error: units are the program's own.
 Dimension dimension_of(std::string_view si);
 
-// What else may be written for an SI unit: kN m and so on for N m.
+// Other spellings of an SI unit: kN m and so on for N m.
 std::vector<std::string> list_units(std::string_view si);
 
 }  // namespace unlatch::hil

@@ -110,7 +110,7 @@ class Includer {
     }
   }
 
-  // What both have: the entries of shared sections are put together, the rest is the later one's.
+  // Sections in both: the entries of shared sections are put together, the rest is the later one's.
   static void merge(YamlNode&& from, YamlNode& to) {
     if (!from.is_mapping()) return;
     const std::vector<std::string>& shared = shared_sections();

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "hil/language/scenario_error.h"
+#include "hil/language/scenario_sources.h"
 #include "hil/language/yaml_document.h"
-#include "hil/scenario/scenario_sources.h"
 
 namespace unlatch::hil {
 

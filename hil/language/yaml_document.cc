@@ -32,7 +32,7 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
   return overlong || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff ? 0 : length;
 }
 
-// What yaml-cpp would let through: bytes that are not text.
+// Bytes that are not text, which yaml-cpp accepts.
 void check_bytes(std::string_view text, int override_index, int file) {
   if (text.size() > kMaxBytes)
     throw YamlError({0, 0, override_index, file}, "it has " + std::to_string(text.size()) + " bytes",

@@ -10,7 +10,7 @@
 
 namespace unlatch::hil {
 
-// Where something was written: line and column count from 1; 0 is "the file as a whole". What came from an override has
+// A position in the text: line and column count from 1; 0 is "the file as a whole". What came from an override has
 // the override's number instead. Files and instances of templates are counted by Mistakes.
 struct SourceMark {
   int line = 0;

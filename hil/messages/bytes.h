@@ -1,4 +1,5 @@
-// Big-endian numbers and texts to and from bytes. The reader believes nothing: past the end it gives zeros and says so.
+// Big-endian numbers and texts to and from bytes. The reader checks every length: past the end it gives zeros and
+// is_complete() is false.
 #pragma once
 
 #include <bit>

@@ -62,7 +62,7 @@ struct Reader {
 template <class T, class S>
 concept MaybeConst = std::same_as<std::remove_const_t<T>, S>;
 
-template <class Wire, MaybeConst<BodyState> T>
+template <class Wire, MaybeConst<BodyStateMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.x);
   wire.pass(message.y);
@@ -79,7 +79,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.wz);
 }
 
-template <class Wire, MaybeConst<Hello> T>
+template <class Wire, MaybeConst<HelloMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -103,7 +103,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.scenario);
 }
 
-template <class Wire, MaybeConst<Catalog> T>
+template <class Wire, MaybeConst<CatalogMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -117,7 +117,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.unit);
 }
 
-template <class Wire, MaybeConst<HelloAck> T>
+template <class Wire, MaybeConst<HelloAckMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -132,7 +132,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.reason);
 }
 
-template <class Wire, MaybeConst<State> T>
+template <class Wire, MaybeConst<StateMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -150,7 +150,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.modes);
 }
 
-template <class Wire, MaybeConst<Command> T>
+template <class Wire, MaybeConst<CommandMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -161,7 +161,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.channel);
 }
 
-template <class Wire, MaybeConst<StepAck> T>
+template <class Wire, MaybeConst<StepAckMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -171,7 +171,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.command_count);
 }
 
-template <class Wire, MaybeConst<Event> T>
+template <class Wire, MaybeConst<EventMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -182,7 +182,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.subject);
 }
 
-template <class Wire, MaybeConst<Health> T>
+template <class Wire, MaybeConst<HealthMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -201,7 +201,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   for (auto& item : message.rejected) wire.pass(item);
 }
 
-template <class Wire, MaybeConst<Verdict> T>
+template <class Wire, MaybeConst<VerdictMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -214,7 +214,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.reserved);
 }
 
-template <class Wire, MaybeConst<Reactions> T>
+template <class Wire, MaybeConst<ReactionsMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -227,7 +227,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.reserved);
 }
 
-template <class Wire, MaybeConst<Source> T>
+template <class Wire, MaybeConst<SourceMessage> T>
 void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.session);
   wire.pass(message.sequence);
@@ -282,17 +282,17 @@ constexpr auto kReactionsFingerprint = static_cast<std::int64_t>(0xe9f6cdbc48b33
 constexpr auto kSourceFingerprint = static_cast<std::int64_t>(0xc8985185d1d4dd4dU);
 
 constexpr std::array<KindInfo, kMessageKinds> kKinds{{
-    {"Hello", "UNLATCH_HELLO", sizeof(Hello), true},
-    {"Catalog", "UNLATCH_CATALOG", sizeof(Catalog), true},
-    {"HelloAck", "UNLATCH_HELLO_ACK", sizeof(HelloAck), false},
-    {"State", "UNLATCH_STATE", sizeof(State), true},
-    {"Command", "UNLATCH_COMMAND", sizeof(Command), false},
-    {"StepAck", "UNLATCH_STEP_ACK", sizeof(StepAck), false},
-    {"Event", "UNLATCH_EVENT", sizeof(Event), true},
-    {"Health", "UNLATCH_HEALTH", sizeof(Health), true},
-    {"Verdict", "UNLATCH_VERDICT", sizeof(Verdict), true},
-    {"Reactions", "UNLATCH_REACTIONS", sizeof(Reactions), true},
-    {"Source", "UNLATCH_SOURCE", sizeof(Source), true},
+    {"Hello", "UNLATCH_HELLO", sizeof(HelloMessage), true},
+    {"Catalog", "UNLATCH_CATALOG", sizeof(CatalogMessage), true},
+    {"HelloAck", "UNLATCH_HELLO_ACK", sizeof(HelloAckMessage), false},
+    {"State", "UNLATCH_STATE", sizeof(StateMessage), true},
+    {"Command", "UNLATCH_COMMAND", sizeof(CommandMessage), false},
+    {"StepAck", "UNLATCH_STEP_ACK", sizeof(StepAckMessage), false},
+    {"Event", "UNLATCH_EVENT", sizeof(EventMessage), true},
+    {"Health", "UNLATCH_HEALTH", sizeof(HealthMessage), true},
+    {"Verdict", "UNLATCH_VERDICT", sizeof(VerdictMessage), true},
+    {"Reactions", "UNLATCH_REACTIONS", sizeof(ReactionsMessage), true},
+    {"Source", "UNLATCH_SOURCE", sizeof(SourceMessage), true},
 }};
 
 // A number that is no kind at all names the empty entry behind the table.
@@ -357,13 +357,13 @@ std::string_view get_text(Reject value) noexcept {
   return index < 12 ? kTexts[index] : std::string_view{};
 }
 
-std::size_t encode(const Hello& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const HelloMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kHelloFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Hello& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, HelloMessage& message) noexcept {
   return decode_as(kHelloFingerprint, from, message);
 }
-bool is_well_formed(const Hello& message) noexcept {
+bool is_well_formed(const HelloMessage& message) noexcept {
   return in_range(message.pace, 0, 2) &&
          in_range(message.status, 0, 7) &&
          in_range(message.policy, 0, 5) &&
@@ -375,34 +375,34 @@ bool is_well_formed(const Hello& message) noexcept {
          in_range(message.participant_count, 0, 65536);
 }
 
-std::size_t encode(const Catalog& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const CatalogMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kCatalogFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Catalog& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, CatalogMessage& message) noexcept {
   return decode_as(kCatalogFingerprint, from, message);
 }
-bool is_well_formed(const Catalog& message) noexcept {
+bool is_well_formed(const CatalogMessage& message) noexcept {
   return in_range(message.kind, 0, 5) &&
          in_range(message.index, 0, 65536);
 }
 
-std::size_t encode(const HelloAck& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const HelloAckMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kHelloAckFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, HelloAck& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, HelloAckMessage& message) noexcept {
   return decode_as(kHelloAckFingerprint, from, message);
 }
-bool is_well_formed(const HelloAck& message) noexcept {
+bool is_well_formed(const HelloAckMessage& message) noexcept {
   return in_range(message.status, 0, 2);
 }
 
-std::size_t encode(const State& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const StateMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kStateFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, State& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, StateMessage& message) noexcept {
   return decode_as(kStateFingerprint, from, message);
 }
-bool is_well_formed(const State& message) noexcept {
+bool is_well_formed(const StateMessage& message) noexcept {
   return in_range(message.status, 0, 7) &&
          in_range(message.part, 0, 65536) &&
          in_range(message.parts, 1, 65536) &&
@@ -411,75 +411,75 @@ bool is_well_formed(const State& message) noexcept {
          in_range(message.joint_count, 0, 64);
 }
 
-std::size_t encode(const Command& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const CommandMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kCommandFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Command& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, CommandMessage& message) noexcept {
   return decode_as(kCommandFingerprint, from, message);
 }
-bool is_well_formed(const Command&) noexcept {
+bool is_well_formed(const CommandMessage&) noexcept {
   return true;
 }
 
-std::size_t encode(const StepAck& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const StepAckMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kStepAckFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, StepAck& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, StepAckMessage& message) noexcept {
   return decode_as(kStepAckFingerprint, from, message);
 }
-bool is_well_formed(const StepAck&) noexcept {
+bool is_well_formed(const StepAckMessage&) noexcept {
   return true;
 }
 
-std::size_t encode(const Event& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const EventMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kEventFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Event& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, EventMessage& message) noexcept {
   return decode_as(kEventFingerprint, from, message);
 }
-bool is_well_formed(const Event&) noexcept {
+bool is_well_formed(const EventMessage&) noexcept {
   return true;
 }
 
-std::size_t encode(const Health& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const HealthMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kHealthFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Health& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, HealthMessage& message) noexcept {
   return decode_as(kHealthFingerprint, from, message);
 }
-bool is_well_formed(const Health&) noexcept {
+bool is_well_formed(const HealthMessage&) noexcept {
   return true;
 }
 
-std::size_t encode(const Verdict& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const VerdictMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kVerdictFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Verdict& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, VerdictMessage& message) noexcept {
   return decode_as(kVerdictFingerprint, from, message);
 }
-bool is_well_formed(const Verdict& message) noexcept {
+bool is_well_formed(const VerdictMessage& message) noexcept {
   return in_range(message.reason, 0, 11);
 }
 
-std::size_t encode(const Reactions& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const ReactionsMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kReactionsFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Reactions& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, ReactionsMessage& message) noexcept {
   return decode_as(kReactionsFingerprint, from, message);
 }
-bool is_well_formed(const Reactions& message) noexcept {
+bool is_well_formed(const ReactionsMessage& message) noexcept {
   return in_range(message.part, 0, 65536) &&
          in_range(message.parts, 1, 65536) &&
          in_range(message.count, 0, 192);
 }
 
-std::size_t encode(const Source& message, std::span<std::uint8_t> to) noexcept {
+std::size_t encode(const SourceMessage& message, std::span<std::uint8_t> to) noexcept {
   return encode_as(kSourceFingerprint, message, to);
 }
-bool decode(std::span<const std::uint8_t> from, Source& message) noexcept {
+bool decode(std::span<const std::uint8_t> from, SourceMessage& message) noexcept {
   return decode_as(kSourceFingerprint, from, message);
 }
-bool is_well_formed(const Source& message) noexcept {
+bool is_well_formed(const SourceMessage& message) noexcept {
   return in_range(message.part, 0, 65536) &&
          in_range(message.parts, 1, 65536) &&
          in_range(message.count, 0, 2048);

@@ -52,7 +52,7 @@ void set_name(std::span<std::uint8_t> to, std::string_view name) noexcept;
 [[nodiscard]] std::string_view get_name(std::span<const std::uint8_t> from) noexcept;
 
 // One body. 13 numbers.
-struct BodyState {
+struct BodyStateMessage {
   double x = 0;  // [m] position of the body origin (centre of mass for rigid bodies), inertial frame
   double y = 0;  // [m]
   double z = 0;  // [m]
@@ -67,12 +67,12 @@ struct BodyState {
   double wy = 0;  // [rad/s]
   double wz = 0;  // [rad/s]
 };
-static_assert(sizeof(BodyState) == 104);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<BodyState>);
+static_assert(sizeof(BodyStateMessage) == 104);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<BodyStateMessage>);
 
 // Announces a session, again and again; a participant answers each with a HelloAck once it knows the catalog. Sent by
 // the simulator.
-struct Hello {
+struct HelloMessage {
   std::int64_t session = 0;  // random number of this run; every other message carries it
   std::int64_t sequence = 0;  // counts Hello messages of the session from 0
   std::int64_t schema_hash = 0;  // hash of this schema; participants refuse another
@@ -96,16 +96,16 @@ struct Hello {
   std::int32_t participant_count = 0;  // required participants; the catalog names them
   std::array<std::uint8_t, kNameLength> scenario{};
 };
-static_assert(sizeof(Hello) == 160);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Hello>);
-inline constexpr std::size_t kHelloWireBytes = 8 + sizeof(Hello);
-std::size_t encode(const Hello& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Hello& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Hello& message) noexcept;
+static_assert(sizeof(HelloMessage) == 160);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<HelloMessage>);
+inline constexpr std::size_t kHelloWireBytes = 8 + sizeof(HelloMessage);
+std::size_t encode(const HelloMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, HelloMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const HelloMessage& message) noexcept;
 
 // Names and limits of one body, joint, channel, sensor value, signal or required participant; one message per item,
 // sent with Hello. Sent by the simulator.
-struct Catalog {
+struct CatalogMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Catalog messages of the session from 0
   double minimum = 0;  // [the item's unit] channels: smallest accepted value
@@ -117,46 +117,46 @@ struct Catalog {
   std::array<std::uint8_t, kNameLength> name{};  // e.g. nozzle1, or gyro.x for one value of a sensor
   std::array<std::uint8_t, kNameLength> unit{};  // e.g. rad/s
 };
-static_assert(sizeof(Catalog) == 152);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Catalog>);
-inline constexpr std::size_t kCatalogWireBytes = 8 + sizeof(Catalog);
-std::size_t encode(const Catalog& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Catalog& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Catalog& message) noexcept;
+static_assert(sizeof(CatalogMessage) == 152);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<CatalogMessage>);
+inline constexpr std::size_t kCatalogWireBytes = 8 + sizeof(CatalogMessage);
+std::size_t encode(const CatalogMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, CatalogMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const CatalogMessage& message) noexcept;
 
-// A participant is ready, refuses and says why, or takes its leave. It repeats what it heard in Hello, so that both
-// have agreed on it. Sent by the participant.
-struct HelloAck {
+// A participant is ready, refuses and gives the reason, or leaves. It repeats the terms of Hello, so that both have
+// agreed on them. Sent by the participant.
+struct HelloAckMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts this participant's HelloAck messages from 0
   std::int64_t schema_hash = 0;  // of the participant's own schema
   std::int64_t model_hash = 0;  // as in Hello
   std::int64_t dt_ns = 0;  // [ns] as in Hello
   std::int32_t protocol = 0;  // of the participant's own schema
-  // a number of this start of the participant, best drawn at random: two of one name are told apart by it
+  // a number of this start of the participant, best drawn at random: it distinguishes two of one name
   std::int32_t participant = 0;
   std::int32_t status = 0;  // AckStatus
   std::int32_t reserved = 0;  // 0
   std::array<std::uint8_t, kNameLength> name{};  // the participant's name, as the scenario requires it
   std::array<std::uint8_t, kTextLength> reason{};
 };
-static_assert(sizeof(HelloAck) == 200);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<HelloAck>);
-inline constexpr std::size_t kHelloAckWireBytes = 8 + sizeof(HelloAck);
-std::size_t encode(const HelloAck& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, HelloAck& message) noexcept;
-[[nodiscard]] bool is_well_formed(const HelloAck& message) noexcept;
+static_assert(sizeof(HelloAckMessage) == 200);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<HelloAckMessage>);
+inline constexpr std::size_t kHelloAckWireBytes = 8 + sizeof(HelloAckMessage);
+std::size_t encode(const HelloAckMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, HelloAckMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const HelloAckMessage& message) noexcept;
 
-// The state at a tick. Part 0 is the token of lockstep; systems beyond one part's room send further parts for the same
+// The state at a tick. Part 0 is the token of lockstep; systems larger than one part send further parts for the same
 // tick first. Sent by the simulator.
-struct State {
+struct StateMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts State messages of the session; a resent tick keeps its number
   std::int64_t tick = 0;
   std::int64_t time_ns = 0;  // [ns] simulated time, tick * dt_ns
   std::int64_t hash = 0;  // hash of the whole kernel state at this tick
   std::array<double, kSensorsPerPart> sensors{};  // [the catalog's] sensor values in the order of the catalog
-  std::array<BodyState, kBodiesPerPart> bodies{};
+  std::array<BodyStateMessage, kBodiesPerPart> bodies{};
   std::int32_t status = 0;  // RunStatus
   std::int32_t part = 0;  // this part, from 0
   std::int32_t parts = 0;  // parts per tick
@@ -165,15 +165,15 @@ struct State {
   std::int32_t joint_count = 0;  // joint modes valid in this part, the first being number part * kJointsPerPart
   std::array<std::uint8_t, kJointsPerPart> modes{};  // active mode of each joint, an index into its list of modes
 };
-static_assert(sizeof(State) == 2304);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<State>);
-inline constexpr std::size_t kStateWireBytes = 8 + sizeof(State);
-std::size_t encode(const State& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, State& message) noexcept;
-[[nodiscard]] bool is_well_formed(const State& message) noexcept;
+static_assert(sizeof(StateMessage) == 2304);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<StateMessage>);
+inline constexpr std::size_t kStateWireBytes = 8 + sizeof(StateMessage);
+std::size_t encode(const StateMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, StateMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const StateMessage& message) noexcept;
 
 // Sets one channel. It names the tick whose step it is for. Sent by the participant.
-struct Command {
+struct CommandMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts this participant's commands from 1
   std::int64_t tick = 0;  // applied before the step from this tick to the next, or delay_ticks later
@@ -182,16 +182,16 @@ struct Command {
   std::int32_t participant = 0;
   std::int32_t channel = 0;
 };
-static_assert(sizeof(Command) == 48);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Command>);
-inline constexpr std::size_t kCommandWireBytes = 8 + sizeof(Command);
-std::size_t encode(const Command& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Command& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Command& message) noexcept;
+static_assert(sizeof(CommandMessage) == 48);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<CommandMessage>);
+inline constexpr std::size_t kCommandWireBytes = 8 + sizeof(CommandMessage);
+std::size_t encode(const CommandMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, CommandMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const CommandMessage& message) noexcept;
 
-// The participant has handled the State of this tick, and says how many commands it sent for it. Resent states are
+// The participant has handled the State of this tick, and announces how many commands it sent for it. Resent states are
 // answered again, equally. Sent by the participant.
-struct StepAck {
+struct StepAckMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // the sequence number of the State answered
   std::int64_t tick = 0;
@@ -199,15 +199,15 @@ struct StepAck {
   std::int32_t participant = 0;
   std::int32_t command_count = 0;  // commands sent for this tick
 };
-static_assert(sizeof(StepAck) == 40);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<StepAck>);
-inline constexpr std::size_t kStepAckWireBytes = 8 + sizeof(StepAck);
-std::size_t encode(const StepAck& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, StepAck& message) noexcept;
-[[nodiscard]] bool is_well_formed(const StepAck& message) noexcept;
+static_assert(sizeof(StepAckMessage) == 40);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<StepAckMessage>);
+inline constexpr std::size_t kStepAckWireBytes = 8 + sizeof(StepAckMessage);
+std::size_t encode(const StepAckMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, StepAckMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const StepAckMessage& message) noexcept;
 
 // Something happened: a joint changed its mode, a signal was raised, a policy was applied. Sent by the simulator.
-struct Event {
+struct EventMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Event messages of the session from 0
   std::int64_t tick = 0;  // the tick at whose step it happened
@@ -216,15 +216,15 @@ struct Event {
   std::array<std::uint8_t, kNameLength> name{};
   std::array<std::uint8_t, kNameLength> subject{};
 };
-static_assert(sizeof(Event) == 136);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Event>);
-inline constexpr std::size_t kEventWireBytes = 8 + sizeof(Event);
-std::size_t encode(const Event& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Event& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Event& message) noexcept;
+static_assert(sizeof(EventMessage) == 136);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<EventMessage>);
+inline constexpr std::size_t kEventWireBytes = 8 + sizeof(EventMessage);
+std::size_t encode(const EventMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, EventMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const EventMessage& message) noexcept;
 
-// Once a second of wall time: how the run keeps its time, and what it refused. Sent by the simulator.
-struct Health {
+// Once a second of wall time: timing of the run, and counts of refused messages. Sent by the simulator.
+struct HealthMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Health messages of the session from 0
   std::int64_t tick = 0;
@@ -236,42 +236,42 @@ struct Health {
   std::int64_t wakeup_max_ns = 0;  // [ns]
   std::int64_t overruns = 0;
   std::int64_t dropped = 0;  // messages that found a ring full
-  std::int64_t resent = 0;  // States said again
+  std::int64_t resent = 0;  // States sent again
   std::int64_t late = 0;  // commands applied after the tick that they were due
   std::int64_t missing = 0;  // required participants that take no part at the moment
-  // what was refused, by Reject; malformed bytes of any message among them
+  // refused messages, by Reject; malformed bytes of any message among them
   std::array<std::int64_t, kRejectReasons> rejected{};
 };
-static_assert(sizeof(Health) == 200);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Health>);
-inline constexpr std::size_t kHealthWireBytes = 8 + sizeof(Health);
-std::size_t encode(const Health& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Health& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Health& message) noexcept;
+static_assert(sizeof(HealthMessage) == 200);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<HealthMessage>);
+inline constexpr std::size_t kHealthWireBytes = 8 + sizeof(HealthMessage);
+std::size_t encode(const HealthMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, HealthMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const HealthMessage& message) noexcept;
 
-// A Command or HelloAck that was not taken as it stands: refused, or late. At most 16 a tick are told one by one;
-// Health counts all. Sent by the simulator.
-struct Verdict {
+// A Command or HelloAck that was refused, or is late. At most 16 a tick are sent; Health counts all. Sent by the
+// simulator.
+struct VerdictMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Verdict messages of the session from 0
-  std::int64_t tick = 0;  // at which the simulator heard it
-  std::int64_t refers_to = 0;  // sequence number of what it is about
+  std::int64_t tick = 0;  // at which the simulator received it
+  std::int64_t refers_to = 0;  // sequence number of the message concerned
   std::int64_t applied_tick = 0;  // late: the tick before whose step it acts; refused: -1
-  std::int32_t participant = 0;  // who said it
+  std::int32_t participant = 0;  // its sender
   std::int32_t reason = 0;  // Reject
   std::int32_t channel = 0;  // of a Command; else -1
   std::int32_t reserved = 0;  // 0
 };
-static_assert(sizeof(Verdict) == 56);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Verdict>);
-inline constexpr std::size_t kVerdictWireBytes = 8 + sizeof(Verdict);
-std::size_t encode(const Verdict& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Verdict& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Verdict& message) noexcept;
+static_assert(sizeof(VerdictMessage) == 56);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<VerdictMessage>);
+inline constexpr std::size_t kVerdictWireBytes = 8 + sizeof(VerdictMessage);
+std::size_t encode(const VerdictMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, VerdictMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const VerdictMessage& message) noexcept;
 
-// For observers, ten times a second of wall time and at the end: what every joint holds at a tick. Flight software does
-// not get it: it has sensors. Sent by the simulator.
-struct Reactions {
+// For observers, ten times a second of wall time and at the end: the forces and moments of every joint at a tick.
+// Flight software does not get it: it has sensors. Sent by the simulator.
+struct ReactionsMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Reactions messages of the session from 0
   std::int64_t tick = 0;
@@ -283,16 +283,16 @@ struct Reactions {
   std::int32_t count = 0;  // numbers valid in this part, the first being number part * kReactionsPerPart
   std::int32_t reserved = 0;  // 0
 };
-static_assert(sizeof(Reactions) == 1584);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Reactions>);
-inline constexpr std::size_t kReactionsWireBytes = 8 + sizeof(Reactions);
-std::size_t encode(const Reactions& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Reactions& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Reactions& message) noexcept;
+static_assert(sizeof(ReactionsMessage) == 1584);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<ReactionsMessage>);
+inline constexpr std::size_t kReactionsWireBytes = 8 + sizeof(ReactionsMessage);
+std::size_t encode(const ReactionsMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, ReactionsMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const ReactionsMessage& message) noexcept;
 
 // For observers, one part now and then: the scenario itself, so that a display knows modes, shapes and pairs without a
 // file. Its text, then each --set, a NUL behind each. Sent by the simulator.
-struct Source {
+struct SourceMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Source messages of the session from 0
   std::int32_t part = 0;  // this part, from 0
@@ -301,12 +301,12 @@ struct Source {
   std::int32_t reserved = 0;  // 0
   std::array<std::uint8_t, kSourcePerPart> bytes{};
 };
-static_assert(sizeof(Source) == 2080);  // the sum of its fields: no padding
-static_assert(std::is_trivially_copyable_v<Source>);
-inline constexpr std::size_t kSourceWireBytes = 8 + sizeof(Source);
-std::size_t encode(const Source& message, std::span<std::uint8_t> to) noexcept;
-bool decode(std::span<const std::uint8_t> from, Source& message) noexcept;
-[[nodiscard]] bool is_well_formed(const Source& message) noexcept;
+static_assert(sizeof(SourceMessage) == 2080);  // the sum of its fields: no padding
+static_assert(std::is_trivially_copyable_v<SourceMessage>);
+inline constexpr std::size_t kSourceWireBytes = 8 + sizeof(SourceMessage);
+std::size_t encode(const SourceMessage& message, std::span<std::uint8_t> to) noexcept;
+bool decode(std::span<const std::uint8_t> from, SourceMessage& message) noexcept;
+[[nodiscard]] bool is_well_formed(const SourceMessage& message) noexcept;
 
 // Any message. `kind` says which member of the union is alive.
 enum class MessageKind : std::int32_t { kHello, kCatalog, kHelloAck, kState, kCommand, kStepAck, kEvent, kHealth, kVerdict, kReactions, kSource };
@@ -315,31 +315,31 @@ inline constexpr std::size_t kMessageKinds = 11;
 struct Message {
   MessageKind kind;
   union {
-    Hello hello;
-    Catalog catalog;
-    HelloAck hello_ack;
-    State state;
-    Command command;
-    StepAck step_ack;
-    Event event;
-    Health health;
-    Verdict verdict;
-    Reactions reactions;
-    Source source;
+    HelloMessage hello;
+    CatalogMessage catalog;
+    HelloAckMessage hello_ack;
+    StateMessage state;
+    CommandMessage command;
+    StepAckMessage step_ack;
+    EventMessage event;
+    HealthMessage health;
+    VerdictMessage verdict;
+    ReactionsMessage reactions;
+    SourceMessage source;
   };
 
   Message() noexcept : kind(MessageKind::kHello), hello{} {}
-  Message(const Hello& value) noexcept : kind(MessageKind::kHello), hello(value) {}
-  Message(const Catalog& value) noexcept : kind(MessageKind::kCatalog), catalog(value) {}
-  Message(const HelloAck& value) noexcept : kind(MessageKind::kHelloAck), hello_ack(value) {}
-  Message(const State& value) noexcept : kind(MessageKind::kState), state(value) {}
-  Message(const Command& value) noexcept : kind(MessageKind::kCommand), command(value) {}
-  Message(const StepAck& value) noexcept : kind(MessageKind::kStepAck), step_ack(value) {}
-  Message(const Event& value) noexcept : kind(MessageKind::kEvent), event(value) {}
-  Message(const Health& value) noexcept : kind(MessageKind::kHealth), health(value) {}
-  Message(const Verdict& value) noexcept : kind(MessageKind::kVerdict), verdict(value) {}
-  Message(const Reactions& value) noexcept : kind(MessageKind::kReactions), reactions(value) {}
-  Message(const Source& value) noexcept : kind(MessageKind::kSource), source(value) {}
+  Message(const HelloMessage& value) noexcept : kind(MessageKind::kHello), hello(value) {}
+  Message(const CatalogMessage& value) noexcept : kind(MessageKind::kCatalog), catalog(value) {}
+  Message(const HelloAckMessage& value) noexcept : kind(MessageKind::kHelloAck), hello_ack(value) {}
+  Message(const StateMessage& value) noexcept : kind(MessageKind::kState), state(value) {}
+  Message(const CommandMessage& value) noexcept : kind(MessageKind::kCommand), command(value) {}
+  Message(const StepAckMessage& value) noexcept : kind(MessageKind::kStepAck), step_ack(value) {}
+  Message(const EventMessage& value) noexcept : kind(MessageKind::kEvent), event(value) {}
+  Message(const HealthMessage& value) noexcept : kind(MessageKind::kHealth), health(value) {}
+  Message(const VerdictMessage& value) noexcept : kind(MessageKind::kVerdict), verdict(value) {}
+  Message(const ReactionsMessage& value) noexcept : kind(MessageKind::kReactions), reactions(value) {}
+  Message(const SourceMessage& value) noexcept : kind(MessageKind::kSource), source(value) {}
 };
 static_assert(std::is_trivially_copyable_v<Message>);
 

@@ -37,7 +37,7 @@ OverrunCause attribute(const Overrun& overrun) noexcept {
   const std::int64_t most = std::max({t.wakeup_ns, t.input_ns, t.step_ns, t.output_ns});
   if (most == t.wakeup_ns) {
     static constexpr OverrunCause kWhyLate[] = {OverrunCause::kLateWakeup, OverrunCause::kBacklog,
-                                                OverrunCause::kRehearsal};
+                                                OverrunCause::kWarmUp};
     return kWhyLate[t.held_up];
   }
   if (overrun.faults_read > 0) return OverrunCause::kPageFaults;

@@ -13,7 +13,7 @@
 
 namespace unlatch::hil {
 
-// What the operating system counts for a thread. Never decreases.
+// Counts of the operating system for a thread. They never decrease.
 struct ThreadCounts {
   std::int64_t page_faults = 0, faults_read = 0, preemptions = 0;
 };
@@ -34,8 +34,8 @@ class Timing {
 
   // The cyclic thread, before the first tick.
   void begin_counts() noexcept { counted_ = read_thread_counts(); }
-  // Any one other thread, whose time does not matter: what befell the cyclic thread until then explains no later
-  // overrun.
+  // Any one other thread, whose time does not matter: page faults and preemptions of the cyclic thread until then
+  // explain no later overrun.
   void disregard(const ThreadCounts& until) noexcept;
   // A tick that ended `late_ns` after the next was due: completes its account, keeps it, counts it. Asks the operating
   // system what it knows.

@@ -21,7 +21,7 @@
 namespace unlatch::hil {
 
 // While one lives this thread may wait, although it is beneath a function marked so: at paces other than real time, for
-// room in the recorder's ring, or for the middleware.
+// space in the recorder's ring, or for the middleware.
 class MayWait {
  public:
   explicit MayWait([[maybe_unused]] bool may = true) noexcept {

@@ -140,7 +140,7 @@ std::string print_fixed(double value, int digits) {
   return {text.data(), end};
 }
 
-// A virtual machine is not told of the other hardware thread of its core; it feels it.
+// A virtual machine does not know of the other hardware thread of its core, but is slowed down by it.
 Check judge_smt(const MachineFacts& f) {
   if (!f.smt && !f.core_stretch) return {"hyper-threading", Verdict::kUnknown, "not to be found out", "", ""};
   std::string found = f.smt ? *f.smt ? "on" : "off" : "not told";

@@ -1,4 +1,4 @@
-// What this machine is like for hard real time: facts read from the operating system, or found out by trying, and what
+// This machine's fitness for hard real time: facts read from the operating system, or found out by trying, and what
 // each costs. Nothing is changed.
 #pragma once
 

@@ -1,9 +1,9 @@
-// Finds out what no file tells: who else uses the core, and what gets in between.
+// Measurements for facts that no file has: other users of the core, and interruptions.
 #include <algorithm>
 #include <thread>
 #include <vector>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/preflight.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/yardsticks.h"
@@ -18,7 +18,7 @@ std::int64_t time(Work&& work) {
   return get_monotonic_ns() - begin_ns;
 }
 
-// What nine of ten did not exceed, in multiples of the least.
+// The ninth decile, in multiples of the least.
 double calc_stretch(std::vector<std::int64_t>& times) {
   const auto ninth = times.begin() + static_cast<std::ptrdiff_t>(times.size() * 9 / 10);
   std::nth_element(times.begin(), ninth, times.end());
@@ -29,9 +29,9 @@ double calc_stretch(std::vector<std::int64_t>& times) {
 
 std::vector<std::string> try_machine(MachineFacts& facts, int cpu, double seconds) {
   std::vector<std::int64_t> sums, multiplications;  // ns each
-  const auto room = static_cast<std::size_t>(seconds * 1e6);
-  sums.reserve(room);
-  multiplications.reserve(room);
+  const auto capacity = static_cast<std::size_t>(seconds * 1e6);
+  sums.reserve(capacity);
+  multiplications.reserve(capacity);
   std::vector<std::string> refused;
   std::jthread([&] {
     refused = request_real_time({.cpu = cpu});
@@ -39,7 +39,7 @@ std::vector<std::string> try_machine(MachineFacts& facts, int cpu, double second
     do {
       sums.push_back(time([] { add_side_by_side(); }));
       multiplications.push_back(time([] { multiply_in_turn(); }));
-    } while (get_monotonic_ns() < end_ns && sums.size() < room);
+    } while (get_monotonic_ns() < end_ns && sums.size() < capacity);
   }).join();
 
   // A slower clock stretches both alike, a neighbour only what fills the core.

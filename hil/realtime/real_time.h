@@ -1,4 +1,4 @@
-// What the operating system grants a hard-real-time thread. Each refusal is a sentence with its cost and its remedy;
+// Requests of a hard-real-time thread to the operating system. Each refusal is a sentence with its cost and its remedy;
 // the run goes on without.
 #pragma once
 
@@ -13,7 +13,7 @@ struct RealTimeOptions {
 };
 
 // For the calling thread: its CPU, its stack met before it is needed, all memory of the process locked, now and later,
-// SCHED_FIFO. What is refused is said in the result and left as it was; empty when all was granted.
+// SCHED_FIFO. The result lists refused requests, whose settings stay as they were; empty when all was granted.
 [[nodiscard]] std::vector<std::string> request_real_time(const RealTimeOptions& options = {});
 
 // While it lives, no CPU of this machine idles more deeply than by polling, so that waking one takes no longer than it
@@ -25,7 +25,7 @@ class ShallowIdle {
   ShallowIdle(const ShallowIdle&) = delete;
   ShallowIdle& operator=(const ShallowIdle&) = delete;
 
-  // What was refused; empty if nothing was.
+  // The refusal; empty if there was none.
   [[nodiscard]] const std::string& get_refusal() const noexcept { return refusal_; }
 
  private:

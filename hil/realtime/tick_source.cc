@@ -10,7 +10,7 @@
 #include <ctime>
 #include <utility>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 
 namespace unlatch::hil {
 namespace {
@@ -35,20 +35,20 @@ bool gives_counts(int descriptor) {
 
 std::int64_t MonotonicTicks::doze() noexcept {
   const std::int64_t next_ns = get_next_due_ns();
-  if (spin_ns_ == 0 || get_monotonic_ns() >= next_ns) return 0;
-  if (get_monotonic_ns() < next_ns - spin_ns_) sleep_until_ns(next_ns - spin_ns_);
+  if (spin_ns_ == 0 || clock_.get_ns() >= next_ns) return 0;
+  if (clock_.get_ns() < next_ns - spin_ns_) clock_.sleep_until_ns(next_ns - spin_ns_);
   dozed_ = true;
-  return std::max<std::int64_t>(next_ns - get_monotonic_ns(), 0);
+  return std::max<std::int64_t>(next_ns - clock_.get_ns(), 0);
 }
 
 bool MonotonicTicks::wait(const std::atomic<bool>& stop) noexcept {
   due_ns_ += period_ns_;
-  awake_ns_ = get_monotonic_ns();
+  awake_ns_ = clock_.get_ns();
   const bool dozed = std::exchange(dozed_, false);
   backlogged_ = awake_ns_ >= due_ns_ && !dozed;
   if (awake_ns_ < due_ns_) {
-    if (awake_ns_ < due_ns_ - spin_ns_) sleep_until_ns(due_ns_ - spin_ns_);
-    while ((awake_ns_ = get_monotonic_ns()) < due_ns_) relax();
+    if (awake_ns_ < due_ns_ - spin_ns_) clock_.sleep_until_ns(due_ns_ - spin_ns_);
+    while ((awake_ns_ = clock_.get_ns()) < due_ns_) relax();
   }
   latency_ns_ = awake_ns_ - due_ns_;
   return !stop.load(std::memory_order_relaxed);

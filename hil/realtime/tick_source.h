@@ -1,10 +1,12 @@
-// What tells the cyclic thread that it is time for the next tick: the monotonic clock, or a descriptor that something
+// The source of ticks for the cyclic thread: the monotonic clock, or a descriptor that something
 // outside makes readable once a tick.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <string>
+
+#include "hil/realtime/clock.h"
 
 namespace unlatch::hil {
 
@@ -16,17 +18,17 @@ class TickSource {
 
   // The time base begins anew: the next tick is due a period from `now_ns`, or with the next one from outside.
   virtual void restart(std::int64_t now_ns) noexcept = 0;
-  // Sleeps until shortly before the next tick, and says how much is left until it is due, ns; 0 if none is for sure.
+  // Sleeps until shortly before the next tick, and returns the time left until it is due, ns; 0 if there may be none.
   virtual std::int64_t doze() noexcept { return 0; }
-  // Waits until the next tick is due. False if it will never be: `stop` was set, or get_failure() says why.
+  // Waits until the next tick is due. False if it will never be: `stop` was set, or see get_failure().
   [[nodiscard]] virtual bool wait(const std::atomic<bool>& stop) noexcept = 0;
-  // Restarts it for a tick that ended late, and says by how much the ticks are put off by that, ns.
+  // Restarts it for a tick that ended late, and returns by how much that postpones the ticks, ns.
   virtual std::int64_t slip(std::int64_t now_ns) noexcept = 0;
   // Ticks that are due by `now_ns` and were not waited for yet, as far as the source knows without asking.
   [[nodiscard]] virtual std::int64_t calc_behind(std::int64_t now_ns) const noexcept = 0;
   [[nodiscard]] virtual const char* get_failure() const noexcept { return ""; }
 
-  // Of the tick waited for last. All ns of CLOCK_MONOTONIC.
+  // Of the tick waited for last. All ns of the clock.
   [[nodiscard]] std::int64_t get_due_ns() const noexcept { return due_ns_; }
   [[nodiscard]] std::int64_t get_next_due_ns() const noexcept { return due_ns_ + period_ns_; }
   [[nodiscard]] std::int64_t get_awake_ns() const noexcept { return awake_ns_; }
@@ -47,7 +49,8 @@ class TickSource {
 // looks at the clock again and again from there: no wake-up latency, at the price of that much of a CPU.
 class MonotonicTicks final : public TickSource {
  public:
-  MonotonicTicks(std::int64_t period_ns, std::int64_t spin_ns) : TickSource(period_ns), spin_ns_(spin_ns) {}
+  MonotonicTicks(std::int64_t period_ns, std::int64_t spin_ns, const Clock& clock = kMonotonicClock)
+      : TickSource(period_ns), clock_(clock), spin_ns_(spin_ns) {}
 
   void restart(std::int64_t now_ns) noexcept override { due_ns_ = now_ns; }
   std::int64_t doze() noexcept override;
@@ -56,12 +59,13 @@ class MonotonicTicks final : public TickSource {
   std::int64_t calc_behind(std::int64_t now_ns) const noexcept override;
 
  private:
+  const Clock& clock_;
   const std::int64_t spin_ns_;
   bool dozed_ = false;  // since the latest tick
 };
 
 // Ticks from outside: a timerfd or eventfd (a read gives how many), or a pipe, socket or character device (each byte is
-// one). The descriptor stays the caller's and is made non-blocking. Since nobody says when a tick was meant to come,
+// one). The descriptor stays the caller's and is made non-blocking. Since the intended time of a tick is unknown,
 // one that comes alone is due when it is seen, and its latency is how much later it came than a period after the one
 // before; of several that are there at once the last is due when they are seen, those before it a period earlier each.
 class DescriptorTicks final : public TickSource {

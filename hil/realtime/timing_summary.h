@@ -1,4 +1,4 @@
-// What a run says of its time: distributions, overruns and their causes, counts. Kept in a recording's last record.
+// Timing of a run: distributions, overruns and their causes, counts. Kept in a recording's last record.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ struct DurationSummary {
   std::vector<Bin> bins;
 };
 
-// Where most of the time of a tick that overran went; see attribute() in hil/realtime/executive_timing.h.
+// The cause of an overrun: the largest part of the tick's time; see attribute() in hil/realtime/executive_timing.h.
 enum class OverrunCause : std::int32_t {
   kBacklog = 0,  // it began late because the tick before ended late
   kLateWakeup,   // the operating system woke the thread late
@@ -31,7 +31,7 @@ enum class OverrunCause : std::int32_t {
   kOutputs,      // handing out states and events
   kPageFaults,   // any of the last four, and pages had to be read meanwhile
   kPreempted,    // any of them, and the thread lost its CPU to another meanwhile
-  kRehearsal,    // it began late because its rehearsal was still going on
+  kWarmUp,       // it began late because its warm-up step was still going on
 };
 inline constexpr std::size_t kOverrunCauses = 9;
 inline constexpr std::array<std::string_view, kOverrunCauses> kOverrunCauseNames{
@@ -41,11 +41,11 @@ inline constexpr std::array<std::string_view, kOverrunCauses> kOverrunCauseNames
 struct TickTiming {
   std::int64_t tick = 0;
   std::int64_t wakeup_ns = 0;  // from when it was due until it began; backlog included
-  std::int64_t input_ns = 0;   // then: messages heard and commands applied
+  std::int64_t input_ns = 0;   // then: messages received and commands applied
   std::int64_t step_ns = 0;    // the kernel's step
-  std::int64_t output_ns = 0;  // hash, states and events handed out
+  std::int64_t output_ns = 0;  // hash, states and events published
   std::int32_t substeps = 0;   // integrations of the step, 1 without events
-  std::int32_t held_up = 0;    // by the tick before it: 1; by its own rehearsal: 2
+  std::int32_t held_up = 0;    // by the tick before it: 1; by its own warm-up step: 2
 };
 
 struct Overrun {

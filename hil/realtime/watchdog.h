@@ -1,4 +1,4 @@
-// Barks when the cyclic thread shows no sign of life: a thread of its own, of a priority above it, that looks now and
+// Reports a cyclic thread that shows no sign of life: a thread of its own, of a priority above it, that looks now and
 // then whether a counter has changed.
 #pragma once
 
@@ -11,17 +11,17 @@ namespace unlatch::hil {
 
 class Watchdog {
  public:
-  // `bark` is called once for every silence of `limit_ns` or more, with its length so far. `priority` of SCHED_FIFO if
-  // it is granted, 0 for none: without it a busy machine may silence the watchdog as well.
+  // `report` is called once for every silence of `limit_ns` or more, with its length so far. `priority` of SCHED_FIFO
+  // if it is granted, 0 for none: without it a busy machine may silence the watchdog as well.
   Watchdog(const std::atomic<std::int64_t>& beats, std::int64_t limit_ns, int priority,
-           std::function<void(std::int64_t silent_ns)> bark);
+           std::function<void(std::int64_t silent_ns)> report);
 
  private:
   void watch(const std::stop_token& stopping);
 
   const std::atomic<std::int64_t>& beats_;
   const std::int64_t limit_ns_;
-  const std::function<void(std::int64_t)> bark_;
+  const std::function<void(std::int64_t)> report_;
   std::jthread thread_;
 };
 

@@ -19,7 +19,7 @@ namespace unlatch::hil {
 
 inline constexpr std::string_view kSealPrefix = "UNLATCH_LOG_";
 
-// A log cannot be opened, written, or is not what it should be; what() says which, where and what to do.
+// A log cannot be opened, written, or is not what it should be; what() has the file, the place and the remedy.
 class LogError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -1,4 +1,4 @@
-// What a recording holds, event by event, in an LCM event log (hil/recording/log_file.h) whose time stamps are
+// The records of a recording, events in an LCM event log (hil/recording/log_file.h) whose time stamps are
 // simulated microseconds:
 //
 //   UNLATCH_LOG_HEADER   once, first: everything to build the same simulation again, at the state where it began

@@ -24,11 +24,11 @@ std::int64_t calc_state_every(const std::string& path, double dt) {
 
 }  // namespace
 
-Recorder::Recorder(const std::string& path, const LogHeader& header, std::size_t room)
+Recorder::Recorder(const std::string& path, const LogHeader& header, std::size_t capacity)
     : may_wait_(header.pace != Pace::kRealtime),
       us_per_tick_(header.dt * 1e6),
       state_every_(calc_state_every(path, header.dt)),
-      items_(room),
+      items_(capacity),
       writer_(path) {
   encode(header, buffer_);
   writer_.append(0, kHeaderChannel, buffer_);
@@ -50,10 +50,10 @@ bool Recorder::push(const Item& item) noexcept {
   return true;
 }
 
-// The recorder's thread makes room for parts of earlier ticks alone: what one tick has beyond the ring is lost.
-void Recorder::state(const State& part) noexcept {
+// The recorder's thread frees the slots of earlier ticks alone: parts of one tick beyond the ring's capacity are lost.
+void Recorder::state(const StateMessage& part) noexcept {
   while (!states_.try_enqueue(part)) {
-    if (!may_wait_ || states_of_tick_ == static_cast<std::int32_t>(kStateRoom)) {
+    if (!may_wait_ || states_of_tick_ == static_cast<std::int32_t>(kStateCapacity)) {
       ++states_lost_;
       return;
     }
@@ -105,14 +105,14 @@ void Recorder::write_message(const M& message) {
 void Recorder::write(const Item& item) {
   if (const auto* change = std::get_if<LogChange>(&item)) {
     record_.changes.push_back(*change);
-  } else if (const auto* event = std::get_if<Event>(&item)) {
+  } else if (const auto* event = std::get_if<EventMessage>(&item)) {
     write_message(*event);
   } else if (const auto* timing = std::get_if<TickTiming>(&item)) {
     encode(*timing, buffer_);
     writer_.append(std::llround(static_cast<double>(timing->tick) * us_per_tick_), kTimingChannel, buffer_);
   } else {
     const Mark& mark = std::get<Mark>(item);
-    State part;
+    StateMessage part;
     for (std::int32_t i = 0; i < mark.states && states_.try_dequeue(part); ++i) write_message(part);
     record_.tick = mark.tick;
     record_.hash = mark.hash;
@@ -128,7 +128,7 @@ void Recorder::close(LogEnd& end) {
   thread_.join();
   end.unrecorded = items_lost_;
   end.states_unrecorded = states_lost_;
-  State part;
+  StateMessage part;
   while (states_.try_dequeue(part)) write_message(part);  // those of the last tick, after which no step was made
   encode(end, buffer_);
   writer_.append(std::llround(static_cast<double>(end.tick) * us_per_tick_), kEndChannel, buffer_);

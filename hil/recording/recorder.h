@@ -1,6 +1,6 @@
 // Writes a recording (hil/recording/log_format.h) from a thread of its own. The cyclic thread pushes into rings and
 // never waits for the disk; in real time what finds a ring full is counted, and the recording is then not replayable;
-// at other paces the cyclic thread waits for room.
+// at other paces the cyclic thread waits for space in a ring.
 #pragma once
 
 #include <readerwriterqueue/readerwritercircularbuffer.h>
@@ -18,8 +18,8 @@ namespace unlatch::hil {
 class Recorder {
  public:
   // Writes the header. An empty path records into a nameless file without State messages, for looking at the run
-  // afterwards. `room`: items that the ring holds. Throws LogWriteError.
-  Recorder(const std::string& path, const LogHeader& header, std::size_t room = kRoom);
+  // afterwards. `capacity`: of the ring, in items. Throws LogWriteError.
+  Recorder(const std::string& path, const LogHeader& header, std::size_t capacity = kCapacity);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -28,8 +28,8 @@ class Recorder {
   [[nodiscard]] bool wants_state(std::int64_t tick) const noexcept {
     return state_every_ > 0 && tick % state_every_ == 0;
   }
-  void state(const State& part) noexcept;
-  void event(const Event& event) noexcept { push(event); }
+  void state(const StateMessage& part) noexcept;
+  void event(const EventMessage& event) noexcept { push(event); }
   void change(const LogChange& change) noexcept { push(change); }
   void timing(const TickTiming& timing) noexcept { push(timing); }
   void tick(std::int64_t tick, std::int64_t hash) noexcept;  // seals what came before
@@ -38,18 +38,18 @@ class Recorder {
   void close(LogEnd& end);
   // From any thread: nothing has been recorded since something went wrong with the file.
   [[nodiscard]] bool has_failed() const noexcept { return failed_.load(std::memory_order_relaxed); }
-  // What went wrong with the file; empty if nothing did. After close().
+  // The error of the file; empty if there was none. After close().
   [[nodiscard]] const std::string& get_error() const { return writer_.get_error(); }
   // A nameless recording, to be read while the recorder lives. After close().
   [[nodiscard]] std::FILE* rewind() { return writer_.rewind(); }
 
  private:
-  static constexpr std::size_t kRoom = 8192, kStateRoom = 256;
+  static constexpr std::size_t kCapacity = 8192, kStateCapacity = 256;
   struct Mark {
     std::int64_t tick, hash, lost;
     std::int32_t states;  // State messages in the other ring that belong before it
   };
-  using Item = std::variant<Mark, LogChange, Event, TickTiming>;
+  using Item = std::variant<Mark, LogChange, EventMessage, TickTiming>;
 
   bool push(const Item& item) noexcept;
   void run(const std::stop_token& stopping);
@@ -64,7 +64,7 @@ class Recorder {
   std::int64_t state_every_ = 0;  // ticks
 
   moodycamel::BlockingReaderWriterCircularBuffer<Item> items_;
-  moodycamel::BlockingReaderWriterCircularBuffer<State> states_{kStateRoom};
+  moodycamel::BlockingReaderWriterCircularBuffer<StateMessage> states_{kStateCapacity};
   std::int32_t states_of_tick_ = 0;  // cyclic thread
   std::int64_t items_lost_ = 0;      // cyclic thread, until close()
   std::int64_t states_lost_ = 0;     // the same; reported, but a replay does not need them

@@ -1,6 +1,6 @@
 #include "hil/recording/replay_reader.h"
 
-#include "hil/messages/notices.h"
+#include "hil/messages/event_names.h"
 
 namespace unlatch::hil {
 namespace {
@@ -15,7 +15,7 @@ std::string to_hex(std::int64_t value) {
   return text;
 }
 
-// Why the first event on `found` is not the one on `wanted`.
+// The reason why the first event is on the channel `found`, not on `wanted`.
 std::string explain_other_kind(const std::string& found, std::string_view wanted) {
   if (wanted == kHeaderChannel && found == kCheckpointChannel) {
     return "is a checkpoint, not a recording; go on from it with `unlatch run --resume`";
@@ -27,7 +27,7 @@ std::string explain_other_kind(const std::string& found, std::string_view wanted
          "; record with `unlatch hil --log` or `unlatch run --log`";
 }
 
-// Why the first event's place holds none.
+// The reason why there is no first event.
 const char* explain_no_header(Result result) {
   if (result == Result::kEnd) return "is empty, not a recording";
   if (result == Result::kTruncated) return "ends before its header is complete; nothing can be replayed";
@@ -66,8 +66,8 @@ bool RecordingReader::stop(std::string why, bool is_damage) {
 }
 
 void RecordingReader::keep_message() {
-  Event event;
-  State state;
+  EventMessage event;
+  StateMessage state;
   if (event_.channel == get_channel(MessageKind::kEvent)) {
     if (decode(event_.data, event) && is_notice(event)) notices.push_back(event);
   } else if (keeps_states && event_.channel == get_channel(MessageKind::kState)) {

@@ -18,7 +18,7 @@ class RecordingReader {
   // Reads the header. Throws LogError, see read_header.
   explicit RecordingReader(LogFileReader file);
 
-  // The next tick's record; false when there is none. Then `end` holds how the run ended, or `shortfall` says in a
+  // The next tick's record; false when there is none. Then `end` is the end of the run, or `shortfall` says in a
   // sentence why the recording does not reach its end.
   [[nodiscard]] bool next(LogTick& tick);
 
@@ -27,10 +27,11 @@ class RecordingReader {
   LogHeader header;
   std::optional<LogEnd> end;
   std::string shortfall;
-  bool damaged = false;        // the shortfall is damage, not a writer that was killed
-  std::vector<Event> notices;  // what the executive said of participants and policies, up to here
-  bool keeps_states = false;   // whether next() fills
-  std::vector<State> states;   // the State messages recorded for the tick that next() gave, or, at the end, for the end
+  bool damaged = false;               // the shortfall is damage, not a writer that was killed
+  std::vector<EventMessage> notices;  // of participants, policies and faults, up to here
+  bool keeps_states = false;          // whether next() fills
+  std::vector<StateMessage>
+      states;  // the State messages recorded for the tick that next() gave, or, at the end, for the end
 
  private:
   bool stop(std::string why, bool is_damage);

@@ -47,7 +47,7 @@ void sync_folder_of(const std::string& path) {
   close(handle);
 }
 
-// Why a run of `scenario` cannot go on from a checkpoint; empty if it can.
+// The reason why a run cannot go on from a checkpoint; empty if it can.
 std::string explain_foreign(const LogHeader& checkpoint, const LogHeader& here) {
   if (checkpoint.program != here.program) {
     return "was written by " + checkpoint.program + "; this is " + here.program + "; go on with the one that wrote it";

@@ -4,13 +4,13 @@
 #include <limits>
 #include <random>
 
+#include "hil/realtime/clock.h"
 #include "hil/realtime/executive_timing.h"
-#include "hil/realtime/pacer.h"
 
 namespace unlatch::hil {
 namespace {
 
-// What the recorder is told of a run: a State now and then, events, and the hash of every tick.
+// The recording of a run: a State now and then, events, and the hash of every tick.
 class RunRecord {
  public:
   RunRecord(const Simulation& simulation, Recorder* recorder)
@@ -22,7 +22,7 @@ class RunRecord {
   void state(RunStatus status) {
     if (recorder_ == nullptr || (!recorder_->wants_state(simulation_.get_tick()) && status == RunStatus::kRunning))
       return;
-    State message;
+    StateMessage message;
     message.sequence = sequence_++;
     message.hash = simulation_.calc_hash();
     message.status = static_cast<std::int32_t>(status);
@@ -39,7 +39,7 @@ class RunRecord {
   void events(const StepReport& report) {
     if (recorder_ == nullptr) return;
     for (const FiredEvent& fired : report.events) {
-      Event message = events_[static_cast<std::size_t>(fired.event)];
+      EventMessage message = events_[static_cast<std::size_t>(fired.event)];
       message.sequence = event_sequence_++;
       message.tick = simulation_.get_tick() - 1;
       message.time = fired.time;
@@ -52,7 +52,7 @@ class RunRecord {
   const Simulation& simulation_;
   Recorder* recorder_;
   const std::int64_t dt_ns_;
-  const std::vector<Event> events_;
+  const std::vector<EventMessage> events_;
   std::int64_t sequence_ = 0, event_sequence_ = 0;
 };
 

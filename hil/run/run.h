@@ -20,7 +20,7 @@ std::unique_ptr<Simulation> build_simulation(const Scenario& scenario);
 // A random session number, > 0.
 std::int64_t draw_session();
 
-// What a recording of this run, begun at the simulation's present tick, begins with.
+// The header of a recording of this run that begins at the simulation's present tick.
 LogHeader build_log_header(const Scenario& scenario, const Simulation& simulation, Pace pace, std::int64_t session,
                            std::int64_t last_tick);
 

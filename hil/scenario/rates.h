@@ -1,6 +1,6 @@
-// What does not happen at every tick. A group of channels is latched, a group of sensors sampled, and the States are
-// sent at the ticks k with k mod every = phase; in between channels and sensors hold. Each channel and sensor is in one
-// group at most, so the order of groups, that of the file, decides nothing.
+// Rates: channels, sensors and States that are not renewed at every tick. A group of channels is latched, a group of
+// sensors sampled, and the States are sent at the ticks k with k mod every = phase; in between channels and sensors
+// hold. Each channel and sensor is in one group at most, so the order of groups, that of the file, decides nothing.
 //
 //   before the step of tick k   channels whose group is due take their commanded values
 //   after the step to tick k    sensors whose group is due take new values; then the State goes out, if it is due
@@ -48,7 +48,7 @@ class SampleAndHold {
   // The state is that of `tick` now.
   void sample(std::int64_t tick, std::span<const double> measured) noexcept;
 
-  // What is held, as get_channels() and get_sensors() gave it at another time.
+  // The values held, as get_channels() and get_sensors() gave them at another time.
   void restore(std::span<const double> channels, std::span<const double> sensors) noexcept;
 
   [[nodiscard]] std::span<const double> get_channels() const noexcept { return channels_; }

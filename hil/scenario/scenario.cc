@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include "hil/language/scenario_parts.h"
@@ -16,26 +15,6 @@ constexpr double kMaxTicks = 1e12;
 constexpr double kMaxDelay = 1000;  // ticks
 
 }  // namespace
-
-// One byte beyond the bound is enough: the parser refuses it.
-std::string read_text_file(const std::string& path, const std::string& kind) {
-  const auto fail = [&](const std::string& what) -> std::string {
-    throw ScenarioError({{path, {}, "", what, "name a readable " + kind + " file (.yaml)"}});
-  };
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) return fail("there is no such file");
-  if (status.type() == std::filesystem::file_type::directory) return fail("this is a folder");
-  if (error || status.type() != std::filesystem::file_type::regular) return fail("this is not a regular file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return fail("it cannot be opened");
-  constexpr std::size_t kEnough = (1u << 20) + 1;
-  std::string text(kEnough, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (stream.bad()) return fail("it cannot be read");
-  return text;
-}
 
 const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "abort", "evict"};
 
@@ -170,11 +149,11 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
   else
     mistakes_.add(map.node().find("delay")->mark, "this delay is not usable", "whole ticks, 0 to 1000");
   const int policy = map.choice("policy", "policy", kPolicyNames, static_cast<int>(software.policy));
-  if (policy >= 0) software.policy = static_cast<FlightSoftware::Policy>(policy);
+  if (policy >= 0) software.policy = static_cast<Policy>(policy);
   map.finish();
 }
 
-// What the kernel finds wrong with the physics, at the places where it was written.
+// Mistakes that the kernel finds in the physics, with their positions in the text.
 void ScenarioReader::report_physics() {
   for (const Joint& joint : model_.joints)
     for (const int body : {joint.base, joint.follower})

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "hil/language/scenario_error.h"
+#include "hil/language/scenario_sources.h"
+#include "hil/messages/messages.h"
 #include "hil/scenario/rates.h"
 #include "hil/scenario/shapes.h"
 #include "hil/scenario/timing_options.h"
@@ -17,19 +19,14 @@ namespace unlatch::hil {
 
 // The flight software that must answer, and what happens when it does not.
 struct FlightSoftware {
-  enum class Policy {
-    kHold,   // channels keep their last values
-    kZero,   // channels go to 0, or to the nearest value of their range
-    kSafe,   // channels go to their safe values
-    kPause,  // the run waits
-    kAbort,  // the run ends
-    kEvict,  // as hold, and the participant may not come back
-  };
   std::vector<std::string> required;  // names of participants
   double timeout = 0.25;              // s of wall time without an answer
   double pause_limit = 600;           // s of wall time that the policy 'pause' waits before it aborts
   double cutoff = 1;                  // real time: fraction of a tick after which its commands are late
   int delay = 0;                      // ticks by which the transport delays every command
+  // kHold: channels keep their last values; kZero: they go to 0, or to the nearest value of their range; kSafe: to
+  // their safe values; kPause: the run waits; kAbort: the run ends; kEvict: as kHold, and the participant may not come
+  // back.
   Policy policy = Policy::kHold;
 };
 extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy
@@ -39,7 +36,7 @@ struct TracedPoint {
   std::string name;
   int body = 0;
   Eigen::Vector3d p_BP = Eigen::Vector3d::Zero();  // body axes, m
-  int seen_from = kGround;                         // the body in whose axes the path is told; the ground: W
+  int seen_from = kGround;                         // the path is in the axes of this body; the ground: W
 };
 
 struct Scenario {
@@ -58,9 +55,6 @@ struct Scenario {
   std::vector<TracedPoint> points;
   std::map<std::string, SourceMark> marks;  // places of the elements, by ModelError::where: "body 'core'"
 };
-
-// The text of a regular file; `kind` says what it should be, for messages. Throws ScenarioError.
-std::string read_text_file(const std::string& path, const std::string& kind);
 
 // Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file
 // is a ScenarioError as well. A text that includes others holds them too, as Scenario::text does.

@@ -48,7 +48,7 @@ std::vector<const YamlNode*> read_knots(YamlMap& map, const std::string& key, st
 
 }  // namespace
 
-// What a body's mass does in time or with what it has burnt: columns of a table.
+// The mass of a body over time or burnt mass: columns of a table.
 MassLaw ScenarioReader::read_law(const YamlNode& node) {
   MassLaw law;
   YamlMap map(node, "a mass law", mistakes_);
@@ -157,8 +157,8 @@ void ScenarioReader::place_bodies() {
   report_circles();
 }
 
-// What could not be placed is part of a circle of relative_to, or hangs on one. Each circle is reported once, at its
-// first body.
+// Bodies that could not be placed are part of a circle of relative_to, or hangs on one. Each circle is reported once,
+// at its first body.
 void ScenarioReader::report_circles() {
   std::vector<bool> seen(placements_.size(), false);
   for (std::size_t i = 0; i < placements_.size(); ++i) {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "hil/flexible/flexible_body.h"
+#include "hil/language/scenario_sources.h"
 #include "hil/language/yaml_reader.h"
 #include "hil/scenario/scenario.h"
-#include "hil/scenario/scenario_sources.h"
 
 namespace unlatch::hil {
 

@@ -1,4 +1,4 @@
-// What a body looks like, for clearances and pictures: convex pieces in the axes of their body, metres.
+// Shapes of bodies, for clearances and pictures: convex pieces in the axes of their body, metres.
 #pragma once
 
 #include <Eigen/Core>

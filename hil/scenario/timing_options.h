@@ -1,11 +1,11 @@
-// How the cyclic executive keeps its time: the scenario's `timing`.
+// Timing of the cyclic executive: the section `timing` of a scenario.
 #pragma once
 
 #include <cstdint>
 
 namespace unlatch::hil {
 
-// What is done about a tick whose work ended after the next was due.
+// Policy for a tick whose work ended after the next was due.
 struct OverrunPolicy {
   enum class Kind {
     kFail,        // the run ends
@@ -19,8 +19,8 @@ struct OverrunPolicy {
 
 struct TimingOptions {
   OverrunPolicy overruns;
-  double spin = 0;               // s before a deadline that are waited through awake, after a rehearsal of the step
-  double watchdog = 5;           // s without a sign of life of the cyclic thread until the watchdog barks; 0: none
+  double spin = 0;               // s before a deadline that are waited through awake, after a warm-up step
+  double watchdog = 5;           // s without a sign of life of the cyclic thread until the watchdog reports it; 0: none
   bool watchdog_aborts = false;  // and then ends the process
   bool per_tick = false;         // every tick's account goes into the recording
 };

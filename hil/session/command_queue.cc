@@ -6,14 +6,14 @@
 
 namespace unlatch::hil {
 
-CommandDesk::CommandDesk(std::span<const Channel> channels, const DeskOptions& options)
-    : channels_(channels), options_(options) {
-  pending_.reserve(kRoom);
+CommandQueue::CommandQueue(std::span<const Channel> channels, const CommandQueueOptions& options, RejectCounts& rejects)
+    : channels_(channels), options_(options), rejects_(rejects) {
+  pending_.reserve(kCapacity);
 }
 
 // The window in which a command may act is shifted by the transport's delay, as its tick is.
-std::optional<Reject> CommandDesk::check(const Command& command, std::int64_t acts_at,
-                                         std::int64_t due) const noexcept {
+std::optional<Reject> CommandQueue::check(const CommandMessage& command, std::int64_t acts_at,
+                                          std::int64_t due) const noexcept {
   const bool has_limit = command.valid_until_tick >= 0 && command.valid_until_tick < kLastTick;
   if (has_limit && command.valid_until_tick + options_.delay_ticks < acts_at) return Reject::kExpired;
   if (due < acts_at && !options_.accept_late) return Reject::kPastTick;
@@ -26,9 +26,10 @@ std::optional<Reject> CommandDesk::check(const Command& command, std::int64_t ac
   return std::nullopt;
 }
 
-CommandDesk::Outcome CommandDesk::offer(const Command& command, Participant* sender, std::int64_t earliest) noexcept {
+CommandQueue::Outcome CommandQueue::add(const CommandMessage& command, Participant* sender,
+                                        std::int64_t earliest_tick) noexcept {
   const auto refused = [this](Reject reason) {
-    refuse(reason);
+    rejects_.add(reason);
     return Outcome{reason, -1};
   };
   if (command.session != options_.session) return refused(Reject::kWrongSession);
@@ -36,9 +37,9 @@ CommandDesk::Outcome CommandDesk::offer(const Command& command, Participant* sen
   if (command.sequence < 1 || command.tick < 0 || command.tick > kLastTick) return refused(Reject::kMalformed);
   if (!sender->seen.insert(command.sequence)) return refused(Reject::kDuplicate);
   const std::int64_t due = command.tick + options_.delay_ticks;
-  const std::int64_t acts_at = std::max(due, earliest);
+  const std::int64_t acts_at = std::max(due, earliest_tick);
   if (const auto reason = check(command, acts_at, due)) return refused(*reason);
-  if (pending_.size() == kRoom) {
+  if (pending_.size() == kCapacity) {
     ++dropped_;
     return {};
   }
@@ -49,11 +50,11 @@ CommandDesk::Outcome CommandDesk::offer(const Command& command, Participant* sen
   return {Reject::kLate, acts_at};
 }
 
-void CommandDesk::drop(const Participant& sender) noexcept {
+void CommandQueue::remove(const Participant& sender) noexcept {
   std::erase_if(pending_, [&sender](const Pending& pending) { return pending.sender == &sender; });
 }
 
-void CommandDesk::sort() noexcept {
+void CommandQueue::sort() noexcept {
   std::sort(pending_.begin(), pending_.end(), [](const Pending& a, const Pending& b) {
     return std::tie(a.command.tick, a.sender->name, a.command.sequence) <
            std::tie(b.command.tick, b.sender->name, b.command.sequence);

@@ -1,72 +1,72 @@
-// The commands of a session: checked on arrival, kept until the tick that they are due, applied in an order that does
-// not depend on how they arrived. Fixed memory.
+// The commands of a session: checked on arrival, kept until their tick, applied in an order that does not depend on the
+// order of arrival. Fixed memory.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "hil/messages/messages.h"
-#include "hil/session/roster.h"
+#include "hil/session/participants.h"
+#include "hil/session/reject_counts.h"
 #include "unlatch/model.h"
 
 namespace unlatch::hil {
 
-struct DeskOptions {
+struct CommandQueueOptions {
   std::int64_t session = 0;
   std::int64_t delay_ticks = 0;  // a command that names tick k is due at k + delay_ticks
   bool accept_late = false;      // real time: a command that missed its tick acts at the next; else it is refused
 };
 
-class CommandDesk {
+class CommandQueue {
  public:
   struct Pending {
-    Command command;
+    CommandMessage command;
     const Participant* sender = nullptr;
-    std::int64_t due = 0;  // tick before whose step it acts
-    bool late = false;     // later than it was due
+    std::int64_t due_tick = 0;  // acts before the step of this tick
+    bool late = false;          // later than it was due
   };
-  // What became of a command: nothing to say, or a reason; kLate is accepted, to act at `applied_tick`.
+  // No reason: accepted. kLate: accepted, acts at `applied_tick`. Any other: refused.
   struct Outcome {
     std::optional<Reject> reason;
     std::int64_t applied_tick = -1;
   };
 
-  CommandDesk(std::span<const Channel> channels, const DeskOptions& options);
+  // `channels` and `rejects` must outlive the queue.
+  CommandQueue(std::span<const Channel> channels, const CommandQueueOptions& options, RejectCounts& rejects);
 
-  // Takes a command whose earliest tick is `earliest`; counts it if it is refused or late. `sender`: null if unknown.
-  Outcome offer(const Command& command, Participant* sender, std::int64_t earliest) noexcept;
-  // Counts something else that was refused.
-  void refuse(Reject reason, std::int64_t count = 1) noexcept { rejected_[static_cast<std::size_t>(reason)] += count; }
-  // Forgets what a participant has sent for later.
-  void drop(const Participant& sender) noexcept;
-  // Passes each command that is due at `tick` to `apply`, by the tick named, then participant's name, then sequence.
+  // Adds a command that can act at `earliest_tick` at the earliest; counts it if it is refused or late. `sender`: null
+  // if unknown.
+  Outcome add(const CommandMessage& command, Participant* sender, std::int64_t earliest_tick) noexcept;
+  // Removes all commands of a participant.
+  void remove(const Participant& sender) noexcept;
+  // Removes the commands that are due at `tick` and passes each to `apply`, ordered by the tick named, then the
+  // participant's name, then the sequence number.
   template <class Apply>
   void take_due(std::int64_t tick, Apply&& apply) noexcept {
     sort();
     for (const Pending& pending : pending_) {
-      if (pending.due <= tick) apply(pending);
+      if (pending.due_tick <= tick) apply(pending);
     }
-    std::erase_if(pending_, [tick](const Pending& pending) { return pending.due <= tick; });
+    std::erase_if(pending_, [tick](const Pending& pending) { return pending.due_tick <= tick; });
   }
 
-  [[nodiscard]] const std::array<std::int64_t, kRejectReasons>& get_rejected() const noexcept { return rejected_; }
   [[nodiscard]] std::int64_t get_late() const noexcept { return late_; }
-  [[nodiscard]] std::int64_t get_dropped() const noexcept { return dropped_; }  // found no room
+  [[nodiscard]] std::int64_t get_dropped() const noexcept { return dropped_; }  // because the queue was full
 
  private:
-  static constexpr std::size_t kRoom = 4096;
-  static constexpr std::int64_t kLastTick = std::int64_t{1} << 53;  // beyond it nobody means what he says
-  [[nodiscard]] std::optional<Reject> check(const Command& command, std::int64_t acts_at,
+  static constexpr std::size_t kCapacity = 4096;
+  static constexpr std::int64_t kLastTick = std::int64_t{1} << 53;  // a tick beyond it is taken as malformed
+  [[nodiscard]] std::optional<Reject> check(const CommandMessage& command, std::int64_t acts_at,
                                             std::int64_t due) const noexcept;
   void sort() noexcept;
 
   const std::span<const Channel> channels_;
-  const DeskOptions options_;
+  const CommandQueueOptions options_;
+  RejectCounts& rejects_;
   std::vector<Pending> pending_;
-  std::array<std::int64_t, kRejectReasons> rejected_{};
   std::int64_t late_ = 0, dropped_ = 0;
 };
 

@@ -27,15 +27,15 @@ Plan compile_or_throw(const Model& model, const PlanOptions& options) {
   return *std::move(result.plan);
 }
 
-// How many of `total` items fall into part `part` of `room` each.
-std::int32_t calc_share(std::size_t total, std::int32_t part, std::size_t room) {
-  const std::size_t first = static_cast<std::size_t>(part) * room;
-  return total <= first ? 0 : static_cast<std::int32_t>(std::min(total - first, room));
+// The number of `total` items in part `part`, of `capacity` items each.
+std::int32_t calc_share(std::size_t total, std::int32_t part, std::size_t capacity) {
+  const std::size_t first = static_cast<std::size_t>(part) * capacity;
+  return total <= first ? 0 : static_cast<std::int32_t>(std::min(total - first, capacity));
 }
 
-std::size_t calc_parts(std::size_t total, std::size_t room) { return (total + room - 1) / room; }
+std::size_t calc_parts(std::size_t total, std::size_t capacity) { return (total + capacity - 1) / capacity; }
 
-BodyState to_message(const unlatch::BodyState& body) {
+BodyStateMessage to_message(const BodyState& body) {
   return {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
           body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
 }
@@ -58,8 +58,8 @@ std::span<const char* const> get_components(Sensor::Kind kind) {
   }
 }
 
-Catalog make_item(CatalogKind kind, std::size_t index, const std::string& name, const char* unit) {
-  Catalog item;
+CatalogMessage make_item(CatalogKind kind, std::size_t index, const std::string& name, const char* unit) {
+  CatalogMessage item;
   item.kind = static_cast<std::int32_t>(kind);
   item.index = static_cast<std::int32_t>(index);
   set_name(item.name, name);
@@ -91,9 +91,9 @@ Simulation::Simulation(const Model& model, const PlanOptions& options, const Rat
       plan_(compile_or_throw(model_, options)),
       state_memory_(allocate(plan_.get_state_bytes())),
       workspace_memory_(allocate(plan_.get_workspace_bytes())),
-      rehearsal_memory_(allocate(plan_.get_state_bytes())),
+      warm_up_memory_(allocate(plan_.get_state_bytes())),
       state_(plan_, {state_memory_.get(), plan_.get_state_bytes()}),
-      rehearsal_(plan_, {rehearsal_memory_.get(), plan_.get_state_bytes()}),
+      warm_up_state_(plan_, {warm_up_memory_.get(), plan_.get_state_bytes()}),
       workspace_(plan_, {workspace_memory_.get(), plan_.get_workspace_bytes()}),
       channels_(get_initial_channels(model_)),
       held_(model_, rates, channels_, begin()),
@@ -108,6 +108,13 @@ std::span<const double> Simulation::begin() {
   return workspace_.sensors;
 }
 
+bool Simulation::set_channel(std::size_t channel, double value) noexcept {
+  double& now = channels_[channel];
+  if (now == value && std::signbit(now) == std::signbit(value)) return false;
+  now = value;
+  return true;
+}
+
 StepReport Simulation::step() noexcept {
   held_.latch(get_tick(), channels_);
   const StepReport report = unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_);
@@ -115,9 +122,9 @@ StepReport Simulation::step() noexcept {
   return report;
 }
 
-void Simulation::rehearse() noexcept {
-  std::memcpy(rehearsal_.get_bytes().data(), state_.get_bytes().data(), state_.get_bytes().size());
-  (void)unlatch::step(plan_, Inputs{held_.get_channels()}, rehearsal_, workspace_);
+void Simulation::warm_up() noexcept {
+  std::memcpy(warm_up_state_.get_bytes().data(), state_.get_bytes().data(), state_.get_bytes().size());
+  (void)unlatch::step(plan_, Inputs{held_.get_channels()}, warm_up_state_, workspace_);
   (void)update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_);  // it had outputs before
 }
 
@@ -136,7 +143,7 @@ bool Simulation::restore(std::span<const std::uint64_t> saved) {
   const std::size_t inputs = 2 * channels_.size();
   if (saved.size() != words + inputs + held_.get_sensors().size()) return false;
   std::vector<std::uint64_t> copy(saved.begin(), saved.end());  // a State is a view of memory that may be written
-  if (!is_possible(unlatch::State(plan_, {reinterpret_cast<std::byte*>(copy.data()), block}))) return false;
+  if (!is_possible(State(plan_, {reinterpret_cast<std::byte*>(copy.data()), block}))) return false;
   // Every word of the state but its header: modes and phases are small by now, and as numbers finite as well.
   const auto is_finite = [](std::uint64_t word) { return std::isfinite(std::bit_cast<double>(word)); };
   constexpr std::size_t kHeader = sizeof(StateHeader) / sizeof(std::uint64_t);
@@ -161,8 +168,8 @@ bool Simulation::take(std::span<const std::uint64_t> saved) {
   return update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_) == StepStatus::kOk;
 }
 
-// What indexes with a state's numbers may rely on.
-bool Simulation::is_possible(const unlatch::State& state) const noexcept {
+// The state's numbers are in their ranges, so that they may be used as indices.
+bool Simulation::is_possible(const State& state) const noexcept {
   constexpr std::int64_t kMaxTick = std::int64_t{1} << 53;  // beyond it a time in seconds does not tell two ticks apart
   if (state.header->plan_hash != plan_.get_hash() || state.header->tick < 0 || state.header->tick > kMaxTick)
     return false;
@@ -182,7 +189,7 @@ std::int32_t Simulation::get_part_count() const noexcept {
   return static_cast<std::int32_t>(parts);
 }
 
-void Simulation::fill_state(std::int32_t part, std::int64_t dt_ns, State& message) const noexcept {
+void Simulation::fill_state(std::int32_t part, std::int64_t dt_ns, StateMessage& message) const noexcept {
   message.tick = get_tick();
   message.time_ns = get_tick() * dt_ns;
   message.part = part;
@@ -202,8 +209,8 @@ void Simulation::fill_state(std::int32_t part, std::int64_t dt_ns, State& messag
   }
 }
 
-std::vector<Catalog> build_catalog(const Model& model) {
-  std::vector<Catalog> items;
+std::vector<CatalogMessage> build_catalog(const Model& model) {
+  std::vector<CatalogMessage> items;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     items.push_back(make_item(CatalogKind::kBody, i, model.bodies[i].name, ""));
   }
@@ -212,7 +219,7 @@ std::vector<Catalog> build_catalog(const Model& model) {
   }
   for (std::size_t i = 0; i < model.channels.size(); ++i) {
     const Channel& channel = model.channels[i];
-    Catalog item = make_item(CatalogKind::kChannel, i, channel.name, channel.unit.c_str());
+    CatalogMessage item = make_item(CatalogKind::kChannel, i, channel.name, channel.unit.c_str());
     item.minimum = channel.minimum;
     item.maximum = channel.maximum;
     item.initial = channel.initial;
@@ -231,10 +238,10 @@ std::vector<Catalog> build_catalog(const Model& model) {
   return items;
 }
 
-std::vector<Event> build_event_messages(const Model& model) {
-  std::vector<Event> messages;
-  for (const unlatch::Event& event : model.events) {
-    Event& message = messages.emplace_back();
+std::vector<EventMessage> build_event_messages(const Model& model) {
+  std::vector<EventMessage> messages;
+  for (const Event& event : model.events) {
+    EventMessage& message = messages.emplace_back();
     set_name(message.name, event.name);
     set_name(message.subject, event.subject);
   }

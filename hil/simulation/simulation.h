@@ -37,8 +37,8 @@ class Simulation {
   // kOk nothing has changed but what is latched.
   StepReport step() noexcept UNLATCH_NONBLOCKING;
 
-  // The same step, thrown away: what remains is in the processor's caches.
-  void rehearse() noexcept UNLATCH_NONBLOCKING;
+  // A warm-up step: the same step, thrown away. Code and data remain in the processor's caches.
+  void warm_up() noexcept UNLATCH_NONBLOCKING;
 
   // All that decides how the run goes on, as 8-byte words: the state block; the channels' values, commanded and held;
   // the sensor values held.
@@ -46,7 +46,10 @@ class Simulation {
   // Goes back, or on, to what save() gave. False, and nothing changed, if it is not of this plan.
   [[nodiscard]] bool restore(std::span<const std::uint64_t> saved);
 
-  // The commanded value of each channel, what the next step will read unless it holds.
+  // Sets the commanded value of a channel, which must exist. True if it changes, to the bit.
+  bool set_channel(std::size_t channel, double value) noexcept;
+  // The commanded value of each channel: the next step reads it, unless the channel is in a group that is not latched
+  // then.
   std::span<double> channels() noexcept { return channels_; }
   std::span<const double> channels() const noexcept { return channels_; }
 
@@ -60,7 +63,7 @@ class Simulation {
   std::int64_t get_model_hash() const noexcept { return model_hash_; }
   const Model& model() const noexcept { return model_; }
   const Plan& plan() const noexcept { return plan_; }
-  const unlatch::State& state() const noexcept { return state_; }
+  const State& state() const noexcept { return state_; }
   const Workspace& workspace() const noexcept { return workspace_; }
 
   std::int64_t get_tick() const noexcept { return state_.header->tick; }
@@ -73,7 +76,7 @@ class Simulation {
   std::int32_t get_part_count() const noexcept;
   // Writes bodies, sensors (held ones as last sampled) and joint modes of one part, and its counts; session, sequence,
   // status and hash are the caller's.
-  void fill_state(std::int32_t part, std::int64_t dt_ns, State& message) const noexcept;
+  void fill_state(std::int32_t part, std::int64_t dt_ns, StateMessage& message) const noexcept;
 
  private:
   struct Free {
@@ -82,13 +85,13 @@ class Simulation {
   using Memory = std::unique_ptr<std::byte, Free>;
   static Memory allocate(std::size_t bytes);
   std::span<const double> begin();  // the initial state; gives its sensor values
-  [[nodiscard]] bool is_possible(const unlatch::State& state) const noexcept;
+  [[nodiscard]] bool is_possible(const State& state) const noexcept;
   [[nodiscard]] bool take(std::span<const std::uint64_t> saved);
 
   Model model_;
   Plan plan_;
-  Memory state_memory_, workspace_memory_, rehearsal_memory_;
-  unlatch::State state_, rehearsal_;
+  Memory state_memory_, workspace_memory_, warm_up_memory_;
+  State state_, warm_up_state_;
   Workspace workspace_;
   std::vector<double> channels_;
   SampleAndHold held_;  // after all these: it begins with the channels and sensors of the initial state
@@ -96,8 +99,8 @@ class Simulation {
 };
 
 // One message per body, joint, channel, sensor value and signal; session is left 0.
-std::vector<Catalog> build_catalog(const Model& model);
-// For each event of the model the message that tells of it, with its name and subject alone.
-std::vector<Event> build_event_messages(const Model& model);
+std::vector<CatalogMessage> build_catalog(const Model& model);
+// For each event of the model its message, with name and subject alone.
+std::vector<EventMessage> build_event_messages(const Model& model);
 
 }  // namespace unlatch::hil

@@ -4,11 +4,11 @@
 
 namespace unlatch::hil {
 
-std::vector<Source> build_source(const std::string& text, const std::vector<std::string>& overrides,
-                                 std::int64_t session) {
+std::vector<SourceMessage> build_source(const std::string& text, const std::vector<std::string>& overrides,
+                                        std::int64_t session) {
   std::string whole = text + '\0';
   for (const std::string& override : overrides) whole += override + '\0';
-  std::vector<Source> messages((whole.size() + kSourcePerPart - 1) / kSourcePerPart);
+  std::vector<SourceMessage> messages((whole.size() + kSourcePerPart - 1) / kSourcePerPart);
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const std::size_t begin = i * kSourcePerPart, count = std::min(kSourcePerPart, whole.size() - begin);
     messages[i].session = session;
@@ -20,22 +20,22 @@ std::vector<Source> build_source(const std::string& text, const std::vector<std:
   return messages;
 }
 
-void SourceText::hear(const Source& part) {
+void SourceText::add(const SourceMessage& part) {
   if (parts_.empty()) {
     if (part.parts > kMaxParts) return;
     session_ = part.session;
     parts_.resize(static_cast<std::size_t>(part.parts));
-    heard_.resize(parts_.size());
+    received_.resize(parts_.size());
     missing_ = parts_.size();
   }
   const auto index = static_cast<std::size_t>(part.part);
   const bool is_last = index + 1 == parts_.size();
   if (part.session != session_ || static_cast<std::size_t>(part.parts) != parts_.size() || index >= parts_.size() ||
-      heard_[index] || (!is_last && static_cast<std::size_t>(part.count) != kSourcePerPart)) {
+      received_[index] || (!is_last && static_cast<std::size_t>(part.count) != kSourcePerPart)) {
     return;
   }
   parts_[index].assign(part.bytes.begin(), part.bytes.begin() + part.count);
-  heard_[index] = true;
+  received_[index] = true;
   --missing_;
 }
 

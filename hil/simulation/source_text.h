@@ -11,16 +11,16 @@
 namespace unlatch::hil {
 
 // Of at least one part; sequence is left 0. `text` and `overrides` have no NUL in them: the loader sees to that.
-std::vector<Source> build_source(const std::string& text, const std::vector<std::string>& overrides,
-                                 std::int64_t session);
+std::vector<SourceMessage> build_source(const std::string& text, const std::vector<std::string>& overrides,
+                                        std::int64_t session);
 
 // Puts together the parts of one session, in whatever order they come.
 class SourceText {
  public:
-  // Parts of another session, or of another size than the first one heard, are left out.
-  void hear(const Source& part);
+  // Parts of another session, or of another size than the first one, are left out.
+  void add(const SourceMessage& part);
 
-  [[nodiscard]] std::size_t get_parts() const { return parts_.size(); }  // 0: none was heard yet
+  [[nodiscard]] std::size_t get_parts() const { return parts_.size(); }  // 0: none was received yet
   [[nodiscard]] std::size_t get_missing() const { return missing_; }
   [[nodiscard]] bool is_complete() const { return !parts_.empty() && missing_ == 0; }
 
@@ -31,7 +31,7 @@ class SourceText {
   static constexpr std::int32_t kMaxParts = 1024;  // 2 MiB: a scenario has at most 1 MiB
   std::int64_t session_ = 0;
   std::vector<std::string> parts_;
-  std::vector<bool> heard_;
+  std::vector<bool> received_;
   std::size_t missing_ = 0;
 };
 

@@ -53,9 +53,9 @@ Section make_section(std::span<T> items, const char* const (&fields)[N], std::si
 
 std::string quote(const char* kind, const std::string& name) { return std::string(kind) + " '" + name + "'"; }
 
-std::vector<Section> build_sections(const Model& model, const unlatch::State& state) {
+std::vector<Section> build_sections(const Model& model, const State& state) {
   const auto event_name = [&model](std::size_t i) {
-    const unlatch::Event& event = model.events[i];
+    const Event& event = model.events[i];
     return quote("event", event.subject.empty() ? event.name : event.name + " " + event.subject);
   };
   return {
@@ -106,7 +106,7 @@ std::optional<std::uint64_t> FieldDifference::calc_ulps() const {
   return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
 }
 
-std::vector<FieldDifference> compare_states(const Model& model, const unlatch::State& a, const unlatch::State& b) {
+std::vector<FieldDifference> compare_states(const Model& model, const State& a, const State& b) {
   std::vector<FieldDifference> differences;
   const std::vector<Section> sections = build_sections(model, a);
   const std::byte *const block_a = a.get_bytes().data(), *const block_b = b.get_bytes().data();
@@ -120,13 +120,13 @@ std::vector<FieldDifference> compare_states(const Model& model, const unlatch::S
   return differences;
 }
 
-std::vector<FieldDifference> compare_states(const Model& model, const State& a, const State& b) {
+std::vector<FieldDifference> compare_states(const Model& model, const StateMessage& a, const StateMessage& b) {
   std::vector<FieldDifference> differences;
   const std::size_t first = static_cast<std::size_t>(a.part);
   const auto bodies = static_cast<std::size_t>(std::min(a.body_count, b.body_count));
   for (std::size_t i = 0; i < bodies && first * kBodiesPerPart + i < model.bodies.size(); ++i) {
     const std::string of = quote("body", model.bodies[first * kBodiesPerPart + i].name);
-    const BodyState &x = a.bodies[i], &y = b.bodies[i];
+    const BodyStateMessage &x = a.bodies[i], &y = b.bodies[i];
     const double of_a[] = {x.x, x.y, x.z, x.qw, x.qx, x.qy, x.qz, x.vx, x.vy, x.vz, x.wx, x.wy, x.wz};
     const double of_b[] = {y.x, y.y, y.z, y.qw, y.qx, y.qy, y.qz, y.vx, y.vy, y.vz, y.wx, y.wy, y.wz};
     for (std::size_t k = 0; k < std::size(of_a); ++k) compare(of, kBodyFields[k], of_a[k], of_b[k], differences);
@@ -137,7 +137,7 @@ std::vector<FieldDifference> compare_states(const Model& model, const State& a, 
     const std::string of = quote("joint", model.joints[first * kJointsPerPart + i].name);
     differences.push_back({of, "mode", false, a.modes[i], b.modes[i]});
   }
-  for (const Catalog& item : build_catalog(model)) {
+  for (const CatalogMessage& item : build_catalog(model)) {
     if (item.kind != static_cast<std::int32_t>(CatalogKind::kSensor)) continue;
     const std::size_t i = static_cast<std::size_t>(item.index) - first * kSensorsPerPart;
     if (i >= static_cast<std::size_t>(std::min(a.sensor_count, b.sensor_count))) continue;  // of another part

@@ -1,4 +1,4 @@
-// What differs between two states of one model, field by field and by name, to the last bit.
+// Differences between two states of one model, field by field and by name, to the last bit.
 #pragma once
 
 #include <bit>
@@ -31,8 +31,8 @@ struct FieldDifference {
 
 // Every field whose bits differ, in the order of the block: bodies, joints, elements, events, signals. Both states must
 // be of `model`'s plan.
-std::vector<FieldDifference> compare_states(const Model& model, const unlatch::State& a, const unlatch::State& b);
-// The same of what State messages carry: bodies, sensor values, joint modes. Both must be the same part of a tick.
 std::vector<FieldDifference> compare_states(const Model& model, const State& a, const State& b);
+// The same of what State messages carry: bodies, sensor values, joint modes. Both must be the same part of a tick.
+std::vector<FieldDifference> compare_states(const Model& model, const StateMessage& a, const StateMessage& b);
 
 }  // namespace unlatch::hil

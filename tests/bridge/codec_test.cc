@@ -39,12 +39,13 @@ class Codec : public testing::Test {
 };
 
 using Pairs = testing::Types<
-    Pair<hil::Hello, Hello, hil::kHelloWireBytes>, Pair<hil::Catalog, Catalog, hil::kCatalogWireBytes>,
-    Pair<hil::HelloAck, HelloAck, hil::kHelloAckWireBytes>, Pair<hil::State, State, hil::kStateWireBytes>,
-    Pair<hil::Command, Command, hil::kCommandWireBytes>, Pair<hil::StepAck, StepAck, hil::kStepAckWireBytes>,
-    Pair<hil::Event, Event, hil::kEventWireBytes>, Pair<hil::Health, Health, hil::kHealthWireBytes>,
-    Pair<hil::Verdict, Verdict, hil::kVerdictWireBytes>, Pair<hil::Reactions, Reactions, hil::kReactionsWireBytes>,
-    Pair<hil::Source, Source, hil::kSourceWireBytes>>;
+    Pair<hil::HelloMessage, Hello, hil::kHelloWireBytes>, Pair<hil::CatalogMessage, Catalog, hil::kCatalogWireBytes>,
+    Pair<hil::HelloAckMessage, HelloAck, hil::kHelloAckWireBytes>, Pair<hil::StateMessage, State, hil::kStateWireBytes>,
+    Pair<hil::CommandMessage, Command, hil::kCommandWireBytes>,
+    Pair<hil::StepAckMessage, StepAck, hil::kStepAckWireBytes>, Pair<hil::EventMessage, Event, hil::kEventWireBytes>,
+    Pair<hil::HealthMessage, Health, hil::kHealthWireBytes>, Pair<hil::VerdictMessage, Verdict, hil::kVerdictWireBytes>,
+    Pair<hil::ReactionsMessage, Reactions, hil::kReactionsWireBytes>,
+    Pair<hil::SourceMessage, Source, hil::kSourceWireBytes>>;
 
 struct PairName {
   template <class P>
@@ -133,7 +134,7 @@ TEST(Messages, ChannelsNameTheirKind) {
 }
 
 TEST(Messages, CountsOutOfRangeAreNotWellFormed) {
-  hil::State state{};
+  hil::StateMessage state{};
   state.parts = 1;
   EXPECT_TRUE(hil::is_well_formed(state));
   state.body_count = static_cast<std::int32_t>(hil::kBodiesPerPart);
@@ -142,7 +143,7 @@ TEST(Messages, CountsOutOfRangeAreNotWellFormed) {
   EXPECT_FALSE(hil::is_well_formed(state));
   state.body_count = -1;
   EXPECT_FALSE(hil::is_well_formed(state));
-  hil::Hello hello{};
+  hil::HelloMessage hello{};
   hello.pace = 3;
   EXPECT_FALSE(hil::is_well_formed(hello));
 }

@@ -25,7 +25,7 @@ class Computer {
     std::int64_t leaves_at = -1;        // says so, and falls silent
     std::int64_t dies_at = -1;          // falls silent
     // Called once for each tick, before its answer.
-    std::function<void(const hil::State& state, Computer& computer)> mischief = nullptr;
+    std::function<void(const hil::StateMessage& state, Computer& computer)> mischief = nullptr;
   };
 
   Computer(std::unique_ptr<bridge::Port> port, std::string name, Habits habits)
@@ -38,8 +38,8 @@ class Computer {
     });
   }
 
-  hil::Command make_command(std::int64_t tick, int channel, double value) {
-    hil::Command command;
+  hil::CommandMessage make_command(std::int64_t tick, int channel, double value) {
+    hil::CommandMessage command;
     command.session = session_;
     command.sequence = ++sequence_;
     command.tick = tick;
@@ -54,10 +54,10 @@ class Computer {
   void stop() { thread_ = {}; }
 
   // To be read after stop().
-  std::vector<hil::Verdict> verdicts;    // on what this computer said
-  hil::Health health;                    // the latest
-  hil::Hello hello;                      // the latest
-  std::vector<hil::RunStatus> statuses;  // of Hello up to Configured, then of State; each change
+  std::vector<hil::VerdictMessage> verdicts;  // on what this computer said
+  hil::HealthMessage health;                  // the latest
+  hil::HelloMessage hello;                    // the latest
+  std::vector<hil::RunStatus> statuses;       // of Hello up to Configured, then of State; each change
 
  private:
   void hear(const hil::Message& message) {
@@ -91,7 +91,7 @@ class Computer {
   }
 
   void say_hello(hil::AckStatus status) {
-    hil::HelloAck ack;
+    hil::HelloAckMessage ack;
     ack.session = session_;
     ack.schema_hash = hil::kSchemaHash;
     ack.model_hash = hello.model_hash;
@@ -103,7 +103,7 @@ class Computer {
     say(ack);
   }
 
-  void hear_state(const hil::State& state) {
+  void hear_state(const hil::StateMessage& state) {
     if (state.status >= static_cast<int>(hil::RunStatus::kDone)) return;
     if (habits_.dies_at >= 0 && state.tick >= habits_.dies_at) {
       silent_ = true;
@@ -125,8 +125,8 @@ class Computer {
       }
     }
     if (state.tick < tick_) return;
-    for (const hil::Command& command : answer_) say(command);
-    hil::StepAck ack;
+    for (const hil::CommandMessage& command : answer_) say(command);
+    hil::StepAckMessage ack;
     ack.session = session_;
     ack.sequence = state.sequence;
     ack.tick = state.tick;
@@ -142,7 +142,7 @@ class Computer {
   std::int64_t session_ = 0, sequence_ = 0;
   std::atomic<std::int64_t> tick_{-1};
   bool silent_ = false;
-  std::vector<hil::Command> answer_;
+  std::vector<hil::CommandMessage> answer_;
   std::jthread thread_;
 };
 

@@ -50,14 +50,14 @@ int record(Port& port) {
 }
 
 int answer(Port& port) {
-  hil::Command command{};
-  hil::StepAck ack{};
+  hil::CommandMessage command{};
+  hil::StepAckMessage ack{};
   hil::Message message;
   while (port.poll(message, kPatience)) {
     if (message.kind == hil::MessageKind::kHealth) return 0;
     ack.last_command = ++command.sequence;
     if (message.kind == hil::MessageKind::kHello) {
-      hil::HelloAck hello_ack{};
+      hil::HelloAckMessage hello_ack{};
       hello_ack.participant = static_cast<std::int32_t>(command.sequence);
       port.publish(hello_ack);
     }

@@ -36,7 +36,7 @@ inline std::int32_t pick(Random& random, std::size_t last) { return static_cast<
 
 // As above, but counts and enums in their ranges, so that a port accepts it.
 inline hil::Message make_random_message(hil::MessageKind kind, Random& random) {
-  hil::State bits;
+  hil::StateMessage bits;
   fill_with_bits(bits, random);
   hil::Message message(bits);
   message.kind = kind;

@@ -128,7 +128,7 @@ class SecurityTest(ProcessTest):
         refused = start("--transport", "lcm", code=3)
         self.assertIn("leads through the interface 'out', not 'lo'", refused)
         self.assertIn("ip route replace", refused)
-        self.assertIn("everyone there may command; LCM cannot keep anybody out",
+        self.assertIn("everyone there may command; LCM has no access control",
                       start("--transport", "lcm", "--interface", "out"))
 
 

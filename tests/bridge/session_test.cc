@@ -1,4 +1,4 @@
-// The protocol of hil/PROTOCOL.md over every transport: whole sessions, executive, rings, pump and middleware. Run
+// The protocol of hil/PROTOCOL.md over every transport: whole sessions, executive, rings, threads and middleware. Run
 // through tests/support/netns.sh, because LCM needs a multicast route.
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "bridge/pump.h"
+#include "bridge/threaded_connection.h"
 #include "tests/bridge/computer.h"
 #include "tests/hil/session_support.h"
 
@@ -55,18 +55,18 @@ class Sessions : public testing::TestWithParam<std::string> {
     options.flight_software = scenario.flight_software;
     options.start_timeout_ns = 10'000'000'000;
     options.announce_ns = 2'000'000;
-    hil::Link link;
-    hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, session_, options.last_tick));
-    hil::Executive executive(*simulation, link, recorder, scenario.name, options);
     const auto port = open(Role::kSimulator);
+    bridge::ThreadedConnection connection(*port);
+    hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, session_, options.last_tick));
+    hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
     SessionResult result;
     {
-      bridge::Pump pump(link, *port);
       std::jthread cyclic([&] { result.end = executive.run(); });
       meanwhile(executive);
     }
+    connection.stop();
     recorder.close(result.end);
-    hil::Event notice;
+    hil::EventMessage notice;
     while (executive.take_notice(notice)) {
       result.notices.push_back(std::string(hil::get_name(notice.name)) + " " +
                                std::string(hil::get_name(notice.subject)));
@@ -88,7 +88,7 @@ TEST_P(Sessions, GoThroughTheStatesOfTheProtocol) {
   EXPECT_EQ(computers_[0]->statuses,
             (std::vector<RunStatus>{RunStatus::kDiscover, RunStatus::kConfigured, RunStatus::kArmed,
                                     RunStatus::kRunning, RunStatus::kDone}));
-  const hil::Hello& hello = computers_[0]->hello;
+  const hil::HelloMessage& hello = computers_[0]->hello;
   EXPECT_EQ(hello.protocol, hil::kProtocolVersion);
   EXPECT_EQ(hello.schema_hash, hil::kSchemaHash);
   EXPECT_NE(hello.model_hash, 0);
@@ -171,7 +171,7 @@ TEST_P(Sessions, TwoOfOneNameAreNamed) {
   EXPECT_EQ(result.notices, (std::vector<std::string>{"participant.joined fsw", "participant.name_taken fsw"}));
   ASSERT_FALSE(computers_[1]->verdicts.empty());
   EXPECT_EQ(computers_[1]->verdicts[0].reason, static_cast<int>(Reject::kNameTaken));
-  for (const hil::Verdict& verdict : computers_[0]->verdicts) {
+  for (const hil::VerdictMessage& verdict : computers_[0]->verdicts) {
     EXPECT_EQ(verdict.reason, static_cast<int>(Reject::kDuplicate));  // a State said again is answered again
   }
 }
@@ -179,20 +179,20 @@ TEST_P(Sessions, TwoOfOneNameAreNamed) {
 // Each reason, by its name in the schema: what is said instead of a good command.
 struct Misdeed {
   Reject reason;
-  std::function<void(hil::Command& command)> spoil;
+  std::function<void(hil::CommandMessage& command)> spoil;
 };
 const Misdeed kMisdeeds[] = {
-    {Reject::kWrongSession, [](hil::Command& c) { c.session += 1; }},
-    {Reject::kPastTick, [](hil::Command& c) { c.tick -= 1; }},
-    {Reject::kDuplicate, [](hil::Command& c) { c.sequence = 1; }},
-    {Reject::kExpired, [](hil::Command& c) { c.valid_until_tick = c.tick - 1; }},
-    {Reject::kNotFinite, [](hil::Command& c) { c.value = std::numeric_limits<double>::quiet_NaN(); }},
-    {Reject::kNotFinite, [](hil::Command& c) { c.value = -std::numeric_limits<double>::infinity(); }},
-    {Reject::kOutOfRange, [](hil::Command& c) { c.value = 1.01; }},
-    {Reject::kUnknownChannel, [](hil::Command& c) { c.channel = 2; }},
-    {Reject::kUnknownChannel, [](hil::Command& c) { c.channel = -1; }},
-    {Reject::kMalformed, [](hil::Command& c) { c.tick = std::numeric_limits<std::int64_t>::min(); }},
-    {Reject::kMalformed, [](hil::Command& c) { c.sequence = 0; }},
+    {Reject::kWrongSession, [](hil::CommandMessage& c) { c.session += 1; }},
+    {Reject::kPastTick, [](hil::CommandMessage& c) { c.tick -= 1; }},
+    {Reject::kDuplicate, [](hil::CommandMessage& c) { c.sequence = 1; }},
+    {Reject::kExpired, [](hil::CommandMessage& c) { c.valid_until_tick = c.tick - 1; }},
+    {Reject::kNotFinite, [](hil::CommandMessage& c) { c.value = std::numeric_limits<double>::quiet_NaN(); }},
+    {Reject::kNotFinite, [](hil::CommandMessage& c) { c.value = -std::numeric_limits<double>::infinity(); }},
+    {Reject::kOutOfRange, [](hil::CommandMessage& c) { c.value = 1.01; }},
+    {Reject::kUnknownChannel, [](hil::CommandMessage& c) { c.channel = 2; }},
+    {Reject::kUnknownChannel, [](hil::CommandMessage& c) { c.channel = -1; }},
+    {Reject::kMalformed, [](hil::CommandMessage& c) { c.tick = std::numeric_limits<std::int64_t>::min(); }},
+    {Reject::kMalformed, [](hil::CommandMessage& c) { c.sequence = 0; }},
 };
 
 TEST_P(Sessions, EachRefusalIsCountedAndPublished) {
@@ -202,10 +202,10 @@ TEST_P(Sessions, EachRefusalIsCountedAndPublished) {
 
   std::array<std::int64_t, hil::kRejectReasons> sent{};
   std::vector<std::int64_t> numbers;
-  start("fsw", {.id = 1, .program = drive, .mischief = [&](const hil::State& state, Computer& computer) {
+  start("fsw", {.id = 1, .program = drive, .mischief = [&](const hil::StateMessage& state, Computer& computer) {
                   if (state.tick != 25) return;
                   for (const Misdeed& misdeed : kMisdeeds) {
-                    hil::Command command = computer.make_command(state.tick, 0, 0.9);
+                    hil::CommandMessage command = computer.make_command(state.tick, 0, 0.9);
                     misdeed.spoil(command);
                     numbers.push_back(command.sequence);
                     ++sent[static_cast<std::size_t>(misdeed.reason)];
@@ -218,7 +218,7 @@ TEST_P(Sessions, EachRefusalIsCountedAndPublished) {
   EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
   EXPECT_EQ(result.end.hash, well_behaved);
   std::set<std::pair<std::int64_t, Reject>> heard;
-  for (const hil::Verdict& verdict : computers_[0]->verdicts) {
+  for (const hil::VerdictMessage& verdict : computers_[0]->verdicts) {
     heard.emplace(verdict.refers_to, static_cast<Reject>(verdict.reason));
     EXPECT_EQ(verdict.applied_tick, -1);
   }
@@ -239,7 +239,7 @@ TEST_P(Sessions, EachRefusalIsCountedAndPublished) {
 TEST_P(Sessions, MalformedBytesAreCountedAndPublished) {
   if (GetParam() == "inproc") GTEST_SKIP() << "there are no bytes in-process";
   constexpr int kCount = 3;  // see party.cc
-  start("fsw", {.id = 1, .program = drive, .mischief = [&](const hil::State& state, Computer&) {
+  start("fsw", {.id = 1, .program = drive, .mischief = [&](const hil::StateMessage& state, Computer&) {
                   if (state.tick != 25) return;
                   EXPECT_EQ(std::system((BRIDGE_PARTY " " + GetParam() + " stunt").c_str()), 0);
                 }});
@@ -258,7 +258,7 @@ TEST_P(Sessions, RealtimeFlagsACommandBehindTheCutOff) {
   EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
   EXPECT_GE(result.end.timing.late_commands, 3);
   const auto& verdicts = computers_[0]->verdicts;
-  const auto late = std::find_if(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) {
+  const auto late = std::find_if(verdicts.begin(), verdicts.end(), [](const hil::VerdictMessage& verdict) {
     return verdict.reason == static_cast<int>(Reject::kLate);
   });
   ASSERT_NE(late, verdicts.end());

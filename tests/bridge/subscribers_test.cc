@@ -14,9 +14,9 @@
 #include <thread>
 
 #include "bridge/port.h"
-#include "bridge/pump.h"
+#include "bridge/threaded_connection.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/histogram.h"
-#include "hil/realtime/pacer.h"
 #include "hil/realtime/real_time.h"
 #include "hil/run/run.h"
 
@@ -77,7 +77,6 @@ class Cycle {
   Cycle()
       : simulation_(
             hil::build_simulation(hil::load_scenario(UNLATCH_SOURCE_DIR "/hil/scenarios/boosters/scenario.yaml"))) {
-    pump_ = std::make_unique<bridge::Pump>(link_, *port_);
     thread_ = std::jthread([this](const std::stop_token& stopping) { run(stopping); });
   }
   // Step and push, over the next `ticks`.
@@ -89,12 +88,12 @@ class Cycle {
     return measured;
   }
   [[nodiscard]] std::int64_t get_sent() const { return sent_; }
-  [[nodiscard]] std::int64_t get_dropped() const { return link_.get_dropped_out(); }
+  [[nodiscard]] std::int64_t get_dropped() const { return connection_.get_dropped_out(); }
   // Everything that was pushed has been published.
   [[nodiscard]] bridge::PortCounts stop() {
     thread_.request_stop();
     thread_.join();
-    pump_->stop();
+    connection_.stop();
     return port_->get_counts();
   }
 
@@ -102,14 +101,14 @@ class Cycle {
   void run(const std::stop_token& stopping) {
     for (const std::string& refused : hil::request_real_time()) std::cout << refused << '\n';
     std::int64_t deadline_ns = hil::get_monotonic_ns();
-    hil::State state;
+    hil::StateMessage state;
     while (!stopping.stop_requested()) {
       deadline_ns += kTick_ns;
       hil::sleep_until_ns(deadline_ns);
       const std::int64_t begin_ns = hil::get_monotonic_ns();
       (void)simulation_->step();
       simulation_->fill_state(0, kTick_ns, state);
-      link_.send(state);
+      connection_.send(state);
       const std::int64_t took_ns = hil::get_monotonic_ns() - begin_ns;
       ++sent_;
       if (ticks_ == 0) continue;
@@ -120,8 +119,7 @@ class Cycle {
 
   std::unique_ptr<hil::Simulation> simulation_;
   std::unique_ptr<bridge::Port> port_ = bridge::open_dds_port(bridge::Role::kSimulator);
-  hil::Link link_;
-  std::unique_ptr<bridge::Pump> pump_;
+  bridge::ThreadedConnection connection_{*port_};
   hil::Histogram histogram_;
   std::atomic<std::int64_t> ticks_{0}, sent_{0};
   std::jthread thread_;

@@ -73,10 +73,10 @@ class Transports : public testing::TestWithParam<std::string> {
     simulator_ = transport_.open(Role::kSimulator);
     participant_ = transport_.open(Role::kParticipant);
     observer_ = transport_.open(Role::kObserver);
-    greet(*simulator_, *participant_, hil::Hello{});
-    greet(*simulator_, *observer_, hil::Hello{});
-    greet(*participant_, *simulator_, hil::HelloAck{});
-    greet(*participant_, *observer_, hil::HelloAck{});
+    greet(*simulator_, *participant_, hil::HelloMessage{});
+    greet(*simulator_, *observer_, hil::HelloMessage{});
+    greet(*participant_, *simulator_, hil::HelloAckMessage{});
+    greet(*participant_, *observer_, hil::HelloAckMessage{});
     for (Port* port : {simulator_.get(), participant_.get(), observer_.get()}) drain(*port);
   }
 
@@ -120,9 +120,9 @@ TEST_P(Transports, NobodyHearsHimself) {
 }
 
 TEST_P(Transports, RolesKeepToTheirMessages) {
-  EXPECT_FALSE(participant_->publish(hil::State{}));
-  EXPECT_FALSE(simulator_->publish(hil::Command{}));
-  EXPECT_FALSE(observer_->publish(hil::Hello{}));
+  EXPECT_FALSE(participant_->publish(hil::StateMessage{}));
+  EXPECT_FALSE(simulator_->publish(hil::CommandMessage{}));
+  EXPECT_FALSE(observer_->publish(hil::HelloMessage{}));
   Message nothing;
   nothing.kind = static_cast<MessageKind>(99);
   EXPECT_FALSE(participant_->publish(nothing));
@@ -134,9 +134,9 @@ TEST_P(Transports, RolesKeepToTheirMessages) {
 TEST_P(Transports, CommandsComeBeforeTheirAcknowledgement) {
   constexpr std::int64_t kTicks = 100;
   for (std::int64_t tick = 1; tick <= kTicks; ++tick) {
-    hil::Command command{};
+    hil::CommandMessage command{};
     command.sequence = tick;
-    hil::StepAck ack{};
+    hil::StepAckMessage ack{};
     ack.last_command = tick;
     ASSERT_TRUE(participant_->publish(command));
     ASSERT_TRUE(participant_->publish(ack));
@@ -156,7 +156,7 @@ TEST_P(Transports, CommandsComeBeforeTheirAcknowledgement) {
 }
 
 TEST_P(Transports, CountsOutOfRangeAreMalformed) {
-  hil::State state{};
+  hil::StateMessage state{};
   state.parts = 1;
   state.body_count = static_cast<std::int32_t>(hil::kBodiesPerPart) + 1;
   ASSERT_TRUE(simulator_->publish(state));
@@ -288,9 +288,9 @@ TEST(Dds, CommandsOfTheFirstMomentArrive) {
       }
       FAIL() << "no answer to " << hil::get_kind_name(message.kind);
     };
-    say(hil::Hello{}, [&] { return heard.kind == MessageKind::kHelloAck; });
+    say(hil::HelloMessage{}, [&] { return heard.kind == MessageKind::kHelloAck; });
     const std::int64_t first = heard.hello_ack.participant;  // see party.cc: the number of the command that follows
-    hil::State state{};
+    hil::StateMessage state{};
     state.parts = 1;
     state.tick = 1;
     say(state, [&] { return heard.kind == MessageKind::kStepAck && heard.step_ack.tick == 1; });
@@ -302,7 +302,7 @@ TEST(Dds, CommandsOfTheFirstMomentArrive) {
       ASSERT_TRUE(simulator->poll(heard, kPatience)) << "lost some of " << first << " to " << last;
       if (heard.kind == MessageKind::kCommand) commands.insert(heard.command.sequence);
     }
-    simulator->publish(hil::Health{});
+    simulator->publish(hil::HealthMessage{});
     EXPECT_EQ(participant.close(), 0);
   }
 }
@@ -312,7 +312,7 @@ TEST(Dds, WhatIsSaidLastIsHeard) {
   constexpr auto kMute = 200ms;
   auto simulator = bridge::open_dds_port(Role::kSimulator);
   Party watcher("dds watch 1");
-  hil::State state{};
+  hil::StateMessage state{};
   state.parts = 1;
   for (auto waited = 0ms; waited < kPatience && watcher.get_output().empty(); waited += kRepeatAfter) {
     ASSERT_TRUE(simulator->publish(state));
@@ -321,7 +321,7 @@ TEST(Dds, WhatIsSaidLastIsHeard) {
   dds_entity_t participant = 0;
   ASSERT_EQ(dds_lookup_participant(0, &participant, 1), 1);
   ASSERT_EQ(dds_domain_set_deafmute(participant, false, true, std::chrono::nanoseconds(kMute).count()), DDS_RETCODE_OK);
-  ASSERT_TRUE(simulator->publish(hil::Health{}));
+  ASSERT_TRUE(simulator->publish(hil::HealthMessage{}));
   simulator.reset();
   EXPECT_EQ(watcher.close(), 0);
 }
@@ -329,17 +329,17 @@ TEST(Dds, WhatIsSaidLastIsHeard) {
 TEST(Dds, LateJoinersGetHelloCatalogAndEvents) {
   constexpr std::int32_t kItems = 300;
   const auto simulator = bridge::open_dds_port(Role::kSimulator);
-  hil::Hello hello{};
+  hil::HelloMessage hello{};
   for (int again = 1; again <= 3; ++again) {  // Hello is said again until answered; a late joiner hears it once
     hello.session = again;
     ASSERT_TRUE(simulator->publish(hello));
-    hil::Catalog item{};
+    hil::CatalogMessage item{};
     for (item.index = 0; item.index < kItems; ++item.index) {
       item.safe = item.index + 0.5;
       ASSERT_TRUE(simulator->publish(item));
     }
   }
-  ASSERT_TRUE(simulator->publish(hil::Event{}));
+  ASSERT_TRUE(simulator->publish(hil::EventMessage{}));
 
   const auto late = bridge::open_dds_port(Role::kParticipant);
   std::set<std::int32_t> items;
@@ -380,11 +380,11 @@ TEST(Lcm, MalformedBytesAreCounted) {
   Transport transport("lcm");
   const auto simulator = transport.open(Role::kSimulator);
   const auto participant = transport.open(Role::kParticipant);
-  greet(*simulator, *participant, hil::Hello{});
+  greet(*simulator, *participant, hil::HelloMessage{});
   drain(*participant);
 
   std::array<std::uint8_t, hil::kMaxWireBytes> bytes{};
-  hil::State state{};
+  hil::StateMessage state{};
   state.parts = 1;
   ASSERT_EQ(hil::encode(state, bytes), hil::kStateWireBytes);
   lcm_t* raw = lcm_create(bridge::LcmOptions{}.url.c_str());

@@ -23,26 +23,26 @@ void pass(hil::FaultInjector& faults, hil::Direction direction, const hil::Messa
 void run(const hil::FaultScript& script) {
   constexpr std::int64_t kTicks = 4, kTick_ns = 1'000'000;
   hil::FaultInjector faults(script);
-  hil::Roster roster({"fsw"});
-  hil::HelloAck hello;
+  hil::Participants participants({"fsw"});
+  hil::HelloAckMessage hello;
   hil::set_name(hello.name, "fsw");
-  (void)roster.admit(hello);
-  hil::FaultNews news;
+  (void)participants.admit(hello);
+  hil::FaultNotice notice;
   for (std::int64_t tick = 0; tick < kTicks; ++tick) {
     const std::int64_t now_ns = (tick + 1) * kTick_ns;
     const auto resume = [](hil::Participant&) {};
-    faults.begin_tick(tick, now_ns, roster, resume);
-    faults.look_at_clock(now_ns, roster, resume);
-    hil::State state;
+    faults.begin_tick(tick, now_ns, participants, resume);
+    faults.end_timed_freezes(now_ns, participants, resume);
+    hil::StateMessage state;
     state.tick = tick;
     state.parts = 1;
     faults.distort(state);
     (void)faults.get_forced(0, 0.5);
     pass(faults, hil::Direction::kOut, state, now_ns);
-    hil::StepAck ack;
+    hil::StepAckMessage ack;
     ack.tick = tick;
     pass(faults, hil::Direction::kIn, ack, now_ns);
-    while (faults.take_news(news)) fuzz::require(news.fault != nullptr, "news of no fault");
+    while (faults.take_notice(notice)) fuzz::require(notice.fault != nullptr, "a notice of no fault");
   }
 }
 

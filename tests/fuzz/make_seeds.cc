@@ -59,14 +59,14 @@ void write_logs(const fs::path& folder) {
 
 // A command, an acknowledgement and a farewell, under every pace and policy; what the marks mean: session_fuzz.cc.
 void write_sessions(const fs::path& folder) {
-  hil::Command command;
+  hil::CommandMessage command;
   command.sequence = 1;
   command.valid_until_tick = -1;
   command.value = 0.75;
-  hil::StepAck ack;
+  hil::StepAckMessage ack;
   ack.last_command = 1;
   ack.command_count = 1;
-  hil::HelloAck farewell;
+  hil::HelloAckMessage farewell;
   farewell.status = static_cast<std::int32_t>(hil::AckStatus::kLeaving);
   const std::string said = '\x72' + to_bytes(command) + '\x70' + to_bytes(ack) + '\x80' + '\x41' + to_bytes(farewell);
   for (int choice = 0; choice < 2 * static_cast<int>(hil::kPolicyNames.size()); ++choice)

@@ -1,5 +1,5 @@
-// Messages of participants to the cyclic executive, in real time and in lockstep, under every policy. No thread waits:
-// the clock below replaces hil/realtime/pacer.cc and jumps to every deadline, so that an execution is short and the
+// Messages of participants to the cyclic executive, in real time and in lockstep, under every policy. No thread waits: the
+// clock below jumps to every deadline, so that an execution is short and the
 // same each time.
 //
 //   input  = choices (1 byte: bit 0 the pace, bit 7 a spin, the rest policy and delay), then the messages, item by item
@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "hil/executive/executive.h"
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;
@@ -20,28 +20,32 @@ constexpr std::int32_t kComputer = 7;
 constexpr std::int64_t kSession = 4711;
 std::int64_t clock_ns = 0;
 
-}  // namespace
-
-std::int64_t hil::get_monotonic_ns() noexcept { return clock_ns += kLook_ns; }
-void hil::sleep_until_ns(std::int64_t deadline_ns) noexcept { clock_ns = std::max(clock_ns, deadline_ns); }
-
-namespace {
+class JumpingClock final : public hil::Clock {
+ public:
+  [[nodiscard]] std::int64_t get_ns() const noexcept override { return clock_ns += kLook_ns; }
+  void sleep_until_ns(std::int64_t deadline_ns) const noexcept override { clock_ns = std::max(clock_ns, deadline_ns); }
+};
 
 // Says what the flight software says to begin with, then what the input has for it.
-class FuzzLine final : public hil::Line {
+class FuzzConnection final : public hil::Connection {
  public:
-  FuzzLine(std::span<const std::uint8_t> script, std::int64_t model_hash) : script_(script), model_hash_(model_hash) {}
+  FuzzConnection(std::span<const std::uint8_t> script, std::int64_t model_hash)
+      : script_(script), model_hash_(model_hash) {}
 
   bool send(const hil::Message& message) noexcept override {
     if (message.kind == hil::MessageKind::kState) tick_ = message.state.tick;
     fuzz::require(hil::is_well_formed(message), "a message of the simulator's that no port would let through");
     return true;
   }
-  bool receive(hil::Message& message, std::int64_t& arrived_ns) noexcept override {
-    arrived_ns = clock_ns;
+  bool receive(hil::Arrival& arrival) noexcept override {
+    arrival.arrived_ns = clock_ns;
+    hil::Message message;
     if (said_ < 2) {
-      message = said_ == 0 ? hil::Message(make_hello()) : hil::Message(make_ack());
-      ++said_;
+      if (said_++ == 0) {
+        arrival.message = make_hello();
+      } else {
+        arrival.message = make_ack();
+      }
       return true;
     }
     if (script_.empty()) return false;
@@ -50,25 +54,27 @@ class FuzzLine final : public hil::Line {
     if ((marks & 0x80) != 0) return false;  // what follows comes later
     switch (marks % 3) {
       case 0: {
-        hil::Command command = take<hil::Command>();
+        hil::CommandMessage command = take<hil::CommandMessage>();
         adapt(command, marks);
         message = command;
         break;
       }
       case 1: {
-        hil::StepAck ack = take<hil::StepAck>();
+        hil::StepAckMessage ack = take<hil::StepAckMessage>();
         adapt(ack, marks);
         message = ack;
         break;
       }
       default: {
-        hil::HelloAck hello = take<hil::HelloAck>();
+        hil::HelloAckMessage hello = take<hil::HelloAckMessage>();
         if ((marks & 0x40) != 0) hello = mix(make_hello(), hello);
         message = hello;
         break;
       }
     }
-    return hil::is_well_formed(message);  // a port lets nothing else through
+    if (!hil::is_well_formed(message)) return false;  // a port lets nothing else through
+    arrival.message = *hil::to_participant_message(message);
+    return true;
   }
   void wait(std::chrono::nanoseconds limit) noexcept override { clock_ns += limit.count(); }
   [[nodiscard]] std::int64_t get_dropped_out() const noexcept override { return 0; }
@@ -91,8 +97,8 @@ class FuzzLine final : public hil::Line {
     if ((marks & 0x20) != 0) message.participant = kComputer;
     if ((marks & 0x10) != 0) message.tick = tick_ + message.tick % 3;
   }
-  [[nodiscard]] hil::HelloAck make_hello() const {
-    hil::HelloAck hello;
+  [[nodiscard]] hil::HelloAckMessage make_hello() const {
+    hil::HelloAckMessage hello;
     hello.session = kSession;
     hello.schema_hash = hil::kSchemaHash;
     hello.model_hash = model_hash_;
@@ -103,14 +109,14 @@ class FuzzLine final : public hil::Line {
     hil::set_name(hello.name, "fsw");
     return hello;
   }
-  static hil::StepAck make_ack() {
-    hil::StepAck ack;
+  static hil::StepAckMessage make_ack() {
+    hil::StepAckMessage ack;
     ack.session = kSession;
     ack.participant = kComputer;
     return ack;
   }
   // Agreed on everything, with another's number, status and name.
-  static hil::HelloAck mix(hil::HelloAck agreed, const hil::HelloAck& other) {
+  static hil::HelloAckMessage mix(hil::HelloAckMessage agreed, const hil::HelloAckMessage& other) {
     agreed.participant = other.participant % 4 + kComputer;
     agreed.status = other.status;
     if (other.name[0] != 0) agreed.name = other.name;
@@ -132,22 +138,24 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const auto simulation = hil::build_simulation(scenario);
   static const auto beginning = simulation->save();
   fuzz::require(simulation->restore(beginning), "a simulation that does not go back to its beginning");
-  clock_ns = 1'000'000'000;
+  clock_ns = -1'000'000;  // a session from just before the clock reads 0
 
+  const JumpingClock clock;
   hil::ExecutiveOptions options;
+  options.clock = &clock;
   options.pace = (data[0] & 1) != 0 ? hil::Pace::kRealtime : hil::Pace::kLockstep;
   options.session = kSession;
   options.last_tick = 4;
   options.flight_software = scenario.flight_software;
   options.start_timeout_ns = 100'000'000;  // of the clock above; a hundred looks
-  options.flight_software.policy = static_cast<hil::FlightSoftware::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
+  options.flight_software.policy = static_cast<hil::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
   options.flight_software.delay = (data[0] >> 4) % 3;
-  options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; steps are rehearsed
+  options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; with warm-up steps
   options.flight_software.pause_limit = 0.1;               // s; the clock jumps there
-  FuzzLine line({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().get_hash()));
+  FuzzConnection connection({data + 1, size - 1}, static_cast<std::int64_t>(simulation->plan().get_hash()));
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, options.pace, kSession, options.last_tick),
                          kRoom);
-  hil::LogEnd end = hil::Executive(*simulation, line, recorder, scenario.name, options).run();
+  hil::LogEnd end = hil::Executive(*simulation, connection, recorder, scenario.name, options).run();
   recorder.close(end);
   fuzz::require(end.tick == simulation->get_tick() && end.tick <= options.last_tick, "an end that is elsewhere");
   fuzz::require(fuzz::is_finite(simulation->state()), "a number that is not finite in the state");

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/realtime/clock.h"
 #include "hil/realtime/executive_timing.h"
-#include "hil/realtime/pacer.h"
 #include "hil/realtime/real_time.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"
@@ -59,10 +59,10 @@ hil::LogEnd run(const hil::Scenario& scenario, std::int64_t last_tick, CountingT
   options.timing = scenario.timing;
   options.timing.per_tick = true;
   options.ticks = &ticks;
-  hil::Link link(256, 256);
+  hil::RingConnection connection(256, 256);
   hil::Recorder recorder(make_path("log"),
                          hil::build_log_header(scenario, *simulation, options.pace, 1, options.last_tick));
-  hil::LogEnd end = hil::Executive(*simulation, link, recorder, scenario.name, options).run();
+  hil::LogEnd end = hil::Executive(*simulation, connection, recorder, scenario.name, options).run();
   recorder.close(end);
   return end;
 }
@@ -107,7 +107,7 @@ TEST(CyclicThread, TakesNothingFromTheHeapWhilePoliciesAndOverrunsAct) {
 
 TEST(CyclicThread, TakesNothingFromTheHeapWhenAGuestJoinsLate) {
   const std::vector<std::string> overrides{"step.until=0.2"};
-  hil::HelloAck guest;
+  hil::HelloAckMessage guest;
   guest.schema_hash = hil::kSchemaHash;
   guest.protocol = hil::kProtocolVersion;
   guest.participant = FakeParticipant::kId + 1;
@@ -116,9 +116,9 @@ TEST(CyclicThread, TakesNothingFromTheHeapWhenAGuestJoinsLate) {
       hil::build_simulation(hil::load_scenario_text(kSessionScenario, "session.yaml", overrides))->plan().get_hash());
   hil::set_name(guest.name, "a guest whose name is as long as names may be ..");
   FakeParticipant::Habits habits;
-  habits.mischief = [guest](std::int64_t tick, hil::Link& link, std::int64_t session) mutable {
+  habits.mischief = [guest](std::int64_t tick, hil::RingConnection& connection, std::int64_t session) mutable {
     guest.session = session;
-    if (tick == 20) link.deliver(guest);
+    if (tick == 20) connection.deliver(guest);
   };
   CountingTicks ticks(std::chrono::milliseconds(1));
   const SessionResult result = run_session(Pace::kRealtime, habits, make_path("log"), overrides, true, &ticks);

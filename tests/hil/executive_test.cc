@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/simulation/source_text.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"
@@ -25,9 +25,9 @@ TEST(Executive, SaysWhoIsMissingAtTheStart) {
   options.last_tick = 10;
   options.flight_software = scenario.flight_software;
   options.start_timeout_ns = 150'000'000;
-  hil::Link link(64, 64);
+  hil::RingConnection connection(64, 64);
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, Pace::kLockstep, 1, 10));
-  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
   hil::LogEnd end = executive.run();
   recorder.close(end);
   EXPECT_EQ(end.status, RunStatus::kAborted);
@@ -44,31 +44,31 @@ TEST(Executive, PassesOnWhyAParticipantRefuses) {
 
 TEST(Executive, RefusesAndCountsWhatIsWrong) {
   Habits habits;
-  habits.mischief = [](std::int64_t tick, hil::Link& link, std::int64_t session) {
+  habits.mischief = [](std::int64_t tick, hil::RingConnection& connection, std::int64_t session) {
     if (tick != 20) return;
-    hil::Command good;
+    hil::CommandMessage good;
     good.session = session;
     good.sequence = 1000;
     good.tick = 20;
     good.valid_until_tick = -1;
     good.value = 0.5;
     good.participant = FakeParticipant::kId;
-    auto send = [&link, good, next = std::int64_t{1000}](auto&& spoil) mutable {
-      hil::Command bad = good;
+    auto send = [&connection, good, next = std::int64_t{1000}](auto&& spoil) mutable {
+      hil::CommandMessage bad = good;
       bad.sequence = next++;
       spoil(bad);
-      link.deliver(bad);
+      connection.deliver(bad);
     };
-    send([](hil::Command& c) { c.session += 1; });
-    send([](hil::Command& c) { c.participant = 99; });
-    send([](hil::Command& c) { c.tick = 19; });
-    send([](hil::Command& c) { c.valid_until_tick = 19; });
-    send([](hil::Command& c) { c.value = std::numeric_limits<double>::quiet_NaN(); });
-    send([](hil::Command& c) { c.value = std::numeric_limits<double>::infinity(); });
-    send([](hil::Command& c) { c.value = 1.01; });
-    send([](hil::Command& c) { c.channel = 2; });
-    send([](hil::Command& c) { c.channel = -1; });
-    send([](hil::Command& c) { c.tick = -5; });
+    send([](hil::CommandMessage& c) { c.session += 1; });
+    send([](hil::CommandMessage& c) { c.participant = 99; });
+    send([](hil::CommandMessage& c) { c.tick = 19; });
+    send([](hil::CommandMessage& c) { c.valid_until_tick = 19; });
+    send([](hil::CommandMessage& c) { c.value = std::numeric_limits<double>::quiet_NaN(); });
+    send([](hil::CommandMessage& c) { c.value = std::numeric_limits<double>::infinity(); });
+    send([](hil::CommandMessage& c) { c.value = 1.01; });
+    send([](hil::CommandMessage& c) { c.channel = 2; });
+    send([](hil::CommandMessage& c) { c.channel = -1; });
+    send([](hil::CommandMessage& c) { c.tick = -5; });
   };
   const SessionResult result = run_session(Pace::kLockstep, habits);
   const auto count = [&](Reject reason) { return result.end.timing.rejected[static_cast<std::size_t>(reason)]; };
@@ -90,18 +90,18 @@ TEST(Executive, ARunTooShortForItTellsTheWholeScenarioAllTheSame) {
   options.pace = Pace::kFast;
   options.last_tick = 1;
   options.source = hil::build_source(std::string(5 * hil::kSourcePerPart, 'x'), {}, 0);
-  hil::Link link(256, 64);
+  hil::RingConnection connection(256, 64);
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 1));
-  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
   hil::LogEnd end = executive.run();
   recorder.close(end);
   hil::SourceText heard;
   std::int64_t next = 0;
   hil::Message message;
-  while (link.take(message)) {
+  while (connection.take(message)) {
     if (message.kind != hil::MessageKind::kSource) continue;
     EXPECT_EQ(message.source.sequence, next++);
-    heard.hear(message.source);
+    heard.add(message.source);
   }
   EXPECT_TRUE(heard.is_complete());
 }
@@ -118,19 +118,19 @@ TEST(Realtime, KeepsItsPaceOverTheWholeRun) {
 TEST(Realtime, ALateCommandIsAppliedAtTheNextTickAndCounted) {
   const std::string log = make_path("log");
   Habits habits;
-  habits.mischief = [](std::int64_t tick, hil::Link& link, std::int64_t session) {
+  habits.mischief = [](std::int64_t tick, hil::RingConnection& connection, std::int64_t session) {
     if (tick != 25) return;
-    hil::Command late;
+    hil::CommandMessage late;
     late.session = session;
     late.sequence = 1000;
     late.tick = 5;
     late.valid_until_tick = -1;
     late.value = 0.77;
     late.participant = FakeParticipant::kId;
-    link.deliver(late);
+    connection.deliver(late);
     late.sequence = 1001;
     late.valid_until_tick = 6;  // too late for this one
-    link.deliver(late);
+    connection.deliver(late);
   };
   const SessionResult result = run_session(Pace::kRealtime, habits, log, {"flight_software.timeout=10"});
   EXPECT_EQ(result.end.status, RunStatus::kDone);
@@ -185,13 +185,13 @@ TEST(Executive, CycleDoesNotAllocate) {
       options.session = 1;
       options.last_tick = static_cast<std::int64_t>(scenario.until / scenario.dt + 0.5);
       options.flight_software = scenario.flight_software;
-      hil::Link link(256, 256);
+      hil::RingConnection connection(256, 256);
       hil::Recorder recorder(make_path("log"),
                              hil::build_log_header(scenario, *simulation, pace, 1, options.last_tick));
-      hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+      hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
       hil::LogEnd end;
       {
-        FakeParticipant participant(link, {});
+        FakeParticipant participant(connection, {});
         const AllocationCount count;
         end = executive.run();
         counts[i] = count.get();
@@ -224,18 +224,6 @@ TEST(Histogram, PercentilesAreWithinOneBucketOfTheTruth) {
   }
   EXPECT_EQ(histogram.get_max(), samples.back());
   EXPECT_EQ(histogram.get_count(), 20000);
-}
-
-TEST(CommandDesk, SequenceNumbersAreToldApartInAnyOrder) {
-  hil::SeenCommands seen;
-  EXPECT_TRUE(seen.insert(3));
-  EXPECT_TRUE(seen.insert(1));
-  EXPECT_FALSE(seen.insert(3));
-  EXPECT_FALSE(seen.has_all(3, 3));
-  EXPECT_TRUE(seen.has_all(3, 1));
-  EXPECT_TRUE(seen.insert(2));
-  EXPECT_TRUE(seen.has_all(3, 3));
-  EXPECT_TRUE(seen.has_all(0, 0));
 }
 
 }  // namespace

@@ -126,10 +126,10 @@ TEST(Faults, DeadAndJammedActuatorsObeyNobodyAndReplay) {
 
 TEST(Faults, SensorsStickAtTheirFirstValueAndAreBiased) {
   hil::FaultInjector faults(read_faults("  - {stick: gyro.x, ticks: [3, 5]}\n  - {bias: {sensor: gyro, by: 0.5}}\n"));
-  hil::Roster roster({});
+  hil::Participants participants({});
   for (std::int64_t tick = 0; tick < 8; ++tick) {
-    faults.begin_tick(tick, 0, roster, [](hil::Participant&) {});
-    hil::State state;
+    faults.begin_tick(tick, 0, participants, [](hil::Participant&) {});
+    hil::StateMessage state;
     state.sensor_count = 3;
     state.sensors[0] = state.sensors[1] = state.sensors[2] = static_cast<double>(tick);
     faults.distort(state);

@@ -1,5 +1,5 @@
 // Comparison of recordings: the first tick, body and field that differ, the difference, and the inputs of the step.
-#include "hil/recording/log_diff.h"
+#include "hil/run/log_diff.h"
 
 #include <gtest/gtest.h>
 
@@ -162,7 +162,7 @@ TEST_F(LogDiff, AStateThatThisProgramDoesNotReproduceIsReadFromTheRecording) {
   record(a_, half);
   rewrite(a_, b_, [](hil::LogEvent& event) {
     hil::LogTick tick;
-    hil::State state;
+    hil::StateMessage state;
     hil::LogEnd end;
     if (event.channel == hil::kTickChannel && decode(event.data, tick) && tick.tick >= 33) {
       tick.hash ^= 1;

@@ -10,8 +10,8 @@
 #include <set>
 #include <thread>
 
-#include "hil/messages/notices.h"
-#include "hil/realtime/pacer.h"
+#include "hil/messages/event_names.h"
+#include "hil/realtime/clock.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {
@@ -62,7 +62,7 @@ LogContent read_log(const std::string& path) {
   hil::LogFileReader reader(path);
   hil::LogEvent event;
   while (reader.next(event) == hil::LogFileReader::Result::kEvent) {
-    hil::Event message;
+    hil::EventMessage message;
     hil::TickTiming timing;
     if (event.channel == hil::kTimingChannel && decode(event.data, timing)) content.timings.push_back(timing);
     if (event.channel == hil::kEndChannel && !decode(event.data, content.end.emplace())) content.end.reset();
@@ -138,13 +138,13 @@ TEST(Overruns, SkipOutputLeavesOutTheStatesOfLateTicks) {
     options.last_tick = 50;
     options.timing = scenario.timing;
     options.ticks = &ticks;
-    hil::Link link(256, 16);
+    hil::RingConnection connection(256, 16);
     hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, Pace::kRealtime, 1, 50));
-    hil::LogEnd end = hil::Executive(*simulation, link, recorder, scenario.name, options).run();
+    hil::LogEnd end = hil::Executive(*simulation, connection, recorder, scenario.name, options).run();
     recorder.close(end);
     hil::Message message;
     heard.clear();
-    while (link.take(message)) {
+    while (connection.take(message)) {
       if (message.kind == hil::MessageKind::kState) ++heard[message.state.tick];
     }
     return end;
@@ -166,7 +166,7 @@ TEST(Overruns, AreAttributedToTheLargestPartAndToWhatInterruptedIt) {
   };
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99; }), OverrunCause::kLateWakeup);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 1; }), OverrunCause::kBacklog);
-  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 2; }), OverrunCause::kRehearsal);
+  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 2; }), OverrunCause::kWarmUp);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.preemptions = 1; }), OverrunCause::kLateWakeup);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.input_ns = 99; }), OverrunCause::kInputs);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.step_ns = 99; }), OverrunCause::kStep);

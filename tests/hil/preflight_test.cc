@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/watchdog.h"
 #include "tests/hil/session_support.h"
@@ -186,20 +186,20 @@ TEST(RealTime, DeepIdleStatesAreHeldOffOrThatIsRefusedByName) {
   EXPECT_EQ(awake.get_refusal().find("(grant writing it") == std::string::npos, may) << awake.get_refusal();
 }
 
-TEST(Watchdog, BarksOnceForASilenceAndNotForLife) {
+TEST(Watchdog, ReportsASilenceOnceAndNoSignOfLife) {
   std::atomic<std::int64_t> beats{0};
-  std::atomic<int> barks{0};
+  std::atomic<int> reports{0};
   static constexpr std::int64_t kLimit_ns = 30'000'000;
-  const hil::Watchdog watchdog(beats, kLimit_ns, 0, [&barks](std::int64_t silent_ns) {
+  const hil::Watchdog watchdog(beats, kLimit_ns, 0, [&reports](std::int64_t silent_ns) {
     EXPECT_GE(silent_ns, kLimit_ns);
-    ++barks;
+    ++reports;
   });
-  const auto wait_for = [&barks](int wanted) {
-    while (barks < wanted) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const auto wait_for = [&reports](int wanted) {
+    while (reports < wanted) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
   wait_for(1);  // a hang here is a failure
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(barks, 1) << "one silence, one bark";
+  EXPECT_EQ(reports, 1) << "one silence, one report";
   ++beats;
   wait_for(2);
 }
@@ -225,9 +225,9 @@ TEST(Watchdog, SeesACyclicThreadThatIsStuckAndWhere) {
   options.pace = hil::Pace::kRealtime;
   options.last_tick = 3;
   options.ticks = &ticks;
-  hil::Link link(64, 64);
+  hil::RingConnection connection(64, 64);
   hil::Recorder recorder("", hil::build_log_header(scenario, *simulation, options.pace, 1, 3));
-  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
   std::string place;
   {
     const hil::Watchdog watchdog(executive.get_beats(), 30'000'000, 0, [&](std::int64_t) {

@@ -34,7 +34,7 @@ TEST(Rates, SensorsAreHeldBetweenTheirSamples) {
   double held = 0;
   bool moved = false;
   for (int tick = 0; tick <= 20; ++tick) {
-    hil::State state;
+    hil::StateMessage state;
     simulation->fill_state(0, 1'000'000, state);
     if (tick % 4 == 0) held = simulation->workspace().sensors[2];
     EXPECT_EQ(state.sensors[2], held) << "tick " << tick;
@@ -62,7 +62,7 @@ TEST(Rates, StatesAreSentAndAnsweredAtTheirTicksOnlyAndItReplays) {
     const std::string log = make_path("log");
     std::vector<std::int64_t> heard;
     FakeParticipant::Habits habits;
-    habits.mischief = [&heard](std::int64_t tick, hil::Link&, std::int64_t) { heard.push_back(tick); };
+    habits.mischief = [&heard](std::int64_t tick, hil::RingConnection&, std::int64_t) { heard.push_back(tick); };
     const SessionResult result = run_session(pace, habits, log, kRates);
     EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
     if (pace == Pace::kLockstep) {

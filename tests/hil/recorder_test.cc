@@ -28,7 +28,7 @@ TEST(Recording, IsReadByLcmItself) {
     EXPECT_GE(event->timestamp, last_us);
     last_us = event->timestamp;
     if (event->channel == hil::get_channel(hil::MessageKind::kState)) {
-      hil::State state;
+      hil::StateMessage state;
       ASSERT_TRUE(
           decode({static_cast<const std::uint8_t*>(event->data), static_cast<std::size_t>(event->datalen)}, state));
       EXPECT_EQ(state.tick, event->timestamp / 1000);

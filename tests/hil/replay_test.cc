@@ -133,7 +133,7 @@ Inputs read_inputs(const std::string& path) {
   while (reader.next(tick)) {
     for (const hil::LogChange& change : tick.changes) inputs.changes.emplace_back(tick.tick, change);
   }
-  for (const hil::Event& notice : reader.notices) {
+  for (const hil::EventMessage& notice : reader.notices) {
     inputs.notices.emplace_back(notice.tick, std::string(hil::get_name(notice.name)));
   }
   return inputs;
@@ -152,10 +152,10 @@ TEST_P(RealtimeReplay, JitterStrayCommandsAndThePolicyAreAllInTheRecording) {
   habits.dies_at = kSilentFrom;
   habits.twice = true;
   habits.mischief = [random = std::mt19937(seed), sequence = std::int64_t{1'000'000}](
-                        std::int64_t tick, hil::Link& link, std::int64_t session) mutable {
+                        std::int64_t tick, hil::RingConnection& connection, std::int64_t session) mutable {
     if (random() % 8 == 0) std::this_thread::sleep_for(std::chrono::microseconds(random() % 3000));
     for (unsigned i = random() % 4; i > 0; --i) {
-      hil::Command stray;
+      hil::CommandMessage stray;
       stray.session = session;
       stray.sequence = ++sequence;
       stray.tick = std::max<std::int64_t>(0, tick + static_cast<std::int64_t>(random() % 21) - 10);
@@ -163,7 +163,7 @@ TEST_P(RealtimeReplay, JitterStrayCommandsAndThePolicyAreAllInTheRecording) {
       stray.participant = FakeParticipant::kId;
       stray.channel = static_cast<std::int32_t>(random() % 2);
       stray.value = 0.2 + 0.8 * static_cast<double>(random() % 1000) / 1000;
-      link.deliver(stray);
+      connection.deliver(stray);
     }
   };
   const std::string log = make_path(policy);

@@ -35,7 +35,7 @@ TEST(Scenario, ReadsEverySection) {
   EXPECT_EQ(s.points[0].p_BP, Eigen::Vector3d(-1, 0, 0.05));
   EXPECT_EQ(s.points[0].seen_from, 0);
   EXPECT_EQ(s.points[1].seen_from, kGround);
-  EXPECT_EQ(s.flight_software.policy, hil::FlightSoftware::Policy::kSafe);
+  EXPECT_EQ(s.flight_software.policy, hil::Policy::kSafe);
   EXPECT_EQ(s.marks.at("joint 'nose'").line, 18);
 }
 

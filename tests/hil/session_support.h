@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "hil/executive/executive.h"
-#include "hil/messages/link.h"
 #include "hil/run/replay.h"
 #include "hil/run/run.h"
+#include "hil/session/ring_connection.h"
 
 namespace unlatch::test {
 
@@ -102,15 +102,16 @@ class FakeParticipant {
     bool refuses = false;
     std::int64_t announces_too_many_at = -1;  // from this tick on, commands that it never sends
     std::int64_t repeats_itself_at = -1;      // from this tick on it acknowledges the tick before, again and again
-    std::function<void(std::int64_t tick, hil::Link& link, std::int64_t session)> mischief;
+    std::function<void(std::int64_t tick, hil::RingConnection& connection, std::int64_t session)> mischief;
   };
   static constexpr std::int32_t kId = 7;
 
-  FakeParticipant(hil::Link& link, Habits habits) : link_(link), habits_(std::move(habits)) {
+  FakeParticipant(hil::RingConnection& connection, Habits habits)
+      : connection_(connection), habits_(std::move(habits)) {
     thread_ = std::jthread([this](const std::stop_token& stopping) {
       hil::Message message;
       while (!stopping.stop_requested()) {
-        if (link_.take(message)) {
+        if (connection_.take(message)) {
           hear(message);
         } else {
           std::this_thread::sleep_for(std::chrono::microseconds(20));
@@ -131,7 +132,7 @@ class FakeParticipant {
 
   void hear(const hil::Message& message) {
     if (message.kind == hil::MessageKind::kHello) {
-      hil::HelloAck ack;
+      hil::HelloAckMessage ack;
       ack.session = session_ = message.hello.session;
       ack.schema_hash = hil::kSchemaHash;
       ack.model_hash = message.hello.model_hash;
@@ -141,13 +142,13 @@ class FakeParticipant {
       ack.status = static_cast<int>(habits_.refuses ? hil::AckStatus::kRefused : hil::AckStatus::kReady);
       hil::set_name(ack.name, "fsw");
       hil::set_name(ack.reason, "the vehicle lacks channel warp");
-      link_.deliver(ack);
+      connection_.deliver(ack);
     } else if (message.kind == hil::MessageKind::kState && message.state.part == 0) {
       hear_state(message.state);
     }
   }
 
-  void hear_state(const hil::State& state) {
+  void hear_state(const hil::StateMessage& state) {
     const auto now = std::chrono::steady_clock::now();
     if (habits_.dies_at >= 0 && state.tick >= habits_.dies_at) {
       if (!died_) died_ = now;
@@ -158,7 +159,7 @@ class FakeParticipant {
       answered_ = state.tick;
       answer_.clear();
       for (const auto& [channel, value] : program(state.tick)) {
-        hil::Command command;
+        hil::CommandMessage command;
         command.session = session_;
         command.sequence = ++sequence_;
         command.tick = state.tick;
@@ -168,13 +169,13 @@ class FakeParticipant {
         command.channel = channel;
         answer_.push_back(command);
       }
-      if (habits_.mischief) habits_.mischief(state.tick, link_, session_);
+      if (habits_.mischief) habits_.mischief(state.tick, connection_, session_);
     }
     for (int i = 0; i < (habits_.twice ? 2 : 1); ++i) send(state);
   }
 
-  void send(const hil::State& state) {
-    hil::StepAck ack;
+  void send(const hil::StateMessage& state) {
+    hil::StepAckMessage ack;
     ack.session = session_;
     ack.sequence = state.sequence;
     ack.tick = state.tick;
@@ -188,21 +189,21 @@ class FakeParticipant {
     if (habits_.repeats_itself_at >= 0 && state.tick >= habits_.repeats_itself_at) {
       ack.tick = habits_.repeats_itself_at - 1;
     }
-    if (habits_.ack_first) link_.deliver(ack);
-    std::vector<hil::Command> commands = answer_;
+    if (habits_.ack_first) connection_.deliver(ack);
+    std::vector<hil::CommandMessage> commands = answer_;
     if (habits_.reversed) std::reverse(commands.begin(), commands.end());
     if (state.tick == habits_.commands_lost_at) {
       commands.clear();
       habits_.commands_lost_at = -1;
     }
-    for (const hil::Command& command : commands) link_.deliver(command);
-    if (!habits_.ack_first) link_.deliver(ack);
+    for (const hil::CommandMessage& command : commands) connection_.deliver(command);
+    if (!habits_.ack_first) connection_.deliver(ack);
   }
 
-  hil::Link& link_;
+  hil::RingConnection& connection_;
   Habits habits_;
   std::int64_t session_ = 0, answered_ = -1, sequence_ = 0;
-  std::vector<hil::Command> answer_;
+  std::vector<hil::CommandMessage> answer_;
   std::optional<std::chrono::steady_clock::time_point> died_;
   std::jthread thread_;
 };
@@ -216,7 +217,8 @@ struct SessionResult {
 // A whole session; `log` empty: not kept.
 inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& habits, const std::string& log = "",
                                  const std::vector<std::string>& overrides = {}, bool with_participant = true,
-                                 hil::TickSource* ticks = nullptr, hil::FaultInjector* faults = nullptr) {
+                                 hil::TickSource* ticks = nullptr, hil::FaultInjector* faults = nullptr,
+                                 const hil::Clock& clock = hil::kMonotonicClock) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
   const auto simulation = hil::build_simulation(scenario);
   hil::ExecutiveOptions options;
@@ -229,17 +231,18 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.start_timeout_ns = 20'000'000'000;  // a stalled machine is not a missing participant
   options.resend_ns = 5'000'000;
   options.faults = faults;
-  hil::Link link(256, 256);
+  options.clock = &clock;
+  hil::RingConnection connection(256, 256, clock);
   hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, options.session, options.last_tick));
-  hil::Executive executive(*simulation, link, recorder, scenario.name, options);
+  hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
   SessionResult result;
   {
     std::optional<FakeParticipant> participant;
-    if (with_participant) participant.emplace(link, habits);
+    if (with_participant) participant.emplace(connection, habits);
     result.end = executive.run();
   }
   recorder.close(result.end);
-  hil::Event notice;
+  hil::EventMessage notice;
   while (executive.take_notice(notice)) result.notices.emplace_back(hil::get_name(notice.name));
   result.channels.assign(simulation->channels().begin(), simulation->channels().end());
   return result;

@@ -6,7 +6,7 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include "hil/realtime/pacer.h"
+#include "hil/realtime/clock.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Includes point one way: a module includes only modules below it, the kernel only Eigen and the standard library: includes_test.py"""
+"""Layers: modules include only modules below them, folders only folders below them, the kernel nothing but Eigen and the
+standard library: includes_test.py"""
 
 import re
 import unittest
@@ -7,6 +8,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = ("kernel", "hil", "bridge", "tools")  # from below
+KERNEL = ("include", "math", "simd", "model", "plan", "dynamics", "compile", "solver", "dispatch", "step")  # from below
+HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "analysis", "run",
+       "session", "faults", "executive")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 
@@ -25,6 +29,21 @@ class IncludesTest(unittest.TestCase):
                 other = ours.split("/")[0]
                 if other in (*MODULES, "tests", "bench"):
                     self.assertIn(other, allowed, f"{path} includes {ours}")
+
+    def check_folders(self, module, folders):
+        for path, ours, _ in list_includes(module):
+            folder, parts = path.parts[1], ours.split("/")
+            self.assertIn(folder, folders, f"{path}: a folder without a layer")
+            if parts[0] == module:
+                self.assertIn(parts[1], folders[:folders.index(folder) + 1], f"{path} includes {ours}")
+        for folder in folders:
+            self.assertTrue((ROOT / module / folder / "README.md").is_file(), f"{module}/{folder} has no README.md")
+
+    def test_folders_of_the_kernel_include_only_what_is_below_them(self):
+        self.check_folders("kernel", KERNEL)
+
+    def test_folders_of_hil_include_only_what_is_below_them(self):
+        self.check_folders("hil", HIL)
 
     def test_the_kernel_includes_nothing_but_eigen_and_the_standard_library(self):
         standard = re.compile(r"[a-z_]+")  # <vector>: no folder, no ending

@@ -22,7 +22,7 @@ class Watching : public testing::Test {
   const tools::View& look() { return observation_.look(now_, {}); }
 
   void hear_hello(std::int64_t session, int joints = 1) {
-    hil::Hello hello;
+    hil::HelloMessage hello;
     hello.session = session;
     hello.schema_hash = hil::kSchemaHash;
     hello.dt_ns = 1'000'000;
@@ -31,7 +31,7 @@ class Watching : public testing::Test {
     hear(hello);
   }
   void hear_state(std::int64_t session, std::int64_t sequence, hil::RunStatus status = hil::RunStatus::kRunning) {
-    hil::State state;
+    hil::StateMessage state;
     state.session = session;
     state.sequence = state.tick = sequence;
     state.parts = 1;
@@ -82,19 +82,19 @@ TEST_F(Watching, ASessionThatHasEndedMakesWayAtOnce) {
 }
 
 TEST_F(Watching, WhatComesBeforeHelloIsNotForgotten) {
-  hil::Catalog item;
+  hil::CatalogMessage item;
   item.session = 7;
   item.kind = static_cast<std::int32_t>(hil::CatalogKind::kJoint);
   hil::set_name(item.name, "nose");
   hear(item);
-  hil::Reactions reactions;
+  hil::ReactionsMessage reactions;
   reactions.session = 7;
   reactions.parts = 1;
   reactions.tick = 3;
   reactions.count = 6;
   reactions.multipliers[5] = 42;
   hear(reactions);
-  for (const hil::Source& part : hil::build_source(std::string(5000, 'x'), {}, 7)) hear(part);
+  for (const hil::SourceMessage& part : hil::build_source(std::string(5000, 'x'), {}, 7)) hear(part);
   hear_hello(7);
   ASSERT_EQ(look().joints.size(), 1U);
   EXPECT_EQ(look().joints[0].name, "nose");
@@ -104,7 +104,7 @@ TEST_F(Watching, WhatComesBeforeHelloIsNotForgotten) {
 }
 
 TEST_F(Watching, ParticipantsMakeNoSession) {
-  hil::Command command;
+  hil::CommandMessage command;
   command.session = 9;
   hear(command);
   EXPECT_EQ(look().session, 0);
@@ -121,18 +121,18 @@ TEST_F(Watching, NamesFromOutsideCannotDrawOnTheScreen) {
 
 TEST_F(Watching, IndicesOutOfRangeChangeNothing) {
   hear_hello(7, 2);
-  hil::Catalog item;
+  hil::CatalogMessage item;
   item.session = 7;
   item.kind = static_cast<std::int32_t>(hil::CatalogKind::kJoint);
   item.index = 65536;
   hear(item);
-  hil::Reactions reactions;
+  hil::ReactionsMessage reactions;
   reactions.session = 7;
   reactions.parts = 65536;
   reactions.part = 65535;
   reactions.count = hil::kReactionsPerPart;
   hear(reactions);
-  hil::State state;
+  hil::StateMessage state;
   state.session = 7;
   state.part = 65535;
   state.parts = 65536;
@@ -145,9 +145,9 @@ TEST_F(Watching, IndicesOutOfRangeChangeNothing) {
 TEST_F(Watching, ScreensAreNeverLargerThanTheTerminal) {
   hear_hello(7, 100);
   hear_state(7, 1);
-  hear(hil::Health{.session = 7, .step_p50_ns = 5'000, .step_max_ns = 90'000'000});
+  hear(hil::HealthMessage{.session = 7, .step_p50_ns = 5'000, .step_max_ns = 90'000'000});
   for (int i = 0; i < 300; ++i) {
-    hil::Event event;
+    hil::EventMessage event;
     event.session = 7;
     event.sequence = i;
     hil::set_name(event.name, "Übergang der Düse, ein langer Name");
@@ -170,29 +170,29 @@ TEST(SourceText, IsPutTogetherFromPartsInAnyOrderWithRepetitions) {
   std::string text(3 * hil::kSourcePerPart + 17, 'x');
   for (char& c : text) c = static_cast<char>('a' + random() % 26);
   const std::vector<std::string> overrides{"a.b=1", "", "c=2"};
-  std::vector<hil::Source> parts = hil::build_source(text, overrides, 7);
+  std::vector<hil::SourceMessage> parts = hil::build_source(text, overrides, 7);
   ASSERT_EQ(parts.size(), 4U);
   parts.insert(parts.end(), parts.begin(), parts.begin() + 2);
   std::shuffle(parts.begin(), parts.end(), random);
   hil::SourceText source;
-  for (const hil::Source& part : parts) source.hear(part);
+  for (const hil::SourceMessage& part : parts) source.add(part);
   ASSERT_TRUE(source.is_complete());
   EXPECT_EQ(source.split(), (std::vector<std::string>{text, "a.b=1", "", "c=2"}));
 }
 
 TEST(SourceText, TakesNothingFromOtherSessionsOrSizes) {
-  const std::vector<hil::Source> parts = hil::build_source(std::string(5000, 'x'), {}, 7);
+  const std::vector<hil::SourceMessage> parts = hil::build_source(std::string(5000, 'x'), {}, 7);
   hil::SourceText source;
-  source.hear(parts[0]);
-  hil::Source other = parts[1];
+  source.add(parts[0]);
+  hil::SourceMessage other = parts[1];
   other.session = 8;
-  source.hear(other);
+  source.add(other);
   other = parts[1];
   other.parts = 9;
-  source.hear(other);
+  source.add(other);
   other = parts[1];
   other.count = 3;
-  source.hear(other);
+  source.add(other);
   EXPECT_EQ(source.get_missing(), parts.size() - 1);
 }
 

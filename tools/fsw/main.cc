@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   try {
     const auto port = tools::open_port(transport, bridge::Role::kParticipant);
     std::fprintf(stderr, "unlatch-fsw: '%s' waits for a simulator on %s\n", name.c_str(), transport.name.c_str());
-    fsw::Participant participant(*port, name);
+    fsw::ParticipantClient participant(*port, name);
     const auto outcome = participant.run(patience_s, stop);
     std::fprintf(stderr, "unlatch-fsw: %s\n", outcome.explanation.c_str());
     return outcome.done || stop ? tools::kExitDone : tools::kExitFailed;

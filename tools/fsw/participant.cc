@@ -20,9 +20,10 @@ std::int32_t draw_id() { return static_cast<std::int32_t>(std::random_device{}()
 
 }  // namespace
 
-Participant::Participant(bridge::Port& port, const std::string& name) : port_(port), name_(name), id_(draw_id()) {}
+ParticipantClient::ParticipantClient(bridge::Port& port, const std::string& name)
+    : port_(port), name_(name), id_(draw_id()) {}
 
-Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>& stop) {
+ParticipantClient::Outcome ParticipantClient::run(double patience_s, const std::atomic<bool>& stop) {
   Outcome outcome;
   auto heard = Clock::now();
   hil::Message message;
@@ -57,10 +58,10 @@ Participant::Outcome Participant::run(double patience_s, const std::atomic<bool>
   return outcome;
 }
 
-void Participant::hear_hello(const hil::Hello& hello) {
+void ParticipantClient::hear_hello(const hil::HelloMessage& hello) {
   if (hello.session == session_) return;  // said again
   session_ = hello.session;
-  agreed_ = hil::HelloAck{};
+  agreed_ = hil::HelloAckMessage{};
   agreed_.session = hello.session;
   agreed_.schema_hash = hil::kSchemaHash;
   agreed_.model_hash = hello.model_hash;
@@ -78,7 +79,7 @@ void Participant::hear_hello(const hil::Hello& hello) {
 }
 
 // Once the catalog is complete, and again whenever the simulator says hello again.
-void Participant::answer_hello() {
+void ParticipantClient::answer_hello() {
   if (session_ == 0 || !vehicle_.is_known() || !refusal_.empty()) return;
   if (!attached_) {
     const std::string missing = sequence_.attach(vehicle_);
@@ -90,7 +91,7 @@ void Participant::answer_hello() {
 
 // Of refusals only this one concerns a person: two computers were started with one name. We stay, in case the other
 // goes.
-void Participant::hear_verdict(const hil::Verdict& verdict) {
+void ParticipantClient::hear_verdict(const hil::VerdictMessage& verdict) {
   if (verdict.participant != id_ || verdict.reason != static_cast<int>(hil::Reject::kNameTaken) || told_) return;
   told_ = true;
   std::fprintf(stderr,
@@ -99,19 +100,19 @@ void Participant::hear_verdict(const hil::Verdict& verdict) {
                name_.c_str());
 }
 
-void Participant::refuse(const std::string& reason) {
+void ParticipantClient::refuse(const std::string& reason) {
   refusal_ = reason;
   hil::set_name(agreed_.reason, reason);
   say(AckStatus::kRefused);
 }
 
-void Participant::say(AckStatus status) {
+void ParticipantClient::say(AckStatus status) {
   agreed_.status = static_cast<std::int32_t>(status);
   port_.publish(agreed_);
   ++agreed_.sequence;
 }
 
-void Participant::hear_state(const hil::State& state) {
+void ParticipantClient::hear_state(const hil::StateMessage& state) {
   if (!attached_ || state.tick < answered_tick_ || !vehicle_.sense(state)) return;
   if (state.tick > answered_tick_) {
     commands_.clear();
@@ -119,7 +120,7 @@ void Participant::hear_state(const hil::State& state) {
     answered_tick_ = state.tick;
     answer_commands_.clear();
     for (const Commands::Setting& setting : commands_.get()) {
-      hil::Command command;
+      hil::CommandMessage command;
       command.session = session_;
       command.sequence = ++last_command_;
       command.tick = state.tick;
@@ -133,9 +134,9 @@ void Participant::hear_state(const hil::State& state) {
   answer(state);
 }
 
-void Participant::answer(const hil::State& state) {
-  for (const hil::Command& command : answer_commands_) port_.publish(command);
-  hil::StepAck ack;
+void ParticipantClient::answer(const hil::StateMessage& state) {
+  for (const hil::CommandMessage& command : answer_commands_) port_.publish(command);
+  hil::StepAckMessage ack;
   ack.session = session_;
   ack.sequence = state.sequence;
   ack.tick = state.tick;
@@ -145,7 +146,7 @@ void Participant::answer(const hil::State& state) {
   port_.publish(ack);
 }
 
-bool Participant::has_ended(const hil::State& state, Outcome& outcome) const {
+bool ParticipantClient::has_ended(const hil::StateMessage& state, Outcome& outcome) const {
   switch (static_cast<RunStatus>(state.status)) {
     case RunStatus::kDone:
       return outcome = {true, "the run is done"}, true;

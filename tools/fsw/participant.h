@@ -13,9 +13,9 @@
 
 namespace unlatch::fsw {
 
-class Participant {
+class ParticipantClient {
  public:
-  Participant(bridge::Port& port, const std::string& name);
+  ParticipantClient(bridge::Port& port, const std::string& name);
 
   struct Outcome {
     bool done = false;        // a session came to its planned end
@@ -25,14 +25,14 @@ class Participant {
   Outcome run(double patience_s, const std::atomic<bool>& stop);
 
  private:
-  void hear_hello(const hil::Hello& hello);
-  void hear_state(const hil::State& state);
-  void hear_verdict(const hil::Verdict& verdict);
+  void hear_hello(const hil::HelloMessage& hello);
+  void hear_state(const hil::StateMessage& state);
+  void hear_verdict(const hil::VerdictMessage& verdict);
   void answer_hello();
   void refuse(const std::string& reason);
   void say(hil::AckStatus status);
-  void answer(const hil::State& state);
-  [[nodiscard]] bool has_ended(const hil::State& state, Outcome& outcome) const;
+  void answer(const hil::StateMessage& state);
+  [[nodiscard]] bool has_ended(const hil::StateMessage& state, Outcome& outcome) const;
 
   bridge::Port& port_;
   const std::string name_;
@@ -41,14 +41,14 @@ class Participant {
   Vehicle vehicle_;
   SeparationSequence sequence_;
   Commands commands_;
-  std::int64_t session_ = 0;  // 0: none yet
-  hil::HelloAck agreed_;      // what this session was agreed on
-  bool attached_ = false;     // to this session's vehicle
-  std::string refusal_;       // why not
-  bool told_ = false;         // that its name is taken
+  std::int64_t session_ = 0;     // 0: none yet
+  hil::HelloAckMessage agreed_;  // what this session was agreed on
+  bool attached_ = false;        // to this session's vehicle
+  std::string refusal_;          // why not
+  bool told_ = false;            // that its name is taken
   std::int64_t answered_tick_ = -1;
-  std::int64_t last_command_ = 0;              // sequence number
-  std::vector<hil::Command> answer_commands_;  // to answered_tick_
+  std::int64_t last_command_ = 0;                     // sequence number
+  std::vector<hil::CommandMessage> answer_commands_;  // to answered_tick_
 };
 
 }  // namespace unlatch::fsw

@@ -2,13 +2,13 @@
 
 namespace unlatch::fsw {
 
-void Vehicle::begin(const hil::Hello& hello) {
+void Vehicle::begin(const hil::HelloMessage& hello) {
   *this = Vehicle{};
   channel_count_ = static_cast<std::size_t>(hello.channel_count);
   sensors_.assign(static_cast<std::size_t>(hello.sensor_count), 0);
 }
 
-void Vehicle::learn(const hil::Catalog& item) {
+void Vehicle::learn(const hil::CatalogMessage& item) {
   const std::string name(hil::get_name(item.name));
   if (item.kind == static_cast<int>(hil::CatalogKind::kChannel)) channels_[name] = item.index;
   if (item.kind == static_cast<int>(hil::CatalogKind::kSensor) &&
@@ -19,7 +19,7 @@ void Vehicle::learn(const hil::Catalog& item) {
 
 bool Vehicle::is_known() const { return channels_.size() == channel_count_ && sensor_names_.size() == sensors_.size(); }
 
-bool Vehicle::sense(const hil::State& part) {
+bool Vehicle::sense(const hil::StateMessage& part) {
   if (part.tick != sensed_tick_) parts_sensed_ = 0;
   sensed_tick_ = part.tick;
   const std::size_t first = static_cast<std::size_t>(part.part) * hil::kSensorsPerPart;

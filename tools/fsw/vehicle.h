@@ -13,13 +13,13 @@ namespace unlatch::fsw {
 class Vehicle {
  public:
   // A new session: everything is unknown again.
-  void begin(const hil::Hello& hello);
-  void learn(const hil::Catalog& item);
+  void begin(const hil::HelloMessage& hello);
+  void learn(const hil::CatalogMessage& item);
   // Every channel and sensor value that the Hello announced has been named.
   [[nodiscard]] bool is_known() const;
 
   // Takes one part of a tick's State; true once all parts of that tick are there (part 0 comes last).
-  bool sense(const hil::State& part);
+  bool sense(const hil::StateMessage& part);
 
   [[nodiscard]] int find_channel(const std::string& name) const { return find(channels_, name); }
   [[nodiscard]] int find_sensor(const std::string& name) const { return find(sensor_names_, name); }

@@ -10,10 +10,10 @@
 #include <optional>
 #include <thread>
 
-#include "bridge/port_line.h"
-#include "bridge/pump.h"
+#include "bridge/direct_connection.h"
+#include "bridge/threaded_connection.h"
 #include "hil/executive/executive.h"
-#include "hil/messages/notices.h"
+#include "hil/messages/event_names.h"
 #include "hil/realtime/real_time.h"
 #include "hil/realtime/watchdog.h"
 #include "hil/run/run.h"
@@ -55,13 +55,13 @@ class FlightSoftwareThread {
  private:
   static constexpr double kPatience_s = 60;
   std::unique_ptr<bridge::Port> port_;
-  fsw::Participant participant_;
-  fsw::Participant::Outcome outcome_;
+  fsw::ParticipantClient participant_;
+  fsw::ParticipantClient::Outcome outcome_;
   std::atomic<bool> stop_{false};
   std::jthread thread_;
 };
 
-std::string describe(const hil::Event& notice, const hil::FlightSoftware& flight_software) {
+std::string describe(const hil::EventMessage& notice, const hil::FlightSoftware& flight_software) {
   const std::string name(hil::get_name(notice.name)), subject(hil::get_name(notice.subject));
   const std::string at = "t = " + std::to_string(notice.time) + " s: ";
   if (name.starts_with(hil::kFaultPrefix)) return at + "fault script: " + name.substr(6) + " " + subject;
@@ -102,14 +102,14 @@ class Session {
     recorder_.emplace(options_.output.log, header_);
     hil::LogEnd end = run_executive();
     flight_software_.clear();
-    pump_.reset();
+    connection_.reset();
     recorder_->close(end);
     if (faults_) tell_faults();
     return report(end);
   }
 
  private:
-  static constexpr std::size_t kRoomOut = 1024;  // messages
+  static constexpr std::size_t kCapacityOut = 1024;  // messages
   static constexpr int kLooksPerSecond = 100;
 
   void open_tick_source() {
@@ -129,11 +129,10 @@ class Session {
       }
     }
     if (options_.pace == hil::Pace::kLockstep) {
-      line_ = std::make_unique<bridge::PortLine>(*port_);
+      connection_ = std::make_unique<bridge::DirectConnection>(*port_);
     } else {
-      auto link = std::make_unique<hil::Link>(kRoomOut + hil::build_catalog(scenario_.model).size());
-      pump_ = std::make_unique<bridge::Pump>(*link, *port_);
-      line_ = std::move(link);
+      const std::size_t capacity = kCapacityOut + hil::build_catalog(scenario_.model).size();
+      connection_ = std::make_unique<bridge::ThreadedConnection>(*port_, capacity);
     }
   }
 
@@ -156,7 +155,7 @@ class Session {
     options.ticks = tick_source_.get();
     options.source = hil::build_source(scenario_.text, scenario_.overrides, session_);
     options.start_timeout_ns = static_cast<std::int64_t>(options_.start_timeout_s * 1e9);
-    hil::Executive executive(*simulation_, *line_, *recorder_, scenario_.name, options);
+    hil::Executive executive(*simulation_, *connection_, *recorder_, scenario_.name, options);
 
     std::optional<hil::ShallowIdle> awake;
     if (options_.pace == hil::Pace::kRealtime && !awake.emplace().get_refusal().empty()) refuse(awake->get_refusal());
@@ -207,7 +206,7 @@ class Session {
       last_look = ended.load(std::memory_order_acquire);
       if (look % kLooksPerSecond == 0) executive.watch_counts();
       if (interrupted.load()) executive.request_stop();
-      hil::Event notice;
+      hil::EventMessage notice;
       while (executive.take_notice(notice)) {
         progress.clear();
         const std::string text = describe(notice, scenario_.flight_software);
@@ -262,8 +261,7 @@ class Session {
   std::vector<std::string> refused_;
   bridge::InprocHub hub_;
   std::unique_ptr<bridge::Port> port_;
-  std::unique_ptr<hil::Line> line_;
-  std::unique_ptr<bridge::Pump> pump_;
+  std::unique_ptr<hil::Connection> connection_;
   std::vector<std::unique_ptr<FlightSoftwareThread>> flight_software_;
   std::optional<hil::FaultInjector> faults_;
   std::optional<hil::Recorder> recorder_;

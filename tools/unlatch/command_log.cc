@@ -75,7 +75,7 @@ class Listener {
 
  private:
   // Sequence numbers of the session; false for a State of another one.
-  bool follow(const hil::State& state) {
+  bool follow(const hil::StateMessage& state) {
     if (session_ == 0) session_ = state.session;
     if (state.session != session_) return false;
     if (state.status >= static_cast<int>(hil::RunStatus::kDone)) ended_ = true;

@@ -43,7 +43,7 @@ class Output {
       terminal_->show(draw(view, {columns, rows, has_colours(stdout), options_.transport.name}));
       return terminal_->read_key() != 'q';
     }
-    if (!options_.once && now - shown_ >= kLine) write(view), shown_ = now;
+    if (!options_.once && (!shown_ || now - *shown_ >= kLine)) write(view), shown_ = now;
     return true;
   }
 
@@ -63,7 +63,7 @@ class Output {
   const WatchOptions& options_;
   JsonLines json_;
   std::optional<LiveTerminal> terminal_;
-  Clock::time_point shown_{};
+  std::optional<Clock::time_point> shown_;
 };
 
 // Nothing more is to be expected of a first look.

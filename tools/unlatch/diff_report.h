@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "hil/recording/log_diff.h"
+#include "hil/run/log_diff.h"
 #include "tools/unlatch/replayed_log.h"
 
 namespace unlatch::tools {

@@ -20,7 +20,7 @@ struct RunReport {
   std::string message;              // why, if not ok
   std::int64_t tick = 0, hash = 0;  // of the last state
   hil::TimingSummary timing;
-  std::vector<hil::Event> notices;  // participants, policies, faults
+  std::vector<hil::EventMessage> notices;  // participants, policies, faults
   std::optional<hil::ReplayResult> replay;
   std::vector<std::string> refused = {};  // by the operating system, to a run in real time
 };

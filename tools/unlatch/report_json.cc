@@ -151,7 +151,7 @@ nlohmann::ordered_json build_json(const RunReport& report) {
     json["events"].push_back({{"t", entry.time}, {"name", entry.name}, {"subject", entry.subject}});
   }
   json["notices"] = Json::array();
-  for (const hil::Event& notice : report.notices) {
+  for (const hil::EventMessage& notice : report.notices) {
     json["notices"].push_back(
         {{"t", notice.time}, {"name", hil::get_name(notice.name)}, {"subject", hil::get_name(notice.subject)}});
   }

@@ -16,7 +16,7 @@ void print_heading(std::FILE* to, const char* text) {
 // The model's events and what the executive said, in one order of time.
 void print_timeline(std::FILE* to, const RunReport& report) {
   std::vector<hil::TimelineEntry> entries = report.analysis.timeline;
-  for (const hil::Event& notice : report.notices) {
+  for (const hil::EventMessage& notice : report.notices) {
     entries.push_back(
         {notice.time, std::string(hil::get_name(notice.name)), std::string(hil::get_name(notice.subject))});
   }

@@ -62,7 +62,7 @@ void Progress::show(std::int64_t tick) {
     quarter_ = quarter;
     return;
   }
-  if (now - shown_ < 100ms) return;
+  if (shown_ && now - *shown_ < 100ms) return;
   shown_ = now;
   const auto filled = static_cast<std::size_t>(kBarWidth * share);
   const std::string bar = std::string(filled, '#') + std::string(kBarWidth - filled, '.');

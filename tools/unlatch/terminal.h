@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 namespace unlatch::tools {
@@ -33,7 +34,7 @@ class Progress {
   std::int64_t first_tick_ = -1;  // of the first look
   const bool terminal_;
   const std::chrono::steady_clock::time_point started_;
-  std::chrono::steady_clock::time_point shown_;
+  std::optional<std::chrono::steady_clock::time_point> shown_;
   std::int64_t quarter_ = 0;
   bool line_open_ = false;
 };

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "hil/messages/notices.h"
+#include "hil/messages/event_names.h"
 #include "hil/run/run.h"
 
 namespace unlatch::tools {
@@ -153,7 +153,7 @@ void Observation::begin(std::int64_t session) {
 
 // --- What is said once ----------------------------------------------------------------------------------------------
 
-void Observation::hear_hello(const hil::Hello& hello) {
+void Observation::hear_hello(const hil::HelloMessage& hello) {
   view_.hello = hello;
   if (!view_.has_state) view_.status = static_cast<RunStatus>(hello.status);
   if (view_.has_hello) return;
@@ -172,7 +172,7 @@ void Observation::hear_hello(const hil::Hello& hello) {
   for (const hil::Message& message : std::exchange(early_, {})) take(message);
 }
 
-void Observation::hear_catalog(const hil::Catalog& item) {
+void Observation::hear_catalog(const hil::CatalogMessage& item) {
   const auto index = static_cast<std::size_t>(item.index);
   std::string name = clean_text(hil::get_name(item.name));
   switch (static_cast<hil::CatalogKind>(item.kind)) {
@@ -196,10 +196,10 @@ void Observation::hear_catalog(const hil::Catalog& item) {
   }
 }
 
-void Observation::hear_source(const hil::Source& part) {
+void Observation::hear_source(const hil::SourceMessage& part) {
   if (scenario_) return;
   const bool was_complete = source_.is_complete();
-  source_.hear(part);
+  source_.add(part);
   if (source_.is_complete()) {
     if (!was_complete) load_source();
     return;
@@ -243,10 +243,10 @@ void Observation::count_losses(MessageKind kind, std::int64_t sequence) {
   if (is_first || sequence >= next) next = sequence + 1;
 }
 
-void Observation::hear_state(const hil::State& state) {
+void Observation::hear_state(const hil::StateMessage& state) {
   const auto part = static_cast<std::size_t>(state.part);
   for (std::size_t i = 0; i < static_cast<std::size_t>(state.body_count); ++i) {
-    const hil::BodyState& body = state.bodies[i];
+    const hil::BodyStateMessage& body = state.bodies[i];
     put(poses_, part * hil::kBodiesPerPart + i,
         hil::Pose{{body.x, body.y, body.z}, {body.qw, body.qx, body.qy, body.qz}});
   }
@@ -270,7 +270,7 @@ void Observation::name_modes() {
   }
 }
 
-void Observation::hear_reactions(const hil::Reactions& reactions) {
+void Observation::hear_reactions(const hil::ReactionsMessage& reactions) {
   if (reactions.part == 0) count_losses(MessageKind::kReactions, reactions.sequence);
   const std::size_t begin = static_cast<std::size_t>(reactions.part) * hil::kReactionsPerPart;
   for (std::size_t i = 0; i < static_cast<std::size_t>(reactions.count); ++i) {
@@ -280,7 +280,7 @@ void Observation::hear_reactions(const hil::Reactions& reactions) {
   view_.reactions_tick = reactions.tick;
 }
 
-void Observation::hear_event(const hil::Event& event) {
+void Observation::hear_event(const hil::EventMessage& event) {
   count_losses(MessageKind::kEvent, event.sequence);
   const std::string_view name = hil::get_name(event.name);
   const bool is_bad = name.starts_with(hil::kPolicyPrefix) || name.starts_with(hil::kOverrunPrefix) ||
@@ -289,7 +289,7 @@ void Observation::hear_event(const hil::Event& event) {
   if (view_.notices.size() > kNotices) view_.notices.pop_front();
 }
 
-void Observation::hear_verdict(const hil::Verdict& verdict) {
+void Observation::hear_verdict(const hil::VerdictMessage& verdict) {
   count_losses(MessageKind::kVerdict, verdict.sequence);
   const auto channel = static_cast<std::size_t>(verdict.channel);
   const std::string name = verdict.channel >= 0 && channel < channels_.size() ? " for " + channels_[channel] : "";

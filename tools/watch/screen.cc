@@ -197,7 +197,7 @@ class Screen {
       add(begin().add(Colour::kBold, "Time  ").add("no Health yet"));
       return;
     }
-    const hil::Health& health = *view_.health;
+    const hil::HealthMessage& health = *view_.health;
     const auto us = [](std::int64_t ns) { return static_cast<double>(ns) / kNsPerUs; };
     const double tick_us = us(view_.hello.dt_ns);
     add(begin()

@@ -36,7 +36,7 @@ struct WatchedNotice {
 struct View {
   std::int64_t session = 0;  // 0: no message yet
   std::string scenario;      // its name
-  hil::Hello hello;
+  hil::HelloMessage hello;
   bool has_hello = false, has_state = false;
   hil::RunStatus status = hil::RunStatus::kDiscover;
   std::int64_t tick = 0;
@@ -48,7 +48,7 @@ struct View {
   std::vector<std::string> bodies;
   std::vector<hil::Clearance> clearances;  // least: of those looked at
   std::vector<WatchedParticipant> participants;
-  std::optional<hil::Health> health;
+  std::optional<hil::HealthMessage> health;
   std::deque<WatchedNotice> notices;  // the latest, oldest first
 
   std::array<std::int64_t, hil::kMessageKinds> counts{};  // of the session

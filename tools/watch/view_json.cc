@@ -16,7 +16,7 @@ Json build_counts(const View& view) {
   return counts;
 }
 
-Json build_health(const hil::Health& health) {
+Json build_health(const hil::HealthMessage& health) {
   Json rejected = Json::object();
   for (std::size_t i = 0; i < health.rejected.size(); ++i) {
     rejected[std::string(get_text(static_cast<hil::Reject>(i)))] = health.rejected[i];

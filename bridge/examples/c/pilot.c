@@ -21,8 +21,8 @@ static const char* const kNetwork =
     "</Domain></CycloneDDS>";
 
 static dds_entity_t participant;
-static dds_entity_t hellos, catalog, states;         /* what we hear */
-static dds_entity_t hello_acks, commands, step_acks; /* what we say */
+static dds_entity_t hellos, catalog, states;         /* received */
+static dds_entity_t hello_acks, commands, step_acks; /* sent */
 
 static int64_t session;   /* 0: none yet */
 static int throttle = -1; /* the channel's index */
@@ -48,7 +48,7 @@ static dds_qos_t* make_qos(bool transient, int depth) {
     dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, 64, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED);
-    dds_qset_lifespan(qos, DDS_SECS(2)); /* the next simulator shall not hear old commands */
+    dds_qset_lifespan(qos, DDS_SECS(2)); /* the next simulator shall not receive old commands */
   }
   return qos;
 }
@@ -117,7 +117,7 @@ static bool decide(const unlatch_State* state, double* value) {
   return state->tick == kOpenAt || state->tick == kShutAt;
 }
 
-/* A State that is said again is answered again, with the same numbers. False: the session has ended. */
+/* A State that is resent is answered again, with the same numbers. False: the session has ended. */
 static bool hear_state(const unlatch_State* state) {
   unlatch_StepAck ack;
   if (state->session != session || throttle < 0 || state->part != 0) return true;

@@ -62,7 +62,7 @@ class Pilot {
     ++introduction_.sequence;
   }
 
-  // A State that is said again is answered again, with the same numbers.
+  // A State that is resent is answered again, with the same numbers.
   void hear_state(const lcm::ReceiveBuffer*, const std::string&, const unlatch::State* state) {
     if (state->session != session_ || throttle_ < 0 || state->part != 0 || has_ended()) return;
     if (state->status >= unlatch::State::RunStatus_kDone) {
@@ -82,7 +82,7 @@ class Pilot {
     lcm_.publish("UNLATCH_STEP_ACK", &ack);
   }
 
-  // What flight software is for: a decision from a state.
+  // The task of flight software: a decision from a state.
   void decide(const unlatch::State& state) {
     answered_tick_ = state.tick;
     answer_count_ = state.tick == kOpenAt || state.tick == kShutAt ? 1 : 0;

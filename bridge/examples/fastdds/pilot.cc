@@ -155,7 +155,7 @@ class Pilot : public DataReaderListener {
     introduction_.sequence(introduction_.sequence() + 1);
   }
 
-  // A State that is said again is answered again, with the same numbers.
+  // A State that is resent is answered again, with the same numbers.
   void hear_state(const unlatch::State& state) {
     if (state.session() != session_ || throttle_ < 0 || state.part() != 0 || ended_) return;
     if (state.status() >= unlatch::RunStatus_kDone) {
@@ -176,7 +176,7 @@ class Pilot : public DataReaderListener {
     step_acks_->write(&ack);
   }
 
-  // What flight software is for: a decision from a state.
+  // The task of flight software: a decision from a state.
   void decide(const unlatch::State& state) {
     answered_tick_ = state.tick();
     answer_count_ = state.tick() == kOpenAt || state.tick() == kShutAt ? 1 : 0;

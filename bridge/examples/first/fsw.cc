@@ -14,7 +14,7 @@ using Buffer = lcm::ReceiveBuffer;
 
 struct FlightSoftware {
   lcm::LCM lcm{"udpm://239.255.76.67:7667?ttl=0"};
-  HelloAck me{};              // who we are, and what we agree to
+  HelloAck me{};              // our name, and the terms we agree to
   Command command{};          // the latest
   int gyro = -1, wheel = -1;  // their numbers in the catalog
   bool ended = false;
@@ -45,7 +45,7 @@ struct FlightSoftware {
   void on_state(const Buffer*, const std::string&, const State* state) {
     ended = state->status >= State::RunStatus_kDone && state->session == me.session;
     if (ended || state->session != me.session) return;
-    if (state->tick >= command.sequence)  // new; a State that is said again gets the same answer again
+    if (state->tick >= command.sequence)  // new; a State that is resent gets the same answer again
       command = {me.session, state->tick + 1, state->tick, -1, control(state->sensors[gyro]), me.participant, wheel};
     const StepAck done{me.session, state->sequence, state->tick, command.sequence, me.participant, 1};
     lcm.publish("UNLATCH_COMMAND", &command);

@@ -19,7 +19,7 @@ def listen():
     """(channel, bytes) of every message on the network"""
     heard = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     heard.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:  # Python is slower than a simulator in a hurry: as root we may have room for thousands of states
+    try:  # Python is slower than a simulator in a hurry: as root the buffer may take thousands of states
         heard.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 24)
     except PermissionError:
         heard.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 24)

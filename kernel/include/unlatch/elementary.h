@@ -18,8 +18,10 @@ namespace unlatch::elementary {
 
 double sin(double x) noexcept;  // x in rad
 double cos(double x) noexcept;  // x in rad
+// Sine and cosine of x, rad.
 void sincos(double x, double& sine, double& cosine) noexcept;
 
+// e to the power x.
 double exp(double x) noexcept;
 
 double atan2(double y, double x) noexcept;  // angle of the point (x, y), rad, in [−pi, pi]

@@ -15,11 +15,12 @@ namespace unlatch {
 // left for springs that swing together faster than each alone.
 inline constexpr double kResolved = 1;
 
+// Frequency of an elastic element, for the choice of the step.
 struct ElementFrequency {
-  int element;   // in the model's shared numbering
-  double omega;  // rad/s: √(stiffness · mobility) along the element, joints and other bodies taken into account
-  double decay;  // 1/s: damping · mobility
-  bool implicit;
+  int element;    // in the model's shared numbering
+  double omega;   // rad/s: √(stiffness · mobility) along the element, joints and other bodies taken into account
+  double decay;   // 1/s: damping · mobility
+  bool implicit;  // integrated implicitly
 };
 
 // Of every spring at `state`, whether it is switched on or not. Empty if the state has a singular pivot. O(n) per

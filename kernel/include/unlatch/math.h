@@ -7,11 +7,12 @@
 
 namespace unlatch {
 
+// Vector of three components.
 template <class T>
 struct Vec3T {
   T x, y, z;
 };
-using Vec3 = Vec3T<double>;
+using Vec3 = Vec3T<double>;  // a vector of doubles
 
 template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> operator+(const Vec3T<T>& a, const Vec3T<T>& b) {
@@ -37,14 +38,17 @@ template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T>& operator-=(Vec3T<T>& a, const Vec3T<T>& b) {
   return a = a - b;
 }
+// a · b.
 template <class T>
 [[gnu::always_inline]] constexpr T dot(const Vec3T<T>& a, const Vec3T<T>& b) {
   return (a.x * b.x + a.y * b.y) + a.z * b.z;
 }
+// a × b.
 template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> cross(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+// |a|.
 [[gnu::always_inline]] inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 
 // Three columns. As a rotation R_AB its columns are B's axes in A.
@@ -52,7 +56,7 @@ template <class T>
 struct Mat3T {
   Vec3T<T> x, y, z;
 };
-using Mat3 = Mat3T<double>;
+using Mat3 = Mat3T<double>;  // a matrix of doubles
 
 template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> operator*(const Mat3T<T>& m, const Vec3T<T>& a) {
@@ -76,7 +80,7 @@ template <class T>
 struct Sym3T {
   T xx, yy, zz, xy, xz, yz;
 };
-using Sym3 = Sym3T<double>;
+using Sym3 = Sym3T<double>;  // a symmetric matrix of doubles
 
 template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> operator*(const Sym3T<T>& s, const Vec3T<T>& a) {
@@ -101,7 +105,7 @@ template <class T>
 struct SpatialT {
   Vec3T<T> lin, ang;
 };
-using Spatial = SpatialT<double>;
+using Spatial = SpatialT<double>;  // a spatial vector of doubles
 
 // Attitude quaternion q_AB, B to A; rotation_matrix() divides by |q|², so that it is right for unnormalised q as well,
 // which the stages of a Runge–Kutta step produce.
@@ -109,12 +113,14 @@ template <class T>
 struct QuatT {
   T w, x, y, z;
 };
-using Quat = QuatT<double>;
+using Quat = QuatT<double>;  // a quaternion of doubles
 
+// |q|².
 template <class T>
 [[gnu::always_inline]] constexpr T norm_squared(const QuatT<T>& q) {
   return (q.w * q.w + q.x * q.x) + (q.y * q.y + q.z * q.z);
 }
+// Rotation of an attitude quaternion; q need not have length 1.
 template <class T>
 [[gnu::always_inline]] constexpr Mat3T<T> rotation_matrix(const QuatT<T>& q) {
   const T s = T(2) / norm_squared(q);
@@ -129,7 +135,9 @@ template <class T>
   return {(a.w * b.w - a.x * b.x) - (a.y * b.y + a.z * b.z), (a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y),
           (a.w * b.y - a.x * b.z) + (a.y * b.w + a.z * b.x), (a.w * b.z + a.x * b.y) + (a.z * b.w - a.y * b.x)};
 }
+// The inverse rotation.
 [[gnu::always_inline]] constexpr Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
+// q / |q|.
 [[gnu::always_inline]] inline Quat normalized(const Quat& q) {
   const double s = 1.0 / std::sqrt(norm_squared(q));
   return {q.w * s, q.x * s, q.y * s, q.z * s};

@@ -25,13 +25,14 @@ using Attitude = Eigen::Quaternion<double, Eigen::DontAlign>;
 // How a body's mass, centre of mass and inertia change: linear between the knots, constant beyond them.
 struct MassLaw {
   enum class Of { kTime, kBurnt };  // the knots' variable: t, s; or what the body has burnt, kg
+  // Mass properties at one value of the variable.
   struct Knot {
     double at, mass;          // s or kg; kg
     Eigen::Vector3d centre;   // of mass, from the body's origin, which is fixed in the structure; body axes, m
     Eigen::Matrix3d inertia;  // about the centre of mass, body axes, kg m²
   };
-  Of of = Of::kTime;
-  std::vector<Knot> knots;
+  Of of = Of::kTime;                               // variable of the knots
+  std::vector<Knot> knots;                         // in rising order
   bool jet_damping = false;                        // see varying.h
   Eigen::Vector3d exit = Eigen::Vector3d::Zero();  // where the particles leave, from the body's origin, body axes, m
 };
@@ -49,14 +50,15 @@ struct FlexibleBody {
 
 // A frame without mass that a flexible body carries: what joints, loads and sensors are fixed to.
 struct Marker {
-  int body = 0;
+  int body = 0;                                        // index of the flexible body
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // undeformed, from the body's origin, body axes, m
   Eigen::Matrix3Xd shape;                              // Φ_k there
   Eigen::Matrix3Xd turn;                               // Ψ_k: small rotation there per unit of the coordinate, rad
 };
 
+// A body, rigid unless one of law, flexible and marker is given.
 struct Body {
-  std::string name;
+  std::string name;                                   // unique among bodies
   double mass = 0;                                    // kg, > 0
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, body axes, kg m²
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();     // initial position of the centre of mass, m
@@ -75,23 +77,26 @@ struct Body {
 // the base's point normal to x, y, z of the joint frame; and three rotation rows (4.12) about the rotation frame's
 // axes. The order is that of the multipliers.
 enum Row : std::uint8_t { kX = 0, kY, kZ, kRotX, kRotY, kRotZ };
-inline constexpr int kRows = 6;
-using RowSet = std::uint8_t;  // bit r set: Row r is active
+inline constexpr int kRows = 6;  // number of rows of a joint
+using RowSet = std::uint8_t;     // bit r set: Row r is active
+// The set of one row.
 constexpr RowSet row_bit(int row) { return static_cast<RowSet>(1u << row); }
+// `row` is in `set`.
 constexpr bool has_row(RowSet set, int row) { return (set >> row & 1u) != 0; }
-inline constexpr RowSet kPointRows = 0b000111;
-inline constexpr RowSet kRotationRows = 0b111000;
-extern const char* const kRowNames[kRows];  // "x" … "rot_z"
+inline constexpr RowSet kPointRows = 0b000111;     // x, y, z
+inline constexpr RowSet kRotationRows = 0b111000;  // rot_x, rot_y, rot_z
+extern const char* const kRowNames[kRows];         // "x" … "rot_z"
 
+// A mode of a joint.
 struct JointMode {
-  std::string name;
-  RowSet rows = 0;
+  std::string name;  // unique within the joint
+  RowSet rows = 0;   // active rows
 };
 
 // A joint between two bodies, or between the ground and a body. Which rows hold is its mode; a mode without rows is
 // free. A joint none of whose modes has rows constrains nothing and serves to measure, or to carry springs.
 struct Joint {
-  std::string name;
+  std::string name;                                          // unique among joints
   int base = kGround;                                        // body i of (4.11): carries the joint frame
   int follower = 0;                                          // body j: carries the point
   Eigen::Vector3d point_base = Eigen::Vector3d::Zero();      // from base's origin, base axes (ground: W), m
@@ -102,19 +107,21 @@ struct Joint {
                                                  // two coincide at the initial attitudes
   bool universal = false;  // in modes whose only rotation row is rot_z: that row is about x_base × y_follower, so that
                            // the follower may turn about x of the base and its own y
-  std::vector<JointMode> modes;
-  int mode = 0;  // initial mode
+  std::vector<JointMode> modes;  // at least one
+  int mode = 0;                  // initial mode
 };
 
 // --- Elements: what pushes and pulls --------------------------------------------------------------------------------
 
 // A value over the element's own time s = t − (time it was switched on).
 struct Profile {
+  // Shape of a profile.
   enum class Kind { kConstant, kExponential, kTable, kHarmonic };
+  // One sine of a harmonic profile.
   struct Harmonic {
     double amplitude, frequency, phase;  // amplitude · sin(frequency · s + phase); rad/s, rad
   };
-  Kind kind = Kind::kConstant;
+  Kind kind = Kind::kConstant;        // shape
   double value = 1;                   // kConstant
   double initial = 0, final = 0;      // kExponential: final + (initial − final) · exp(−s / tau)
   double tau = 1;                     // s
@@ -124,11 +131,13 @@ struct Profile {
 
 // A force or torque on one body: thrust, nozzle, disturbance. Its size is profile · switch scale · channel.
 struct Load {
+  // Force or torque.
   enum class Kind { kForce, kTorque };
+  // Axes of a direction: of the body, or inertial.
   enum class Frame { kBody, kWorld };
-  std::string name;
-  int body = 0;
-  Kind kind = Kind::kForce;
+  std::string name;                                      // unique among elements
+  int body = 0;                                          // index of the body
+  Kind kind = Kind::kForce;                              // force or torque
   Frame frame = Frame::kBody;                            // axes of `direction`
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       // forces: where it acts, body axes, m
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // multiplied by the size; need not be a unit vector
@@ -136,28 +145,30 @@ struct Load {
   int channel = kNone;                                   // command channel that multiplies it
   double consumption = 0;                                // kg burnt per N s of a force: 1 / (Isp · g0)
   int tank = kNone;                                      // body with a mass law that burns it; by default `body`
-  bool on = true;
+  bool on = true;                                        // at the start
 };
 
 // A straight spring and damper between two points: F = −k (l − l0) − c dl/dt along the line, on the follower.
 struct PointSpring {
-  std::string name;
+  std::string name;  // unique among elements
+  // Indices of the bodies.
   int base = kGround, follower = 0;
+  // Ends, base axes and follower axes, m.
   Eigen::Vector3d point_base = Eigen::Vector3d::Zero(), point_follower = Eigen::Vector3d::Zero();
   double stiffness = 0, damping = 0, free_length = 0;  // N/m, N s/m, m
   bool push_only = false;                              // a pusher: no force once l ≥ l0, and never a pull
-  bool on = true;
+  bool on = true;                                      // at the start
 };
 
 // A spring, damper and motor along one axis of a joint: effort − k (s − rest) − c ds/dt on the follower, where s is the
 // displacement along x, y, z of the joint frame (4.14)–(4.16), or the angle about an axis of the rotation frame.
 // Torsion drives, elastic latches, (4.15) with the restoring sign.
 struct JointSpring {
-  std::string name;
-  int joint = 0;
+  std::string name;                                         // unique among elements
+  int joint = 0;                                            // index of the joint
   int axis = kRotZ;                                         // Row: kX … kRotZ
   double effort = 0, stiffness = 0, damping = 0, rest = 0;  // N or N m, per m or rad, per m/s or rad/s, m or rad
-  bool on = true;
+  bool on = true;                                           // at the start
   std::optional<bool> implicit{};  // integrated implicitly, see compliance.h; by default the plan decides
 };
 
@@ -165,14 +176,16 @@ struct JointSpring {
 // φ = atan2(n_i·n_j, |n_i × n_j|), moment on the follower (k φ + c dφ/dt) (n_i × n_j)/|n_i × n_j|, the opposite on the
 // base.
 struct PlaneTorsion {
-  std::string name;
+  std::string name;  // unique among elements
+  // Indices of the bodies.
   int base = kGround, follower = 0;
   Eigen::Vector3d normal_base = Eigen::Vector3d::UnitZ();    // n_i, unit, base axes
   Eigen::Vector3d axis_follower = Eigen::Vector3d::UnitX();  // n_j, unit, follower axes
   double stiffness = 0, damping = 0;                         // N m/rad, N m s/rad
-  bool on = true;
+  bool on = true;                                            // at the start
 };
 
+// Field of gravity: uniform, central, or both.
 struct Gravity {
   Eigen::Vector3d uniform = Eigen::Vector3d::Zero();  // m/s²
   double mu = 0;                                      // central field, m³/s²; 0 for none
@@ -188,7 +201,9 @@ struct Channel {
   std::string unit = "1";
 };
 
+// A measured value.
 struct Sensor {
+  // Measured quantity: number of values, unit and axes.
   enum class Kind {
     kPosition,       // 3, p_WB, m
     kAttitude,       // 4, w x y z, body to inertial
@@ -202,13 +217,15 @@ struct Sensor {
     kAngle,          // 1, about `axis` of the rotation frame, turns counted, rad
     kSpeed,          // 1, rate of the displacement, m/s, or of the angle, rad/s
   };
-  std::string name;
-  Kind kind = Kind::kRate;
+  std::string name;                                 // unique among sensors
+  Kind kind = Kind::kRate;                          // measured quantity
   int subject = 0;                                  // body, joint or signal
   int axis = kX;                                    // Row
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // body axes, m
 };
+// Number of values of a sensor.
 int sensor_width(Sensor::Kind kind);
+// Unit of a sensor's values.
 const char* sensor_unit(Sensor::Kind kind);
 
 // --- Events ---------------------------------------------------------------------------------------------------------
@@ -216,6 +233,7 @@ const char* sensor_unit(Sensor::Kind kind);
 // A guard is a real function of the state: it holds when it is ≥ 0, and an event falls where it crosses zero.
 // All takes the least of its parts, any the greatest, not the negative.
 struct Condition {
+  // Quantity that a guard compares, or the combination of its parts.
   enum class Kind {
     kTime,          // t ≥ threshold
     kReaction,      // multiplier of (joint, axis); never holds while that row is inactive
@@ -226,63 +244,68 @@ struct Condition {
     kSignal,        // a signal is raised
     kCommand,       // a channel's value
     kMode,          // a joint is in mode number `axis`
-    kAll,
-    kAny,
-    kNot,
-    kBurnt,  // what a body with a mass law has burnt, kg
+    kAll,           // all parts hold
+    kAny,           // at least one part holds
+    kNot,           // its one part does not hold
+    kBurnt,         // what a body with a mass law has burnt, kg
   };
-  Kind kind = Kind::kTime;
-  int subject = 0;
-  int axis = 0;
-  double threshold = 0;
-  bool below = false;  // holds at and below the threshold instead of at and above it
-  std::vector<Condition> parts;
+  Kind kind = Kind::kTime;       // kind
+  int subject = 0;               // index of the joint, body, signal or channel
+  int axis = 0;                  // Row of a joint; kMode: index of the mode
+  double threshold = 0;          // in the unit of the quantity
+  bool below = false;            // holds at and below the threshold instead of at and above it
+  std::vector<Condition> parts;  // of kAll, kAny, kNot
 };
 
+// An action of an event.
 struct Action {
+  // Kind of action.
   enum class Kind {
     kSetMode,  // rows that are added close where they are, with a perfectly plastic impulse
     kSwitch,   // element `subject` to scale `value`; switched on from zero it starts its own time
     kRamp,     // the same, linearly over `duration` seconds
     kRaise,    // signal `subject` to `value`
   };
-  Kind kind = Kind::kSetMode;
-  int subject = 0;  // joint, element or signal
-  int mode = 0;
-  double value = 0;
-  double duration = 0;  // s
+  Kind kind = Kind::kSetMode;  // kind
+  int subject = 0;             // joint, element or signal
+  int mode = 0;                // kSetMode: index into the joint's modes
+  double value = 0;            // kSwitch, kRamp: scale; kRaise: value of the signal
+  double duration = 0;         // s
 };
 
+// A condition, and the actions that follow when it becomes true.
 struct Event {
-  std::string name;
-  std::string subject;  // what it is about, for people: "booster1"
-  Condition when;
-  double delay = 0;  // s between the guard's crossing and the actions
-  std::vector<Action> then;
-  bool repeat = false;  // fires again each time the guard crosses upwards; otherwise once
+  std::string name;          // name and subject together are unique
+  std::string subject;       // what it is about, for people: "booster1"
+  Condition when;            // guard
+  double delay = 0;          // s between the guard's crossing and the actions
+  std::vector<Action> then;  // actions, in order
+  bool repeat = false;       // fires again each time the guard crosses upwards; otherwise once
 };
 
 // --- The whole ------------------------------------------------------------------------------------------------------
 
+// A system: bodies, joints, forces, channels, sensors and events. Names are unique within each list.
 struct Model {
-  std::string name;
-  std::vector<Body> bodies;
-  std::vector<Joint> joints;
-  Gravity gravity;
-  std::vector<Load> loads;
-  std::vector<PointSpring> point_springs;
-  std::vector<JointSpring> joint_springs;
-  std::vector<PlaneTorsion> plane_torsions;
-  std::vector<Channel> channels;
-  std::vector<std::string> signals;
-  std::vector<Sensor> sensors;
-  std::vector<Event> events;
+  std::string name;                          // for reports
+  std::vector<Body> bodies;                  // indices of other lists refer to this order
+  std::vector<Joint> joints;                 // tree and non-tree joints
+  Gravity gravity;                           // field
+  std::vector<Load> loads;                   // forces and torques
+  std::vector<PointSpring> point_springs;    // springs between points
+  std::vector<JointSpring> joint_springs;    // springs in joints
+  std::vector<PlaneTorsion> plane_torsions;  // torsion springs towards a plane
+  std::vector<Channel> channels;             // commanded values
+  std::vector<std::string> signals;          // names
+  std::vector<Sensor> sensors;               // measured values
+  std::vector<Event> events;                 // in the order in which they act at one instant
 
   // Elements share one numbering: loads, point springs, joint springs, plane torsions.
   int element_count() const;
   const std::string& element_name(int element) const;
 };
 
+// A mistake in a model.
 struct ModelError {
   std::string where;  // "body 'core'"
   std::string what;   // what is wrong
@@ -290,6 +313,7 @@ struct ModelError {
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
 
+// a body of the model is a marker.
 bool has_markers(const Model& model);
 // The same with the initial poses and velocities of the markers of its flexible bodies, which follow from the bodies'.
 Model place_markers(const Model& model);

@@ -29,6 +29,7 @@ bool is_supported(InstructionSet set);
 // "scalar", "sse2" or "neon", "avx2", "avx512"; of kAuto, the one that it stands for.
 const char* get_name(InstructionSet set);
 
+// Options of compile_plan().
 struct PlanOptions {
   double dt = 0.001;   // s, > 0
   int max_splits = 8;  // sub-steps that events may cut one step into, at most; later ones act at the next tick
@@ -38,7 +39,7 @@ struct PlanOptions {
 
 // A body in the elimination order: parents before children, so that forward is root to leaves and backward the reverse.
 struct TreeNode {
-  std::int32_t body;
+  std::int32_t body;    // index into the model's bodies
   std::int32_t parent;  // node, or kNone for the root of a tree
   std::int32_t joint;   // to the parent, or to the ground for a root that is held; kNone for a root that is not, and
                         // between a flexible body and its markers
@@ -46,16 +47,20 @@ struct TreeNode {
   bool leaf;            // nothing is outboard of it, and its mass is constant: its block is diag(mass, inertia)
 };
 
+// A compiled model. Copies share their data.
 class Plan {
  public:
+  // For compile_plan().
   explicit Plan(std::shared_ptr<const PlanData> data) : data_(std::move(data)) {}
 
+  // The options that it was compiled with.
   const PlanOptions& get_options() const noexcept;
   // Of the model and the options: two plans with one hash step alike.
   std::uint64_t get_hash() const noexcept;
   std::size_t get_state_bytes() const noexcept;
   std::size_t get_workspace_bytes() const noexcept;
 
+  // The bodies in elimination order, parents before children.
   std::span<const TreeNode> get_tree() const noexcept;
   std::span<const std::int32_t> get_loops() const noexcept;  // joints that close a loop over the tree
   std::size_t get_sensor_count() const noexcept;             // values, all sensors' components counted
@@ -67,9 +72,10 @@ class Plan {
   std::shared_ptr<const PlanData> data_;
 };
 
+// Result of compile_plan().
 struct PlanResult {
-  std::optional<Plan> plan;  // absent if there are errors
-  std::vector<ModelError> errors;
+  std::optional<Plan> plan;        // absent if there are errors
+  std::vector<ModelError> errors;  // every mistake of the model or the options
 };
 
 // Validates and compiles; O(n log n), for sorting. Allocates; nothing after it does.

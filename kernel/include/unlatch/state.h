@@ -15,11 +15,13 @@ namespace unlatch {
 
 class Plan;
 
+// Tick of the state, and the plan to which it belongs.
 struct StateHeader {
   std::int64_t tick;        // time is tick · dt, never a running sum
   std::uint64_t plan_hash;  // of the plan that this state belongs to
 };
 
+// Pose and velocity of a body.
 struct BodyState {
   Vec3 p;  // p_WB, m
   Quat q;  // q_WB, body to inertial
@@ -39,17 +41,20 @@ struct JointState {
 // An element's switch scale runs linearly from `from` at `start` to `to` at `start + duration` and stays there.
 struct ElementState {
   double switched_on;  // when its own time began, s
+  // Switch scale before and after a change; start and duration of the change, s.
   double from, to, start, duration;
 };
 
+// Progress of an event.
 enum class EventPhase : std::int64_t {
   kArmed = 0,    // waits for its guard
   kPending = 1,  // crossed; acts when due
   kSpent = 2,    // has acted; a repeating event arms again once its guard is negative
 };
+// Progress of an event, and the time at which it acts.
 struct EventState {
-  EventPhase phase;
-  double due;  // kPending: s
+  EventPhase phase;  // progress
+  double due;        // kPending: s
 };
 
 static_assert(sizeof(StateHeader) == 16 && sizeof(BodyState) == 104 && sizeof(JointState) == 88 &&
@@ -62,15 +67,16 @@ class State {
   // `memory`: at least plan.get_state_bytes(), aligned to 8.
   State(const Plan& plan, std::span<std::byte> memory) noexcept;
 
-  StateHeader* header = nullptr;
-  std::span<BodyState> bodies;   // in the model's order
-  std::span<JointState> joints;  // in the model's order
-  std::span<ElementState> elements;
-  std::span<EventState> events;
-  std::span<double> signals;
+  StateHeader* header = nullptr;     // tick and plan
+  std::span<BodyState> bodies;       // in the model's order
+  std::span<JointState> joints;      // in the model's order
+  std::span<ElementState> elements;  // loads, point springs, joint springs, plane torsions, in the model's order
+  std::span<EventState> events;      // in the model's order
+  std::span<double> signals;         // values, in the model's order
   std::span<double> auxiliary;  // kg burnt by each body with a mass law; then per flexible body its modal coordinates,
                                 // and their rates, 1/s
 
+  // The whole block.
   std::span<std::byte> get_bytes() const { return bytes_; }
 
  private:

@@ -15,8 +15,9 @@ struct Inputs {
   std::span<const double> commands;  // one value per channel of the model, in its order
 };
 
+// Result of a step.
 enum class StepStatus : std::int32_t {
-  kOk = 0,
+  kOk = 0,         // done
   kNotFinite,      // a number of the new state is not finite
   kSingular,       // a pivot of the factorisation vanished; `joint` says where
   kTooManyEvents,  // more events at one instant than the plan's bound
@@ -25,6 +26,7 @@ enum class StepStatus : std::int32_t {
 // its direction.
 double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, int load) noexcept;
 
+// The status in words.
 const char* get_status_text(StepStatus status) noexcept;
 
 // One event that acted during the step, with the momenta and energy just before and after.
@@ -44,17 +46,19 @@ struct Balance {
 // for a release, the work and ground impulse of a plastic impulse for rows that close.
 struct EventAudit {
   double time;  // s
+  // Balance before the events, its change, and the change that the actions are allowed to make.
   Balance before, jump, allowed;
 };
 
+// Report of a step.
 struct StepReport {
-  StepStatus status = StepStatus::kOk;
-  std::int32_t joint = kNone;          // kSingular: index of the joint
-  std::int32_t substeps = 0;           // integrations done, 1 without events
-  std::int32_t redundant = 0;          // rows of closed loops that follow from the others, at the end of the step
-  std::int32_t postponed = 0;          // instants left to the next tick because the bound on splits was reached
-  std::span<const FiredEvent> events;  // in the order in which they acted; lives in the workspace until the next step
-  std::span<const EventAudit> audits;
+  StepStatus status = StepStatus::kOk;  // result
+  std::int32_t joint = kNone;           // kSingular: index of the joint
+  std::int32_t substeps = 0;            // integrations done, 1 without events
+  std::int32_t redundant = 0;           // rows of closed loops that follow from the others, at the end of the step
+  std::int32_t postponed = 0;           // instants left to the next tick because the bound on splits was reached
+  std::span<const FiredEvent> events;   // in the order in which they acted; lives in the workspace until the next step
+  std::span<const EventAudit> audits;   // one for each instant with events; in the workspace until the next step
 };
 
 // Advances `state` by one tick. Quicker by a tenth where the latest call with this workspace left its outputs of this

@@ -22,9 +22,12 @@ struct NumberColumn {
 class MultiplierView {
  public:
   MultiplierView() = default;
+  // `numbers`: the workspace's; `joints`: the column of each joint.
   MultiplierView(double* numbers, std::span<const NumberColumn> joints) : numbers_(numbers), joints_(joints) {}
+  // Number of multipliers, six for each joint.
   std::size_t size() const { return joints_.size() * kRows; }
   double operator[](std::size_t i) const { return get(i / kRows, i % kRows); }
+  // Multiplier of a row of a joint.
   double& get(std::size_t joint, std::size_t row) const {
     return numbers_[joints_[joint].first + static_cast<std::ptrdiff_t>(row) * joints_[joint].stride];
   }
@@ -38,7 +41,9 @@ class MultiplierView {
 class AccelerationView {
  public:
   AccelerationView() = default;
+  // `numbers`: the workspace's; `bodies`: the column of each body.
   AccelerationView(const double* numbers, std::span<const NumberColumn> bodies) : numbers_(numbers), bodies_(bodies) {}
+  // Number of bodies.
   std::size_t size() const { return bodies_.size(); }
   Spatial operator[](std::size_t body) const {
     const auto number = [&](std::ptrdiff_t i) { return numbers_[bodies_[body].first + i * bodies_[body].stride]; };

@@ -1,0 +1,76 @@
+// The messages that a run publishes: State, Event, Health, Verdict, Reactions. It numbers them, sends them, and records
+// those that belong into a recording. Fixed memory.
+#pragma once
+
+#include <readerwriterqueue/readerwritercircularbuffer.h>
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "hil/faults/fault_injector.h"
+#include "hil/messages/messages.h"
+#include "hil/realtime/timing_summary.h"
+#include "hil/recording/recorder.h"
+#include "hil/session/connection.h"
+#include "hil/simulation/simulation.h"
+
+namespace unlatch::hil {
+
+class Publisher {
+ public:
+  // `faults`: what distorts sensor values, or null. All must outlive it.
+  Publisher(const Simulation& simulation, Recorder& recorder, Connection& connection, FaultInjector* faults,
+            std::int64_t session);
+
+  // The State of the simulation's tick, all parts; recorded if it is due or the run does not go on.
+  void publish_state(RunStatus status, std::int64_t hash) noexcept;
+  // The same once more, with the same sequence number.
+  void resend_state(RunStatus status) noexcept;
+
+  // An event of the model that fired in the step to this tick.
+  void publish_event(const FiredEvent& fired) noexcept;
+  // An event of the session: a participant, a policy, a fault. take_notice() gives it to people as well.
+  void publish_notice(std::string_view name, std::string_view subject) noexcept;
+  void publish_overrun(const Overrun& overrun) noexcept;
+
+  // Completes the message with session, sequence number, time and States resent.
+  void publish_health(HealthMessage health) noexcept;
+  // Of the last step that was made; all parts of a tick at once.
+  void publish_reactions() noexcept;
+
+  // The answer to a message that was refused, or late. At most kVerdictsPerTick between two calls of begin_tick().
+  void publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
+                       std::int64_t applied_tick) noexcept;
+  void begin_tick() noexcept { verdicts_left_ = kVerdictsPerTick; }
+
+  // For one other thread.
+  [[nodiscard]] bool take_notice(EventMessage& event) noexcept { return notices_.try_dequeue(event); }
+
+  [[nodiscard]] std::int64_t get_resent() const noexcept { return resent_; }
+  void set_resent(std::int64_t count) noexcept { resent_ = count; }
+
+  static constexpr int kVerdictsPerTick = 16;
+
+ private:
+  void send_state_part(std::int32_t part, RunStatus status) noexcept;
+  // `tick`: at whose step it happened.
+  void publish(EventMessage& event, std::int64_t tick, double time) noexcept;
+
+  const Simulation& simulation_;
+  Recorder& recorder_;
+  Connection& connection_;
+  FaultInjector* const faults_;
+  const std::int64_t session_, dt_ns_;
+  const std::vector<EventMessage> model_events_;  // name and subject of each
+
+  StateMessage state_;          // scratch
+  ReactionsMessage reactions_;  // scratch
+  std::int64_t state_sequence_ = 0, event_sequence_ = 0, health_sequence_ = 0, verdict_sequence_ = 0,
+               reactions_sequence_ = 0;
+  int verdicts_left_ = 0;
+  std::int64_t resent_ = 0;  // States
+  moodycamel::BlockingReaderWriterCircularBuffer<EventMessage> notices_{256};
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,101 @@
+#include "hil/language/scenario_sources.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "hil/language/scenario_error.h"
+
+namespace unlatch::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxBytes = 1u << 20, kMaxFiles = 64, kMaxName = 200;
+const std::string kMarker = "--- # included: ";
+
+// YAML itself cannot hold such a line but as the begin of another document, which no scenario has.
+std::size_t find_marker(const std::string& text, std::size_t from) {
+  const std::size_t at = text.find("\n" + kMarker, from);
+  return at == std::string::npos ? text.size() : at;
+}
+
+}  // namespace
+
+// One byte beyond the bound is enough: the parser refuses it.
+std::string read_text_file(const std::string& path, const std::string& kind) {
+  const auto fail = [&](const std::string& what) -> std::string {
+    throw ScenarioError({{path, {}, "", what, "name a readable " + kind + " file (.yaml)"}});
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return fail("there is no such file");
+  if (status.type() == std::filesystem::file_type::directory) return fail("this is a folder");
+  if (error || status.type() != std::filesystem::file_type::regular) return fail("this is not a regular file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return fail("it cannot be opened");
+  constexpr std::size_t kEnough = (1u << 20) + 1;
+  std::string text(kEnough, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.bad()) return fail("it cannot be read");
+  return text;
+}
+
+ScenarioSources::ScenarioSources(const std::string& text, std::string folder)
+    : main_(text.substr(0, find_marker(text, 0) + 1)),
+      folder_(std::move(folder)),
+      joined_(find_marker(text, 0) < text.size()),
+      bytes_(main_.size()) {
+  std::size_t at = find_marker(text, 0);
+  while (at < text.size()) {
+    const std::size_t name = at + 1 + kMarker.size(), line = std::min(text.find('\n', name), text.size());
+    at = find_marker(text, std::min(line, text.size()));
+    const std::size_t begin = std::min(line + 1, text.size());
+    texts_[text.substr(name, line - name)] = text.substr(begin, begin <= at ? at - begin : 0);
+  }
+}
+
+const std::string& ScenarioSources::read(const std::string& name) {
+  if (order_.size() >= kMaxFiles) throw std::runtime_error("more than 64 files");
+  auto found = texts_.find(name);
+  if (found == texts_.end()) {
+    if (joined_ || folder_.empty()) throw std::runtime_error("this text does not hold that file");
+    std::error_code error;
+    const fs::path folder = fs::canonical(folder_, error), path = fs::canonical(folder / name, error);
+    if (error) throw std::runtime_error("there is no such file");
+    if (std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first != folder.end())
+      throw std::runtime_error("it lies outside the scenario's folder");
+    try {
+      found = texts_.emplace(name, read_text_file(path.string(), "scenario")).first;
+    } catch (const ScenarioError& failure) {
+      throw std::runtime_error(failure.mistakes.at(0).what);
+    }
+  }
+  if (std::find(order_.begin(), order_.end(), name) != order_.end()) return found->second;
+  order_.push_back(name);
+  bytes_ += found->second.size();
+  if (bytes_ > kMaxBytes) throw std::runtime_error("scenario and included files have more than 1 MiB");
+  return found->second;
+}
+
+std::string ScenarioSources::join() const {
+  std::string text = main_;
+  for (const std::string& name : order_) {
+    if (text.empty() || text.back() != '\n') text += '\n';
+    text += kMarker + name + "\n" + texts_.at(name);
+  }
+  return text;
+}
+
+std::string resolve_include(const std::string& from, const std::string& name) {
+  const bool odd = std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  if (name.empty() || name.size() > kMaxName || odd) throw std::runtime_error("this is not the name of a file");
+  if (fs::path(name).is_absolute()) throw std::runtime_error("an absolute path");
+  const fs::path path = (fs::path(from).parent_path() / name).lexically_normal();
+  if (path.empty() || *path.begin() == "..") throw std::runtime_error("it lies outside the scenario's folder");
+  return path.string();
+}
+
+}  // namespace unlatch::hil

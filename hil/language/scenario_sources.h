@@ -1,0 +1,39 @@
+// The text of a scenario and of the files that it includes: from a folder, or from one text that has them all, as in
+// recordings. In such a text each included file follows a line `--- # included: NAME`.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace unlatch::hil {
+
+// The text of a regular file; `kind`: the kind of file expected, for messages. Throws ScenarioError.
+std::string read_text_file(const std::string& path, const std::string& kind);
+
+class ScenarioSources {
+ public:
+  // `folder` may be empty: then nothing is read from the disk.
+  ScenarioSources(const std::string& text, std::string folder);
+
+  const std::string& main() const { return main_; }
+  // The text of an included file, or of a file of modes, by its path from the scenario's folder. Throws
+  // std::runtime_error if there is none, if it lies outside that folder (symbolic links followed), or if the texts
+  // together have more than 1 MiB.
+  const std::string& read(const std::string& name);
+  // Main text and everything that was read.
+  std::string join() const;
+
+ private:
+  std::string main_, folder_;
+  bool joined_ = false;                       // the text held its included files
+  std::map<std::string, std::string> texts_;  // of those, by name
+  std::vector<std::string> order_;            // names, as they were read
+  std::size_t bytes_ = 0;
+};
+
+// The path of a file that `from` (a path from the scenario's folder) includes as `name`, from that folder. Throws
+// std::runtime_error for absolute paths and for those that lead out of the folder.
+std::string resolve_include(const std::string& from, const std::string& name);
+
+}  // namespace unlatch::hil

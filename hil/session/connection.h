@@ -1,0 +1,60 @@
+// The executive's connection to the participants: it sends, receives without waiting, and in lockstep waits for
+// messages. Implementations: RingConnection (real time), bridge::DirectConnection (lockstep), FaultyConnection.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "hil/messages/messages.h"
+
+namespace unlatch::hil {
+
+// A message from a participant: a tenth of the size of Message, which has space for a State as well.
+using ParticipantMessage = std::variant<HelloAckMessage, CommandMessage, StepAckMessage>;
+
+struct Arrival {
+  ParticipantMessage message;
+  std::int64_t arrived_ns = 0;  // by the session's clock
+};
+
+// None for a message that the simulator alone sends.
+[[nodiscard]] inline std::optional<ParticipantMessage> to_participant_message(const Message& message) noexcept {
+  switch (message.kind) {
+    case MessageKind::kHelloAck:
+      return message.hello_ack;
+    case MessageKind::kCommand:
+      return message.command;
+    case MessageKind::kStepAck:
+      return message.step_ack;
+    default:
+      return std::nullopt;
+  }
+}
+
+// Used by the cyclic thread alone, except for the counts.
+class Connection {
+ public:
+  virtual ~Connection() = default;
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  // False when it could not be sent, which is counted.
+  virtual bool send(const Message& message) noexcept = 0;
+  // False when no message has arrived.
+  virtual bool receive(Arrival& arrival) noexcept = 0;
+  // Sleeps until a message has arrived, at most for `limit`. Never called in real time.
+  virtual void wait(std::chrono::nanoseconds limit) noexcept = 0;
+
+  // Messages dropped because a queue was full. From any thread.
+  [[nodiscard]] virtual std::int64_t get_dropped_out() const noexcept = 0;
+  [[nodiscard]] virtual std::int64_t get_dropped_in() const noexcept = 0;
+  // Messages that the transport dropped because they do not match the schema; the executive publishes their number.
+  [[nodiscard]] virtual std::int64_t get_malformed() const noexcept = 0;
+
+ protected:
+  Connection() = default;
+};
+
+}  // namespace unlatch::hil
