@@ -27,7 +27,7 @@ void append(std::vector<double>& to, const std::vector<Eigen::Matrix3d>& matrice
       for (Eigen::Index c = 0; c < 3; ++c) to.push_back(m(r, c));
 }
 
-// Whether some mode swings faster than the step resolves.
+// Some mode swings faster than the step resolves.
 bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
 
 // `markers`: bodies that are markers on it.
@@ -66,8 +66,8 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
   plan.flexible.push_back(out);
 }
 
-// What the tree makes of flexible bodies and their markers: by which marker each is held, and what hangs on the others.
-// Where the markers start.
+// Flexible bodies and their markers in the tree: the marker by which each is held, and what hangs on the others.
+// Initial motion of the markers.
 void place_flexible(PlanData& plan) {
   std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
   for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
@@ -156,7 +156,7 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) 
           joint.universal};
 }
 
-// What rotations are measured by, and where they start: they are counted on from step to step.
+// Axes by which rotations are measured, and their initial angles: they are counted on from step to step.
 void init_angles(const Model& model, PlanData& plan) {
   for (PlanCoordinate& c : plan.coordinates) {
     if (c.row < kRotX) continue;

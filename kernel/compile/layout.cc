@@ -182,7 +182,7 @@ class Layout {
     return place_group(&level[begin], count, ParentLink::kGather, placed);
   }
 
-  // How many from `begin` on have parents in neighbouring lanes of one group, with room for the empty lanes behind
+  // Number of nodes from `begin` on whose parents are neighbouring lanes of one group, with room for empty lanes behind
   // them.
   std::size_t count_neighbours(const std::vector<Candidate>& level, std::size_t begin, std::size_t end) const {
     const GroupLane first = lanes_[at(level[begin].parent)];

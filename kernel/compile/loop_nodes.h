@@ -1,4 +1,4 @@
-// What the plan prepares for joints that close loops: which nodes their rows' wrenches pass on the way to the root, in
+// Preparation of joints that close loops: the nodes that their rows' wrenches pass on the way to the root, in
 // which order, and where they lie meanwhile.
 #pragma once
 

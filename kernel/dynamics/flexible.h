@@ -19,7 +19,7 @@
 
 namespace unlatch {
 
-// What a flexible body has in PlanData::modal and Workspace::modal, m modes. Three numbers per mode and vector: k, then
+// Numbers of a flexible body in PlanData::modal and Evaluation::modal, m modes. Three numbers per mode and vector: k, then
 // xyz.
 struct ModalShape {
   int modes;

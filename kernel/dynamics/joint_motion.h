@@ -9,7 +9,7 @@
 
 namespace unlatch {
 
-// What the rows ask for.
+// The right-hand side that the rows ask for.
 enum class RowTarget : std::int32_t {
   kAcceleration,  // right-hand side of the rows for accelerations
   kVelocity,      // for a velocity correction: the velocity residual, reversed

@@ -1,4 +1,4 @@
-// What is wrong with a model: every mistake at once, each where it is and what would be right.
+// Mistakes of a model: all at once, each with its place and the remedy.
 #include "kernel/model/validate.h"
 
 #include <Eigen/Eigenvalues>

@@ -6,8 +6,8 @@
 //   N = Wide<W>  the block itself, each member W numbers wide (kernel/simd/wide.h)
 //   N = double   one lane of it, read and written at a Place: read(memory, place, &BodyBlock<double>::motion)
 //
-// What bodies do by themselves (Runge–Kutta, kinematics, forces) they do in blocks of eight, wherever they are in the
-// tree. What joints and the solver do goes by groups: nodes of one level and kind, 8, 4, 2 or 1 wide. The bodies of a
+// Bodies by themselves (Runge–Kutta, kinematics, forces) are computed in blocks of eight, wherever they are in the
+// tree. Joints and the solver work on groups: nodes of one level and kind, 8, 4, 2 or 1 wide. The bodies of a
 // group are neighbours in one block of eight. The cut depends on the model alone, never on the processor; a narrower
 // processor takes a wide block in parts. Lanes never meet, and children are added to their parent in one fixed order,
 // so every width gives the same bits.
@@ -89,7 +89,7 @@ struct JointBlock {
   Vec3T<N> displacement;  // of the follower's point from the base's, along n
   SpatialT<N> slip;       // v_rel, w_rel: velocity of the follower's point seen from the base; world axes
 };
-// What a joint's mode remembers: the displacements at which its point–plane rows hold, and, behind this block, for each
+// Memory of a joint's mode: the displacements at which its point–plane rows hold, and, behind this block, for each
 // axis in Group::carried where it is in the follower (follower axes), times its weight in the residual.
 template <class N>
 struct CarriedBlock {
@@ -215,7 +215,7 @@ enum class BodyKind : std::uint8_t {
   kMarker,    // outboard of its flexible body, which solves it too
 };
 
-// What the children of a group are to their joints.
+// Bodies of the joints that the children of a group are.
 enum class ChildSide : std::uint8_t { kFollower, kBase, kMixed };
 
 struct alignas(64) Group {
@@ -321,7 +321,7 @@ using JointLane = JointBlock<double>;
 using SolverLane = SolverBlock<double>;
 using SubtreeLane = SubtreeBlock<double>;
 
-// Where one body's and its joint's lanes are.
+// Place of one body's lane and its joint's.
 struct Place {
   std::int32_t solver, joint;
   std::int32_t body, shared;
@@ -331,7 +331,7 @@ constexpr Place get_place(const Group& group, int lane) {
   return {group.solver + lane, group.joint + lane, group.body + lane, group.shared + lane, group.width};
 }
 
-// Where one number is in Evaluation::blocks.
+// Place of one number in Evaluation::blocks.
 struct NumberPlace {
   std::int32_t at = kNone;
   UNLATCH_INLINE double& in(double* blocks) const { return blocks[at]; }

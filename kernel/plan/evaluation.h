@@ -128,7 +128,7 @@ struct FinalEvaluation {
   }
 };
 
-// What one step alone uses: nothing of it outlives the step.
+// Scratch of one step: nothing of it outlives the step.
 struct EventSearch {
   // per event
   std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located

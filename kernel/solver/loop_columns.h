@@ -63,7 +63,7 @@ UNLATCH_INLINE void add_outer(double* matrix, std::int32_t stride, int first, in
   }
 }
 
-// What one node of the tree does to the columns.
+// The way of the columns through the nodes of the tree.
 template <class T>
 class LoopPass {
  public:

@@ -6,7 +6,7 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// What a joint passes to its parent, at the child's origin.
+// Block and load that a joint passes to its parent, at the child's origin.
 template <class T>
 struct Passed {
   ArticulatedT<T> A;

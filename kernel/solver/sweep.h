@@ -1,4 +1,4 @@
-// What a sweep of the solver through the tree is asked for.
+// Options of a sweep of the solver through the tree.
 #pragma once
 
 #include <cstdint>

@@ -242,7 +242,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   run.search.fired_count = run.search.audit_count = 0;
   std::fill(run.search.tolerances.begin(), run.search.tolerances.end(), 0.0);
 
-  // What the new inputs bring about, and what the last step postponed, acts at once.
+  // Events that the new inputs bring about, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, is_kept)) return finish(run);
   rearm(plan, run.state, run.ev);
   if (!act_at(run, begin)) return finish(run);

@@ -29,7 +29,7 @@ struct BodyState {
   Vec3 w;  // w_WB_B, body axes, rad/s
 };
 
-// What a joint remembers.
+// Memory of a joint.
 struct JointState {
   std::int64_t mode;  // index into the joint's modes
   double

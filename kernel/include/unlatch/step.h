@@ -10,7 +10,7 @@
 
 namespace unlatch {
 
-// What the outside says during one step.
+// Inputs of one step.
 struct Inputs {
   std::span<const double> commands;  // one value per channel of the model, in its order
 };
