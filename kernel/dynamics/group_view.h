@@ -76,11 +76,7 @@ struct GroupView {
         parents(plan.lane_parents.data() + group.first + first) {}
 
   // Axis of row r, world axes.
-  UNLATCH_INLINE Vec3T<T> get_axis(int r) const {
-    const Mat3T<Wide<W>>& axes = r < kRotX ? blocks.solver().axes : blocks.rotation_axes();
-    const int k = r < kRotX ? r : r - kRotX;
-    return load<T>(k == 0 ? axes.x : (k == 1 ? axes.y : axes.z));
-  }
+  UNLATCH_INLINE Vec3T<T> get_axis(int r) const { return load<T>(blocks.axis(r)); }
 };
 
 // Calls run<Pack, W>() with the widest pack that this build has for a group, and the group's width.

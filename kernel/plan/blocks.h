@@ -160,6 +160,13 @@ struct SolverConstants {
 template <template <class> class Block>
 inline constexpr int kNumbers = sizeof(Block<double>) / sizeof(double);
 
+// Position of a member in its block, in numbers: what a pointer to a data member of such a struct is (Itanium ABI).
+template <class Block, class M>
+UNLATCH_INLINE std::ptrdiff_t get_index(M Block::*member) {
+  static_assert(sizeof(member) == sizeof(std::ptrdiff_t) && sizeof(Block) % sizeof(double) == 0);
+  return std::bit_cast<std::ptrdiff_t>(member) / static_cast<std::ptrdiff_t>(sizeof(double));
+}
+
 // Overlays a block on numbers in memory.
 template <template <class> class Block, int W>
 UNLATCH_INLINE Block<Wide<W>>& as_block(double* numbers) {
@@ -281,6 +288,11 @@ class GroupBlocks {
     return as_block<SubtreeBlock, W>(solver_ - kNumbers<SubtreeBlock> * W);
   }
   UNLATCH_INLINE SolverBlock<N>& solver() const { return as_block<SolverBlock, W>(solver_); }
+  UNLATCH_INLINE const Vec3T<N>& axis(int r) const {  // of row r
+    const std::ptrdiff_t axes =
+        r < kRotX ? get_index(&SolverBlock<double>::axes) : group_.at.rotation_axes - 3 * static_cast<int>(kRotX);
+    return as_block<Vec3T, W>(solver_ + (axes + 3 * r) * W);
+  }
   UNLATCH_INLINE Mat3T<N>& rotation_axes() const { return as_block<Mat3T, W>(solver_ + group_.at.rotation_axes * W); }
   UNLATCH_INLINE FreeBlock<N>& free() const { return as_block<FreeBlock, W>(solver_ + group_.at.free * W); }
   UNLATCH_INLINE FreedomBlock<N>& freedom(int r) const {
@@ -370,13 +382,6 @@ UNLATCH_INLINE void spread(double* to, std::ptrdiff_t stride, const M& a) {
   double numbers[kCount];
   __builtin_memcpy(numbers, &a, sizeof(a));
   for (std::size_t i = 0; i < kCount; ++i) to[static_cast<std::ptrdiff_t>(i) * stride] = numbers[i];
-}
-
-// Position of a member in its block, in numbers: what a pointer to a data member of such a struct is (Itanium ABI).
-template <class Block, class M>
-UNLATCH_INLINE std::ptrdiff_t get_index(M Block::*member) {
-  static_assert(sizeof(member) == sizeof(std::ptrdiff_t) && sizeof(Block) % sizeof(double) == 0);
-  return std::bit_cast<std::ptrdiff_t>(member) / static_cast<std::ptrdiff_t>(sizeof(double));
 }
 
 // One lane of a block.

@@ -194,8 +194,9 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
   if (v.modes.by_rows) eliminate_rows<kFactor>(v, node, bias, passed, bad);
   if (v.group.link == ParentLink::kRoot) return;
   const bool passes = v.modes.by_freedoms || v.modes.rows != 0;
-  if (!passes && !v.group.siblings_begin) return;
-  const Passed<T> at_parent = move<kFactor>(passed, load<T>(v.blocks.solver().offset));
+  if (!passes && !v.group.siblings_begin) return;  // the first of siblings begin their sums
+  Passed<T> at_parent = passed;
+  if (passes) at_parent = move<kFactor>(passed, load<T>(v.blocks.solver().offset));
   if constexpr (V::kWidth == 4 && T::kWidth == 4)
     if (v.group.begins != kNone) return add_four_siblings<kFactor>(v, at_parent, sweep.source);
   add_to_parents<kFactor>(v, at_parent, sums);
@@ -267,7 +268,7 @@ UNLATCH_INLINE void store_multipliers(const V& v, const SpatialT<T>& on_child) {
   const Vec3T<T> about_m = transpose_times(v.group.shared_axes ? n : load<T>(v.blocks.rotation_axes()), moment);
   const T size[kRows] = {along_n.x, along_n.y, along_n.z, about_m.x, about_m.y, about_m.z};
   for (int r = 0; r < kRows; ++r) store(solver.multipliers[r], size[r]);
-  const unsigned may_not_hold = v.group.may_be_by_rows ? (1u << kRows) - 1 : v.group.freedoms;
+  const unsigned may_not_hold = v.modes.by_rows ? (1u << kRows) - 1 : v.modes.freedoms;
   for (unsigned left = may_not_hold; left != 0; left &= left - 1) {
     const int r = std::countr_zero(left);
     T holds = load<T>(solver.by_freedoms);
