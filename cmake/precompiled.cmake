@@ -1,6 +1,6 @@
 # Precompiled headers: the standard library, Eigen and (for tests) GoogleTest are read once, not two hundred times. AUTO leaves
 # them out where a compiler cache works: it would not find again what was compiled with a precompiled header.
-set(UNLATCH_PCH OFF CACHE STRING "Precompiled headers: ON, OFF, or AUTO: unless a compiler launcher such as ccache is set")
+set(UNLATCH_PCH AUTO CACHE STRING "Precompiled headers: ON, OFF, or AUTO: unless a compiler launcher such as ccache is set")
 set(unlatch_pch ${UNLATCH_PCH})
 if(UNLATCH_PCH STREQUAL "AUTO")
   set(unlatch_pch ON)
