@@ -93,7 +93,10 @@ AlignedPose calc_piece_pose(const Piece& piece, const Pose& body) {
 
 class FclDistance final : public ConvexDistance {
  public:
-  std::size_t add(const Shape& shape) override { return pieces_.push_back(build_piece(shape)), pieces_.size() - 1; }
+  std::size_t add(const Shape& shape) override {
+    pieces_.push_back(build_piece(shape));
+    return pieces_.size() - 1;
+  }
 
   double calc(std::size_t a, const Pose& at_a, std::size_t b, const Pose& at_b) override {
     fcl::DistanceRequestd request;

@@ -392,16 +392,25 @@ std::int64_t Executive::calc_dropped() const noexcept {
 // --- The beginning: nothing here is in the cycle --------------------------------------------------------------------
 
 bool Executive::introduce(std::string& failure) {
-  if (options_.pace == Pace::kFast) return announcer_.send_all(), true;
+  if (options_.pace == Pace::kFast) {
+    announcer_.send_all();
+    return true;
+  }
   const std::int64_t give_up_ns = clock_.get_ns() + options_.start_timeout_ns;
   do {
-    if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
+    if (stop_.load(std::memory_order_relaxed)) {
+      failure = "interrupted";
+      return false;
+    }
     announcer_.send_all();
     if (wait_for_introductions(clock_.get_ns() + kHelloInterval_ns)) {
       announcer_.set_status(RunStatus::kConfigured);
       return true;
     }
-    if (!handshake_.get_refusal().empty()) return failure = handshake_.get_refusal(), false;
+    if (!handshake_.get_refusal().empty()) {
+      failure = handshake_.get_refusal();
+      return false;
+    }
   } while (clock_.get_ns() < give_up_ns);
   failure = "no answer from the flight software " +
             participants_.list_required([](const Participant& participant) { return !participant.is_present(); }) +
@@ -427,7 +436,10 @@ bool Executive::configure(std::string& failure) {
   if (options_.pace != Pace::kFast) {
     publish_state(RunStatus::kConfigured);
     while (receive(), !is_answered(clock_.get_ns())) {
-      if (stop_.load(std::memory_order_relaxed)) return failure = "interrupted", false;
+      if (stop_.load(std::memory_order_relaxed)) {
+        failure = "interrupted";
+        return false;
+      }
       const std::int64_t now_ns = clock_.get_ns();
       if (now_ns > give_up_ns || !participants_.is_complete()) {
         failure = "the flight software " + participants_.list_required([](const Participant& participant) {

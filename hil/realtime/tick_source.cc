@@ -108,7 +108,10 @@ bool DescriptorTicks::wait_for_ticks(const std::atomic<bool>& stop) noexcept {
       pending_ = read_ticks();
       if (pending_ != 0) return pending_ > 0;
     }
-    if (get_monotonic_ns() > give_up_ns) return failure_ = "it is silent", false;
+    if (get_monotonic_ns() > give_up_ns) {
+      failure_ = "it is silent";
+      return false;
+    }
   }
   return false;
 }

@@ -7,8 +7,8 @@
 #include "kernel/compile/loop_nodes.h"
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/compile/topology.h"
-#include "kernel/dynamics/coordinates.h"
 #include "kernel/dynamics/flexible.h"
+#include "kernel/joints/coordinates.h"
 #include "kernel/model/from_eigen.h"
 #include "kernel/model/model_hash.h"
 #include "unlatch/frequencies.h"
@@ -112,7 +112,7 @@ class Coordinates {
  public:
   explicit Coordinates(PlanData& plan) : plan_(plan) {}
 
-  // Its place in Plan::coordinates.
+  // Its place in PlanData::coordinates.
   std::int32_t find(int joint, int axis) {
     const auto next = static_cast<std::int32_t>(plan_.coordinates.size());
     const auto [found, is_new] = known_.emplace(std::pair(joint, axis), next);
@@ -212,7 +212,7 @@ class Profiles {
   std::map<std::vector<double>, std::int32_t> known_;
 };
 
-// Per joint spring, its place in Plan::compliant; kNone if it is integrated explicitly.
+// Per joint spring, its place in PlanData::compliant; kNone if it is integrated explicitly.
 std::vector<std::int32_t> list_compliant(const Model& model, const PlanData& plan) {
   std::vector<std::int32_t> places(model.joint_springs.size(), kNone);
   for (std::size_t i = 0; i < plan.compliant.size(); ++i)

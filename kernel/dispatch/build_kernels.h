@@ -3,8 +3,8 @@
 
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/body_motion.h"
-#include "kernel/dynamics/joints.h"
 #include "kernel/dynamics/runge_kutta.h"
+#include "kernel/joints/tree_joints.h"
 #include "kernel/simd/arctangent_packs.h"
 #include "kernel/solver/solve.h"
 

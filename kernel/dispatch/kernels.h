@@ -2,7 +2,7 @@
 // kernel/dynamics and kernel/solver; each row names the file that documents it.
 #pragma once
 
-#include "kernel/dynamics/joint_motion.h"
+#include "kernel/joints/joint_motion.h"
 #include "kernel/plan/evaluation.h"
 #include "kernel/solver/sweep.h"
 
@@ -13,7 +13,7 @@ struct Kernels {
   void (*update_kinematics)(const PlanData&, Evaluation&);
   void (*update_angular_velocities)(const PlanData&, Evaluation&);
   void (*init_forces)(const PlanData&, Evaluation&);
-  // dynamics/joints.h
+  // joints/tree_joints.h
   void (*update_joints)(const PlanData&, Evaluation&, RowTarget);
   void (*update_joint_velocities)(const PlanData&, Evaluation&);
   // simd/arctangent_packs.h

@@ -1,7 +1,7 @@
 #include "kernel/dynamics/balance.h"
 
 #include "kernel/dynamics/flexible.h"
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 Balance calc_balance(const PlanData& plan, const State& state, const Evaluation& ev) noexcept {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "kernel/dynamics/gravity.h"
-#include "kernel/dynamics/group_view.h"
+#include "kernel/plan/group_view.h"
 
 namespace unlatch::UNLATCH_ISA {
 

@@ -13,14 +13,14 @@
 #pragma once
 
 #include "kernel/dynamics/compliance.h"
-#include "kernel/dynamics/joint_motion.h"
+#include "kernel/joints/joint_motion.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/plan.h"
 
 namespace unlatch {
 
-// Numbers of a flexible body in PlanData::modal and Evaluation::modal, m modes. Three numbers per mode and vector: k, then
-// xyz.
+// Numbers of a flexible body in PlanData::modal and Evaluation::modal, m modes. Three numbers per mode and vector: k,
+// then xyz.
 struct ModalShape {
   int modes;
   const double *momentum, *first, *second;  // S (3 m), G (9 m, by rows), H (9 m², by rows; kl)

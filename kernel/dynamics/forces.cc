@@ -5,9 +5,9 @@
 
 #include "kernel/dynamics/compliance.h"
 #include "kernel/dynamics/flexible.h"
-#include "kernel/dynamics/kinematics.h"
 #include "kernel/dynamics/loads.h"
 #include "kernel/dynamics/varying.h"
+#include "kernel/joints/kinematics.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch {

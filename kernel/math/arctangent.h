@@ -1,5 +1,5 @@
-// The arithmetic of atan2, over doubles (elementary.cc) and over packs (lane_angles.h): one text, hence the same bits.
-// `T` needs arithmetic, clear_low_bits(), truncate() and look_up().
+// The arithmetic of atan2, over doubles (elementary.cc) and over packs (simd/arctangent_packs.h): one text, hence the
+// same bits. `T` needs arithmetic, clear_low_bits(), truncate() and look_up().
 #pragma once
 
 #include <bit>

@@ -1,7 +1,7 @@
 #include "kernel/solver/loop_rows.h"
 
 #include "kernel/dynamics/flexible.h"
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 namespace {

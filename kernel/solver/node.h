@@ -2,7 +2,7 @@
 // block that nothing holds. Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
-#include "kernel/dynamics/group_view.h"
+#include "kernel/plan/group_view.h"
 #include "kernel/solver/sweep.h"
 
 namespace unlatch::UNLATCH_ISA {

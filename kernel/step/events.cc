@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/dynamics/kinematics.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/joints/kinematics.h"
 #include "kernel/step/guards.h"
 #include "kernel/step/integrator.h"
 #include "kernel/step/load_state.h"

@@ -4,7 +4,7 @@
 
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/flexible.h"
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 #include "kernel/solver/loop_rows.h"
 #include "kernel/step/integrator.h"
 #include "kernel/step/load_state.h"

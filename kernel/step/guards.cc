@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 namespace {

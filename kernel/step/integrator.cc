@@ -2,12 +2,12 @@
 
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/compliance.h"
-#include "kernel/dynamics/coordinates.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/forces.h"
 #include "kernel/dynamics/loads.h"
-#include "kernel/dynamics/residuals.h"
 #include "kernel/dynamics/varying.h"
+#include "kernel/joints/coordinates.h"
+#include "kernel/joints/residuals.h"
 #include "kernel/solver/loop_rows.h"
 #include "kernel/step/load_state.h"
 

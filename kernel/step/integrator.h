@@ -5,9 +5,9 @@
 // All return kNone, or the node whose pivot vanished.
 #pragma once
 
-#include "kernel/dynamics/coordinates.h"
 #include "kernel/dynamics/instant.h"
-#include "kernel/dynamics/joint_motion.h"
+#include "kernel/joints/coordinates.h"
+#include "kernel/joints/joint_motion.h"
 #include "kernel/plan/evaluation.h"
 
 namespace unlatch {

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 
-#include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/kinematics.h"
+#include "kernel/joints/residuals.h"
 
 namespace unlatch {
 namespace {

@@ -1,7 +1,7 @@
 #include "kernel/step/sensors.h"
 
 #include "kernel/dynamics/gravity.h"
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 namespace {

@@ -93,7 +93,10 @@ void write_modes(const fs::path& folder) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 2) return std::fprintf(stderr, "make_seeds FOLDER\n"), 2;
+  if (count != 2) {
+    std::fprintf(stderr, "make_seeds FOLDER\n");
+    return 2;
+  }
   const fs::path folder(arguments[1]);
   for (const char* target :
        {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults", "modes", "calculix"}) {

@@ -113,7 +113,10 @@ int main(int count, char** arguments) {
       ++name;
       continue;
     }
-    if (name + 1 == names.end()) return std::fprintf(stderr, "%s wants a number\n", name->c_str()), 2;
+    if (name + 1 == names.end()) {
+      std::fprintf(stderr, "%s wants a number\n", name->c_str());
+      return 2;
+    }
     if (*name == "--seed") seed = std::stoull(name[1]);
     if (*name == "--mutations") mutations = std::stol(name[1]);
     name = names.erase(name, name + 2);
@@ -121,7 +124,10 @@ int main(int count, char** arguments) {
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGALRM}) std::signal(signal, keep_input);
 
   const std::vector<Bytes> inputs = read_inputs(names);
-  if (inputs.empty()) return std::fprintf(stderr, "no inputs\n"), 2;
+  if (inputs.empty()) {
+    std::fprintf(stderr, "no inputs\n");
+    return 2;
+  }
   for (const Bytes& input : inputs) run(input);
   std::printf("%zu inputs, no finding\n", inputs.size());
   if (mutations == 0) return 0;

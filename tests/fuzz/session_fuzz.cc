@@ -1,6 +1,5 @@
-// Messages of participants to the cyclic executive, in real time and in lockstep, under every policy. No thread waits: the
-// clock below jumps to every deadline, so that an execution is short and the
-// same each time.
+// Messages of participants to the cyclic executive, in real time and in lockstep, under every policy. No thread waits:
+// the clock below jumps to every deadline, so that an execution is short and the same each time.
 //
 //   input  = choices (1 byte: bit 0 the pace, bit 7 a spin, the rest policy and delay), then the messages, item by item
 //   item   = kind and marks (1 byte), the message's bytes (as many as its struct has, or what is left)

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/kinematics.h"
+#include "kernel/joints/residuals.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/kinematics.h"
+#include "kernel/joints/residuals.h"
 #include "kernel/step/integrator.h"
 #include "tests/support/linear_algebra.h"
 #include "tests/support/modal_model.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 #include "unlatch/elementary.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/kinematics.h"
+#include "kernel/joints/residuals.h"
 #include "kernel/step/integrator.h"
 #include "tests/support/linkages.h"
 #include "tests/support/random_model.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/residuals.h"
 #include "tests/support/linkages.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/kinematics.h"
+#include "kernel/joints/residuals.h"
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/dynamics/kinematics.h"
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/kinematics.h"
+#include "kernel/joints/residuals.h"
 #include "tests/golden/golden_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/random_model.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernel/dispatch/kernels.h"
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 #include "kernel/step/integrator.h"
 #include "tests/support/random_model.h"
 #include "tests/support/solve_comparison.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 
 namespace unlatch::test {
 namespace {

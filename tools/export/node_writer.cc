@@ -61,7 +61,10 @@ int open_program() {
   const int file = memfd_create("unlatch-export", MFD_CLOEXEC);
   for (std::size_t done = 0; file >= 0 && done < program.size();) {
     const ssize_t count = write(file, program.data() + done, program.size() - done);
-    if (count <= 0) return close(file), -1;
+    if (count <= 0) {
+      close(file);
+      return -1;
+    }
     done += static_cast<std::size_t>(count);
   }
   if (file >= 0) lseek(file, 0, SEEK_SET);
@@ -72,8 +75,8 @@ int open_program() {
 
 NodeWriter::NodeWriter(const std::string& format, const std::string& path) {
   if (get_program().empty()) {
-    throw NodeMissing("this program was built without the writer of " + format + ", which needs Node.js and npm: " +
-                      kInstall + "; then build again: cmake --preset release");
+    throw NodeMissing("this program was built without the writer of " + format +
+                      ", which needs Node.js and npm: " + kInstall + "; then build again: cmake --preset release");
   }
   const Descriptor program(open_program());
   int ends[2];

@@ -149,11 +149,14 @@ void ParticipantClient::answer(const hil::StateMessage& state) {
 bool ParticipantClient::has_ended(const hil::StateMessage& state, Outcome& outcome) const {
   switch (static_cast<RunStatus>(state.status)) {
     case RunStatus::kDone:
-      return outcome = {true, "the run is done"}, true;
+      outcome = {true, "the run is done"};
+      return true;
     case RunStatus::kFaulted:
-      return outcome = {true, "the simulator reports a fault"}, true;
+      outcome = {true, "the simulator reports a fault"};
+      return true;
     case RunStatus::kAborted:
-      return outcome = {true, "the run was aborted"}, true;
+      outcome = {true, "the run was aborted"};
+      return true;
     default:
       return false;
   }

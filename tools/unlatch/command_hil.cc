@@ -171,7 +171,8 @@ class Session {
     });
     const auto watchdog = start_watchdog(executive);
     watch(executive, ended);
-    return cyclic.join(), end;
+    cyclic.join();
+    return end;
   }
 
   void refuse(const std::string& refused) {

@@ -93,7 +93,10 @@ int run(const WatchOptions& options) {
     const View& view = observation.look(now, port->get_counts());
     if (!view.has_state) state_heard = now;
     was_heard = was_heard || view.session != 0;
-    if (options.once && is_whole(view, calc_age(now, state_heard))) return output.write(view), kExitDone;
+    if (options.once && is_whole(view, calc_age(now, state_heard))) {
+      output.write(view);
+      return kExitDone;
+    }
     if (!output.show(view, now)) break;
   }
   if (options.once) std::fprintf(stderr, "unlatch watch: no session was found\n");
@@ -104,13 +107,13 @@ int run(const WatchOptions& options) {
 
 void add_watch(Command app, int& exit_code) {
   auto options = std::make_shared<WatchOptions>();
-  Command command =
-      app.add_verb("watch",
-                   "Shows a session while it runs: modes and reactions of the joints, clearances, times, "
-               "messages, participants, events. It only receives, on any machine, and continues with the next "
-               "session when one ends. On a terminal it updates ten times a second (q: quit); elsewhere it prints a "
-               "line each second.",
-                   "unlatch watch --transport dds");
+  Command command = app.add_verb(
+      "watch",
+      "Shows a session while it runs: modes and reactions of the joints, clearances, times, "
+      "messages, participants, events. It only receives, on any machine, and continues with the next "
+      "session when one ends. On a terminal it updates ten times a second (q: quit); elsewhere it prints a "
+      "line each second.",
+      "unlatch watch --transport dds");
   add_transport_options(command, options->transport, false);
   command.add_option("--for", options->seconds, "ends after this wall time, s (default: never)")
       .type_name("SECONDS")

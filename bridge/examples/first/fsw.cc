@@ -59,5 +59,8 @@ int main() {
   software.lcm.subscribe("UNLATCH_CATALOG", &FlightSoftware::on_catalog, &software);
   software.lcm.subscribe("UNLATCH_STATE", &FlightSoftware::on_state, &software);
   while (!software.ended)
-    if (software.lcm.handleTimeout(30'000) <= 0) return std::fputs("fsw: no simulator\n", stderr), 1;
+    if (software.lcm.handleTimeout(30'000) <= 0) {
+      std::fputs("fsw: no simulator\n", stderr);
+      return 1;
+    }
 }

@@ -1,4 +1,4 @@
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 

@@ -2,7 +2,7 @@
 // theirs in groups (joints.h), from the same formulas (joint_motion.h).
 #pragma once
 
-#include "kernel/dynamics/joint_motion.h"
+#include "kernel/joints/joint_motion.h"
 #include "kernel/plan/evaluation.h"
 
 namespace unlatch {

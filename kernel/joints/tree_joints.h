@@ -2,8 +2,8 @@
 // kernel/simd/pack.h.
 #pragma once
 
-#include "kernel/dynamics/group_view.h"
-#include "kernel/dynamics/joint_motion.h"
+#include "kernel/joints/joint_motion.h"
+#include "kernel/plan/group_view.h"
 
 namespace unlatch::UNLATCH_ISA {
 

@@ -1,9 +1,9 @@
-#include "kernel/dynamics/residuals.h"
+#include "kernel/joints/residuals.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 namespace {

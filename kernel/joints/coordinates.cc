@@ -1,8 +1,8 @@
-#include "kernel/dynamics/coordinates.h"
+#include "kernel/joints/coordinates.h"
 
 #include <cmath>
 
-#include "kernel/dynamics/kinematics.h"
+#include "kernel/joints/kinematics.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch {

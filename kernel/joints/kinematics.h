@@ -1,7 +1,7 @@
 // Frames of bodies and joints, one at a time, wherever they are kept.
 #pragma once
 
-#include "kernel/dynamics/joint_motion.h"
+#include "kernel/joints/joint_motion.h"
 #include "kernel/plan/evaluation.h"
 
 namespace unlatch {
