@@ -283,7 +283,7 @@ template <class V, class T>
 UNLATCH_INLINE SpatialT<T> substitute_freedoms(const V& v, const SpatialT<T>& carried, bool biased) {
   SpatialT<T> a = carried;
   for (unsigned left = v.modes.freedoms; left != 0;) {
-    const int r = std::bit_width(left) - 1;  // the last to be eliminated comes first
+    const int r = static_cast<int>(std::bit_width(left)) - 1;  // the last to be eliminated comes first
     left ^= 1u << r;
     auto& own = v.blocks.freedom(r);
     const T q = load<T>(own.inverse_pivot) * (load<T>(own.beta) - dot(load<T>(own.U), a));
