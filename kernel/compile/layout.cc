@@ -338,8 +338,8 @@ class Layout {
     used_ += solver;
   }
 
-  // Four siblings alone, and the first to come, begin their parent's block; blocks of flexible bodies and of such that
-  // lose mass begin with their own.
+  // Groups that begin the blocks of their parents: the first to come, if they add to all of them at once. Blocks of
+  // flexible bodies and of such that lose mass begin with their own.
   void find_beginnings() {
     std::vector<bool> added(plan_.groups.size(), false), begun(plan_.groups.size(), false);
     const auto get_parent_group = [&](const Group& group, int lane) {
@@ -351,8 +351,9 @@ class Layout {
       if (group.link == ParentLink::kRoot) continue;
       const int parent = get_parent_group(group, 0);
       const Group& parents = plan_.groups[at(parent)];
-      if (group.width == 4 && group.siblings_begin && group.siblings_end && parents.width == 1 && !added[at(parent)] &&
-          group.kind == BodyKind::kRigid && is_plain(parents)) {
+      const bool four = group.width == 4 && group.siblings_begin && group.siblings_end && parents.width == 1;
+      if ((four || group.link == ParentLink::kContiguous) && !added[at(parent)] && group.kind == BodyKind::kRigid &&
+          is_plain(parents)) {
         group.begins = parent;
         begun[at(parent)] = true;
       }
@@ -362,8 +363,10 @@ class Layout {
       if (!plan_.groups[g].leaf && !begun[g]) plan_.inner_groups.push_back(static_cast<std::int32_t>(g));
   }
   bool is_plain(const Group& group) const {
-    const PlanBody& body = plan_.bodies[at(plan_.nodes[at(plan_.lane_nodes[at(group.first)])].body)];
-    return group.kind == BodyKind::kRigid && body.varying == kNone;
+    for (int lane = 0; lane < group.count; ++lane)
+      if (plan_.bodies[at(plan_.nodes[at(plan_.lane_nodes[at(group.first + lane)])].body)].varying != kNone)
+        return false;
+    return group.kind == BodyKind::kRigid;
   }
 
   // Each lane's parent; an empty lane has its neighbour's.

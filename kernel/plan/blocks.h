@@ -230,8 +230,7 @@ struct alignas(64) Group {
   std::int32_t body, shared;  // where the first lane's blocks are, in numbers from the beginning of Evaluation::blocks
   std::int32_t joint, solver;
   std::int32_t constants;  // its JointConstants, in PlanData::joint_constants
-  std::int32_t begins;     // of four siblings: the group of the one parent whose block they begin, see
-                           // kernel/solver/four_siblings.h; or kNone
+  std::int32_t begins;     // group whose SubtreeBlocks it is the first to add to, all of them, and begins; or kNone
   std::uint8_t size;       // numbers per lane from its SolverBlock on
   std::uint8_t width;      // 1, 2, 4 or 8
   std::uint8_t count;      // lanes in use

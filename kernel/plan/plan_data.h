@@ -218,12 +218,11 @@ struct PlanData {
 
   // blocks, see blocks.h
   std::vector<BodyEight> eights;
-  std::vector<Group> groups;  // parents before children
-  std::vector<std::int32_t>
-      inner_groups;                      // of bodies with something outboard whose SubtreeBlocks no four siblings begin
-  std::vector<std::int32_t> lane_nodes;  // per lane: its node, or kNone
-  std::vector<Place> lane_parents;       // per lane: where its parent is
-  std::vector<Place> places;             // per body
+  std::vector<Group> groups;                // parents before children
+  std::vector<std::int32_t> inner_groups;   // whose SubtreeBlocks no child begins, see Group::begins
+  std::vector<std::int32_t> lane_nodes;     // per lane: its node, or kNone
+  std::vector<Place> lane_parents;          // per lane: where its parent is
+  std::vector<Place> places;                // per body
   std::vector<NumberColumn> multipliers;    // per joint: the six of them
   std::vector<NumberColumn> accelerations;  // per body: the six of it
   std::vector<double> body_constants;       // BodyConstants of each block of eight

@@ -114,15 +114,23 @@ UNLATCH_INLINE void close_siblings(const PlanData& plan, Evaluation& ev, const G
 // ----------------------------------------------------------------------------------------------
 
 template <bool kFactor, class T, int kWidth>
-UNLATCH_INLINE void add_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& passed, SiblingSums& sums) {
+UNLATCH_INLINE void add_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& passed, Source source,
+                                   SiblingSums& sums) {
   if (v.group.link == ParentLink::kSiblings) {
     if (v.group.siblings_begin) return store<kFactor>(sums.from_lane<kWidth>(v.lane), passed);
     return add<kFactor>(sums.from_lane<8>(v.lane), passed);
   }
   double* blocks = v.ev.blocks.data();
-  if (v.group.link == ParentLink::kContiguous)
-    return add<kFactor>(as_block<SubtreeBlock, kWidth>(blocks + get_position<SubtreeBlock<double>>(v.parents[0]).first),
-                        passed);
+  if (v.group.link == ParentLink::kContiguous) {
+    SubtreeBlock<Wide<kWidth>>& block =
+        as_block<SubtreeBlock, kWidth>(blocks + get_position<SubtreeBlock<double>>(v.parents[0]).first);
+    if (v.group.begins == kNone) return add<kFactor>(block, passed);
+    const GroupView<T, kWidth> parent(v.plan, v.ev, static_cast<std::size_t>(v.group.begins), v.lane);
+    const Passed<T> own = get_own(parent, source);
+    Passed<T> sum{{}, own.load + passed.load};
+    if constexpr (kFactor) sum.A = own.A + passed.A;
+    return store<kFactor>(block, sum);
+  }
   double each[kNumbers<SubtreeBlock> * T::kWidth];
   store<kFactor>(as_block<SubtreeBlock, T::kWidth>(each), passed);
   for (int i = 0; i < T::kWidth; ++i) {

@@ -194,12 +194,14 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
   if (v.modes.by_rows) eliminate_rows<kFactor>(v, node, bias, passed, bad);
   if (v.group.link == ParentLink::kRoot) return;
   const bool passes = v.modes.by_freedoms || v.modes.rows != 0;
-  if (!passes && !v.group.siblings_begin) return;  // the first of siblings begin their sums
+  // The first of siblings begin their sums, and the first to come their parents' blocks.
+  if (!passes && !v.group.siblings_begin && v.group.begins == kNone) return;
   Passed<T> at_parent = passed;
   if (passes) at_parent = move<kFactor>(passed, load<T>(v.blocks.solver().offset));
   if constexpr (V::kWidth == 4 && T::kWidth == 4)
-    if (v.group.begins != kNone) return add_four_siblings<kFactor>(v, at_parent, sweep.source);
-  add_to_parents<kFactor>(v, at_parent, sums);
+    if (v.group.link == ParentLink::kSiblings && v.group.begins != kNone)
+      return add_four_siblings<kFactor>(v, at_parent, sweep.source);
+  add_to_parents<kFactor>(v, at_parent, sweep.source, sums);
 }
 
 // The first lane whose pivot vanished, as a node.
