@@ -56,8 +56,7 @@ UNLATCH_INLINE MotionT<T> calc_rates(const V& v) {
   return {now.v, quaternion_rate(now.q, now.w), a.lin, transpose_times(load<T>(v.body.R), a.ang)};
 }
 
-// --- Beginning
-// -----------------------------------------------------------------------------------------------------------
+// --- Beginning -------------------------------------------------------------------------------------------------------
 
 // The present motion and its rates become the beginning of a sub-step.
 template <int kWidest>
@@ -76,8 +75,7 @@ void begin_substep(const PlanData& plan, Evaluation& ev) {
   }
 }
 
-// --- RK4
-// -----------------------------------------------------------------------------------------------------------------
+// --- RK4 -------------------------------------------------------------------------------------------------------------
 
 // The sum begins with `weight` of the rates at the beginning; the motion goes `h` seconds along them.
 template <int kWidest>
@@ -134,8 +132,7 @@ void finish_stages(const PlanData& plan, Evaluation& ev, double weight, double h
   finish_auxiliary(ev.auxiliary, weight, h);
 }
 
-// --- ROS2
-// ----------------------------------------------------------------------------------------------------------------
+// --- ROS2 ------------------------------------------------------------------------------------------------------------
 
 // Back to the beginning.
 template <int kWidest>
@@ -183,8 +180,7 @@ void finish_second_stage(const PlanData& plan, Evaluation& ev, double h, double 
   finish_auxiliary(ev.auxiliary, 0.5, h);
 }
 
-// --- Corrections
-// -----------------------------------------------------------------------------------------------------------
+// --- Corrections -----------------------------------------------------------------------------------------------------
 
 // Applies the latest solution as a displacement.
 template <int kWidest>

@@ -80,8 +80,7 @@ struct BodyConstants {
   N mass;            // likewise
 };
 
-// --- What the joint to the parent has
-// ----------------------------------------------------------------------------------
+// --- What the joint to the parent has --------------------------------------------------------------------------------
 
 template <class N>
 struct JointBlock {
@@ -177,8 +176,7 @@ UNLATCH_INLINE const Block<Wide<W>>& as_block(const double* numbers) {
   return *reinterpret_cast<const Block<Wide<W>>*>(numbers);
 }
 
-// --- Blocks of eight bodies
-// --------------------------------------------------------------------------------------------
+// --- Blocks of eight bodies ------------------------------------------------------------------------------------------
 
 struct BodyEight {
   std::int32_t body, shared;  // its blocks, in numbers from the beginning of Evaluation::blocks
@@ -205,8 +203,7 @@ struct BodyEight {
   }
 };
 
-// --- Groups of joints and nodes
-// ----------------------------------------------------------------------------------------
+// --- Groups of joints and nodes --------------------------------------------------------------------------------------
 
 // How a group finds its parents.
 enum class ParentLink : std::uint8_t {
@@ -323,8 +320,7 @@ class GroupConstants {
   const double *solver_, *joint_;
 };
 
-// --- One body at a time
-// ------------------------------------------------------------------------------------------------
+// --- One body at a time ----------------------------------------------------------------------------------------------
 
 using BodyLane = BodyBlock<double>;
 using SharedLane = SharedBlock<double>;

@@ -47,8 +47,7 @@ UNLATCH_INLINE void for_bodies(const PlanData& plan, Evaluation& ev, const Stage
     });
 }
 
-// --- Groups
-// ------------------------------------------------------------------------------------------------------------
+// --- Groups ----------------------------------------------------------------------------------------------------------
 
 // Some lanes of a group of width kWidth, from `lane` on, and what is theirs.
 template <class Pack, int W>
@@ -96,8 +95,7 @@ UNLATCH_INLINE void for_width(const Group& group, const Run& run) {
   }
 }
 
-// --- Parents
-// -------------------------------------------------------------------------------------------------------------
+// --- Parents ---------------------------------------------------------------------------------------------------------
 
 // Members of the parents' bodies for the lanes of a group: where the parents are neighbours in their block of eight,
 template <class Pack>

@@ -17,8 +17,7 @@
 
 namespace unlatch {
 
-// --- Tree
-// --------------------------------------------------------------------------------------------------------------
+// --- Tree ------------------------------------------------------------------------------------------------------------
 
 struct PlanBody {
   double mass;  // kg; 0 of a body with a mass law, a flexible body or a marker, which add theirs
@@ -67,8 +66,7 @@ struct LoopEnd {
   bool follower;
 };
 
-// --- Bodies that bend or burn
-// --------------------------------------------------------------------------------------------
+// --- Bodies that bend or burn ----------------------------------------------------------------------------------------
 
 // A flexible body, see kernel/dynamics/flexible.h.
 struct PlanFlexible {
@@ -100,8 +98,7 @@ struct PlanVarying {
   Vec3 exit;
 };
 
-// --- Elements
-// ----------------------------------------------------------------------------------------------------------
+// --- Elements --------------------------------------------------------------------------------------------------------
 
 // A spring that is integrated implicitly, see kernel/dynamics/compliance.h.
 struct PlanCompliant {
@@ -158,8 +155,7 @@ struct Knot {
   double time, value;
 };
 
-// --- Events and sensors
-// --------------------------------------------------------------------------------------------------
+// --- Events and sensors ----------------------------------------------------------------------------------------------
 
 // Guards in postfix order: a condition's parts stand before it.
 struct PlanCondition {
@@ -186,8 +182,7 @@ struct PlanSensor {
   Vec3 point;
 };
 
-// --- The whole
-// -----------------------------------------------------------------------------------------------------------
+// --- The whole -------------------------------------------------------------------------------------------------------
 
 // Uniform and central gravity, see Gravity in unlatch/model.h.
 struct GravityField {

@@ -53,8 +53,7 @@ UNLATCH_INLINE ArticulatedT<T> get_body_block(const T& mass, const Sym3T<T>& ine
   return {{mass, mass, mass, o, o, o}, {{o, o, o}, {o, o, o}, {o, o, o}}, inertia};
 }
 
-// --- The block of a body that nothing, or little, holds
-// ---------------------------------------------------------------
+// --- The block of a body that nothing, or little, holds --------------------------------------------------------------
 
 // LDLᵀ of a symmetric 3×3, from its minors, so that its divisions do not wait for each other. As accurate as one pivot
 // after the other: what is subtracted and what is left keep their proportions. `bad`: lanes where a pivot vanished
@@ -91,8 +90,7 @@ UNLATCH_INLINE SpatialT<T> solve_free(const FreeFactorT<T>& f, const SpatialT<T>
   return {solve(f.M, b.lin) - f.W * ang, ang};
 }
 
-// --- The body's block and load
-// ------------------------------------------------------------------------------------------
+// --- The body's block and load ---------------------------------------------------------------------------------------
 
 // With what its children have added. A leaf's block is diag(mass, I).
 template <class T, bool kLeaf>

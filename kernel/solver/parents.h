@@ -63,8 +63,7 @@ UNLATCH_INLINE void begin_block(const PlanData& plan, Evaluation& ev, std::int32
   });
 }
 
-// --- Siblings: their partial sums in a fixed tree
-// ------------------------------------------------------------------------
+// --- Siblings: their partial sums in a fixed tree --------------------------------------------------------------------
 
 // Of one number of the block.
 UNLATCH_INLINE double sum_lanes(const double* s, int width) {
@@ -110,8 +109,7 @@ UNLATCH_INLINE void close_siblings(const PlanData& plan, Evaluation& ev, const G
   for (; i < kNumbers<SubtreeBlock>; ++i) to.first[i * to.stride] += sum_lanes(sums.numbers + i * width, width);
 }
 
-// --- Whatever the parents are
-// ----------------------------------------------------------------------------------------------
+// --- Whatever the parents are ----------------------------------------------------------------------------------------
 
 template <bool kFactor, class T, int kWidth>
 UNLATCH_INLINE void add_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& passed, Source source,

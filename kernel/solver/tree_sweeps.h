@@ -22,8 +22,7 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// --- Lanes held by one or two rows, or by none
-// -------------------------------------------------------------------------
+// --- Lanes held by one or two rows, or by none -----------------------------------------------------------------------
 
 // Factors A itself, and keeps A⁻¹ b.
 template <bool kFactor, class V, class N, class T>
@@ -77,8 +76,7 @@ UNLATCH_INLINE void eliminate_rows(const V& v, const N& node, const SpatialT<T>&
   }
 }
 
-// --- Lanes held by three rows or more
-// --------------------------------------------------------------------------------------
+// --- Lanes held by three rows or more --------------------------------------------------------------------------------
 
 template <class T>
 UNLATCH_INLINE SpatialT<T> to_spatial(const SlideT<T>& a) {
@@ -161,8 +159,7 @@ UNLATCH_INLINE void reduce_freedoms(const V& v, SpatialT<T>& load_left) {
   }
 }
 
-// --- Backward pass, leaves to root
-// -------------------------------------------------------------------------------------------
+// --- Backward pass, leaves to root -----------------------------------------------------------------------------------
 
 template <class T>
 UNLATCH_INLINE ArticulatedT<T> operator&(const T& mask, const ArticulatedT<T>& A) {
@@ -256,8 +253,7 @@ UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep&
   return kNone;
 }
 
-// --- Forward pass, root to leaves
-// ----------------------------------------------------------------------------------------------
+// --- Forward pass, root to leaves ------------------------------------------------------------------------------------
 
 // The wrench A a − b that the joint puts on the child, as multipliers on its follower: 0 for rows that do not hold.
 template <class V, class T>
