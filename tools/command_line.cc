@@ -2,7 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstring>
 
+#include "hil/language/expression.h"
+#include "hil/language/scenario_error.h"
 #include "tools/exit_codes.h"
 
 namespace unlatch::tools {
@@ -58,12 +61,68 @@ OptionHandle add(CLI::App& app, const std::string& name, Target& target, const s
   return OptionHandle(app.add_option(name, target, description));
 }
 
-std::string check_seconds(const std::string& text) {
-  double value = 0;  // CLI::PositiveNumber says so in four hundred digits
-  return CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)
-             ? std::string{}
-             : "'" + text + "' is not a positive number of seconds";
+namespace {
+
+// A number of seconds as the language writes them, `3`, `3 s`, `300 ms`, becomes a plain one with all its digits.
+std::string read_seconds(std::string& text, bool zero_too) {
+  const std::string mistake = "'" + text + "' is not a " + (zero_too ? "" : "positive ") +
+                              "number of seconds; write for example 3, 3 s, 300 ms, 2 min";
+  try {
+    const hil::Quantity time = hil::evaluate_expression(text, {});
+    const bool fits = time.dimension.is_plain() || hil::dimension_of("s").takes(time.dimension);
+    if (!fits || !(zero_too ? time.value >= 0 : time.value > 0)) return mistake;
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.17g", time.value);
+    text = digits;
+    return {};
+  } catch (const hil::ExpressionError&) {
+    return mistake;
+  }
 }
+
+// The verb that the arguments name, and every option of it and of the program.
+std::vector<std::string> list_option_names(CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : std::as_const(app).get_options()) {
+    if (option->get_group().empty()) continue;
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::string describe_guess(const std::string& wrong, const std::vector<std::string>& known) {
+  const std::string* const nearest = hil::find_nearest(wrong, known, std::max<std::size_t>(2, wrong.size() / 3));
+  return nearest == nullptr ? "" : "; did you mean '" + *nearest + "'?";
+}
+
+// "" or a clearer sentence than the parser's own on what it did not accept.
+std::string explain(CLI::App& app, int argc, char** argv) {
+  const std::vector<CLI::App*> verbs = app.get_subcommands([](CLI::App*) { return true; });
+  CLI::App* at = &app;
+  for (int i = 1; i < argc && std::strcmp(argv[i], "--") != 0; ++i) {
+    const std::string word(argv[i]), name = word.substr(0, word.find('='));
+    if (word.starts_with("--")) {
+      const std::vector<std::string> known = list_option_names(*at);
+      if (std::find(known.begin(), known.end(), name) == known.end()) {
+        return app.get_name() + (at == &app ? "" : " " + at->get_name()) + ": there is no option '" + name + "'" +
+               describe_guess(name, known);
+      }
+    } else if (at == &app && !verbs.empty()) {
+      std::vector<std::string> names;
+      for (CLI::App* verb : verbs) {
+        if (!verb->get_group().empty()) names.push_back(verb->get_name());
+        if (verb->get_name() == word) at = verb;
+      }
+      if (at != &app) continue;
+      std::string list;
+      for (const std::string& verb : names) list += (list.empty() ? "" : ", ") + verb;
+      return app.get_name() + ": there is no verb '" + word + "'" + describe_guess(word, names) + " known: " + list;
+    }
+  }
+  return "";
+}
+
+}  // namespace
 
 // --- An option
 // --------------------------------------------------------------------------------------------------------
@@ -76,6 +135,11 @@ OptionHandle OptionHandle::delimiter(char separator) { return option_->delimiter
 OptionHandle OptionHandle::expected(int least, int most) { return option_->expected(least, most), *this; }
 OptionHandle OptionHandle::repeatable() { return option_->take_all()->allow_extra_args(false), *this; }
 
+OptionHandle OptionHandle::seconds(Seconds range, int element) {
+  CLI::Validator reader([range](std::string& text) { return read_seconds(text, range == Seconds::kZeroToo); }, "");
+  reader.application_index(element);
+  return option_->transform(reader), *this;
+}
 OptionHandle OptionHandle::check(const OptionCheck& check) { return option_->check(check), *this; }
 OptionHandle OptionHandle::one_of(const std::vector<std::string>& values) {
   return option_->check(CLI::IsMember(values)), *this;
@@ -197,6 +261,13 @@ bool CommandLine::parse(int argc, char** argv, int& exit_code) {
     app_->parse(argc, argv);
     return true;
   } catch (const CLI::ParseError& error) {
+    const bool is_unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                            dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+    if (const std::string clearer = is_unknown ? explain(*app_, argc, argv) : ""; !clearer.empty()) {
+      std::fprintf(stderr, "%s\nRun with --help for more information.\n", clearer.c_str());
+      exit_code = kExitUsage;
+      return false;
+    }
     exit_code = app_->exit(error) == 0 ? kExitDone : kExitUsage;
     return false;
   }

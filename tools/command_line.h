@@ -21,8 +21,7 @@ extern const char* const kExitCodesText;
 // "" or the mistake in a value.
 using OptionCheck = std::function<std::string(const std::string&)>;
 
-// A finite number of seconds above 0, for OptionHandle::check.
-std::string check_seconds(const std::string& text);
+enum class Seconds { kPositive, kZeroToo };
 
 // An option while it is declared. It refers to the command line.
 class OptionHandle {
@@ -37,6 +36,8 @@ class OptionHandle {
   OptionHandle expected(int least, int most);
   OptionHandle repeatable();  // one value each time
 
+  // A time in s, or with its unit: 3, 3 s, 300 ms. `element`: of each pair the one that it is of, -1: all.
+  OptionHandle seconds(Seconds range = Seconds::kPositive, int element = -1);
   OptionHandle check(const OptionCheck& check);
   OptionHandle one_of(const std::vector<std::string>& values);
   OptionHandle within(std::int64_t least, std::int64_t most);

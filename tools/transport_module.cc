@@ -10,11 +10,13 @@ std::unique_ptr<bridge::Port> open(const TransportOptions& options, bridge::Role
   if (options.name == "lcm") {
     if (!options.dds.security.empty()) throw bridge::PortError("LCM has no security: use --transport dds");
     const bridge::LcmOptions lcm{options.lcm_url, options.dds.interface};
-    std::fprintf(stderr, "%s\n", describe(lcm).c_str());
-    return bridge::open_lcm_port(role, lcm);
+    auto port = bridge::open_lcm_port(role, lcm);
+    std::fprintf(stderr, "%s\n", describe(lcm).c_str());  // what is true only once it is open
+    return port;
   }
+  auto port = bridge::open_dds_port(role, options.dds);
   std::fprintf(stderr, "%s\n", describe(options.dds).c_str());
-  return bridge::open_dds_port(role, options.dds);
+  return port;
 }
 
 }  // namespace

@@ -18,6 +18,40 @@ constexpr int kMaxDepth = 24, kMaxExponent = 8;
 constexpr double kStandardGravity = 9.80665;  // m/s2
 constexpr Dimension kAngle{{0, 0, 0, 1}}, kAcceleration{{1, 0, -2, 0}};
 
+// Spellings that people try, and what to write.
+constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
+    {"sec", "s"},      {"second", "s"},    {"seconds", "s"},   {"msec", "ms"},     {"usec", "us"},
+    {"minute", "min"}, {"minutes", "min"}, {"h", "60 min"},    {"hour", "60 min"}, {"hours", "60 min"},
+    {"meter", "m"},    {"meters", "m"},    {"metre", "m"},     {"metres", "m"},    {"inch", "in"},
+    {"inches", "in"},  {"foot", "ft"},     {"feet", "ft"},     {"lbs", "lb"},      {"lbm", "lb"},
+    {"pound", "lb"},   {"pounds", "lb"},   {"kgs", "kg"},      {"ton", "t"},       {"tons", "t"},
+    {"kgf", "g0 kg"},  {"newton", "N"},    {"newtons", "N"},   {"degree", "deg"},  {"degrees", "deg"},
+    {"radian", "rad"}, {"radians", "rad"}, {"hertz", "Hz"},    {"cps", "Hz"},      {"joule", "J"},
+    {"joules", "J"},   {"pascal", "Pa"},   {"bar", "100 kPa"}, {"psi", "lbf/in2"}, {"percent", "%"},
+    {"w", "J/s"},      {"kw", "kJ/s"},     {"nm", "N m"},      {"knm", "kN m"},    {"gee", "g0"},
+    {"dps", "deg/s"}};
+
+std::string to_lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return text;
+}
+
+// The correction of a name that is neither a unit nor a constant: "" if nothing is near.
+std::string correct_name(const std::string& name, const std::vector<std::string>& constants) {
+  const std::string lower = to_lower(name);
+  std::vector<std::string> known = list_unit_names();
+  for (const std::string& unit : known)
+    if (to_lower(unit) == lower) return "did you mean '" + unit + "'?";
+  for (const auto& [spelling, right] : kSpellings)
+    if (spelling == lower) return "did you mean '" + std::string(right) + "'?";
+  known.insert(known.begin(), constants.begin(), constants.end());
+  constexpr std::size_t kShort = 3;  // letters: a change of one is half of such a name
+  const std::string* const nearest =
+      name.size() < kShort ? nullptr : find_nearest(name, known, name.size() > kShort ? 2 : 1);
+  return nearest == nullptr ? "" : "did you mean '" + *nearest + "'?";
+}
+
 const std::vector<std::string> kFunctions{"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "abs"};
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
@@ -140,11 +174,12 @@ class Parser {
       const double sign = text_[at_++] == '+' ? 1 : -1;
       const Quantity term = read_product();
       const bool same = sum.dimension.takes(term.dimension) || term.dimension.takes(sum.dimension);
-      if (!same)
+      const auto is_zero = [](const Quantity& q) { return q.dimension.is_plain() && q.value == 0; };
+      if (!same && !is_zero(sum) && !is_zero(term))  // nothing is nothing in every unit
         throw ExpressionError(
             "a sum of " + describe_dimension(sum.dimension) + " and " + describe_dimension(term.dimension),
             "give both the same unit");
-      if (!sum.dimension.takes(term.dimension)) sum.dimension = term.dimension;
+      if (same ? !sum.dimension.takes(term.dimension) : is_zero(sum)) sum.dimension = term.dimension;
       sum.value += sign * term.value;
     }
     --depth_;
@@ -158,6 +193,10 @@ class Parser {
     else
       product = read_sign();
     for (;;) {
+      if (take('%')) {
+        apply(product, {find_unit("%"), 1}, 1);
+        continue;
+      }
       const bool divided = peek() == '/';
       if (divided || peek() == '*')
         ++at_;
@@ -273,11 +312,10 @@ class Parser {
   [[noreturn]] void refuse_name(const std::string& name) {
     if (constants_.count(name) > 0 || name == "pi" || name == "g0")
       throw ExpressionError(quote(name) + " directly behind a value", "write the product with *");
-    std::vector<std::string> known{"pi", "g0"};  // told if one is near; else what units there are is more to the point
-    for (const auto& [constant, value] : constants_) known.push_back(constant);
-    const std::string hint = suggest(name, known);
+    std::vector<std::string> constants{"pi", "g0"};
+    for (const auto& [constant, value] : constants_) constants.push_back(constant);
     throw ExpressionError(quote(text_) + " is not a number: " + quote(name) + " is neither a unit nor a constant",
-                          hint.starts_with("did you mean") ? hint : "");
+                          correct_name(name, constants));  // "": the reader lists the units that fit
   }
 
   std::string_view text_;

@@ -6,9 +6,10 @@
 //   power   = primary ["^" integer]
 //   primary = number | unit | constant | function "(" sum { "," sum } ")" | "(" sum ")"
 //
-// A unit may carry its exponent: m2 is m^2. Functions: sin cos tan asin acos atan atan2 sqrt exp abs; constants: pi,
-// g0, and the scenario's own. The functions are the kernel's, so that a scenario has the same bits on every machine.
-// The text is bounded: 256 bytes, 24 parentheses deep.
+// A unit may carry its exponent: m2 is m^2; % is a hundredth. In a sum both have one dimension; a plain 0 has any.
+// Functions: sin cos tan asin acos atan atan2 sqrt exp abs; constants: pi, g0, and the scenario's own. The functions
+// are the kernel's, so that a scenario has the same bits on every machine. The text is bounded: 256 bytes, 24
+// parentheses deep.
 #pragma once
 
 #include <map>

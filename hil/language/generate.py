@@ -14,7 +14,7 @@ OUT = HERE.parent / "scenarios"
 NAME = r"^[A-Za-z<][A-Za-z0-9_<>-]*$"
 # Words that YAML 1.1 tools read as true, false or null; no names (is_name in yaml_reader.cc).
 NOT_A_NAME = "^(" + "|".join("".join(f"[{c.upper()}{c}]" for c in word) for word in ("true", "false", "yes", "no", "on", "off", "null")) + ")$"
-EXPRESSION = r"^[A-Za-z0-9_.,+*/^()<> -]+$"
+EXPRESSION = r"^[A-Za-z0-9_.,+*/^()<>% -]+$"
 PARAMETER = r"^<[A-Za-z][A-Za-z0-9_-]*>$"
 
 # --- The schema ------------------------------------------------------------------------------------------------------

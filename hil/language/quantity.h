@@ -8,14 +8,15 @@
 
 namespace unlatch::hil {
 
-// Exponents of m, kg, s and rad. Radians are kept apart so that 5 deg is not taken for a plain number, but SI leaves
-// them out where it likes: v/r is a rate and N m turns a torsion spring. So they must agree only where both have them.
+// Exponents of m, kg, s, rad and cycles. Radians are kept apart so that 5 deg is not taken for a plain number, but SI
+// leaves them out where it likes: v/r is a rate and N m turns a torsion spring. So they must agree only where both have
+// them. Cycles, as in Hz, count for nothing but this: 10 Hz is no angular rate until it is multiplied by 2*pi rad.
 struct Dimension {
-  enum Base { kLength, kMass, kTime, kAngle };
-  std::array<int, 4> exponents{};
+  enum Base { kLength, kMass, kTime, kAngle, kCycle };
+  std::array<int, 5> exponents{};
 
   bool operator==(const Dimension&) const = default;
-  bool is_plain() const { return *this == Dimension{}; }
+  bool is_plain() const;
   // True if a quantity of dimension `other` may be given where this one belongs.
   bool takes(const Dimension& other) const;
 };
@@ -25,7 +26,7 @@ struct Quantity {
   Dimension dimension;
 };
 
-// A value in a unit is value / divisor · factor in SI. Divisors and factors are exact, so that `12 ms` is the double
+// A value in a unit is value / divisor · factor in SI. Those of metric units are exact, so that `12 ms` is the double
 // nearest to 0.012.
 struct Unit {
   std::string_view name;
@@ -34,6 +35,9 @@ struct Unit {
 };
 
 const Unit* find_unit(std::string_view name);  // m, kN, deg …; null if there is none
+
+// Names of all units.
+std::vector<std::string> list_unit_names();
 
 // "a mass (kg)", "a plain number", "a quantity in kg m"
 std::string describe_dimension(const Dimension& dimension);

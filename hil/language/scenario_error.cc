@@ -32,12 +32,14 @@ std::string join_lines(const std::vector<ScenarioMistake>& mistakes) {
 }  // namespace
 
 std::string ScenarioMistake::to_string() const {
+  const std::string place = std::to_string(mark.line) + ":" + std::to_string(mark.column);
+  const bool blamed = !override_text.empty() && mark.line > 0;  // the text is sound without that override
   std::string text = file;
   if (!override_text.empty())
     text += ": --set " + override_text;
   else if (mark.line > 0)
-    text += ":" + std::to_string(mark.line) + ":" + std::to_string(mark.column);
-  return text + ": " + what + (mend.empty() ? "" : "; " + mend);
+    text += ":" + place;
+  return text + ": " + what + (blamed ? " (at " + place + ")" : "") + (mend.empty() ? "" : "; " + mend);
 }
 
 ScenarioError::ScenarioError(std::vector<ScenarioMistake> mistakes_in)
@@ -71,6 +73,7 @@ void Mistakes::throw_if_any() {
   };
   std::stable_sort(list_.begin(), list_.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   fold_instances();
+  fold_repeated();
   throw ScenarioError(list_);
 }
 
@@ -96,6 +99,26 @@ void Mistakes::fold_instances() {
     if (!others.empty()) where += ", and " + std::to_string(others.size()) + " more";
     for (std::size_t k = begin; k < kept.size(); ++k) kept[k].what += where + ")";
   }
+  list_ = std::move(kept);
+}
+
+// One mistake of several rows of parameters is told once.
+void Mistakes::fold_repeated() {
+  std::vector<ScenarioMistake> kept;
+  std::vector<std::size_t> counts;
+  for (ScenarioMistake& mistake : list_) {
+    std::size_t same = kept.size();
+    for (std::size_t i = kept.size(); i-- > 0 && kept[i].mark.line == mistake.mark.line && same == kept.size();)
+      if (kept[i].to_string() == mistake.to_string()) same = i;
+    if (same < kept.size()) {
+      ++counts[same];
+    } else {
+      kept.push_back(std::move(mistake));
+      counts.push_back(0);
+    }
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (counts[i] > 0) kept[i].what += " (and " + std::to_string(counts[i]) + " more)";
   list_ = std::move(kept);
 }
 

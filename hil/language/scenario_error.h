@@ -14,7 +14,8 @@ namespace unlatch::hil {
 struct ScenarioMistake {
   std::string file;
   SourceMark mark;                // line and column 0: the file as a whole
-  std::string override_text;      // the override that brought it in, if one did
+  std::string override_text;      // the override that brought it in, if one did; with a line: the text there is sound
+                                  // without it
   std::string what;               // what is wrong
   std::string mend;               // what would be right
   std::string to_string() const;  // "file:line:column: what; mend"
@@ -47,6 +48,7 @@ class Mistakes {
 
  private:
   void fold_instances();
+  void fold_repeated();
 
   std::vector<std::string> files_, instances_;
   std::vector<std::string> overrides_;

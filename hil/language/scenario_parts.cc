@@ -56,6 +56,9 @@ class Includer {
     return whole;
   }
 
+  // True if a file is missing from the tree: what else is wrong may follow from that.
+  bool is_incomplete() const { return incomplete_; }
+
   // PATH: value of all files, those of included files first.
   void apply_sets(YamlNode& root) {
     for (YamlNode& set : sets_) {
@@ -76,7 +79,7 @@ class Includer {
     if (part && !included)
       mistakes_.add(part->mark, "this file is a part of scenarios", "a scenario names it: `include: FILE`");
     else if (!version && included)
-      mistakes_.add(tree.mark, "this file does not say its language", "begin it with `unlatch_part: 1`");
+      mistakes_.add(tree.mark, "this file has no header", "begin it with `unlatch_part: 1`");
     else if (included && read_number(*version, "", kLanguageVersion, mistakes_) != kLanguageVersion)
       mistakes_.add(version->mark, "a scenario language of another version", "this program reads version 1");
     take_key(tree, "unlatch_part");
@@ -91,6 +94,7 @@ class Includer {
 
   void read_include(const YamlNode& node, const std::string& from, YamlNode& whole) {
     const auto reject = [&](const std::string& what, const std::string& mend) {
+      incomplete_ = true;
       mistakes_.add(node.mark, "cannot include '" + node.text + "': " + what, mend);
     };
     const std::string mend = "a path from this file to one in or below the scenario's folder";
@@ -98,8 +102,11 @@ class Includer {
     if (open_.size() >= kMaxDepth) return reject("more than 8 files deep", "include them from fewer files");
     try {
       const std::string name = resolve_include(from, node.text);
-      if (std::find(open_.begin(), open_.end(), name) != open_.end())
-        return reject("it would include itself", "leave out one of the two");
+      if (const auto first = std::find(open_.begin(), open_.end(), name); first != open_.end()) {
+        std::string cycle;
+        for (auto at = first; at != open_.end(); ++at) cycle += *at + " → ";
+        return reject("it would include itself: " + cycle + name, "leave out one of these includes");
+      }
       if (!seen_.insert(name).second) return;  // once is enough
       const std::string text = sources_.read(name);
       const int file = mistakes_.add_file((std::filesystem::path(folder_) / name).string());
@@ -137,6 +144,7 @@ class Includer {
   std::vector<std::string> open_;  // names of the files that are being read
   std::set<std::string> seen_;
   std::vector<YamlNode> sets_;
+  bool incomplete_ = false;
 };
 
 }  // namespace
@@ -159,6 +167,7 @@ YamlNode build_tree(ScenarioSources& sources, const std::string& file, const std
   const std::filesystem::path path(file);
   Includer includer(sources, path.parent_path().string(), mistakes);
   YamlNode root = includer.read(sources.main(), path.filename().string(), 0);
+  if (includer.is_incomplete()) mistakes.throw_if_any();
   expand_templates(root, mistakes);
   includer.apply_sets(root);
   for (std::size_t i = 0; i < overrides.size(); ++i) try {

@@ -1,6 +1,8 @@
 #include "hil/language/scenario_sources.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -23,23 +25,37 @@ std::size_t find_marker(const std::string& text, std::size_t from) {
 
 }  // namespace
 
-// One byte beyond the bound is enough: the parser refuses it.
+bool is_standard_input(const std::string& path) { return path == "-" || path == "/dev/stdin"; }
+
+// A descriptor is read whatever it is: standard input, or a shell's <(...). A named pipe or a device might never end.
 std::string read_text_file(const std::string& path, const std::string& kind) {
-  const auto fail = [&](const std::string& what) -> std::string {
-    throw ScenarioError({{path, {}, "", what, "name a readable " + kind + " file (.yaml)"}});
+  const std::string mend = "name a readable " + kind + " file (.yaml)";
+  const auto fail = [&](const std::string& what, const std::string& right) -> std::string {
+    throw ScenarioError({{path, {}, "", what, right}});
   };
+  const std::string source = path == "-" ? "/dev/stdin" : path;
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) return fail("there is no such file");
-  if (status.type() == std::filesystem::file_type::directory) return fail("this is a folder");
-  if (error || status.type() != std::filesystem::file_type::regular) return fail("this is not a regular file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return fail("it cannot be opened");
-  constexpr std::size_t kEnough = (1u << 20) + 1;
-  std::string text(kEnough, '\0');
+  const auto status = fs::status(source, error);
+  if (status.type() == fs::file_type::not_found) return fail("there is no such file", mend);
+  if (error) return fail("it cannot be read: " + error.message(), mend);
+  if (status.type() == fs::file_type::directory) return fail("this is a folder", mend);
+  const bool descriptor = source == "/dev/stdin" || source.starts_with("/dev/fd/");
+  if (status.type() != fs::file_type::regular && !descriptor) return fail("this is not a regular file", mend);
+  errno = 0;
+  std::ifstream stream(source, std::ios::binary);
+  if (!stream) {
+    const int cause = errno;
+    return fail(std::string("it cannot be opened: ") + (cause != 0 ? std::strerror(cause) : "unknown cause"), mend);
+  }
+  std::string text(kMaxBytes + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (stream.bad()) return fail("it cannot be read");
+  if (stream.bad()) return fail("it cannot be read", mend);
+  if (text.size() > kMaxBytes) {
+    const auto size = fs::file_size(source, error);
+    return fail(error ? "it has more than 1 MiB" : "it has " + std::to_string(size) + " bytes",
+                "a " + kind + " has at most 1 MiB (1048576 bytes)");
+  }
   return text;
 }
 

@@ -8,7 +8,10 @@
 
 namespace unlatch::hil {
 
-// The text of a regular file; `kind`: the kind of file expected, for messages. Throws ScenarioError.
+// "-" and "/dev/stdin" stand for standard input.
+bool is_standard_input(const std::string& path);
+// The text of a regular file, or of an open descriptor, at most 1 MiB; `kind`: the kind of file expected, for messages.
+// Throws ScenarioError.
 std::string read_text_file(const std::string& path, const std::string& kind);
 
 class ScenarioSources {

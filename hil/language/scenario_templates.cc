@@ -20,6 +20,8 @@ struct Binding {
 };
 using Bindings = std::vector<Binding>;
 
+const std::string kCounter = "i";  // the parameter of `count`
+
 const Binding* find_binding(const Bindings& bindings, std::string_view name) {
   const auto at = std::find_if(bindings.begin(), bindings.end(), [&](const Binding& b) { return b.name == name; });
   return at == bindings.end() ? nullptr : &*at;
@@ -140,6 +142,8 @@ class Expander {
       map.finish();
       if (choice < 0) continue;
       const auto index = static_cast<std::size_t>(choice);
+      if (map.find("count") != nullptr && !takes_counter(names[index], templates.items[index], *map.find("count")))
+        continue;
       for (const Bindings& row : rows)
         if (!full_) make(names[index], templates.items[index], row, item);
     }
@@ -157,6 +161,22 @@ class Expander {
     map.finish();
   }
 
+  // `count` gives the parameter i, and no other.
+  bool takes_counter(const std::string& name, const YamlNode& from, const YamlNode& count) {
+    const YamlNode* parameters = from.find("parameters");
+    if (parameters != nullptr && parameters->find(kCounter) != nullptr) return true;
+    const YamlNode none;
+    const YamlNode& listed = parameters != nullptr ? *parameters : none;
+    std::string example;
+    for (std::size_t i = 0; i < listed.keys.size() && example.empty(); ++i)
+      if (listed.items[i].kind == YamlNode::Kind::kNull) example = listed.keys[i].text;
+    mistakes_.add(
+        count.mark, "`count` gives the parameter 'i', from 1, and template '" + name + "' has none of that name",
+        example.empty() ? "declare it: parameters: {i}"
+                        : "name its parameter i, or write `for: [{" + example + ": 1}, {" + example + ": 2}]`");
+    return false;
+  }
+
   // `for`: a list of mappings from parameters to values; `count: n`: i from 1 to n.
   std::vector<Bindings> read_rows(YamlMap& map) {
     std::vector<Bindings> rows;
@@ -169,7 +189,7 @@ class Expander {
         return rows;
       }
       for (int i = 1; i <= static_cast<int>(count); ++i)
-        rows.push_back({{"i", {YamlNode::Kind::kScalar, node.mark, std::to_string(i), {}, {}, false}}});
+        rows.push_back({{kCounter, {YamlNode::Kind::kScalar, node.mark, std::to_string(i), {}, {}, false}}});
     } else if (by == "for") {
       const YamlNode& list = *map.find("for");
       if (!list.is_sequence()) mistakes_.add(list.mark, "for is not a list", "write [{i: 1}, {i: 2}]");
@@ -205,8 +225,10 @@ class Expander {
         bindings.push_back(*given);
       else if (fallback.kind != YamlNode::Kind::kNull)
         bindings.push_back({name, Substitution(bindings, -1, nodes_, mistakes_).copy(fallback)});
-      else
+      else {
         mistakes_.add(instance.mark, "parameter '" + name + "' has no value", "give it in each row of `for`");
+        bindings.push_back({name, {YamlNode::Kind::kScalar, fallback.mark, "0", {}, {}, false}});  // told once
+      }
     }
     for (const Binding& given : row)
       if (std::find(names.begin(), names.end(), given.name) == names.end())

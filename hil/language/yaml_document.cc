@@ -32,6 +32,23 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
   return overlong || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff ? 0 : length;
 }
 
+// A line whose indentation has a tab, at or before the place where the parser gave up: 0 if there is none.
+SourceMark find_tab(const std::string& text, const SourceMark& gave_up) {
+  SourceMark found = gave_up;
+  found.line = 0;
+  std::size_t begin = 0;
+  for (int line = 1; line <= gave_up.line + 1 && begin < text.size(); ++line) {
+    const std::size_t first = text.find_first_not_of(' ', begin);
+    if (first != std::string::npos && text[first] == '\t') {
+      found.line = line;
+      found.column = static_cast<int>(first - begin) + 1;
+    }
+    const std::size_t end = text.find('\n', begin);
+    begin = end == std::string::npos ? text.size() : end + 1;
+  }
+  return found;
+}
+
 // Bytes that are not text, which yaml-cpp accepts.
 void check_bytes(std::string_view text, int override_index, int file) {
   if (text.size() > kMaxBytes)
@@ -157,8 +174,10 @@ YamlNode parse_yaml(const std::string& text, int override_index, int file) {
       throw YamlError(second.take_root().mark, "a second document (---)", "one scenario a file");
     return builder.take_root();
   } catch (const YAML::Exception& e) {
-    throw YamlError({e.mark.line + 1, e.mark.column + 1, override_index, file}, "not YAML: " + e.msg,
-                    "check indentation, colons and brackets");
+    const SourceMark mark{e.mark.line + 1, e.mark.column + 1, override_index, file};
+    if (const SourceMark tab = find_tab(text, mark); tab.line > 0)
+      throw YamlError(tab, "a tab in the indentation", "indent with spaces: YAML allows no tabs there");
+    throw YamlError(mark, "not YAML: " + e.msg, "check indentation, colons and brackets");
   }
 }
 

@@ -34,8 +34,9 @@ std::string request_cpu(int cpu) {
   if (exists) CPU_SET(static_cast<std::size_t>(cpu), &only);
   const int error = exists ? pthread_setaffinity_np(pthread_self(), sizeof only, &only) : EINVAL;
   if (error == 0) return {};
-  return describe_errno(("no CPU " + std::to_string(cpu) + " of its own: ").c_str(), error,
-                        "; moving between CPUs costs warm caches (name one of `nproc`, inside the process's cpuset)");
+  return describe_errno(("the cyclic thread is not bound to CPU " + std::to_string(cpu) + ": ").c_str(), error,
+                        "; moving between CPUs costs cache misses (name a CPU that exists and is in the process's "
+                        "cpuset: `taskset -pc $$`)");
 }
 
 }  // namespace
@@ -46,7 +47,7 @@ ShallowIdle::ShallowIdle() : request_(open("/dev/cpu_dma_latency", O_WRONLY | O_
   refusal_ =
       describe_errno("idle states as deep as the kernel likes: /dev/cpu_dma_latency: ", errno,
                      "; waking from them delays a tick, on some machines by 100 us and more (grant writing it, or "
-                     "wait awake: timing.spin)");
+                     "busy-wait: timing.spin)");
 }
 
 ShallowIdle::~ShallowIdle() {

@@ -1,8 +1,10 @@
 #include "hil/scenario/scenario.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <set>
 
 #include "hil/language/scenario_parts.h"
 #include "hil/scenario/scenario_reader.h"
@@ -20,7 +22,7 @@ const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "ab
 
 namespace {
 
-Scenario load_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
+Scenario read_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
   Scenario scenario;
   scenario.file = file;
   scenario.overrides = overrides;
@@ -33,12 +35,49 @@ Scenario load_sources(ScenarioSources sources, const std::string& file, const st
   return scenario;
 }
 
+std::set<std::string> list_mistakes(const ScenarioSources& sources, const std::string& file,
+                                    const std::vector<std::string>& overrides) {
+  std::set<std::string> found;
+  try {
+    read_sources(sources, file, overrides);
+  } catch (const ScenarioError& error) {
+    for (const ScenarioMistake& mistake : error.mistakes) found.insert(mistake.to_string());
+  }
+  return found;
+}
+
+// An override may make a line wrong that is sound without it: constants.gap=-0.2, and a length that uses gap. Such
+// mistakes are the override's: the first without which they do not appear.
+void blame_overrides(const ScenarioSources& sources, const std::string& file, const std::vector<std::string>& overrides,
+                     std::vector<ScenarioMistake>& mistakes) {
+  constexpr std::size_t kTried = 64;  // overrides: each is one more reading
+  for (std::size_t i = 0; i < std::min(kTried, overrides.size()); ++i) {
+    std::vector<std::string> others = overrides;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const std::set<std::string> remaining = list_mistakes(sources, file, others);
+    for (ScenarioMistake& mistake : mistakes)
+      if (mistake.override_text.empty() && remaining.count(mistake.to_string()) == 0)
+        mistake.override_text = overrides[i];
+  }
+}
+
+Scenario load_sources(const ScenarioSources& sources, const std::string& file,
+                      const std::vector<std::string>& overrides) {
+  try {
+    return read_sources(sources, file, overrides);
+  } catch (const ScenarioError& error) {
+    std::vector<ScenarioMistake> mistakes = error.mistakes;
+    blame_overrides(sources, file, overrides, mistakes);
+    throw ScenarioError(std::move(mistakes));
+  }
+}
+
 }  // namespace
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
-  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const std::string folder = is_standard_input(path) ? "" : std::filesystem::path(path).parent_path().string();
   const std::string text = read_text_file(path, "scenario");
-  return load_sources(ScenarioSources(text, folder.empty() ? "." : folder), path, overrides);
+  return load_sources(ScenarioSources(text, folder.empty() ? "." : folder), path == "-" ? "<stdin>" : path, overrides);
 }
 
 Scenario load_scenario_text(const std::string& text, const std::string& file,
@@ -49,6 +88,9 @@ Scenario load_scenario_text(const std::string& text, const std::string& file,
 // --- The reader's top level -----------------------------------------------------------------------------------------
 
 void ScenarioReader::read(const YamlNode& root) {
+  if (root.kind == YamlNode::Kind::kNull)
+    return mistakes_.add({}, "there is nothing in it",
+                         "a scenario begins with `unlatch: 1`; `unlatch init NAME` writes one to start from");
   YamlMap top(root, "the scenario", mistakes_);
   if (!root.is_mapping()) return;
   if (const YamlNode* version = top.require("unlatch"))

@@ -90,6 +90,8 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   const YamlNode& value = *map.find(kind);
   if (kind == "time") {
     condition.threshold = read_number(value, "s", 0.0, mistakes_);
+    if (condition.threshold < 0)
+      mistakes_.add(value.mark, "this time is before the run, which begins at 0 s", "0 s or later");
   } else if (kind == "signal") {
     condition.kind = Kind::kSignal;
     condition.subject = read_choice(value, "signal", model_.signals, mistakes_);

@@ -9,6 +9,7 @@
 #include "kernel/dynamics/varying.h"
 #include "kernel/joints/kinematics.h"
 #include "unlatch/elementary.h"
+#include "unlatch/springs.h"
 
 namespace unlatch {
 namespace {
@@ -31,25 +32,49 @@ void add_loads(const PlanData& plan, Evaluation& ev) {
   }
 }
 
+// A point spring between two bodies: arms of its ends from the bodies' origins, length, direction and size of its force
+// on the follower. World axes.
+struct PointSpringForce {
+  Vec3 r_base, r_follower, direction;
+  double length, size;
+  bool acts;
+};
+
+PointSpringForce calc_force(const PlanPointSpring& spring, const BodyFrame& base, const BodyFrame& follower,
+                            double scale) {
+  PointSpringForce f{base.R * spring.point_base, follower.R * spring.point_follower, {0, 0, 0}, 0, 0, false};
+  const Vec3 line = (follower.p + f.r_follower) - (base.p + f.r_base);
+  f.length = norm(line);
+  if (f.length == 0 || (spring.push_only && f.length >= spring.free_length)) return f;
+  f.direction = (1.0 / f.length) * line;
+  const double rate =
+      dot(f.direction, (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base)));
+  f.size = -(spring.stiffness * (f.length - spring.free_length) + spring.damping * rate) * scale;
+  if (spring.push_only && f.size < 0) f.size = 0;
+  f.acts = true;
+  return f;
+}
+
 void add_point_springs(const Instant& now, Evaluation& ev) {
   const PlanData& plan = now.plan;
   for (const PlanPointSpring& spring : plan.point_springs) {
     const double scale = calc_scale(now.state.elements[at(spring.element)], now.t);
     if (scale == 0) continue;
-    const BodyFrame base = get_body_frame(ev, spring.base);
-    const BodyFrame follower = get_body_frame(ev, spring.follower);
-    const Vec3 r_base = base.R * spring.point_base, r_follower = follower.R * spring.point_follower;
-    const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
-    const double length = norm(line);
-    if (length == 0 || (spring.push_only && length >= spring.free_length)) continue;
-    const Vec3 direction = (1.0 / length) * line;
-    const double rate = dot(direction, (follower.v + cross(follower.w, r_follower)) - (base.v + cross(base.w, r_base)));
-    double size = -(spring.stiffness * (length - spring.free_length) + spring.damping * rate) * scale;
-    if (spring.push_only && size < 0) size = 0;
-    const Vec3 force = size * direction;
-    push(ev, spring.follower, force, cross(r_follower, force));
-    push(ev, spring.base, -force, -cross(r_base, force));
+    const PointSpringForce f =
+        calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
+    if (!f.acts) continue;
+    const Vec3 force = f.size * f.direction;
+    push(ev, spring.follower, force, cross(f.r_follower, force));
+    push(ev, spring.base, -force, -cross(f.r_base, force));
   }
+}
+
+// From a state alone: its angular velocities are in body axes.
+BodyFrame get_body_frame(const State& state, std::int32_t body) {
+  if (body == kGround) return get_ground<double>();
+  const BodyState& own = state.bodies[at(body)];
+  const Mat3 R = rotation_matrix(own.q);
+  return {R, own.p, own.v, R * own.w};
 }
 
 void add_joint_springs(const Instant& now, Evaluation& ev) {
@@ -98,6 +123,15 @@ void add_plane_torsions(const Instant& now, Evaluation& ev) {
 }
 
 }  // namespace
+
+SpringReading calc_point_spring(const Plan& plan, const State& state, int spring) noexcept {
+  const PlanPointSpring& own = plan.data().point_springs[at(spring)];
+  const double t = static_cast<double>(state.header->tick) * plan.get_options().dt;
+  const double scale = calc_scale(state.elements[at(own.element)], t);
+  const PointSpringForce f =
+      calc_force(own, get_body_frame(state, own.base), get_body_frame(state, own.follower), scale);
+  return {f.length, scale == 0 ? 0 : f.size, scale};
+}
 
 void add_forces(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;

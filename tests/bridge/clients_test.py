@@ -51,6 +51,18 @@ class ClientsTest(ProcessTest):
         self.assertEqual(float(end[1]), report["samples"][-1]["bodies"]["probe"]["p"][0], "not the same bits")
         self.assertGreater(int(end[2]), 50)  # a slow listener may miss some
 
+    def test_python_flies_the_tutorials_satellite_to_the_hash_of_cpp(self):
+        satellite = SOURCE / "bridge/examples/first/satellite.yaml"
+        hashes = set()
+        for pilot in ([BIN / "example_first"], ["/usr/bin/env", "python3", SOURCE / "bridge/examples/python/fsw.py", PYTHON_TYPES]):
+            process = self.begin(*pilot)
+            report = self.run_json(UNLATCH, "hil", satellite, "--transport", "lcm", "--pace", "lockstep")
+            self.finish(process)
+            self.assertEqual(report["status"], "ok")
+            self.assertLess(abs(report["samples"][-1]["bodies"]["satellite"]["w"][2]), 1e-4)  # rad/s: it has stopped
+            hashes.add(report["hash"])
+        self.assertEqual(len(hashes), 1)
+
     def test_lcm_logger_records_and_lcm_logplayer_plays(self):
         recorded, heard = self.folder / "recorded.lcm", self.folder / "heard.lcm"
         logger = self.begin("lcm-logger", "--force", recorded)

@@ -13,6 +13,7 @@ namespace {
 using hil::evaluate_expression;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const hil::Constants kConstants{{"radius", {1.32, hil::dimension_of("m")}}, {"half", {0.5, {}}}};
 
@@ -78,6 +79,47 @@ TEST(Expression, RadiansMayBeLeftOutButNotPutWhereNoneBelong) {
   EXPECT_FALSE(hil::dimension_of("N m").takes(hil::dimension_of("N m/rad")));
 }
 
+TEST(Expression, UnitsOfOtherFieldsAreExact) {
+  EXPECT_EQ(value("1 in"), 0.0254);
+  EXPECT_EQ(value("1 ft"), 0.3048);
+  EXPECT_EQ(value("1 lb"), 0.45359237);
+  EXPECT_EQ(value("1 lbf"), 4.4482216152605);
+  EXPECT_EQ(value("35 %"), 0.35);
+  EXPECT_EQ(value("(30 + 5) % * 2"), 0.7);
+  EXPECT_EQ(unit("35 %"), "a plain number");
+  EXPECT_EQ(value("2 kJ"), 2000);
+  EXPECT_EQ(unit("2 J"), unit("2 N m"));
+  EXPECT_EQ(value("70 GPa"), 70e9);
+  EXPECT_EQ(unit("70 GPa * 3 mm2"), "a force (N)");
+  EXPECT_EQ(value("1/(4 kHz)"), 1.0 / 4000);
+  EXPECT_TRUE(hil::dimension_of("s").takes(evaluate_expression("1/(4 kHz)", {}).dimension));
+}
+
+// 10 Hz is 62.8 rad/s, not 10.
+TEST(Expression, AFrequencyIsNoAngularRate) {
+  const hil::Dimension rate = hil::dimension_of("rad/s");
+  EXPECT_FALSE(rate.takes(evaluate_expression("10 Hz", {}).dimension));
+  EXPECT_TRUE(rate.takes(evaluate_expression("2*pi rad * 10 Hz", {}).dimension));
+  EXPECT_EQ(unit("10 Hz"), "a frequency (Hz)");
+  EXPECT_THAT(errors_with("until: 1}", "until: 10 Hz}"),
+              AllOf(HasSubstr("'10 Hz' is a frequency (Hz), not a time (s)"), Not(HasSubstr("pi"))));
+}
+
+TEST(Expression, ZeroHasEveryUnit) {
+  EXPECT_EQ(value("2 m + 0"), 2);
+  EXPECT_EQ(unit("0 + 2 m"), "a length (m)");
+  EXPECT_EQ(value("0 - 2 m - 0"), -2);
+  EXPECT_THAT(error_of("2 m + 1"), HasSubstr("a sum of a length (m) and a plain number"));
+}
+
+TEST(Expression, UnitsThatPeopleTryAreCorrected) {
+  const std::pair<const char*, const char*> kTries[] = {
+      {"3 sec", "'s'"}, {"3 KG", "'kg'"},       {"3 lbs", "'lb'"},      {"3 feet", "'ft'"},  {"3 degrees", "'deg'"},
+      {"3 hz", "'Hz'"}, {"3 psi", "'lbf/in2'"}, {"3 bar", "'100 kPa'"}, {"3 h", "'60 min'"}, {"3 Newton", "'N'"}};
+  for (const auto& [text, right] : kTries) EXPECT_THAT(error_of(text), HasSubstr("did you mean " + std::string(right)));
+  EXPECT_THAT(error_of("10 Xy"), Not(HasSubstr("did you mean")));
+}
+
 TEST(Expression, MistakesSayWhatIsWrong) {
   EXPECT_THAT(error_of("2 m + 3 kg"), HasSubstr("a sum of a length (m) and a mass (kg)"));
   EXPECT_THAT(error_of("2 m + 3"), HasSubstr("a sum of a length (m) and a plain number"));
@@ -93,8 +135,9 @@ TEST(Expression, MistakesSayWhatIsWrong) {
   EXPECT_THAT(error_of("sqrt(2 m)"), HasSubstr("sqrt of a length"));
   EXPECT_THAT(error_of(std::string(300, '1')), HasSubstr("256 bytes"));
   EXPECT_THAT(error_of(std::string(100, '(') + "1"), HasSubstr("parentheses"));
-  for (const char* text : {"",      " ",     "(",    ")",  "1)", "(1", "2,3",   "1..2",     "1.2.3", "0x10", "010",
-                           "2*010", "1_000", "1:30", "1e", "--", "m(", "sin()", "sin(1,2)", "a b",   "5 %",  "2**3"})
+  for (const char* text :
+       {"",      " ",    "(",  ")",  "1)", "(1",    "2,3",      "1..2", "1.2.3", "0x10",  "010", "2*010",
+        "1_000", "1:30", "1e", "--", "m(", "sin()", "sin(1,2)", "a b",  "%",     "5 % 3", "2**3"})
     EXPECT_NE(error_of(text), "") << text;
 }
 

@@ -43,7 +43,7 @@ TEST(ScenarioText, IsBounded) {
 
 TEST(ScenarioText, IsOneDocumentThatIsAMapping) {
   EXPECT_THAT(load_errors(std::string(kGoodScenario) + "---\na: 1\n"), HasSubstr("a second document"));
-  EXPECT_THAT(load_errors(""), HasSubstr("must be a mapping"));
+  EXPECT_THAT(load_errors(""), HasSubstr("there is nothing in it"));
   EXPECT_THAT(load_errors("[1, 2]"), StartsWith("s.yaml:1:1: "));
   EXPECT_THAT(load_errors("? [a]\n: 1\n"), HasSubstr("a key that is not a name"));
   EXPECT_THAT(load_errors("a: b: c\n"), HasSubstr("not YAML"));

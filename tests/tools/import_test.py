@@ -132,6 +132,21 @@ joints:
         out = self.bring_in(robot(link("base"), link("On"), joint("base", "On")))
         self.assertEqual([body["name"] for body in self.run_json(UNLATCH, "check", out)["bodies"]], ["base", "body_On"])
 
+    def test_what_was_rounded_when_typed_is_mended_and_units_are_written(self):
+        shape = '<collision><origin xyz="0 0 0" rpy="0 1.5708 0"/><geometry><cylinder radius="0.1" length="1"/></geometry></collision>'
+        text = robot(link("base"), link("arm", more=shape), joint("base", "arm", "revolute", '<axis xyz="0 0 1"/>'
+                     '<limit effort="1" velocity="1"/><dynamics damping="0.5"/>')).replace('rpy="0 0 0"/><axis', 'rpy="1.5708 0 0"/><axis')
+        out = self.bring_in(text).read_text()
+        self.assertNotRegex(out, r"\de-\d", "a number that rounding has left")
+        self.assertIn("cylinder: {from: [-0.5, 0, 0], to: [0.5, 0, 0], radius: 0.1}", out)
+        self.assertIn("mass: 1 kg", out)
+        for unit in ("# kg m2, about the centre of mass", "# m, of the centre of mass", "# w x y z", "# m/s2", "N m s/rad"):
+            self.assertIn(unit, out)
+        head = out.partition("unlatch: 1")[0]
+        self.assertIn("link 'base' has no geometry: no clearance to it is computed", head)
+        self.assertNotIn("link 'arm' has no geometry", head)
+        self.assertIn("such as 1.5708, are taken as right angles", head)
+
     def test_frames_without_mass_belong_to_who_carries_them(self):
         tool = '<link name="tool"><visual><geometry><box size="1 2 3"/></geometry></visual></link>'
         out = self.bring_in(robot(link("base"), tool, link("arm"), joint("base", "tool"), joint("tool", "arm", "revolute", '<axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/><dynamics damping="0.5"/>')))

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   command.add_option("--name", name, "its name in the scenario").type_name("NAME").default_shown();
   command.add_option("--patience", patience_s, "longest wait for a simulator, s")
       .type_name("SECONDS")
-      .check(tools::check_seconds)
+      .seconds()
       .default_shown();
   command.add_hidden_action("--manual", [command](const std::string& path) {  // for the build
     std::ofstream(path) << tools::build_manual(command, nullptr);

@@ -22,7 +22,17 @@ std::string to_text(double value, const std::string& where) {
   return {text.data(), result.ptr};
 }
 
-std::string to_text(const Eigen::Vector3d& v, const std::string& where) {
+// Components that are nothing but the rounding of the others are 0.
+Eigen::Vector3d clean(Eigen::Vector3d v) {
+  constexpr double kRounding = 1e-12;  // of the largest
+  const double largest = v.cwiseAbs().maxCoeff();
+  for (double& component : v)
+    if (std::abs(component) <= kRounding * largest) component = 0;
+  return v;
+}
+
+std::string to_text(const Eigen::Vector3d& uncleaned, const std::string& where) {
+  const Eigen::Vector3d v = uncleaned.allFinite() ? clean(uncleaned) : uncleaned;
   return "[" + to_text(v.x(), where) + ", " + to_text(v.y(), where) + ", " + to_text(v.z(), where) + "]";
 }
 
@@ -90,9 +100,10 @@ std::string build_shape(const hil::Shape& shape, const std::string& where) {
 std::string build_body(const ImportedBody& body, const std::string& name) {
   const std::string where = "body '" + body.name + "'";
   const Eigen::Matrix3d I = 0.5 * (body.inertia + body.inertia.transpose());
-  std::string text = "  " + name + ":\n    mass: " + to_text(body.mass, where) + "\n    inertia: [";
+  std::string text = "  " + name + ":\n    mass: " + to_text(body.mass, where) + " kg\n    inertia: [";
   for (int row = 0; row < 3; ++row) text += (row > 0 ? ", " : "") + to_text(Eigen::Vector3d(I.row(row)), where);
-  text += "]\n    position: " + to_text(body.p_WB, where) + "\n    attitude: " + to_text(body.q_WB, where) + "\n";
+  text += "]  # kg m2, about the centre of mass\n    position: " + to_text(body.p_WB, where) +
+          "  # m, of the centre of mass\n    attitude: " + to_text(body.q_WB, where) + "  # w x y z\n";
   if (body.shapes.empty()) return text;
   text += "    shape:\n";
   for (const hil::Shape& shape : body.shapes) text += "      - " + build_shape(shape, where) + "\n";
@@ -130,21 +141,21 @@ std::string build_joint(const ImportedModel& model, const ImportedJoint& joint, 
   const Eigen::Matrix3d R_BJ = q_WB.toRotationMatrix().transpose() * joint.R_WJ;
   const std::string base = joint.base < 0 ? "ground" : bodies[static_cast<std::size_t>(joint.base)];
   // z exactly as it is; x freed of what rounding has left along it, for the loader is strict.
-  const Eigen::Vector3d z = R_BJ.col(2).normalized();
+  const Eigen::Vector3d z = clean(R_BJ.col(2)).normalized();
   const Eigen::Vector3d x = (R_BJ.col(0) - R_BJ.col(0).dot(z) * z).normalized();
   return "  " + name + ":\n    between: [" + base + ", " + bodies[static_cast<std::size_t>(joint.follower)] +
          "]\n    point: " + to_text(to_local(joint.base, joint.p_WJ), where) +
-         "\n    follower_point: " + to_text(to_local(joint.follower, joint.p_WJ), where) +
-         "\n    axes: {z: " + to_text(z, where) + ", x: " + to_text(x, where) + "}\n    modes: {" +
+         "  # m, from the centre of mass\n    follower_point: " + to_text(to_local(joint.follower, joint.p_WJ), where) +
+         "  # m\n    axes: {z: " + to_text(z, where) + ", x: " + to_text(x, where) + "}\n    modes: {" +
          get_mode(joint.kind) + "}\n";
 }
 
 std::string build_element(const ImportedJoint& joint, const std::string& name, const std::string& element) {
   const std::string where = "joint '" + joint.name + "'";
-  return "  " + element + ": {type: joint_spring, joint: " + name +
-         ", axis: " + (joint.kind == Kind::kRevolute ? "rot_z" : "z") +
+  const bool turns = joint.kind == Kind::kRevolute;
+  return "  " + element + ": {type: joint_spring, joint: " + name + ", axis: " + (turns ? "rot_z" : "z") +
          ", stiffness: " + to_text(joint.stiffness, where) + ", damping: " + to_text(joint.damping, where) +
-         ", rest: " + to_text(joint.rest, where) + "}\n";
+         ", rest: " + to_text(joint.rest, where) + (turns ? "}  # N m/rad, N m s/rad, rad\n" : "}  # N/m, N s/m, m\n");
 }
 
 }  // namespace
@@ -164,8 +175,8 @@ std::string write_scenario(const ImportedModel& model) {
                                    ". A starting point: read what was left out.");
   for (const std::string& remark : model.remarks) text += build_comment("- " + remark);
   text += "unlatch: 1\nname: " + Names().make(model.name, "model") + "\nstep: {dt: " + to_text(model.dt, "the step") +
-          ", until: " + to_text(std::ceil(10 / model.dt) * model.dt, "the step") +
-          "}\ngravity: {uniform: " + to_text(model.gravity, "gravity") + "}\n\nbodies:\n";
+          " s, until: " + to_text(std::ceil(10 / model.dt) * model.dt, "the step") +
+          " s}\ngravity: {uniform: " + to_text(model.gravity, "gravity") + "}  # m/s2\n\nbodies:\n";
   Names body_names, joint_names, element_names;
   std::vector<std::string> bodies;
   for (const ImportedBody& body : model.bodies) {

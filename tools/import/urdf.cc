@@ -34,6 +34,16 @@ Isometry3d to_isometry(const urdf::Pose& pose) {
   return X;
 }
 
+// A rotation by right angles that was typed as 1.5708 is one: entries this near to 0 and 1 are them.
+bool snap_right_angles(Isometry3d& X) {
+  constexpr double kTyped = 1e-5;
+  const Eigen::Matrix3d near = X.linear().array().round();
+  const double off = (X.linear() - near).cwiseAbs().maxCoeff();
+  if (off > kTyped) return false;
+  X.linear() = near;
+  return off > 1e-12;  // beyond the rounding of a double
+}
+
 // Pose of a link, and the body to which it belongs.
 struct Placed {
   int body = -1;  // the ground
@@ -88,7 +98,7 @@ class Reader {
   }
 
   Placed place_child(const urdf::Joint& joint, const urdf::Link& child, const Placed& parent) {
-    Placed placed{parent.body, parent.X_WL * to_isometry(joint.parent_to_joint_origin_transform)};
+    Placed placed{parent.body, parent.X_WL * place(joint.parent_to_joint_origin_transform)};
     const bool is_fixed = joint.type == urdf::Joint::FIXED;
     if (!has_mass(child)) {
       if (!is_fixed) {
@@ -145,6 +155,15 @@ class Reader {
     if (joint.mimic) model_.remarks.push_back("joint '" + joint.name + "': mimic is left out: it moves by itself");
   }
 
+  Isometry3d place(const urdf::Pose& pose) {
+    Isometry3d X = to_isometry(pose);
+    if (snap_right_angles(X) && !told_angles_) {
+      model_.remarks.push_back("angles within 1e-5 rad of right ones, such as 1.5708, are taken as right angles");
+      told_angles_ = true;
+    }
+    return X;
+  }
+
   // The body's axes and centre of mass in W.
   [[nodiscard]] Isometry3d get_frame(int body) const {
     const ImportedBody& at = model_.bodies[static_cast<std::size_t>(body)];
@@ -157,7 +176,7 @@ class Reader {
   int add_body(const urdf::Link& link, const Isometry3d& X_WL) {
     if (model_.bodies.size() == kMostImported)
       throw ImportError("it has more than " + std::to_string(kMostImported) + " bodies");
-    const Isometry3d X_LI = to_isometry(link.inertial->origin);
+    const Isometry3d X_LI = place(link.inertial->origin);
     const urdf::Inertial& inertial = *link.inertial;
     Eigen::Matrix3d I;
     I << inertial.ixx, inertial.ixy, inertial.ixz, inertial.ixy, inertial.iyy, inertial.iyz, inertial.ixz, inertial.iyz,
@@ -168,6 +187,8 @@ class Reader {
     body.inertia = X_LI.linear() * I * X_LI.linear().transpose();
     body.p_WB = X_WL * X_LI.translation();
     body.q_WB = Eigen::Quaterniond(X_WL.linear()).normalized();
+    if (link.collision_array.empty() && link.visual_array.empty())
+      model_.remarks.push_back("link '" + link.name + "' has no geometry: no clearance to it is computed");
     model_.bodies.push_back(std::move(body));
     const int index = static_cast<int>(model_.bodies.size()) - 1;
     add_shapes(link, {index, X_WL}, get_frame(index));
@@ -198,7 +219,7 @@ class Reader {
     }
     for (const auto& [geometry, origin] : list) {
       if (geometry)
-        add_shape(link.name, *geometry, X_WB.inverse() * placed.X_WL * to_isometry(origin),
+        add_shape(link.name, *geometry, X_WB.inverse() * placed.X_WL * place(origin),
                   model_.bodies[static_cast<std::size_t>(placed.body)]);
     }
   }
@@ -230,6 +251,7 @@ class Reader {
   ImportedModel& model_;
   const bool fixed_base_;
   std::size_t shapes_ = 0;
+  bool told_angles_ = false;
 };
 
 }  // namespace

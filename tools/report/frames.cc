@@ -7,6 +7,7 @@
 #include <span>
 
 #include "tools/report/base64.h"
+#include "unlatch/springs.h"
 
 namespace unlatch::tools {
 namespace {
@@ -37,7 +38,8 @@ FrameLayout::FrameLayout(const hil::Scenario& scenario, std::size_t sensor_value
       channels(pairs + scenario.clearance.size()),
       sensors(channels + scenario.model.channels.size()),
       points(sensors + sensor_values),
-      width(points + kPointColumns * scenario.points.size()) {
+      springs(points + kPointColumns * scenario.points.size()),
+      width(springs + kSpringColumns * scenario.model.point_springs.size()) {
   for (const Body& body : scenario.model.bodies) {
     modal.push_back(width);
     if (body.flexible) width += static_cast<std::size_t>(body.flexible->frequencies.size());
@@ -104,6 +106,7 @@ FrameRecorder::Frame FrameRecorder::take() const {
   for (const double value : simulation_.get_inputs()) *to++ = static_cast<float>(value);
   for (const double value : simulation_.workspace().sensors) *to++ = static_cast<float>(value);
   take_points(to);
+  take_springs(frame.values.data() + layout_.springs);
   take_modal(frame.values.data());
   return frame;
 }
@@ -125,6 +128,13 @@ void FrameRecorder::take_points(float* to) const {
       p = transpose_times(rotation_matrix(from.q), p - from.p);
     }
     put(p, to);
+  }
+}
+
+void FrameRecorder::take_springs(float* to) const {
+  for (std::size_t i = 0; i < scenario_.model.point_springs.size(); ++i) {
+    const SpringReading spring = calc_point_spring(simulation_.plan(), simulation_.state(), static_cast<int>(i));
+    for (const double value : {spring.force, spring.length, spring.scale}) *to++ = static_cast<float>(value);
   }
 }
 

@@ -20,13 +20,14 @@ namespace unlatch::tools {
 //   channel  the value that the last step read
 //   sensor   the values of the model's sensors, one after the other
 //   point    its position (3, m) in the axes and from the origin of the body that it is seen from
+//   spring   of springs between points: force (N), length (m), switch scale
 //   modal    of flexible bodies, in the model's order: the modal coordinates
 struct FrameLayout {
   FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values);
-  std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, width;
+  std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, springs, width;
   std::vector<std::size_t> modal;  // per body: its first modal column
 };
-inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3;
+inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3, kSpringColumns = 3;
 
 class FrameRecorder {
  public:
@@ -50,6 +51,7 @@ class FrameRecorder {
   [[nodiscard]] Frame take() const;
   void take_loads(float* to) const;
   void take_points(float* to) const;
+  void take_springs(float* to) const;
   void take_modal(float* frame) const;
   void settle();
   void thin();

@@ -116,14 +116,18 @@ Json build_loads(const Model& model, const FrameLayout& layout) {
   return list;
 }
 
-Json build_springs(const Model& model) {
+Json build_springs(const Model& model, const FrameLayout& layout) {
   Json list = Json::array();
-  for (const PointSpring& spring : model.point_springs) {
+  for (std::size_t i = 0; i < model.point_springs.size(); ++i) {
+    const PointSpring& spring = model.point_springs[i];
     list.push_back({{"name", spring.name},
                     {"base", spring.base},
                     {"follower", spring.follower},
                     {"point_base", to_json(spring.point_base)},
-                    {"point_follower", to_json(spring.point_follower)}});
+                    {"point_follower", to_json(spring.point_follower)},
+                    {"push_only", spring.push_only},
+                    {"free_length", spring.free_length},
+                    {"column", layout.springs + kSpringColumns * i}});
   }
   return list;
 }
@@ -184,7 +188,7 @@ nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil:
           {"bodies", build_bodies(scenario, layout)},
           {"joints", build_joints(scenario, analysis, layout)},
           {"loads", build_loads(model, layout)},
-          {"springs", build_springs(model)},
+          {"springs", build_springs(model, layout)},
           {"pairs", build_pairs(analysis, layout)},
           {"pairs_in_all", analysis.clearances().size()},
           {"channels", channels},

@@ -81,6 +81,7 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
                     {"sensor_values", plan.get_sensor_count()},
                     {"signals", model.signals.size()},
                     {"events", model.events.size()}};
+  json["notes"] = list_notes(scenario);
   json["bytes"] = {{"state", plan.get_state_bytes()}, {"workspace", plan.get_workspace_bytes()}};
   write_json(json, target);
 }

@@ -1,8 +1,10 @@
 // unlatch check: validates a scenario and prints its plan.
 #include <cmath>
+#include <cstdarg>
 
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
@@ -27,50 +29,66 @@ std::string list_rows(RowSet rows) {
   return text.empty() ? "none" : text;
 }
 
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
 void print_bodies(const Model& model) {
   print_heading("Bodies");
+  FoldedList list;
   for (const Body& body : model.bodies) {
-    std::printf("  %-16s mass %.6g kg, inertia %.6g %.6g %.6g kg m2\n", body.name.c_str(), body.mass,
-                body.inertia(0, 0), body.inertia(1, 1), body.inertia(2, 2));
+    list.add(body.name, format("mass %.6g kg, inertia %.6g %.6g %.6g kg m2", body.mass, body.inertia(0, 0),
+                               body.inertia(1, 1), body.inertia(2, 2)));
   }
+  list.print(stdout, 16);
 }
 
 void print_joints(const Model& model) {
   if (model.joints.empty()) return;
   print_heading("Joints, their modes and rows (* initial)");
+  FoldedList list;
   for (const Joint& joint : model.joints) {
-    std::printf("  %s: %s – %s\n", joint.name.c_str(), get_body_name(model, joint.base).c_str(),
-                get_body_name(model, joint.follower).c_str());
+    std::string text = ": " + FoldedList::mark(get_body_name(model, joint.base)) + " – " +
+                       FoldedList::mark(get_body_name(model, joint.follower));
     for (std::size_t mode = 0; mode < joint.modes.size(); ++mode) {
       const int count = __builtin_popcount(joint.modes[mode].rows);
-      std::printf("    %c %-14s %d rows: %s\n", static_cast<int>(mode) == joint.mode ? '*' : ' ',
-                  joint.modes[mode].name.c_str(), count, list_rows(joint.modes[mode].rows).c_str());
+      text += format("\n    %c %-14s %d %s: %s", static_cast<int>(mode) == joint.mode ? '*' : ' ',
+                     joint.modes[mode].name.c_str(), count, count == 1 ? "row" : "rows",
+                     list_rows(joint.modes[mode].rows).c_str());
     }
+    list.add(joint.name, text);
   }
+  list.print(stdout);
 }
 
 // Leaves to root, as the factorisation goes: the reverse of the plan's nodes.
 void print_elimination(const Model& model, const Plan& plan) {
   print_heading("Elimination order, leaves to root");
   const std::span<const TreeNode> tree = plan.get_tree();
+  FoldedList list;
   for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
-    const std::string body = model.bodies[static_cast<std::size_t>(node->body)].name;
+    const std::string& body = model.bodies[static_cast<std::size_t>(node->body)].name;
+    const std::string joint =
+        node->joint == kNone ? "" : FoldedList::mark(model.joints[static_cast<std::size_t>(node->joint)].name);
     if (node->parent != kNone) {
       const auto& parent = tree[static_cast<std::size_t>(node->parent)];
       const std::string through =  // a flexible body and its markers have no joint between them
-          node->joint == kNone ? "" : "through " + model.joints[static_cast<std::size_t>(node->joint)].name + " ";
-      std::printf("  %-16s %sinto %s\n", body.c_str(), through.c_str(),
-                  model.bodies[static_cast<std::size_t>(parent.body)].name.c_str());
-    } else if (node->joint != kNone) {
-      std::printf("  %-16s root, held to the ground by %s\n", body.c_str(),
-                  model.joints[static_cast<std::size_t>(node->joint)].name.c_str());
+          joint.empty() ? "" : "through " + joint + " ";
+      list.add(body, through + "into " + FoldedList::mark(model.bodies[static_cast<std::size_t>(parent.body)].name));
     } else {
-      std::printf("  %-16s root\n", body.c_str());
+      list.add(body, joint.empty() ? "root" : "root, held to the ground by " + joint);
     }
   }
-  for (const std::int32_t loop : plan.get_loops()) {
-    std::printf("  %s closes a loop\n", model.joints[static_cast<std::size_t>(loop)].name.c_str());
-  }
+  list.print(stdout, 16);
+  FoldedList loops;
+  for (const std::int32_t loop : plan.get_loops())
+    loops.add(model.joints[static_cast<std::size_t>(loop)].name, "closes a loop");
+  loops.print(stdout, 0);
 }
 
 void print_elements(const Model& model, hil::Simulation& simulation) {
@@ -78,6 +96,7 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
   const auto frequencies = simulation.calc_frequencies();
   if (frequencies.empty()) return;
   print_heading("Elastic elements, h = step");
+  FoldedList list;
   for (const ElementFrequency& element : frequencies) {
     const double h_omega = plan.get_options().dt * element.omega, h_decay = plan.get_options().dt * element.decay;
     const double worst = std::max(h_omega, h_decay);
@@ -88,29 +107,32 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
       verdict = paint(stdout, Colour::kRed, "unstable: make the step smaller, or the element softer");
     else if (worst > kAccurate)
       verdict = paint(stdout, Colour::kYellow, "stable, but not resolved accurately");
-    std::printf("  %-20s h*omega %-10.4g h*decay %-10.4g %s\n", model.element_name(element.element).c_str(), h_omega,
-                h_decay, verdict.c_str());
+    list.add(model.element_name(element.element),
+             format("h*omega %-10.4g h*decay %-10.4g ", h_omega, h_decay) + verdict);
   }
+  list.print(stdout, 20);
 }
 
-void print_plan(const ScenarioOptions& options, const hil::Scenario& scenario, hil::Simulation& simulation) {
+void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation) {
   const Plan& plan = simulation.plan();
   std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
-  std::printf("  step %g s, %lld ticks to %g s; %zu channels, %zu sensor values, %zu signals, %zu events\n",
-              scenario.dt, static_cast<long long>(calc_last_tick(scenario)), scenario.until,
-              scenario.model.channels.size(), plan.get_sensor_count(), scenario.model.signals.size(),
-              scenario.model.events.size());
+  std::printf(
+      "  step %g s, %lld ticks to %g s; %s, %s, %s, %s\n", scenario.dt,
+      static_cast<long long>(calc_last_tick(scenario)), scenario.until,
+      count(scenario.model.channels.size(), "channel").c_str(), count(plan.get_sensor_count(), "sensor value").c_str(),
+      count(scenario.model.signals.size(), "signal").c_str(), count(scenario.model.events.size(), "event").c_str());
   print_bodies(scenario.model);
   print_joints(scenario.model);
   print_elimination(scenario.model, plan);
   print_elements(scenario.model, simulation);
   print_heading("Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
-  std::printf("\n%s\n", paint(stdout, Colour::kGreen, options.path + " is valid").c_str());
+  std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
 }
 
 // With JSON on standard output the text is left out.
 int run(const ScenarioOptions& options, const std::string& graph, const std::string& json) {
+  check_output(json);
   try {
     const hil::Scenario scenario = load(options);
     const auto simulation = hil::build_simulation(scenario);
@@ -118,7 +140,7 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
       const std::string& title = scenario.title.empty() ? scenario.name : scenario.title;
       draw_graph(describe_graph(scenario.model, simulation->plan(), title), graph);
     }
-    if (json != "-") print_plan(options, scenario, *simulation);
+    if (json != "-") print_plan(scenario, *simulation);
     if (!json.empty()) write_plan_json(scenario, *simulation, json);
   } catch (const hil::ScenarioError& error) {
     if (!json.empty()) write_mistakes_json(error, json);

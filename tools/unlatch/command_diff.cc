@@ -110,6 +110,7 @@ void print_diff(std::FILE* to, const DiffReport& report) {
 }
 
 int run(const DiffOptions& options) {
+  check_output(options.json);
   std::array<OpenedLog, 2> opened{OpenedLog(options.logs[0]), OpenedLog(options.logs[1])};
   const hil::LogHeader& header = opened[0].recording.header;
   Progress progress(header.dt, header.last_tick);

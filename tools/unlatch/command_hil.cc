@@ -85,7 +85,7 @@ class Session {
  public:
   Session(const HilOptions& options)
       : options_(options),
-        scenario_(load(options.scenario)),
+        scenario_((check_output(options.output.json), load(options.scenario))),
         simulation_(hil::build_simulation(scenario_)),
         last_tick_(calc_last_tick(scenario_)),
         session_(hil::draw_session()),
@@ -287,7 +287,7 @@ void add_hil(Command app, int& exit_code) {
       .one_of({"realtime", "lockstep", "fast"});
   command.add_option("--start-timeout", options->start_timeout_s, "longest wait for the flight software, s")
       .type_name("SECONDS")
-      .check(check_seconds)
+      .seconds()
       .default_shown();
   add_pacing_options(command, options->pacing);
   command

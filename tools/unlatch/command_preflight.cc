@@ -5,6 +5,7 @@
 #include "hil/realtime/preflight.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/pacing_options.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -77,7 +78,7 @@ void add_preflight(Command app, int& exit_code) {
   command.add_json_option(options->json);
   command.add_option("--cpu", options->cpu, "CPU to test, that of the cyclic thread")
       .type_name("NUMBER")
-      .within(0, 1023);
+      .check(check_cpu);
   command.add_flag("--no-trial", options->no_trial,
                    "only reads system settings; does not load the CPU");
   command.add_flag("--strict", options->strict, "exit code 3 unless all checks pass");

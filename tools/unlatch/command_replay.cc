@@ -12,6 +12,7 @@ struct ReplayOptions {
 };
 
 int run(const ReplayOptions& options) {
+  check_output(options.json);
   ReplayedLog log(options.log);
   Progress progress(log.opened.recording.header.dt, log.opened.recording.header.last_tick);
   log.replay([&](const StepReport&) { progress.show(log.opened.simulation->get_tick()); });

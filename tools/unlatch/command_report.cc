@@ -106,6 +106,7 @@ int run(const ReportOptions& options) {
     return kExitEnvironment;
   }
   refuse_to_overwrite(options);
+  check_output(options.out);
   Json document = {{"format", 1}, {"program", "unlatch " UNLATCH_VERSION}, {"runs", Json::array()}};
   bool sound = true;
   for (const std::string& log : options.logs) {

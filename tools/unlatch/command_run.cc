@@ -104,6 +104,8 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
 }
 
 int run(const RunOptions& options) {
+  check_output(options.output.json);
+  for (const auto& [time, path] : options.checkpoints) check_output(path);
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);
   warn_of_unstable_elements(scenario);
@@ -146,10 +148,12 @@ void add_run(Command app, int& exit_code) {
       .add_option("--sample", options->samples,
                   "times at which the JSON has all bodies and reactions, s (default: the end)")
       .delimiter(',')
-      .type_name("SECONDS,...");
+      .type_name("SECONDS,...")
+      .seconds(Seconds::kZeroToo);
   command
       .add_option("--checkpoint", options->checkpoints, "saves the state at a time, s, for --resume; repeatable")
-      .type_name("SECONDS FILE");
+      .type_name("SECONDS FILE")
+      .seconds(Seconds::kZeroToo, 0);
   command
       .add_option("--resume", options->resume,
                   "continues from a checkpoint of the same scenario, with the same bits; results start there")

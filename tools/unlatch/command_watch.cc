@@ -117,7 +117,7 @@ void add_watch(Command app, int& exit_code) {
   add_transport_options(command, options->transport, false);
   command.add_option("--for", options->seconds, "ends after this wall time, s (default: never)")
       .type_name("SECONDS")
-      .check(check_seconds);
+      .seconds();
   command.add_flag("--once", options->once, "shows one complete view and ends");
   command.add_json_option(options->json, "one object on each line, each second");
   command.callback([options, &exit_code] { exit_code = run(*options); });

@@ -29,7 +29,6 @@ void add_watch(Command app, int& exit_code);
 void add_completion(Command app, int& exit_code);
 void add_man(Command app, int& exit_code);
 
-// Notes of check, run and hil about their scenario.
 struct ScenarioOptions {
   std::string path;
   std::vector<std::string> overrides;
@@ -39,6 +38,8 @@ void add_scenario_options(Command command, ScenarioOptions& options);
 
 // Throws hil::ScenarioError.
 hil::Scenario load(const ScenarioOptions& options);
+// What a valid scenario says that cannot come true: an event whose time is after the end.
+std::vector<std::string> list_notes(const hil::Scenario& scenario);
 std::int64_t calc_last_tick(const hil::Scenario& scenario);
 
 // Says on standard error which springs the step cannot integrate stably; `check` shows all of them.

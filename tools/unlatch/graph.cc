@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "tools/unlatch/alike.h"
+
 namespace unlatch::tools {
 namespace {
 
@@ -51,19 +53,6 @@ std::string list_rows(RowSet rows) {
   return text.empty() ? "no rows" : text;
 }
 
-// booster1 and booster2 are alike but for their numbers.
-std::string without_numbers(const std::string& name) {
-  std::string out;
-  for (const char c : name) {
-    const bool digit = c >= '0' && c <= '9';
-    if (!digit)
-      out += c;
-    else if (out.empty() || out.back() != '#')
-      out += '#';
-  }
-  return out;
-}
-
 // --- Structure ------------------------------------------------------------------------------------------------------
 
 // A few names in a box, and how many more there are.
@@ -75,75 +64,171 @@ std::string list_elements(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string describe_bodies(const Model& model, const Plan& plan) {
-  std::map<int, std::vector<std::string>> loads;
-  for (const Load& load : model.loads) {
-    std::string text = load.name + (load.on ? "" : " (off)");
-    if (load.channel != kNone) text += " · " + model.channels[static_cast<std::size_t>(load.channel)].name;
-    loads[load.body].push_back((load.kind == Load::Kind::kForce ? "→ " : "↻ ") + text);
+// Bodies and joints of which many are alike, as templates make them, share a box.
+class Structure {
+ public:
+  Structure(const Model& model, const Plan& plan)
+      : model_(model), loops_(plan.get_loops().begin(), plan.get_loops().end()) {
+    for (const TreeNode& node : plan.get_tree())
+      if (node.parent == kNone) roots_.insert(node.body);
+    list_elements_of_bodies();
+    group_bodies();
+    group_joints();
   }
-  std::set<int> roots;
-  for (const TreeNode& node : plan.get_tree())
-    if (node.parent == kNone) roots.insert(node.body);
-  std::string dot;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const Body& body = model.bodies[i];
-    const bool root = roots.count(static_cast<int>(i)) > 0;
-    dot += "  b" + std::to_string(i) + " [shape=box style=\"rounded,filled\" fillcolor=\"" +
-           (root ? "#cfe0f5" : "#eef3f9") + "\" label=<<table border=\"0\" cellspacing=\"1\">" +
-           row("<b>" + body.name + "</b>") + row(small(to_text(body.mass) + " kg" + (root ? ", root" : ""))) +
-           list_elements(loads[static_cast<int>(i)]) + "</table>>]\n";
-  }
-  return dot;
-}
 
-std::string describe_joints(const Model& model, const Plan& plan) {
-  std::map<int, std::vector<std::string>> springs;
-  for (const JointSpring& spring : model.joint_springs)
-    springs[spring.joint].push_back("~ " + spring.name + (spring.axis < kRotX ? " along " : " about ") +
-                                    "xyz"[spring.axis % 3] + (spring.on ? "" : " (off)"));
-  const std::set<std::int32_t> loops(plan.get_loops().begin(), plan.get_loops().end());
-  std::string dot;
-  bool grounded = false;
-  for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    const Joint& joint = model.joints[i];
-    const bool loop = loops.count(static_cast<std::int32_t>(i)) > 0;
+  std::string describe() const { return describe_bodies() + describe_joints() + describe_springs(); }
+
+ private:
+  using Texts = std::map<int, std::vector<std::string>>;
+
+  void list_elements_of_bodies() {
+    for (const Load& load : model_.loads) {
+      std::string text = load.name + (load.on ? "" : " (off)");
+      if (load.channel != kNone) text += " · " + model_.channels[static_cast<std::size_t>(load.channel)].name;
+      loads_[load.body].push_back((load.kind == Load::Kind::kForce ? "→ " : "↻ ") + text);
+    }
+    for (const JointSpring& spring : model_.joint_springs)
+      springs_[spring.joint].push_back("~ " + spring.name + (spring.axis < kRotX ? " along " : " about ") +
+                                       "xyz"[spring.axis % 3] + (spring.on ? "" : " (off)"));
+  }
+
+  static std::string join(const Texts& texts, std::size_t of) {
+    const auto found = texts.find(static_cast<int>(of));
+    std::string text;
+    if (found != texts.end())
+      for (const std::string& part : found->second) text += part + "\n";
+    return text;
+  }
+
+  void group_bodies() {
+    std::vector<std::string> keys;
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      const Body& body = model_.bodies[i];
+      keys.push_back(without_numbers(body.name + "\n" + join(loads_, i)) + to_text(body.mass) +
+                     (roots_.count(static_cast<int>(i)) > 0 ? " root" : ""));
+    }
+    bodies_ = group_alike(keys);
+    for (const auto& group : bodies_)
+      for (const std::size_t body : group) drawn_body_[static_cast<int>(body)] = group.front();
+  }
+
+  void group_joints() {
+    std::vector<std::string> keys;
+    for (std::size_t i = 0; i < model_.joints.size(); ++i) {
+      const Joint& joint = model_.joints[i];
+      keys.push_back(without_numbers(joint.name + "\n" + join(springs_, i)) + get_node(joint.base) + "," +
+                     get_node(joint.follower) + list_modes(joint) + (is_loop(i) ? " loop" : ""));
+    }
+    joints_ = group_alike(keys);
+  }
+
+  bool is_loop(std::size_t joint) const { return loops_.count(static_cast<std::int32_t>(joint)) > 0; }
+
+  std::string get_node(int body) const {
+    return body == kGround ? "ground" : "b" + std::to_string(drawn_body_.at(body));
+  }
+
+  static std::string list_modes(const Joint& joint) {
     std::string modes;
     for (std::size_t m = 0; m < joint.modes.size(); ++m) {
       const std::string name =
           static_cast<int>(m) == joint.mode ? "<b>" + joint.modes[m].name + "</b>" : joint.modes[m].name;
       modes += row(name + " " + small(list_rows(joint.modes[m].rows)));
     }
-    const std::string id = "j" + std::to_string(i);
-    dot += "  " + id +
-           " [shape=plain label=<<table border=\"1\" color=\"#c58f2a\" bgcolor=\"#fdf6e7\" cellborder=\"0\" "
-           "cellspacing=\"1\" style=\"rounded\">" +
-           row("<b>" + joint.name + "</b>" + (loop ? small(" closes a loop") : "")) + modes +
-           list_elements(springs[static_cast<int>(i)]) + "</table>>]\n";
-    grounded = grounded || joint.base == kGround;
-    const std::string base = joint.base == kGround ? "ground" : "b" + std::to_string(joint.base);
-    const std::string style = loop ? " [style=dashed constraint=false]" : "";
-    dot += "  " + base + " -> " + id + style + "\n  " + id + " -> b" + std::to_string(joint.follower) + style + "\n";
+    return modes;
   }
-  if (grounded) dot += "  ground [shape=box style=filled fillcolor=\"#d8d8d8\" label=\"ground\"]\n";
-  return dot;
-}
 
-// Springs between bodies, those of one pair on one line.
-std::string describe_springs(const Model& model) {
-  std::map<std::pair<int, int>, std::vector<std::string>> pairs;
-  for (const PointSpring& s : model.point_springs)
-    pairs[{s.base, s.follower}].push_back(s.name + (s.push_only ? " (pushes)" : ""));
-  for (const PlaneTorsion& s : model.plane_torsions) pairs[{s.base, s.follower}].push_back(s.name + " (torsion)");
-  std::string dot;
-  for (const auto& [pair, names] : pairs) {
-    const std::string base = pair.first == kGround ? "ground" : "b" + std::to_string(pair.first);
-    dot += "  " + base + " -> b" + std::to_string(pair.second) +
-           " [color=\"#4a8f5c\" style=dotted label=<<table border=\"0\" cellspacing=\"0\">" + list_elements(names) +
-           "</table>> constraint=false]\n";
+  // Elements of a group: those of its first, with # for the numbers.
+  static std::string list_elements_of(const Texts& texts, const std::vector<std::size_t>& group) {
+    const auto found = texts.find(static_cast<int>(group.front()));
+    if (found == texts.end()) return "";
+    std::vector<std::string> names = found->second;
+    if (group.size() > 1)
+      for (std::string& name : names) name = without_numbers(name);
+    return list_elements(names);
   }
-  return dot;
-}
+
+  template <typename Items>
+  static std::string name_of(const std::vector<std::size_t>& group, const Items& items) {
+    const std::string& first = items[group.front()].name;
+    if (group.size() == 1) return "<b>" + first + "</b>";
+    return "<b>" + first + " … " + items[group.back()].name + "</b>";
+  }
+
+  std::string describe_bodies() const {
+    std::string dot;
+    for (const auto& group : bodies_) {
+      const Body& body = model_.bodies[group.front()];
+      const bool root = roots_.count(static_cast<int>(group.front())) > 0;
+      const std::string mass = (group.size() > 1 ? std::to_string(group.size()) + " of " : "") + to_text(body.mass) +
+                               " kg" + (root ? ", root" : "");
+      dot += "  b" + std::to_string(group.front()) + " [shape=box style=\"rounded,filled\" fillcolor=\"" +
+             (root ? "#cfe0f5" : "#eef3f9") + "\" label=<<table border=\"0\" cellspacing=\"1\">" +
+             row(name_of(group, model_.bodies)) + row(small(mass)) + list_elements_of(loads_, group) + "</table>>]\n";
+    }
+    return dot;
+  }
+
+  // A loop's joint hangs from both of its bodies; its edges have no say in the ranks, but it has one in the order.
+  std::string describe_joints() const {
+    std::string dot;
+    bool grounded = false;
+    for (const auto& group : joints_) {
+      const Joint& joint = model_.joints[group.front()];
+      const bool loop = is_loop(group.front());
+      const std::string id = "j" + std::to_string(group.front());
+      dot += "  " + id +
+             " [shape=plain label=<<table border=\"1\" color=\"#c58f2a\" bgcolor=\"#fdf6e7\" cellborder=\"0\" "
+             "cellspacing=\"1\" style=\"rounded\">" +
+             row(name_of(group, model_.joints)) +
+             (group.size() > 1 ? row(small(std::to_string(group.size()) + " joints")) : "") +
+             (loop ? row(small(group.size() > 1 ? "each closes a loop" : "closes a loop")) : "") + list_modes(joint) +
+             list_elements_of(springs_, group) + "</table>>]\n";
+      grounded = grounded || joint.base == kGround;
+      const std::string style = loop ? " [style=dashed]" : "";
+      dot += "  " + get_node(joint.base) + " -> " + id + style + "\n  " + id + " -> " + get_node(joint.follower) +
+             (loop ? " [style=dashed constraint=false]" : "") + "\n";
+    }
+    if (grounded) dot += "  ground [shape=box style=filled fillcolor=\"#d8d8d8\" label=\"ground\"]\n";
+    return dot;
+  }
+
+  // Springs between bodies, those of one pair on one line.
+  std::string describe_springs() const {
+    std::map<std::pair<std::string, std::string>, std::vector<std::string>> pairs;
+    for (const PointSpring& s : model_.point_springs)
+      pairs[{get_node(s.base), get_node(s.follower)}].push_back(s.name + (s.push_only ? " (pushes)" : ""));
+    for (const PlaneTorsion& s : model_.plane_torsions)
+      pairs[{get_node(s.base), get_node(s.follower)}].push_back(s.name + " (torsion)");
+    std::string dot;
+    std::size_t number = 0;
+    for (const auto& [pair, names] : pairs) {
+      // A box of its own: the label of an edge would be laid over other boxes.
+      const std::string id = "s" + std::to_string(number++);
+      dot += "  " + id +
+             " [shape=plain label=<<table border=\"1\" color=\"#4a8f5c\" style=\"rounded\" cellborder=\"0\" "
+             "cellspacing=\"1\">" +
+             list_elements(fold(names)) + "</table>>]\n  " + pair.first + " -> " + id +
+             " [color=\"#4a8f5c\" style=dotted arrowhead=none]\n  " + id + " -> " + pair.second +
+             " [color=\"#4a8f5c\" style=dotted]\n";
+    }
+    return dot;
+  }
+
+  static std::vector<std::string> fold(const std::vector<std::string>& names) {
+    std::vector<std::string> keys, folded;
+    for (const std::string& name : names) keys.push_back(without_numbers(name));
+    for (const auto& group : group_alike(keys)) folded.push_back(name_group(group, names));
+    return folded;
+  }
+
+  const Model& model_;
+  const std::set<std::int32_t> loops_;
+  std::set<int> roots_;
+  Texts loads_, springs_;  // of bodies, of joints
+  std::vector<std::vector<std::size_t>> bodies_, joints_;
+  std::map<int, std::size_t> drawn_body_;  // the first of the body's group
+};
 
 // --- Phases ---------------------------------------------------------------------------------------------------------
 
@@ -316,8 +401,7 @@ std::string describe_graph(const Model& model, const Plan& plan, const std::stri
   const std::string font = " fontname=\"Helvetica,Arial,sans-serif\" fontsize=11";
   return "digraph unlatch {\n  graph [rankdir=LR nodesep=0.25 ranksep=0.45 labelloc=t label=<<b>" + escape(title) +
          "</b>>" + font + "]\n  node [" + font + "]\n  edge [" + font + " arrowsize=0.7 color=\"#5f6b7a\"]\n" +
-         describe_bodies(model, plan) + describe_joints(model, plan) + describe_springs(model) +
-         Phases(model).describe() + "}\n";
+         Structure(model, plan).describe() + Phases(model).describe() + "}\n";
 }
 
 }  // namespace unlatch::tools

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -65,7 +66,8 @@ void draw_graph(const std::string& dot, const std::string& svg_path) {
   int error = 0;
   const int status = run_dot(input.get(), output.get(), error);
   if (status == 0) return;
-  unlink(svg_path.c_str());
+  struct stat made {};
+  if (fstat(output.get(), &made) == 0 && S_ISREG(made.st_mode)) unlink(svg_path.c_str());
   if (status == 127)
     throw GraphError("--graph needs graphviz' program `dot`, which is not there: apt-get install graphviz");
   throw GraphError("graphviz' program `dot` failed with status " + std::to_string(status));

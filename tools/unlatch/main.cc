@@ -1,4 +1,5 @@
 // unlatch: the command line.
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -43,6 +44,12 @@ int main(int argc, char** argv) {
   command_line.set_version(kVersion);
   command_line.get_command().require_verb();
   int exit_code = tools::kExitDone;
+  // A device that is full takes what is printed in silence, until now.
+  const auto finish = [](int code) {
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+    std::fprintf(stderr, "standard output cannot be written: %s\n", std::strerror(errno));
+    return code == tools::kExitDone ? tools::kExitEnvironment : code;
+  };
   tools::add_verbs(command_line.get_command(), exit_code);
 
   const auto fail = [](const char* what, int code) {
@@ -51,7 +58,7 @@ int main(int argc, char** argv) {
   };
   try {
     command_line.parse(argc, argv, exit_code);
-    return exit_code;
+    return finish(exit_code);
   } catch (const hil::ScenarioError& error) {
     return fail(error.what(), tools::kExitUsage);
   } catch (const hil::SimulationError& error) {

@@ -1,6 +1,7 @@
 #include "tools/unlatch/pacing_options.h"
 
 #include <fcntl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -32,6 +33,18 @@ int open_descriptor(const std::string& source) {
 
 }  // namespace
 
+std::string check_cpu(const std::string& text) {
+  int cpu = -1;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, cpu);
+  const long count = sysconf(_SC_NPROCESSORS_CONF);
+  const std::string known = "this machine has CPUs 0 to " + std::to_string(count - 1);
+  if (result.ec == std::errc::result_out_of_range) return "CPU " + text + " does not exist; " + known;
+  if (result.ec != std::errc{} || result.ptr != end || cpu < 0)
+    return "'" + text + "' is not the number of a CPU; " + known;
+  return cpu < count ? "" : "CPU " + text + " does not exist; " + known;
+}
+
 void PacingOptions::add_overrides(std::vector<std::string>& overrides) const {
   if (!overruns.empty()) {
     const std::size_t equals = overruns.find('=');
@@ -57,7 +70,7 @@ void add_pacing_options(Command command, PacingOptions& options) {
                   "reaction to a late tick: fail, slip, skip_output, catch_up or catch_up=TICKS")
       .type_name("POLICY")
       .group(group);
-  command.add_option("--spin-us", options.spin_us, "time of waiting awake before each deadline, us")
+  command.add_option("--spin-us", options.spin_us, "time of busy waiting before each deadline, us")
       .type_name("MICROSECONDS")
       .within(0.0, 10000.0)
       .group(group);
@@ -68,7 +81,7 @@ void add_pacing_options(Command command, PacingOptions& options) {
       .group(group);
   command.add_option("--cpu", options.thread.cpu, "CPU of the cyclic thread")
       .type_name("NUMBER")
-      .within(0, 1023)
+      .check(check_cpu)
       .group(group);
   command.add_option("--priority", options.thread.priority, "priority of the cyclic thread, SCHED_FIFO")
       .type_name("NUMBER")

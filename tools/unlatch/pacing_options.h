@@ -25,6 +25,9 @@ struct PacingOptions {
   // Longest wait for a tick from outside, ns; 0 for the clock.
   [[nodiscard]] std::int64_t get_patience_ns() const;
 };
+
+// "" or the mistake: this is not the number of a CPU of this machine.
+std::string check_cpu(const std::string& text);
 void add_pacing_options(Command command, PacingOptions& options);
 
 }  // namespace unlatch::tools

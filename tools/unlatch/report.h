@@ -41,7 +41,9 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 void write_json(const nlohmann::ordered_json& json, const std::string& target);
-void write_text(const std::string& text, const std::string& target);
+void write_text(const std::string& text, const std::string& target);  // whole, or the file stays as it was
+// The same error before the work rather than after it: a target that cannot be created. Leaves no file.
+void check_output(const std::string& target);
 
 // The same for results that come one after another, one object a line, each out at once. Nowhere: nothing is written.
 class JsonLines {

@@ -1,5 +1,6 @@
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tools/unlatch/report.h"
@@ -187,13 +188,53 @@ void write_json(const nlohmann::ordered_json& json, const std::string& target) {
 
 void write_json(const RunReport& report, const std::string& target) { write_json(build_json(report), target); }
 
+namespace {
+
+// A file is written beside its target and takes its place when it is whole. Devices and pipes are written as they are.
+std::string choose_path(const std::string& target) {
+  std::error_code error;
+  const auto type = std::filesystem::status(target, error).type();
+  if (type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found) return target;
+  const auto real = std::filesystem::canonical(target, error);  // of a symbolic link the file that it names
+  return (error ? target : real.string()) + ".unfinished";
+}
+
+[[noreturn]] void fail(const std::string& target, const char* what, int error) {
+  throw OutputError(target + ": cannot be " + what + ": " + std::strerror(error));
+}
+
+}  // namespace
+
 void write_text(const std::string& text, const std::string& target) {
-  std::FILE* const file = target == "-" ? stdout : std::fopen(target.c_str(), "wb");
-  if (file == nullptr) throw OutputError(target + ": cannot be created: " + std::strerror(errno));
-  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
-  const int error = errno;
-  if (file != stdout) std::fclose(file);
-  if (!written) throw OutputError(target + ": cannot be written: " + std::strerror(error));
+  const std::string path = target == "-" ? target : choose_path(target);
+  std::FILE* const file = target == "-" ? stdout : std::fopen(path.c_str(), "wb");
+  if (file == nullptr) fail(target, "created", errno);
+  errno = 0;
+  bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+  int error = errno;
+  if (file != stdout && std::fclose(file) != 0 && written) written = false, error = errno;
+  if (path == target) {
+    if (!written) fail(target, "written", error);
+    return;
+  }
+  const std::string final_path = path.substr(0, path.rfind('.'));
+  if (written && std::rename(path.c_str(), final_path.c_str()) != 0) written = false, error = errno;
+  if (written) return;
+  std::remove(path.c_str());
+  fail(target, "written", error);
+}
+
+void check_output(const std::string& target) {
+  if (target.empty() || target == "-") return;
+  std::error_code error;
+  const auto type = std::filesystem::status(target, error).type();
+  if (type == std::filesystem::file_type::directory) fail(target, "created", EISDIR);
+  if (type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found) return;
+  const std::string path = choose_path(target);
+  std::FILE* const file = std::fopen(path.c_str(), "ab");
+  if (file == nullptr) fail(target, "created", errno);
+  std::fclose(file);
+  std::remove(path.c_str());
 }
 
 JsonLines::JsonLines(const std::string& target) : target_(target) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -13,6 +14,12 @@ void print_heading(std::FILE* to, const char* text) {
   std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
 }
 
+std::string to_text(double value, const char* pattern) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
 // The model's events and what the executive said, in one order of time.
 void print_timeline(std::FILE* to, const RunReport& report) {
   std::vector<hil::TimelineEntry> entries = report.analysis.timeline;
@@ -23,13 +30,21 @@ void print_timeline(std::FILE* to, const RunReport& report) {
   std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
   print_heading(to, "Events");
   if (entries.empty()) std::fputs("  none\n", to);
+  std::vector<std::string> keys, names, subjects;  // of one instant those alike are one
   for (const auto& entry : entries) {
-    std::fprintf(to, "  %12.6f s  %-20s %s\n", entry.time, entry.name.c_str(), entry.subject.c_str());
+    keys.push_back(to_text(entry.time, "%.6f ") + without_numbers(entry.name) + " " + without_numbers(entry.subject));
+    names.push_back(entry.name);
+    subjects.push_back(entry.subject);
+  }
+  for (const std::vector<std::size_t>& group : group_alike(keys)) {
+    const std::size_t first = group.front(), last = group.back();
+    std::fprintf(to, "  %12.6f s  %-20s %s\n", entries[first].time,
+                 names[first] == names[last] ? names[first].c_str() : name_group(group, names).c_str(),
+                 subjects[first] == subjects[last] ? subjects[first].c_str() : name_group(group, subjects).c_str());
   }
   if (report.analysis.postponed > 0) {
-    std::fprintf(to,
-                 "  %lld instants of events were left to the next tick: the bound on splits of a step was reached\n",
-                 static_cast<long long>(report.analysis.postponed));
+    std::fprintf(to, "  %s of events left to the next tick: the bound on splits of a step was reached\n",
+                 count(static_cast<std::size_t>(report.analysis.postponed), "instant").c_str());
   }
 }
 
@@ -37,21 +52,40 @@ void print_clearances(std::FILE* to, const RunReport& report) {
   if (report.analysis.clearances().empty()) return;
   print_heading(to, "Smallest clearances");
   const auto& bodies = report.scenario.model.bodies;
-  for (const hil::Clearance& clearance : report.analysis.clearances()) {
-    const std::string pair =
-        bodies[static_cast<std::size_t>(clearance.a)].name + " – " + bodies[static_cast<std::size_t>(clearance.b)].name;
-    std::fprintf(to, "  %-28s %9.4f m at %9.4f s%s\n", pair.c_str(), clearance.smallest, clearance.time,
-                 clearance.smallest > 0 ? "" : paint(to, Colour::kRed, "  they touch").c_str());
+  const auto& clearances = report.analysis.clearances();
+  std::vector<std::string> keys, pairs;
+  for (const hil::Clearance& clearance : clearances) {
+    pairs.push_back(bodies[static_cast<std::size_t>(clearance.a)].name + " – " +
+                    bodies[static_cast<std::size_t>(clearance.b)].name);
+    keys.push_back(without_numbers(pairs.back()));
+  }
+  for (const std::vector<std::size_t>& group : group_alike(keys)) {
+    const std::size_t least = *std::min_element(group.begin(), group.end(), [&](std::size_t i, std::size_t k) {
+      return clearances[i].smallest < clearances[k].smallest;
+    });
+    const hil::Clearance& clearance = clearances[least];
+    const std::string of_group = "  the smallest of " + std::to_string(group.size()) + " pairs " + keys[least];
+    std::fprintf(to, "  %-28s %9.4f m at %9.4f s%s%s\n", pairs[least].c_str(), clearance.smallest, clearance.time,
+                 clearance.smallest > 0 ? "" : paint(to, Colour::kRed, "  they touch").c_str(),
+                 group.size() == 1 ? "" : of_group.c_str());
   }
 }
 
 void print_tip_offs(std::FILE* to, const RunReport& report) {
   if (report.analysis.tip_offs.empty()) return;
   print_heading(to, "Tip-off rates (body axes)");
-  for (const hil::TipOff& tip_off : report.analysis.tip_offs) {
-    std::fprintf(to, "  %-12s at %10.6f s   %9.4f %9.4f %9.4f deg/s   |w| %8.4f deg/s\n", tip_off.body.c_str(),
+  const auto& tip_offs = report.analysis.tip_offs;
+  std::vector<std::string> keys;
+  for (const hil::TipOff& tip_off : tip_offs) keys.push_back(without_numbers(tip_off.body));
+  for (const std::vector<std::size_t>& group : group_alike(keys)) {
+    const hil::TipOff& tip_off =
+        tip_offs[*std::max_element(group.begin(), group.end(), [&](std::size_t i, std::size_t k) {
+          return norm(tip_offs[i].w) < norm(tip_offs[k].w);
+        })];
+    const std::string of_group = "  the fastest of " + std::to_string(group.size()) + " " + keys[group[0]];
+    std::fprintf(to, "  %-12s at %10.6f s   %9.4f %9.4f %9.4f deg/s   |w| %8.4f deg/s%s\n", tip_off.body.c_str(),
                  tip_off.time, tip_off.w.x * kDegPerRad, tip_off.w.y * kDegPerRad, tip_off.w.z * kDegPerRad,
-                 norm(tip_off.w) * kDegPerRad);
+                 norm(tip_off.w) * kDegPerRad, group.size() == 1 ? "" : of_group.c_str());
   }
 }
 
@@ -62,11 +96,26 @@ void print_reactions(std::FILE* to, const RunReport& report) {
   std::fprintf(to, "  %-12s", "joint");
   for (const char* row : kRowNames) std::fprintf(to, " %12s", row);
   std::fputs("  mode\n", to);
+  const auto get_mode = [&](std::size_t i) -> const std::string& {
+    return joints[i].modes[static_cast<std::size_t>(report.simulation.state().joints[i].mode)].name;
+  };
+  std::vector<std::string> keys, names;
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    std::fprintf(to, "  %-12s", joints[i].name.c_str());
-    for (const hil::PeakReaction& peak : report.analysis.peaks[i]) std::fprintf(to, " %12.5g", peak.value);
-    const auto mode = static_cast<std::size_t>(report.simulation.state().joints[i].mode);
-    std::fprintf(to, "  %s\n", joints[i].modes[mode].name.c_str());
+    keys.push_back(without_numbers(joints[i].name) + " " + get_mode(i));
+    names.push_back(joints[i].name);
+  }
+  for (const std::vector<std::size_t>& group : group_alike(keys)) {
+    if (group.size() > 1) std::fprintf(to, "  %s, the largest of each row:\n", name_group(group, names).c_str());
+    std::fprintf(to, "  %-12s", group.size() > 1 ? "" : names[group[0]].c_str());
+    for (std::size_t row = 0; row < kRows; ++row) {
+      double largest = 0;
+      for (const std::size_t i : group) {
+        const double value = report.analysis.peaks[i][row].value;
+        if (std::abs(value) > std::abs(largest)) largest = value;
+      }
+      std::fprintf(to, " %12.5g", largest);
+    }
+    std::fprintf(to, "  %s\n", get_mode(group[0]).c_str());
   }
 }
 
@@ -81,9 +130,8 @@ void print_audit(std::FILE* to, const std::vector<EventAudit>& audits) {
     entitled = std::max(entitled, std::abs(audit.allowed.kinetic));
   }
   print_heading(to, "Audit of momentum and energy");
-  std::fprintf(to,
-               "  at %zu instants of events, largest change beyond the allowed: %.3g kg m/s, %.3g kg m2/s, %.3g J\n",
-               audits.size(), momentum, angular, energy);
+  std::fprintf(to, "  at %s of events, largest change beyond the allowed: %.3g kg m/s, %.3g kg m2/s, %.3g J\n",
+               count(audits.size(), "instant").c_str(), momentum, angular, energy);
   std::fprintf(to, "  largest allowed change of kinetic energy by an event: %.6g J\n", entitled);
 }
 
@@ -141,23 +189,34 @@ void print_timing(std::FILE* to, const hil::TimingSummary& timing) {
   print_durations(to, "state out, answer in", timing.round_trip);
   if (timing.wakeup.count > 0) print_overruns(to, timing);
   std::int64_t refused = 0;
-  for (const std::int64_t count : timing.rejected) refused += count;
+  std::string reasons;
+  for (std::size_t i = 0; i < hil::kRejectReasons; ++i) {
+    refused += timing.rejected[i];
+    if (timing.rejected[i] == 0) continue;
+    reasons += (reasons.empty() ? " (" : ", ") + std::string(hil::get_text(static_cast<hil::Reject>(i))) + " " +
+               std::to_string(timing.rejected[i]);
+  }
   if (timing.round_trip.count > 0 || timing.dropped > 0) {
-    std::fprintf(to, "  messages dropped %lld, states sent again %lld, commands refused %lld\n",
+    std::fprintf(to, "  messages dropped %lld, states resent %lld, commands refused %lld%s\n",
                  static_cast<long long>(timing.dropped), static_cast<long long>(timing.resent),
-                 static_cast<long long>(refused));
+                 static_cast<long long>(refused), reasons.empty() ? "" : (reasons + ")").c_str());
   }
 }
 
 void print_verdicts(std::FILE* to, const RunReport& report) {
-  for (const std::string& verdict : build_verdicts(report)) {
-    std::fprintf(to, "\n%s\n", paint(to, Colour::kRed, verdict).c_str());
+  const std::vector<std::string> verdicts = build_verdicts(report);
+  std::vector<std::string> keys;
+  for (const std::string& verdict : verdicts) keys.push_back(without_numbers(verdict));
+  for (const std::vector<std::size_t>& group : group_alike(keys)) {
+    const std::string more = group.size() == 1 ? "" : "; and so for " + std::to_string(group.size() - 1) + " more";
+    std::fprintf(to, "\n%s\n", paint(to, Colour::kRed, verdicts[group[0]] + more).c_str());
   }
 }
 
 void print_replay(std::FILE* to, const hil::ReplayResult& replay) {
   if (replay.agrees()) {
-    const std::string text = "replayed: every bit agrees at all " + std::to_string(replay.compared) + " ticks compared";
+    const std::string text = "replayed: every bit agrees at " + std::string(replay.compared == 1 ? "the " : "all ") +
+                             count(static_cast<std::size_t>(replay.compared), "tick") + " compared";
     std::fprintf(to, "  %s\n", paint(to, Colour::kGreen, text).c_str());
   } else if (replay.difference) {
     std::fprintf(
@@ -183,10 +242,10 @@ void print_report(std::FILE* to, const RunReport& report) {
   print_timing(to, report.timing);
   print_verdicts(to, report);
   const bool ok = report.status == "ok";
-  std::fprintf(to, "\n%s: %s, %lld ticks of %g s, t = %g s, state hash %s\n",
+  std::fprintf(to, "\n%s: %s, %s of %g s, t = %g s, state hash %s\n",
                paint(to, Colour::kBold, report.scenario.name).c_str(),
                paint(to, ok ? Colour::kGreen : Colour::kRed, report.status).c_str(),
-               static_cast<long long>(report.tick), dt, static_cast<double>(report.tick) * dt,
+               count(static_cast<std::size_t>(report.tick), "tick").c_str(), dt, static_cast<double>(report.tick) * dt,
                to_hex(report.hash).c_str());
   if (report.replay) print_replay(to, *report.replay);
   if (!report.message.empty()) std::fprintf(to, "  %s\n", report.message.c_str());

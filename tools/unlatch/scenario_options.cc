@@ -17,14 +17,39 @@ std::string to_text(double value) {
   return text;
 }
 
+// The earliest time at which a condition can hold, s.
+double calc_earliest(const Condition& when) {
+  using Kind = Condition::Kind;
+  if (when.kind == Kind::kTime) return when.below ? 0 : when.threshold;
+  if ((when.kind != Kind::kAll && when.kind != Kind::kAny) || when.parts.empty()) return 0;
+  std::vector<double> times;
+  for (const Condition& part : when.parts) times.push_back(calc_earliest(part));
+  return when.kind == Kind::kAll ? *std::max_element(times.begin(), times.end())
+                                 : *std::min_element(times.begin(), times.end());
+}
+
 }  // namespace
 
+std::vector<std::string> list_notes(const hil::Scenario& scenario) {
+  std::vector<std::string> notes;
+  for (const Event& event : scenario.model.events) {
+    const double earliest = calc_earliest(event.when) + event.delay;
+    if (earliest <= scenario.until) continue;
+    char text[160];
+    std::snprintf(text, sizeof text, "cannot happen before %.6g s, and the run ends at %.6g s", earliest,
+                  scenario.until);
+    notes.push_back("event '" + event.name + "'" + (event.subject.empty() ? "" : " of '" + event.subject + "'") + " " +
+                    text);
+  }
+  return notes;
+}
+
 void add_scenario_options(Command command, ScenarioOptions& options) {
-  command.add_option("SCENARIO", options.path, "scenario file (.yaml)").required();
-  command.add_option("--until", options.until, "end of the run, s (default: the scenario's)")
+  command.add_option("SCENARIO", options.path, "scenario file (.yaml); - for standard input").required();
+  command.add_option("--until", options.until, "end of the run, s or with its unit (default: the scenario's)")
       .type_name("SECONDS")
-      .check(check_seconds);
-  command.add_option("--dt", options.dt, "step, s (default: the scenario's)").type_name("SECONDS").check(check_seconds);
+      .seconds();
+  command.add_option("--dt", options.dt, "step, s (default: the scenario's)").type_name("SECONDS").seconds();
   command
       .add_option("--set", options.overrides,
                   "replaces one value of the scenario, for example bodies.core.mass=98000; repeatable")
@@ -41,6 +66,8 @@ hil::Scenario load(const ScenarioOptions& options) {
   if (std::abs(end - scenario.until) > kSameTime * scenario.dt) {
     std::fprintf(stderr, "note: %.9g s is not on a tick; the run ends at %.9g s\n", scenario.until, end);
   }
+  if (options.until > 0) return scenario;  // an end before some events is wanted
+  for (const std::string& note : list_notes(scenario)) std::fprintf(stderr, "note: %s\n", note.c_str());
   return scenario;
 }
 

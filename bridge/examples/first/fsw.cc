@@ -58,9 +58,11 @@ int main() {
   software.lcm.subscribe("UNLATCH_HELLO", &FlightSoftware::on_hello, &software);
   software.lcm.subscribe("UNLATCH_CATALOG", &FlightSoftware::on_catalog, &software);
   software.lcm.subscribe("UNLATCH_STATE", &FlightSoftware::on_state, &software);
+  std::fputs(software.lcm.good() ? "fsw: waits for a simulator\n" : "fsw: no route for multicast\n", stderr);
   while (!software.ended)
-    if (software.lcm.handleTimeout(30'000) <= 0) {
-      std::fputs("fsw: no simulator\n", stderr);
+    if (software.lcm.handleTimeout(10'000) <= 0) {
+      std::fputs("fsw: heard no simulator for 10 s; has it started, and does `ip route get 239.255.76.67` say lo?\n",
+                 stderr);
       return 1;
     }
 }

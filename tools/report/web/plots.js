@@ -1,11 +1,13 @@
 // Curves over time: one time axis, one cursor, zoomed together. The time shown is a line in every plot; a click sets it.
 import uPlot from 'uplot';
-import { colour, css, dash } from './colours.js';
+import { colour, css, dash, secondColour } from './colours.js';
 import { digits, el, select } from './dom.js';
 import { buildQuantities } from './quantities.js';
 
 const HEIGHT = 210;
 const MOST_SHOWN = 12;  // curves at first; the others are a click on their name away
+const NOISE = 1e-6;     // of a quantity's size: less is rounding, and no axis is drawn for it
+const SMALLEST = { N: 1e-6, 'N m': 1e-6 };  // the size of a quantity that is zero but for rounding; 1e-9 of other units
 const CLICK = 4;        // px that the pointer may move during one
 const GREAT = { N: [[2e6, 1e6, 'MN'], [2e3, 1e3, 'kN']], 'N m': [[2e6, 1e6, 'MN m'], [2e3, 1e3, 'kN m']] };
 
@@ -30,6 +32,39 @@ function resample(run, values, times) {
     const value = fraction === 0 ? values[index] : values[index] + fraction * (values[index + 1] - values[index]);
     return Number.isFinite(value) ? value : null;
   });
+}
+
+function calcLargest(curves) {
+  let largest = 0;
+  for (const curve of curves) for (const value of curve.values) if (Number.isFinite(value)) largest = Math.max(largest, Math.abs(value));
+  return largest;
+}
+
+// Curves of one run that lie on one another take turns along the line, so that all of their colours are seen.
+function calcDash(curve, curves, floor) {
+  const PERIOD = 28;  // px
+  const lies = (other) => other.run === curve.run && other.ranksFirst && other.values.length === curve.values.length
+    && other.values.every((value, i) => !(Math.abs(value - curve.values[i]) > floor));
+  const alike = curve.second || !curve.ranksFirst ? [] : curves.filter(lies);
+  const k = alike.indexOf(curve);
+  if (k < 1) return curve.second ? [4, 4] : dash(curve.colour);
+  return [PERIOD * (alike.length - k) / alike.length, PERIOD * k / alike.length];
+}
+
+// Limits of an axis for values from `least` to `most`, at least `floor` apart.
+function widen(least, most, floor) {
+  if (least === null || most === null) return [-floor, floor];
+  const lack = Math.max(0, floor - (most - least)) / 2;
+  const gap = lack > 0 ? 0 : 0.06 * (most - least);
+  return [least - lack - gap, most + lack + gap];
+}
+
+// As many digits as the ticks need to differ.
+function writeTicks(ticks) {
+  const step = ticks.length > 1 ? Math.abs(ticks[1] - ticks[0]) : 1;
+  const size = Math.max(...ticks.map(Math.abs));
+  const count = Math.min(12, Math.max(3, 2 + Math.ceil(Math.log10(Math.max(size / step, 1)))));
+  return ticks.map((tick) => digits(Math.abs(tick) < 1e-9 * step ? 0 : tick, count));
 }
 
 export class Plots {
@@ -58,12 +93,12 @@ export class Plots {
   }
 
   buildCard(group) {
-    const card = { group, choice: group.choices[0], body: el('div', { class: 'plot' }), shown: new Map() };
+    const card = { group, choice: group.choices[0], body: el('div', { class: 'plot' }), left: el('small', {}), shown: new Map(), fresh: true };
     const names = group.choices.map((choice, i) => [i, choice.name]);
     card.node = el('section', { class: 'card' },
       el('div', { class: 'cardhead' }, el('h2', {}, group.title), el('small', {}, group.note), el('span', { class: 'grow' }),
-        names.length > 1 ? select('of', names, 0, (value) => { card.choice = group.choices[value]; this.paintCard(card); }) : null),
-      card.body);
+        names.length > 1 ? select('of', names, 0, (value) => { card.choice = group.choices[value]; card.shown.clear(); card.fresh = true; this.paintCard(card); }) : null),
+      card.body, card.left);
     return card;
   }
 
@@ -77,40 +112,63 @@ export class Plots {
   // Curves of both runs, those of B dashed, in the unit that suits their size.
   buildCurves(card) {
     const curves = this.runs.flatMap((run, r) => card.choice.build(run).map((curve) => ({ ...curve, run, second: r > 0 })));
-    let largest = 0;
-    for (const curve of curves) for (const value of curve.values) if (Number.isFinite(value)) largest = Math.max(largest, Math.abs(value));
+    const largest = calcLargest(curves);
+    card.size ??= new Map();  // of the quantity, by unit: of all components together
+    if (!card.size.has(card.choice.unit)) {
+      const alike = card.group.choices.filter((choice) => choice.unit === card.choice.unit);
+      card.size.set(card.choice.unit, calcLargest(alike.flatMap((choice) => this.runs.flatMap((run) => choice.build(run)))));
+    }
+    const floor = Math.max(NOISE * card.size.get(card.choice.unit), SMALLEST[card.choice.unit] ?? 1e-9);
     const [, scale, unit] = (GREAT[card.choice.unit] ?? []).find(([least]) => largest >= least) ?? [0, 1, card.choice.unit];
+    // The largest are drawn, the same ones of both runs; where that is said otherwise, by rank.
+    const ranks = new Map();
+    for (const curve of curves) ranks.set(curve.name, Math.max(ranks.get(curve.name) ?? -Infinity, curve.rank ?? calcLargest([curve])));
+    const first = new Set([...ranks.keys()].sort((a, b) => ranks.get(b) - ranks.get(a)).slice(0, MOST_SHOWN));
     for (const curve of curves) {
+      curve.ranksFirst = first.has(curve.name);
       if (scale !== 1) curve.values = Float64Array.from(curve.values, (value) => value / scale);
       curve.marks = curve.marks.filter((mark) => mark.t !== null && Number.isFinite(mark.value)).map((mark) => ({ ...mark, value: mark.value / scale }));
       curve.values = resample(curve.run, curve.values, this.times);
     }
-    return { curves, unit };
+    card.left.textContent = ranks.size > MOST_SHOWN
+      ? `${MOST_SHOWN} of ${ranks.size} curves are drawn, those with the ${curves[0].rank === undefined ? 'largest' : 'smallest'} values; a click on a name shows or hides one` : '';
+    return { curves, unit, floor: floor / scale };
   }
 
   paintCard(card) {
-    const { curves, unit } = this.buildCurves(card);
+    const { curves, unit, floor } = this.buildCurves(card);
     const axis = { stroke: css('--faint'), grid: { stroke: css('--line'), width: 1 }, ticks: { stroke: css('--line'), width: 1, size: 4 },
       font: '11px system-ui, sans-serif', labelFont: '11px system-ui, sans-serif', labelSize: 16, labelGap: 0 };
     const zoom = card.plot ? { ...card.plot.scales.x } : null;
     card.plot?.destroy();
     card.plot = new uPlot({
       ...this.size(card),
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (plot, least, most) => this.chooseRange(card, plot, least, most, floor) } },
       axes: [{ ...axis, label: 'time, s', size: 30 },
-        { ...axis, label: unit === '1' ? '' : unit, size: 54, values: (_, ticks) => ticks.map((tick) => digits(tick, 6)) }],
+        { ...axis, label: unit === '1' ? '' : unit, size: (_, ticks) => Math.max(54, 24 + 6.5 * Math.max(0, ...(ticks ?? []).map((text) => text.length))), values: (_, ticks) => writeTicks(ticks) }],
       series: [{ label: 't, s', value: (_, value) => (value === null ? '' : digits(value, 7)) }, ...curves.map((curve, i) => ({
-        label: this.runs.length > 1 ? `${curve.run.label} ${curve.name}` : curve.name, stroke: colour(curve.colour), width: curve.second ? 1.6 : 1.5,
-        dash: curve.second ? [4, 4] : dash(curve.colour), spanGaps: true, points: { show: false },
-        show: card.shown.get(i) ?? i % (curves.length / this.runs.length) < MOST_SHOWN, value: (_, value) => digits(value, 5) }))],
+        label: this.runs.length > 1 ? `${curve.run.label} ${curve.name}` : curve.name, stroke: curve.second ? secondColour(curve.colour) : colour(curve.colour), width: curve.second ? 1.6 : 1.5,
+        dash: calcDash(curve, curves, floor), spanGaps: true, points: { show: false },
+        show: card.shown.get(i) ?? curve.ranksFirst, value: (_, value) => digits(value, 5) }))],
       cursor: { sync: { key: 'time', setSeries: false, scales: ['x', null] }, y: false, drag: { x: true, y: false },
         points: { size: 6 } },
       hooks: { drawClear: [(plot) => this.drawEvents(plot)], draw: [(plot) => this.drawMarks(plot, curves), () => this.moveTo(card)],
         setSeries: [(plot, i) => { if (i) card.shown.set(i - 1, plot.series[i].show); }] },
     }, [this.times, ...curves.map((curve) => curve.values)], card.body);
-    if (zoom && (zoom.min > this.clock.first || zoom.max < this.clock.last)) card.plot.setScale('x', zoom);
+    const { window } = card.choice;
+    if (card.fresh && window) card.plot.setScale('x', { min: window.x[0], max: window.x[1] });
+    else if (zoom && !card.fresh && (zoom.min > this.clock.first || zoom.max < this.clock.last)) card.plot.setScale('x', zoom);
+    card.fresh = false;
     this.addPointer(card);
     this.moveTo(card);
+  }
+
+  // The heights of a choice's own window while its times are shown; else of the values, but no less than `floor`.
+  chooseRange(card, plot, least, most, floor) {
+    const { window } = card.choice;
+    const { min, max } = plot.scales.x;
+    if (window && min >= window.x[0] - 1e-9 && max <= window.x[1] + 1e-9) return window.y;
+    return widen(least, most, floor);
   }
 
   drawEvents(plot) {
@@ -138,7 +196,7 @@ export class Plots {
     ctx.clip();
     curves.forEach((curve, i) => {
       if (!plot.series[i + 1].show) return;
-      ctx.fillStyle = colour(curve.colour);
+      ctx.fillStyle = curve.second ? secondColour(curve.colour) : colour(curve.colour);
       for (const { t, value } of curve.marks) {
         const x = plot.valToPos(t, 'x', true), y = plot.valToPos(value, 'y', true);
         ctx.beginPath();

@@ -1,5 +1,7 @@
 // Quantities for plots: groups of curves over time, each group with one unit. A group has `choices` (components, units, …), and
 // choice.build(run) gives the run's curves: {name, colour (number), values (on the run's frames), marks: [{t, value}]}.
+import { PALETTE } from './colours.js';
+import { digits } from './dom.js';
 import { BODY, GROUND, ROWS, relativePosition, rotate } from './run.js';
 
 const DEG = 180 / Math.PI;
@@ -23,21 +25,46 @@ const bodyName = (run, index) => (index === GROUND ? 'ground' : run.bodies[index
 // A pair is shown in the colour of the body that is not the first.
 const pairColour = (pair) => Math.max(pair.a, pair.b) + (Math.min(pair.a, pair.b) === 0 ? 0 : 8 * (1 + Math.min(pair.a, pair.b)));
 
+// The time and heights that show the nearest approach, where the rest of the curves would hide it.
+function findNearest(runs) {
+  const pairs = runs.flatMap((run) => run.pairs.map((pair) => ({ ...pair, run })));
+  if (pairs.length === 0) return null;
+  const nearest = pairs.reduce((best, pair) => (pair.min < best.min ? pair : best));
+  const limit = 4 * Math.max(Math.abs(nearest.min), 0.05);
+  const values = nearest.run.column(nearest.column);
+  const largest = values.reduce((size, value) => (Number.isFinite(value) ? Math.max(size, value) : size), 0);
+  if (largest < 2 * limit) return null;
+  let first = nearest.run.find(nearest.t).index, last = first;
+  while (first > 0 && !(values[first] > limit)) first -= 1;
+  while (last < nearest.run.count - 1 && !(values[last] > limit)) last += 1;
+  return { pair: nearest, x: [nearest.run.time[first], nearest.run.time[last]], y: [Math.min(0, 1.1 * nearest.min), limit] };
+}
+
 function clearances(runs) {
+  const nearest = findNearest(runs);
   const all = runs.some((run) => run.pairs_in_all > run.pairs.length) ? '; of many pairs the 40 nearest' : '';
-  return { title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}`, choices: [{
-    name: 'all', unit: 'm', build: (run) => run.pairs.map((pair) => ({
-      name: `${bodyName(run, pair.a)} – ${bodyName(run, pair.b)}`, colour: pairColour(pair), values: run.column(pair.column),
-      marks: [{ t: pair.t, value: pair.min }] })) }] };
+  const build = (run) => run.pairs.map((pair) => ({
+    name: `${bodyName(run, pair.a)} – ${bodyName(run, pair.b)}`, colour: pairColour(pair), values: run.column(pair.column),
+    rank: -pair.min, marks: [{ t: pair.t, value: pair.min }] }));
+  const smallest = nearest === null ? ''
+    : `; the smallest ${digits(nearest.pair.min, 4)} m at ${digits(nearest.pair.t, 5)} s, ${bodyName(nearest.pair.run, nearest.pair.a)} – ${bodyName(nearest.pair.run, nearest.pair.b)}`;
+  return { title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}${smallest}`, choices: [
+    ...(nearest === null ? [] : [{ name: 'nearest approach', unit: 'm', build, window: nearest }]), { name: 'all', unit: 'm', build }] };
+}
+
+// The joints of one follower share its colour; dashes tell them apart.
+function jointColour(run, joint) {
+  const before = run.joints.filter((other) => other.follower === joint.follower && other.column < joint.column).length;
+  return joint.follower + PALETTE * before;
 }
 
 function reactions(first, unit, title) {
   const held = (run) => run.joints.filter((joint) => !isSilent(run, joint.column + 1 + first, 3));
   const choices = [{ name: first === 0 ? '|F|' : '|M|', unit, build: (run) => held(run).map((joint) => (
-    { name: joint.name, colour: joint.follower, values: norm(run, joint.column + 1 + first), marks: [] })) }];
+    { name: joint.name, colour: jointColour(run, joint), values: norm(run, joint.column + 1 + first), marks: [] })) }];
   for (let row = first; row < first + 3; row += 1) {
     choices.push({ name: ROWS[row], unit, build: (run) => held(run).map((joint) => (
-      { name: joint.name, colour: joint.follower, values: run.column(joint.column + 1 + row),
+      { name: joint.name, colour: jointColour(run, joint), values: run.column(joint.column + 1 + row),
         marks: joint.peaks[row].value ? [joint.peaks[row]] : [] })) });
   }
   return { title, note: `the base’s on the follower, along the ${first === 0 ? 'joint' : 'rotation'} frame`, choices };
@@ -57,7 +84,7 @@ function relative(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(relativePosition(run, i, 0, atFrame(frame)))) })).slice(1);
   const name = runs[0].bodies[0].name;
-  return { title: `Position from ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
+  return { title: `Position relative to ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
     { name: 'distance', unit: 'm', build: curves((p) => Math.hypot(...p)) },
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm', build: curves((p) => p[k]) })) ] };
 }
@@ -72,7 +99,7 @@ function relativeVelocity(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(calc(run, i, frame))) })).slice(1);
   const name = runs[0].bodies[0].name;
-  return { title: `Velocity less that of ${name}`, note: `of the bodies’ origins, components along the axes of ${name}`, choices: [
+  return { title: `Velocity relative to ${name}`, note: `of the bodies’ origins, components along the axes of ${name}`, choices: [
     { name: 'size', unit: 'm/s', build: curves((v) => Math.hypot(...v)) },
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm/s', build: curves((v) => v[k]) })) ] };
 }
@@ -91,6 +118,19 @@ function loads(torque) {
       const scale = Math.hypot(...load.direction);
       return { name: load.name, colour: load.body, values: run.column(load.column).map((value) => value * scale), marks: [] };
     }) }] };
+}
+
+// Of springs between points. A pusher's stroke ends where it has its free length.
+function springs() {
+  const curves = (pick) => (run) => run.springs.map((spring, i) => ({ name: spring.name, colour: i, values: pick(run, spring), marks: [] }));
+  const stroke = (run, { column, push_only: pushes, free_length: free }) => {
+    const lengths = run.column(column + 1), scales = run.column(column + 2);
+    return map(run.count, (i) => (scales[i] === 0 || (pushes && lengths[i] >= free) ? NaN : lengths[i] - lengths[0]));
+  };
+  return { title: 'Springs', note: 'forces on the follower, a push is positive; strokes from the start, while they act', choices: [
+    { name: 'force', unit: 'N', build: curves((run, spring) => run.column(spring.column)) },
+    { name: 'stroke', unit: 'm', build: curves(stroke) },
+    { name: 'length', unit: 'm', build: curves((run, spring) => run.column(spring.column + 1)) } ] };
 }
 
 // Generalised coordinates of bodies that bend, if there are any.
@@ -115,8 +155,8 @@ const ownSensors = (run) => run.sensors.filter((sensor) => !DUPLICATED.has(senso
 export function buildQuantities(runs) {
   const all = [
     clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
-    vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG), relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true),
-    byUnit('Sensors', 'what flight software hears, but for positions, rates and reactions', runs, ownSensors),
+    vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG), relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true), springs(),
+    byUnit('Sensors', 'received by flight software; positions, rates and reactions have plots of their own', runs, ownSensors),
     byUnit('Commands', 'channels that change, as the steps read them', runs, changingChannels),
   ];
   return all.filter((group) => runs.some((run) => group.choices.some((choice) => choice.build(run).length > 0)));

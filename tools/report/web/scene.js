@@ -99,7 +99,7 @@ export class Actors {
     this.ground = { p: ground, q: new THREE.Quaternion() };
     this.reactions.forEach((arrow, i) => this.updateReaction(arrow, run.joints[i], place, metresPerNewton, thickness));
     this.loads.forEach((arrow, i) => this.updateLoad(arrow, run.loads[i], place, metresPerNewton, thickness));
-    this.springs.forEach((line, i) => this.updateSpring(line, run.springs[i]));
+    this.springs.forEach((line, i) => this.updateSpring(line, run.springs[i], place));
     for (const path of this.paths) this.updatePath(path, place, thickness);
   }
 
@@ -128,7 +128,10 @@ export class Actors {
     arrow.group.visible &&= this.show.loads;
   }
 
-  updateSpring(line, spring) {
+  // Drawn while it can act: switched on, and of a pusher within its stroke.
+  updateSpring(line, spring, place) {
+    line.visible = this.run.at(spring.column + 2, place, true) !== 0
+      && !(spring.push_only && this.run.at(spring.column + 1, place) >= spring.free_length);
     const ends = line.geometry.getAttribute('position');
     ends.setXYZ(0, ...this.toView(spring.base, spring.point_base));
     ends.setXYZ(1, ...this.toView(spring.follower, spring.point_follower));

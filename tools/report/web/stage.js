@@ -245,7 +245,7 @@ export class Stage {
     const axes = this.follow.body !== GROUND && this.follow.turn ? followed : 'W (inertial)';
     const unit = this.actors[0].unit / this.arrowScale * this.cell;
     const parts = [`origin: ${followed}`, `axes: ${axes}`, `grid ${digits(this.cell)} m`];
-    if (this.runs[0].joints.length + this.runs[0].loads.length) parts.push(`arrow of one cell: ${unit >= 1e3 ? `${digits(unit / 1e3, 3)} kN` : `${digits(unit, 3)} N`}`);
+    if (this.runs[0].joints.length + this.runs[0].loads.length) parts.push(`arrows: one grid cell = ${unit >= 1e3 ? `${digits(unit / 1e3, 3)} kN` : `${digits(unit, 3)} N`}`);
     if (this.runs[0].bodies.some((body) => body.assumed && body.shapes.length)) parts.push('see-through: no shape given, a box of that mass and inertia');
     if (this.runs.length > 1) parts.push('outlines: run B');
     this.legend.textContent = parts.join(' · ');

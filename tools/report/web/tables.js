@@ -14,35 +14,67 @@ function go(clock, t) {
   return el('button', { class: 'jump', onclick: () => clock.set(t) }, fixed(t, 4));
 }
 
-// One table with a column for the run if there are two.
-function both(runs, headings, rowsOf) {
+const MOST_ALIKE = 6;  // of more, as templates make them, one row is shown
+const withoutNumbers = (name) => name.replace(/[0-9]+/g, '#');
+
+// Rows whose names differ only in numbers, many of them: the one of the greatest rank, and the others on a click.
+function fold(node, items) {
+  const rows = [...node.querySelectorAll('tbody tr')];
+  const groups = new Map();
+  items.forEach((item, i) => {
+    if (item.name === null) return;
+    const key = `${item.run} ${withoutNumbers(item.name)}`;
+    groups.set(key, [...(groups.get(key) ?? []), { ...item, row: rows[i] }]);
+  });
+  for (const group of groups.values()) {
+    if (group.length <= MOST_ALIKE) continue;
+    group.sort((a, b) => b.rank - a.rank);
+    group[0].row.after(...group.slice(1).map((item) => item.row));
+    const rest = group.slice(1);
+    for (const item of rest) item.row.hidden = true;
+    const more = el('tr', { class: 'more' }, el('td', { colspan: group[0].row.cells.length }, el('button', { class: 'jump', onclick: () => {
+      for (const item of rest) item.row.hidden = false;
+      more.remove();
+    } }, `… and ${rest.length} more of ${withoutNumbers(group[0].name)}`)));
+    group[0].row.after(more);
+  }
+  return node;
+}
+
+// One table with a column for the run if there are two. Items: {name (null: never folded), rank, cells}.
+function both(runs, headings, listItems) {
   const two = runs.length > 1;
-  const rows = runs.flatMap((run) => rowsOf(run).map((row) => (two ? [el('span', { class: `letter ${run.label}` }, run.label), ...row] : row)));
-  return rows.length ? table(two ? ['', ...headings] : headings, rows) : null;
+  const items = runs.flatMap((run) => listItems(run).map((item) => ({ ...item, run: run.label })));
+  if (items.length === 0) return null;
+  const rows = items.map(({ run, cells }) => (two ? [el('span', { class: `letter ${run}` }, run), ...cells] : cells));
+  return fold(table(two ? ['', ...headings] : headings, rows), items);
 }
 
 function buildClearances(runs, clock) {
-  return both(runs, ['bodies', 'smallest, m', 'at t, s'], (run) => run.clearance.map((item) => (
-    [item.pair.join(' – '), item.min > 0 ? fixed(item.min, 4) : el('strong', { class: 'badtext' }, 'they touch'), go(clock, item.t)])));
+  return both(runs, ['bodies', 'smallest, m', 'at t, s'], (run) => run.clearance.map((item) => ({
+    name: item.pair.join(' – '), rank: -item.min,
+    cells: [item.pair.join(' – '), item.min > 0 ? fixed(item.min, 4) : el('strong', { class: 'badtext' }, 'they touch'), go(clock, item.t)] })));
 }
 
 function buildTipOffs(runs, clock) {
-  return both(runs, ['body', 'joint', 'at t, s', 'ωx', 'ωy', 'ωz', '|ω|, deg/s'], (run) => run.tip_off.map((item) => (
-    [item.body, item.joint, go(clock, item.t), ...item.w.map((value) => fixed(value * DEG, 4)), fixed(norm(item.w) * DEG, 4)])));
+  return both(runs, ['body', 'joint', 'at t, s', 'ωx', 'ωy', 'ωz', '|ω|, deg/s'], (run) => run.tip_off.map((item) => ({
+    name: item.body, rank: norm(item.w),
+    cells: [item.body, item.joint, go(clock, item.t), ...item.w.map((value) => fixed(value * DEG, 4)), fixed(norm(item.w) * DEG, 4)] })));
 }
 
 function buildPeaks(runs, clock) {
   return both(runs, ['joint', ...ROWS.map((row, k) => `${row}, ${k < 3 ? 'N' : 'N m'}`), 'mode at the end'], (run) => (
-    run.joints.map((joint) => [joint.name, ...joint.peaks.map((peak) => (
-      el('button', { class: 'jump', title: `at ${digits(peak.t)} s`, onclick: () => clock.set(peak.t) }, digits(peak.value, 5)))),
-    run.finalModes[joint.name]])));
+    run.joints.map((joint) => ({ name: joint.name, rank: norm(joint.peaks.slice(0, 3).map((peak) => peak.value)), cells: [
+      joint.name, ...joint.peaks.map((peak) => (
+        el('button', { class: 'jump', title: `at ${digits(peak.t)} s`, onclick: () => clock.set(peak.t) }, digits(peak.value, 5)))),
+      run.finalModes[joint.name]] }))));
 }
 
 function buildAudit(runs, clock) {
-  return both(runs, ['at t, s', 'momentum, kg m/s', 'angular momentum, kg m²/s', 'energy, J', 'allowed energy, J'], (run) => run.audit.map((item) => [
+  return both(runs, ['at t, s', 'momentum, kg m/s', 'angular momentum, kg m²/s', 'energy, J', 'allowed energy, J'], (run) => run.audit.map((item) => ({ name: null, cells: [
     go(clock, item.t), digits(norm(minus(item.momentum_jump, item.allowed.momentum_jump)), 3),
     digits(norm(minus(item.angular_momentum_jump, item.allowed.angular_momentum_jump)), 3),
-    digits(item.energy_jump - item.allowed.energy_jump, 3), digits(item.allowed.energy_jump, 6)]));
+    digits(item.energy_jump - item.allowed.energy_jump, 3), digits(item.allowed.energy_jump, 6)] })));
 }
 
 function buildProvenance(data, runs) {
@@ -51,7 +83,7 @@ function buildProvenance(data, runs) {
     ['status', (run) => run.status + (run.message ? `: ${run.message}` : '')], ['pace', (run) => run.pace],
     ['ticks', (run) => `${run.first_tick} … ${run.ticks} of ${run.planned_tick} planned, ${digits(run.dt * 1e3)} ms each`],
     ['model hash', (run) => el('code', {}, run.model_hash)], ['state hash at the end', (run) => el('code', {}, run.hash)],
-    ['replay', (run) => (run.replay.agrees ? `every bit agrees at all ${run.replay.ticks_compared} ticks compared` : 'differs')],
+    ['replay', (run) => (run.replay.agrees ? `every bit agrees at ${run.replay.ticks_compared === 1 ? 'the 1 tick' : `all ${run.replay.ticks_compared} ticks`} compared` : 'differs')],
     ['scenario', (run) => run.scenario_path], ['--set', (run) => run.overrides.join('  ') || 'none'],
     ['in this page', (run) => `${run.frames.count} of ${run.frames.seen} states`],
   ];

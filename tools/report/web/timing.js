@@ -77,7 +77,7 @@ function buildCounts(run, two) {
   const causes = Object.entries(timing.overrun_causes).filter(([, count]) => count > 0).map(([cause, count]) => `${cause} ${count}`);
   const refused = Object.entries(timing.rejected).filter(([, count]) => count > 0).map(([reason, count]) => `${reason} ${count}`);
   const parts = [`overruns ${timing.overruns}${causes.length ? ` (${causes.join(', ')})` : ''}`, `late commands ${timing.late_commands}`,
-    `messages dropped ${timing.dropped}`, `states sent again ${timing.resent}`, `commands refused ${refused.length ? refused.join(', ') : 0}`];
+    `messages dropped ${timing.dropped}`, `states resent ${timing.resent}`, `commands refused ${refused.length ? refused.join(', ') : 0}`];
   if (timing.slipped_ns) parts.push(`slipped ${micro(timing.slipped_ns)} µs`);
   if (timing.skipped_outputs) parts.push(`states not sent ${timing.skipped_outputs}`);
   return el('p', { class: timing.overruns || timing.dropped ? 'counts bad' : 'counts' }, (two ? `${run.label}: ` : '') + parts.join(' · '));

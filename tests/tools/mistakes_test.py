@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+"""Facts about mistakes of users: what `unlatch` says of them, and with which exit code. Run by ctest like tools_test.py."""
+
+import os
+import subprocess
+
+from processes import HANG, REFERENCE, UNLATCH, ProcessTest, main
+
+FULL = "/dev/full"  # a device on which nothing can be written
+NOBODY = 65534
+
+
+class MistakesTest(ProcessTest):
+    def setUp(self):
+        super().setUp()
+        self.run_ok(UNLATCH, "init", self.folder / "first")
+        self.first = self.folder / "first.yaml"
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def change(self, name, *changes):
+        text = self.first.read_text()
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new, 1)
+        return self.write(name, text)
+
+    def refuse(self, *arguments, code=2):
+        """What is said of a mistake; nothing else is printed."""
+        return self.run_ok(UNLATCH, *arguments, code=code).stderr
+
+    # --- Outputs ------------------------------------------------------------------------------------------------
+
+    def test_a_full_device_is_an_error_of_every_verb(self):
+        log = self.folder / "run.log"
+        self.run_ok(UNLATCH, "run", self.first, "--until", "0.1", "--log", log)
+        for arguments in (["check", self.first], ["run", self.first, "--until", "0.1"], ["diff", log, log],
+                          ["replay", log], ["check", self.first, "--json", "-"]):
+            with open(FULL, "w") as full:
+                done = subprocess.run([UNLATCH, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True,
+                                      timeout=HANG)
+            self.assertEqual(done.returncode, 3, arguments)
+            self.assertIn("No space left on device", done.stderr, arguments)
+        self.assertIn("No space left", self.refuse("report", log, "--out", FULL, code=3))
+        self.assertTrue(os.path.exists(FULL))
+
+    def test_a_failed_report_leaves_no_file_and_keeps_an_old_one(self):
+        """On a file system of 64 KiB, which a page does not fit on."""
+        log = self.folder / "run.log"
+        self.run_ok(UNLATCH, "run", self.first, "--until", "0.1", "--log", log)
+        small = self.folder / "small"
+        small.mkdir()
+        script = (f"mount -t tmpfs -o size=64k none {small} || exit 77; echo old > {small}/old.html; "
+                  f"for name in new old; do {UNLATCH} report {log} --out {small}/$name.html; echo code $?; done; "
+                  f"cat {small}/*; ls {small}")
+        done = subprocess.run(["unshare", "--mount", "--map-root-user", "bash", "-c", script], capture_output=True, text=True,
+                              timeout=HANG)
+        if done.returncode == 77:
+            self.skipTest("no file system can be mounted here: " + done.stderr)
+        self.assertEqual(done.stdout.split(), ["code", "3", "code", "3", "old", "old.html"], done.stderr)
+        self.assertIn("No space left", done.stderr)
+
+    def test_outputs_that_cannot_be_made_are_told_before_the_run(self):
+        log = self.folder / "run.log"
+        for option in ("--json", "--log"):
+            said = self.refuse("run", REFERENCE, "--until", "100000", option, self.folder / "none/x", code=3)
+            self.assertIn("none/x: cannot be created: No such file or directory", said)
+        self.refuse("hil", self.first, "--transport", "inproc", "--pace", "fast", "--json", self.folder / "none/x", code=3)
+        said = self.refuse("run", REFERENCE, "--until", "100000", "--checkpoint", "1", self.folder / "none/x", code=3)
+        self.assertIn("none/x: cannot be created", said)
+        self.run_ok(UNLATCH, "run", self.first, "--until", "0.1", "--log", log)
+        self.assertIn("Is a directory", self.refuse("report", log, "--out", self.folder, code=3))
+        self.assertEqual({p.name for p in self.folder.iterdir()}, {"first.yaml", "unlatch.schema.json", "run.log"})
+
+    # --- The command line ---------------------------------------------------------------------------------------
+
+    def test_verbs_and_options_are_guessed(self):
+        self.assertIn("there is no verb 'rnu'; did you mean 'run'?", self.refuse("rnu", self.first))
+        self.assertIn("there is no option '--untl'; did you mean '--until'?", self.refuse("run", self.first, "--untl", "3"))
+        self.assertIn("there is no option '--transprt'; did you mean '--transport'?",
+                      self.refuse("hil", self.first, "--transprt", "dds", "--pace", "lockstep"))
+        self.assertIn("--transport is required", self.refuse("hil", self.first, "--pace", "lockstep"))
+
+    def test_a_cpu_that_does_not_exist_is_a_usage_error(self):
+        for arguments in (["hil", self.first, "--transport", "inproc", "--pace", "realtime"], ["preflight"]):
+            for cpu in ("999", "1" * 30):
+                self.assertIn(f"CPU {cpu} does not exist; this machine has CPUs 0 to ",
+                              self.refuse(*arguments, "--cpu", cpu))
+            self.assertIn("is not the number of a CPU", self.refuse(*arguments, "--cpu", "one"))
+
+    def test_times_of_options_take_units(self):
+        ends = {self.run_json(UNLATCH, "run", self.first, "--until", text)["ticks"] for text in ("2", "2 s", "2000 ms")}
+        self.assertEqual(ends, {2000})
+        result = self.run_json(UNLATCH, "run", self.first, "--until", "2 s", "--dt", "500 us", "--sample", "0,250 ms,1.5 s")
+        self.assertEqual([sample["t"] for sample in result["samples"]], [0, 0.25, 1.5])
+        for wrong in ("3 kg", "-1 s", "0", "soon", "nan"):
+            said = self.refuse("run", self.first, "--until", wrong)
+            self.assertIn(f"'{wrong}' is not a positive number of seconds; write for example 3, 3 s, 300 ms", said)
+
+    # --- Files --------------------------------------------------------------------------------------------------
+
+    def test_a_scenario_may_come_from_standard_input(self):
+        for path in ("-", "/dev/stdin"):
+            with self.first.open() as text:
+                done = subprocess.run([UNLATCH, "check", path], stdin=text, capture_output=True, text=True, timeout=HANG)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), path)
+        done = subprocess.run([UNLATCH, "check", "-"], input="unlatch: 1\nname: [x\n", capture_output=True, text=True,
+                              timeout=HANG)
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"^<stdin>:\d+:\d+: not YAML")
+
+    def test_files_that_cannot_be_read_say_why(self):
+        self.assertIn("there is no such file", self.refuse("check", self.folder / "none.yaml"))
+        self.assertIn("there is nothing in it", self.refuse("check", self.write("empty.yaml", "# nothing\n")))
+        large = self.write("large.yaml", "#" * 1_580_000)
+        self.assertIn("it has 1580000 bytes; a scenario has at most 1 MiB", self.refuse("check", large))
+        tab = self.write("tab.yaml", "unlatch: 1\nstep:\n\tdt: 1 ms\n")
+        self.assertIn("tab.yaml:3:1: a tab in the indentation; indent with spaces", self.refuse("check", tab))
+
+    def test_a_file_without_permission_says_so(self):
+        if os.geteuid() != 0:
+            secret = self.write("secret.yaml", "unlatch: 1\n")
+            secret.chmod(0)
+            self.assertIn("Permission denied", self.refuse("check", secret))
+            return
+        os.chmod(self.folder, 0o755)
+        secret = self.write("secret.yaml", "unlatch: 1\n")
+        secret.chmod(0)
+        done = subprocess.run(["setpriv", f"--reuid={NOBODY}", "--clear-groups", UNLATCH, "check", str(secret)],
+                              capture_output=True, text=True, timeout=HANG)
+        if "failed to execute" in done.stderr:
+            self.skipTest("the programs are in a folder of root's")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("it cannot be opened: Permission denied", done.stderr)
+
+    def test_a_cyclic_include_is_the_only_mistake_told(self):
+        main_file = self.write("a.yaml", "unlatch: 1\nname: a\ninclude: b.yaml\n")
+        self.write("b.yaml", "unlatch_part: 1\ninclude: a.yaml\n")
+        said = self.refuse("check", main_file).splitlines()
+        self.assertEqual(len(said), 1, said)
+        self.assertIn("b.yaml:2:10: cannot include 'a.yaml': it would include itself: a.yaml → b.yaml → a.yaml", said[0])
+
+    # --- Scenarios ----------------------------------------------------------------------------------------------
+
+    def test_a_mistake_that_an_override_makes_is_the_overrides(self):
+        said = self.refuse("check", self.first, "--set", "constants.gap=-0.2 m", "--set", "step.until=4")
+        self.assertIn("first.yaml: --set constants.gap=-0.2 m: element 'spring1': free_length is -0.4", said)
+        self.assertNotIn("step.until", said)
+        wrong = self.change("wrong.yaml", ("mass: 500 kg", "mass: -500 kg"))
+        said = self.refuse("check", wrong, "--set", "step.until=4")
+        self.assertRegex(said, r"wrong\.yaml:\d+:\d+: body 'satellite': its mass is -500 kg")
+
+    def test_times_before_and_after_the_run_are_told(self):
+        early = self.change("early.yaml", ("{time: 1 s}", "{time: -1 s}"))
+        self.assertIn("this time is before the run, which begins at 0 s; 0 s or later", self.refuse("check", early))
+        late = self.change("late.yaml", ("{time: 1 s}", "{time: 50 s}"))
+        note = "event 'release' of 'satellite' cannot happen before 50 s, and the run ends at 5 s"
+        self.assertEqual(self.run_ok(UNLATCH, "check", late).stderr, f"note: {note}\n")
+        self.assertEqual(self.run_json(UNLATCH, "check", late)["notes"], [note])
+        self.assertEqual(self.run_json(UNLATCH, "check", self.first)["notes"], [])
+        both = self.change("both.yaml", ("{time: 1 s}", "{all: [{time: 1 s}, {any: [{time: 9 s}, {time: 7 s}]}]}"))
+        self.assertIn("before 7 s", self.run_json(UNLATCH, "check", both)["notes"][0])
+
+    def test_one_mistake_of_many_instances_is_one_line(self):
+        many = ("{template: spring, count: 3}", "{template: spring, count: 24}")
+        said = self.refuse("check", self.change("m.yaml", many, ("stiffness: <stiffness>", "stiffness: -<stiffness>")))
+        self.assertEqual(len(said.splitlines()), 1, said)
+        self.assertIn("and 23 more", said)
+        rows = ("{template: spring, count: 3}", "{template: spring, for: [" + ", ".join(["{}"] * 24) + "]}")
+        said = self.refuse("check", self.change("rows.yaml", rows))
+        self.assertEqual(len(said.splitlines()), 1, said)
+        self.assertIn("parameter 'i' has no value (and 23 more)", said)
+
+    def test_count_says_that_it_gives_i(self):
+        text = self.first.read_text().replace("{i, angle", "{k, angle").replace("<i>", "<k>").replace("count: 3", "count: 24")
+        said = self.refuse("check", self.write("named.yaml", text))
+        self.assertEqual(len(said.splitlines()), 1, said)
+        self.assertIn("`count` gives the parameter 'i', from 1, and template 'spring' has none of that name; "
+                      "name its parameter i, or write `for: [{k: 1}, {k: 2}]`", said)
+
+    # --- Many alike ---------------------------------------------------------------------------------------------
+
+    def make_planks(self):
+        """A satellite with 24 planks on hinges, from one template; of the springs there are 24, too."""
+        template = ("    bodies:\n      plank<i>: {mass: 3 kg, inertia: [1, 1, 1], position: [2.5 m, <i>*1 m, 0]}\n"
+                    "    joints:\n      hinge<i>:\n        between: [satellite, plank<i>]\n        point: [0.9 m, <i>*1 m, 0]\n"
+                    "        modes: {turns: {kind: revolute, axis: z}, free: {kind: free}}\n        mode: turns\n    elements:\n")
+        event = ("events:\n", "events:\n  - name: let_go\n    when: {time: 2 s}\n    then: ["
+                 + ", ".join(f"{{set_mode: {{joint: hinge{i}, mode: free}}}}" for i in range(1, 25)) + "]\n")
+        return self.change("planks.yaml", ("    elements:\n", template), ("count: 3}", "count: 24}"), event)
+
+    def test_lists_show_many_alike_as_one(self):
+        planks = self.make_planks()
+        lines = self.run_ok(UNLATCH, "check", planks).stdout.splitlines()
+        self.assertLess(len(lines), 40)
+        text = "\n".join(lines)
+        self.assertIn("plank1 … plank24 (24) mass 3 kg", text)
+        self.assertIn("hinge1 … hinge24 (24): satellite – plank#", text)
+        self.assertIn("plank24 … plank1 (24) through hinge# into satellite", text)
+        self.assertIn("turns          5 rows", text)
+        lines = self.run_ok(UNLATCH, "run", planks, "--until", "3").stdout.splitlines()
+        self.assertLess(len(lines), 40)
+        text = "\n".join(lines)
+        self.assertIn("hinge1 … hinge24 (24), the largest of each row:", text)
+        self.assertRegex(text, r"the fastest of 24 plank#")
+
+    def test_the_graph_shows_many_alike_as_one(self):
+        drawing = self.folder / "planks.svg"
+        self.run_ok(UNLATCH, "check", self.make_planks(), "--graph", drawing)
+        text = drawing.read_text()
+        self.assertIn("plank1 … plank24", text)
+        self.assertNotIn(">plank7<", text)
+        self.assertLess(int(text.partition('height="')[2].partition("pt")[0]), 900)
+
+
+if __name__ == "__main__":
+    main()
