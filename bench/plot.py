@@ -72,7 +72,8 @@ def calc_exponent(curve, first, last):
 
 def draw(times):
     plt.rcParams.update({"font.size": 9, "font.family": "DejaVu Sans", "svg.fonttype": "none"})
-    figure, axes = plt.subplots(1, len(SHAPES), figsize=(17, 4.8), sharey=True)
+    figure, grid = plt.subplots(2, 3, figsize=(8.6, 6.6), sharey=True)  # the width of a page: text keeps its size
+    axes = list(grid.flat)
     for axis, shape in zip(axes, SHAPES):
         for who, (label, colour, line, marker) in STYLES.items():
             curve = sorted(times.get((who, shape), {}).items())
@@ -87,14 +88,15 @@ def draw(times):
         axis.grid(True, which="major", color="#dddddd", linewidth=0.6)
         axis.tick_params(which="minor", length=2)
         axis.spines[["top", "right"]].set_visible(False)
-    axes[0].set_ylabel("time of one acceleration solve, µs")
+    for row in grid:
+        row[0].set_ylabel("time of one acceleration solve, µs")
     labels = {}
-    for axis in axes:
+    for axis in axes[:len(SHAPES)]:
         labels.update({label: handle for handle, label in zip(*axis.get_legend_handles_labels())})
     order = [label for label, *_ in STYLES.values() if label in labels]
-    figure.legend([labels[label] for label in order], order, loc="lower center", ncol=4, frameon=False,
-                  columnspacing=1.4, handlelength=2.2)
-    figure.tight_layout(rect=(0, 0.1, 1, 1))
+    axes[-1].axis("off")
+    axes[-1].legend([labels[label] for label in order], order, loc="center", frameon=False, handlelength=2.4)
+    figure.tight_layout()
     figure.savefig(RESULTS / "solve.svg", metadata={"Date": None})
     figure.savefig(RESULTS / "solve.png", dpi=130)
 

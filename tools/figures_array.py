@@ -18,18 +18,19 @@ def add(figure, tools):
     @figure("array-angles")
     def angles(bench):
         import matplotlib.pyplot as plt
-        drawn, columns = plt.subplots(1, 3, figsize=(10, 3), sharey=True, constrained_layout=True)
+        drawn, columns = plt.subplots(3, 1, figsize=(7.5, 7), sharex=True, sharey=True, constrained_layout=True)
         for axes, file, title in zip(columns, ("scenario", "elastic", "elastic-cables"),
                                      ("cables, rigid latches", "no cables, elastic latches", "elastic cables and latches")):
             run = bench.run(f"array/{file}.yaml", 10, 0.01)
             for k, values in enumerate(calc_angles(run, 4)):
                 axes.plot(tools.get_times(run), [math.degrees(v) for v in values], color=COLOURS[k],
-                          label=f"hinge {k + 1}", linestyle=("-", "--", "-.", ":")[k])
-            tools.mark_events(axes, run, ("latch",))
-            axes.set_title(title, loc="left")
-            axes.set_xlabel("t, s")
-        columns[0].set_ylabel("hinge angle, deg")
-        columns[0].legend(fontsize=7)
+                          label=f"hinge {k + 1}", **tools.layer(k))
+            axes.set_xlim(0, 10)
+            tools.mark_events(axes, run, ("latch",), labels=False)
+            axes.set_title(f"{title}; a line at each latch", loc="left")
+            axes.set_ylabel("hinge angle, deg")
+        columns[-1].set_xlabel("t, s")
+        columns[0].legend()
         return drawn
 
     @figure("array-reference")
@@ -37,20 +38,21 @@ def add(figure, tools):
         import matplotlib.pyplot as plt
         run = bench.run("array/reference.yaml", 20, 0.01)
         times = tools.get_times(run)
-        drawn, rows = plt.subplots(2, 1, figsize=(7.5, 4), sharex=True, constrained_layout=True)
+        drawn, rows = plt.subplots(2, 1, figsize=(7.5, 4.6), sharex=True, constrained_layout=True)
         for k in (1, 2):
             force = [math.hypot(*(v for v in sample["reactions"][f"hinge{k}"]["lambda"][:3])) for sample in run["samples"]]
             rows[0].plot(times, force, color=COLOURS[k - 1], label=f"hinge {k}")
         for name, colour in (("bus", "0.3"), ("panel1", COLOURS[0]), ("panel2", COLOURS[1])):
             rows[1].plot(times, [math.degrees(sample["bodies"][name]["w"][2]) for sample in run["samples"]], color=colour,
                          label=name, linewidth=0.9)
+        rows[0].set_xlim(0, 20)
         for axes in rows:
-            tools.mark_events(axes, run, ("latch1", "latch2"))
-            axes.legend(fontsize=7)
+            tools.mark_events(axes, run, ("latch1", "latch2"), labels=axes is rows[0])
+            axes.legend()
         rows[0].set_ylabel("force in the hinge, N")
         rows[1].set_ylabel("rate about z, deg/s")
         rows[1].set_xlabel("t, s")
-        rows[0].set_title("Two panels with elastic latches, the reference case", loc="left")
+        drawn.suptitle("Two panels with elastic latches, the reference case", fontsize=10)
         return drawn
 
     @figure("array-latch-shock")
@@ -61,7 +63,7 @@ def add(figure, tools):
         run = bench.run("array/elastic.yaml", 20, every)
         times = numpy.array(tools.get_times(run))
         last = max(event["t"] for event in run["events"])
-        drawn, (left, right) = plt.subplots(1, 2, figsize=(10, 3.2), constrained_layout=True)
+        drawn, (left, right) = plt.subplots(2, 1, figsize=(7.5, 5.6), constrained_layout=True)
         for k in range(1, 5):
             force = numpy.array(tools.get_row(run, f"hinge{k}", "y"))
             left.plot(times, force, color=COLOURS[k - 1], linewidth=0.7, label=f"hinge {k}")
@@ -69,11 +71,11 @@ def add(figure, tools):
             spectrum = 4 * numpy.abs(numpy.fft.rfft(after)) / len(after)  # amplitudes; a Hann window halves them
             right.semilogy(numpy.fft.rfftfreq(len(after), every), spectrum, color=COLOURS[k - 1], linewidth=0.9)
         left.set_xlim(3, 12)
-        tools.mark_events(left, run, ("latch",))
-        left.set_title("Shear in the hinges of four panels with elastic latches", loc="left")
+        tools.mark_events(left, run, ("latch",), labels=False)
+        left.set_title("Shear in the hinges of four panels with elastic latches; a line at each latch", loc="left")
         left.set_xlabel("t, s")
         left.set_ylabel("N")
-        left.legend(fontsize=7)
+        left.legend()
         right.set_xlim(0, 8)
         right.set_ylim(1e-4, None)
         right.set_title("Amplitudes after the last latch", loc="left")
@@ -84,7 +86,7 @@ def add(figure, tools):
     @figure("array-panels")
     def panels(bench):
         import matplotlib.pyplot as plt
-        drawn, (left, right) = plt.subplots(1, 2, figsize=(10, 3), constrained_layout=True)
+        drawn, (left, right) = plt.subplots(2, 1, figsize=(7.5, 5.6), constrained_layout=True)
         counts, last, losses, peaks = (2, 4, 8, 16), [], [], []
         for n in counts:
             until = 4 * n + 20
@@ -98,12 +100,12 @@ def add(figure, tools):
         left.set_xlabel("t, s")
         left.set_ylabel("deg/s")
         left.set_xlim(0, 30)
-        left.legend(fontsize=7)
+        left.legend()
         right.plot(counts, last, "o-", color=COLOURS[0], label="last latch, s")
         right.plot(counts, losses, "s--", color=COLOURS[1], label="energy lost in latches, J")
         right.plot(counts, peaks, "^:", color=COLOURS[3], label="largest rate of the bus, deg/s")
         right.set_xscale("log", base=2)
         right.set_xticks(counts, counts)
         right.set_xlabel("panels")
-        right.legend(fontsize=7)
+        right.legend()
         return drawn

@@ -34,7 +34,7 @@ def add(figure, tools):
             axes.set_aspect("equal")
             axes.set(xlim=(-28, 28), ylim=(-11, 11), ylabel="across, m")
             axes.set_title(f"{case[2]}: boosters 1 and 3 in the core's axes at 0, 1.3, 1.7, 2.1, 2.5 s", loc="left")
-        rows[0].legend(loc="upper right", fontsize=7)
+        rows[0].legend(loc="upper right")
         rows[-1].set_xlabel("along the core, m")
         return drawn
 
@@ -43,23 +43,22 @@ def add(figure, tools):
         import matplotlib.pyplot as plt
         run = run_case(bench, CASES[0])
         times = tools.get_times(run)
-        drawn, rows = plt.subplots(3, 1, figsize=(7.5, 5.4), sharex=True, constrained_layout=True)
+        drawn, rows = plt.subplots(3, 1, figsize=(7.5, 6), sharex=True, constrained_layout=True)
+        rows[0].set_xlim(0, 1.5)
         for axes, row, unit in zip(rows, ("x", "z", "rot_y"), ("kN", "kN", "kN m")):
             axes.plot(times, [v / 1000 for v in tools.get_row(run, "nose1", row)], color=COLOURS[0])
             axes.set_ylabel(f"{row}, {unit}")
             tools.mark_events(axes, run, ("throttle", "verniers_off", "rudders_neutral", "ties_cut", "cutoff", "release",
-                                          "contact", "liftoff"))
-        rows[0].set_title("What node 1 bears, core on booster: along its generatrix, across it, and the ties' moment",
-                          loc="left")
+                                          "contact", "liftoff"), labels=axes is rows[0])
+        drawn.suptitle("What node 1 bears, core on booster: along its generatrix, across it, and the ties' moment", fontsize=10)
         rows[-1].set_xlabel("t, s")
-        rows[-1].set_xlim(0, 1.5)
         return drawn
 
     @figure("boosters-attitude")
     def attitude(bench):
         import matplotlib.pyplot as plt
-        drawn, grid = plt.subplots(2, len(CASES), figsize=(10, 4.2), sharex=True, sharey="row", constrained_layout=True)
-        for column, case in zip(grid.T, CASES):
+        drawn, grid = plt.subplots(len(CASES), 2, figsize=(7.5, 9), sharex=True, sharey="col", constrained_layout=True)
+        for row, case in zip(grid, CASES):
             run = run_case(bench, case)
             times = tools.get_times(run)
             for k in range(1, 5):
@@ -69,14 +68,17 @@ def add(figure, tools):
                     axis = tools.into(core["q"], tools.rotate(body["q"], (1, 0, 0)))
                     angles.append(math.degrees(math.acos(max(-1, min(1, axis[0])))))
                     rates.append(math.degrees(math.hypot(*body["w"])))
-                style = dict(color=COLOURS[k - 1], label=f"booster {k}", linestyle=("-", "--", "-.", ":")[k - 1])
-                column[0].plot(times, angles, **style)
-                column[1].plot(times, rates, **style)
-            column[0].set_title(case[2], loc="left")
-            column[1].set_xlabel("t, s")
-        grid[0][0].set_ylabel("angle to the core, deg")
-        grid[1][0].set_ylabel("angular rate, deg/s")
-        grid[0][0].legend(fontsize=6)
+                style = dict(color=COLOURS[k - 1], label=f"booster {k}", **tools.layer(k - 1))
+                row[0].plot(times, angles, **style)
+                row[1].plot(times, rates, **style)
+            row[0].set_title(case[2], loc="left")
+            row[0].set_ylabel("deg")
+            row[1].set_ylabel("deg/s")
+        grid[0][0].set_title("angle to the core", loc="right")
+        grid[0][1].set_title("angular rate", loc="right")
+        for axes in grid[-1]:
+            axes.set_xlabel("t, s")
+        grid[0][0].legend()
         return drawn
 
     @figure("boosters-clearance")
@@ -91,11 +93,11 @@ def add(figure, tools):
                 axes.bar(i + 0.2 * (k - 2.5), pair["min"], 0.18, color=COLOURS[k - 1],
                          label=f"booster {k}" if i == 0 else None)
                 axes.annotate(f"{pair['t']:.2f} s", (i + 0.2 * (k - 2.5), pair["min"]), rotation=90, ha="center",
-                              va="bottom", fontsize=6, xytext=(0, 2), textcoords="offset points")
+                              va="bottom", fontsize=tools.LABEL, xytext=(0, 2), textcoords="offset points")
         axes.set_axisbelow(True)
         axes.set_xticks(range(len(CASES)), [case[2] for case in CASES])
-        axes.set_ylim(0, axes.get_ylim()[1] * 1.25)
+        axes.set_ylim(0, axes.get_ylim()[1] * 1.4)
         axes.set_ylabel("least distance to the core, m")
         axes.set_title("How close the boosters come to the core after the ties are cut, and when", loc="left")
-        axes.legend(ncols=4, fontsize=7)
+        axes.legend(ncols=4)
         return drawn

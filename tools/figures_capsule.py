@@ -16,7 +16,7 @@ def add(figure, tools):
     @figure("capsule-portraits")
     def portraits(bench):
         import matplotlib.pyplot as plt
-        drawn, columns = plt.subplots(1, 2, figsize=(9, 4.3), constrained_layout=True)
+        drawn, columns = plt.subplots(1, 2, figsize=(7.5, 3.9), constrained_layout=True)
         for axes, (name, limit) in zip(columns, LIMITS.items()):
             run = bench.run(f"capsule/{name}.yaml", 10, 0.005)
             gamma, psi = zip(*(calc_angles(sample["bodies"]["capsule"]["q"]) for sample in run["samples"]))
@@ -27,7 +27,7 @@ def add(figure, tools):
             axes.set_aspect("equal")
             axes.set_xlabel("ψ (the paper's γ), units of L0 = 0.75")
             axes.set_title(f"Figure {name[-1]}: ω = 10 1/s, μ = {2.5 if name[-1] == '6' else -2.5} 1/s²", loc="left")
-            axes.legend(fontsize=7)
+            axes.legend(loc="upper right" if axes is columns[0] else "lower right")
         columns[0].set_ylabel("γ (the paper's ψ)")
         return drawn
 
@@ -48,13 +48,13 @@ def add(figure, tools):
         axes.set_xlabel("ψ, rad")
         axes.set_ylabel("γ, rad")
         axes.set_title("Figure 7 is drawn for angles that are not small", loc="left")
-        axes.legend(fontsize=7)
+        axes.legend()
         return drawn
 
     @figure("capsule-retro-burn")
     def burn(bench):
         import matplotlib.pyplot as plt
-        drawn, (left, right) = plt.subplots(1, 2, figsize=(9, 3), constrained_layout=True)
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3), constrained_layout=True)
         spins, errors = (0, 0.5, 1, 2, 3, 4, 6, 8, 10), []
         for spin in spins:
             run = bench.run("capsule/scenario.yaml", 22, 0.05, "--set", f"bodies.motor.rate[2]={spin}")
@@ -67,7 +67,7 @@ def add(figure, tools):
         left.set_xlabel("t, s")
         left.set_ylabel("axis off its line, deg")
         left.set_title("Retro-burn with the motor spun up to …", loc="left")
-        left.legend(fontsize=7)
+        left.legend()
         right.semilogy(spins, errors, "o-", color="#1d3557")
         right.set_xlabel("spin of the motor, rad/s")
         right.set_ylabel("direction of the velocity gained, deg off")

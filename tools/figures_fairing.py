@@ -36,7 +36,7 @@ def add(figure, tools):
         # The shell is unrolled, so that adjacent points are adjacent in the plane.
         net = Triangulation([2 * math.atan2(place[1], place[0]) for place in places], [place[2] for place in places]).triangles
         net = [three for three in net if max(math.dist(places[a], places[b]) for a, b in zip(three, three[[1, 2, 0]])) < 1]
-        drawn = plt.figure(figsize=(10, 4))
+        drawn = plt.figure(figsize=(7.5, 3.4))
         for k in range(5):
             axes = drawn.add_axes((0.2 * k - 0.05, 0.0, 0.3, 1.0), projection="3d")
             scale = 1.0 / max(math.hypot(*shape[k]) for _, _, shape in points)
@@ -56,7 +56,7 @@ def add(figure, tools):
                        ha="center", fontsize=9)
         scale = drawn.add_axes((0.4, 0.1, 0.2, 0.02))
         bar = drawn.colorbar(shell, cax=scale, orientation="horizontal", ticks=(0, 0.5, 1))
-        bar.set_label("displacement, of the largest", fontsize=7)
+        bar.set_label("displacement, of the largest", fontsize=8)
         bar.ax.tick_params(labelsize=6)
         return drawn
 
@@ -64,7 +64,7 @@ def add(figure, tools):
     def arc(bench):
         import matplotlib.pyplot as plt
         models = bench.call("modes", "arc", "--radius", 2, "--thickness", 0.01, "--json", "-")["models"]
-        drawn, columns = plt.subplots(1, 3, figsize=(10, 2.3), sharey=True, constrained_layout=True)
+        drawn, columns = plt.subplots(1, 3, figsize=(7.5, 2.8), sharey=True, constrained_layout=True)
         for k, axes in enumerate(columns):
             for model, style, name in zip(models, ("--", "-"), ("(3.4)", "exact arc")):
                 mode = model["modes"][k]
@@ -79,7 +79,7 @@ def add(figure, tools):
                 axes.plot(x, y, style, color="#c1121f" if style == "-" else "#457b9d", label=f"{name}: {mode['hz']:.2f} Hz")
             axes.plot([2 * math.cos(t) for t in turns], [2 * math.sin(t) for t in turns], color="0.7", linewidth=0.8)
             axes.set(xlim=(-2.75, 2.75), ylim=(-0.2, 2.5), xlabel="x, m", aspect="equal")
-            axes.legend(fontsize=7, loc="center", bbox_to_anchor=(0.5, 0.25))
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.35))
             axes.set_title(f"R{k + 1}", loc="left")
         columns[0].set_ylabel("y, m")
         return drawn
@@ -99,10 +99,10 @@ def add(figure, tools):
                 axes.plot(times, [1000 * (place[axis] - places[0][axis]) for place in places], color=colour, label=name)
         for axes, text in zip(rows, ("outwards (x), mm", "with the pushers (y), mm")):
             axes.set_ylabel(text)
-            tools.mark_events(axes, run, ("pushed", "release"))
             axes.set_xlim(0, 3)
-        rows[0].legend(fontsize=7, ncols=3, loc="upper right")
-        rows[0].set_title("Elastic displacement of the free edge of half 1 at its base, middle and top (figure 11)", loc="left")
+            tools.mark_events(axes, run, ("pushed", "release"), labels=axes is rows[0])
+        rows[0].legend(ncols=3, loc="upper right")
+        drawn.suptitle("Elastic displacement of the free edge of half 1 at its base, middle and top (figure 11)", fontsize=10)
         rows[1].set_xlabel("t, s")
         return drawn
 
@@ -119,7 +119,7 @@ def add(figure, tools):
         release = next(event["t"] for event in run["events"] if event["name"] == "release")
         drawn, (way, gap) = plt.subplots(2, 1, figsize=(7.5, 6.6), height_ratios=(1, 0.85), constrained_layout=True)
         way.fill([-1.6, 1.6, 1.6, -1.6], [3.3, 3.3, 11, 11], color="0.8", zorder=0)
-        way.annotate("payload", (0, 10.6), ha="center", va="top", fontsize=7, color="0.3")
+        way.annotate("payload", (0, 10.6), ha="center", va="top", fontsize=8, color="0.3")
         for time in (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0):
             sample = min(run["samples"], key=lambda s: abs(s["t"] - time))
             for half in (1, 2):
@@ -134,7 +134,7 @@ def add(figure, tools):
                 way.plot(y, z, color=colour, linewidth=0.8)
             if time > 0:
                 place = tools.seen_from(sample["bodies"]["core"], sample["bodies"]["half1_nose"], (0, 0, 0))
-                way.annotate(f"{time:g} s", place[1:], xytext=(3, 3), textcoords="offset points", fontsize=7)
+                way.annotate(f"{time:g} s", place[1:], xytext=(3, 3), textcoords="offset points", fontsize=8)
         way.set(aspect="equal", xlabel="y, m", ylabel="z, m")
         way.set_title("From the side, in the core's axes: the halves every 0.5 s, on their hinges (blue) and free (ochre)", loc="left")
         rigid = bench.run(scenario, 3, 0.002, *(word for half in (1, 2) for word in
@@ -144,6 +144,6 @@ def add(figure, tools):
                 gap.plot(tools.get_times(each), [calc_gap(sample, f"half1_{name}_left") for sample in each["samples"]], style,
                          color=colour, label=name if style == "-" else f"{name}, stiff")
         gap.set(xlim=(0, 1.2), ylim=(0.2, 1.2), xlabel="t, s", ylabel="distance, m")
-        gap.legend(fontsize=7, ncols=2, loc="upper left")
+        gap.legend(ncols=2, loc="upper left")
         gap.set_title("Distance of half 1's free edge from the payload, elastic and stiff (its eighth mode alone)", loc="left")
         return drawn

@@ -165,6 +165,30 @@ TEST_F(Watching, ScreensAreNeverLargerThanTheTerminal) {
   }
 }
 
+TEST_F(Watching, ATerminalOf80ColumnsHasEveryColumnAndSaysWhatItsMinimumIsOf) {
+  tools::View view;
+  view.session = 7;
+  view.reactions_tick = 1;
+  view.joints = {{"booster1-nose", "retracted", {-123456, 1.234e-5, -3.2e-12, 4e6, -5.4321, 0}}};
+  view.bodies = {"core", "booster1"};
+  view.clearances.resize(1);
+  view.clearances[0].a = 0;
+  view.clearances[0].b = 1;
+  view.health = hil::HealthMessage{};
+  view.health->dropped = 12345;
+  view.health->resent = 12345;
+  const auto lines = tools::draw(view, {80, 24, false, "dds"});
+  const auto has = [&lines](const std::string& part) {
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const std::string& line) { return line.find(part) != std::string::npos; });
+  };
+  EXPECT_TRUE(has("rot_z N,N m"));
+  EXPECT_TRUE(has("-5.432        0"));
+  EXPECT_TRUE(has("-3.2e-12"));
+  EXPECT_TRUE(has("smallest of the states seen here"));
+  EXPECT_TRUE(has("resent 12345; absent 0"));
+}
+
 TEST(SourceText, IsPutTogetherFromPartsInAnyOrderWithRepetitions) {
   std::mt19937_64 random(20261121);
   std::string text(3 * hil::kSourcePerPart + 17, 'x');

@@ -125,6 +125,100 @@ class ReportTest(ProcessTest):
         self.assertFalse(self.ask("unlatchReport.clock.playing"))
         self.assert_silent()
 
+    def build_many(self):
+        """A satellite on three springs with 24 masses welded to it, the last the heaviest; the springs push for a second."""
+        self.run_ok(UNLATCH, "init", self.folder / "first")
+        template = ("    bodies:\n      mass<i>: {mass: <i> * <i> kg, inertia: [1, 1, 1], position: [2.5 m, <i>*1 m - 12 m, 0]}\n"
+                    "    joints:\n      bolt<i>:\n        between: [satellite, mass<i>]\n        point: [0.9 m, <i>*1 m - 12 m, 0]\n"
+                    "        modes: {held: {kind: weld}}\n        mode: held\n    elements:\n")
+        text = (self.folder / "first.yaml").read_text().replace("    elements:\n", template, 1).replace("count: 3}", "count: 24}")
+        many = self.folder / "many.yaml"
+        many.write_text(text)
+        return self.record("many", "run", many, "--until", "2")
+
+    def get_card(self, title):
+        return f"unlatchReport.plots.cards.find((card) => card.group.title === '{title}')"
+
+    def test_the_largest_of_many_curves_are_drawn_and_the_others_told(self):
+        self.open(self.build_many())
+        card = self.get_card("Reaction forces")
+        shown = self.ask(f"{card}.plot.series.slice(1).filter((series) => series.show).map((series) => series.label)")
+        self.assertEqual(len(shown), 12)
+        self.assertIn("bolt24", shown)
+        self.assertNotIn("bolt1", shown)
+        self.assertIn("12 of 25 curves are drawn, those with the largest values", self.ask(f"{card}.left.textContent"))
+        peaks = "[...document.querySelectorAll('.card')].find((card) => card.querySelector('h2').textContent === 'Peak reactions')"
+        self.assertIn("… and 23 more of bolt#", self.ask(f"{peaks}.textContent"))
+        rows = f"[...{peaks}.querySelectorAll('tbody tr')].filter((row) => !row.hidden).map((row) => row.cells[0].textContent)"
+        clamp, bolt, rest = self.ask(rows)
+        self.assertEqual((clamp, rest), ("clamp", "… and 23 more of bolt#"))
+        self.assertIn(bolt, shown)
+        self.ask(f"{peaks}.querySelector('.more button').click()")
+        self.assertEqual(len(self.ask(rows)), 25)
+        self.assert_silent()
+
+    def test_rounding_noise_does_not_fill_an_axis(self):
+        self.open(self.build_many())
+        for title, choice in (("Reaction forces", "z"), ("Reaction moments", "|M|")):
+            self.ask(f"(() => {{ const card = {self.get_card(title)}; card.choice = card.group.choices.find((one) => one.name === '{choice}');"
+                     " unlatchReport.plots.paintCard(card); })()")
+        low, high = self.ask(f"[{self.get_card('Reaction forces')}.plot.scales.y.min, {self.get_card('Reaction forces')}.plot.scales.y.max]")
+        self.assertGreater(high - low, 1e-4)  # N, of kilonewtons; the rounding is of 1e-12 N
+        self.assert_silent()
+
+    def test_springs_have_forces_and_strokes_and_are_drawn_while_they_push(self):
+        self.run_ok(UNLATCH, "init", self.folder / "first")
+        self.open(self.record("first", "run", self.folder / "first.yaml"))
+        card = self.get_card("Springs")
+        self.assertEqual(self.ask(f"{card}.group.choices.map((choice) => choice.name)"), ["force", "stroke", "length"])
+        force = self.ask(f"Array.from({card}.plot.data[1])")
+        self.assertAlmostEqual(force[0], 2000 * 0.1, delta=1e-3)  # 2 kN/m, 0.1 m compressed, to single precision
+        self.assertEqual(force[-1], 0)
+        self.ask("unlatchReport.clock.set(0.5)")
+        self.browser.settle()
+        lines = "unlatchReport.stage.actors[0].springs.map((line) => line.visible)"
+        self.assertEqual(self.ask(lines), [True] * 3)
+        self.ask("unlatchReport.clock.set(4.5)")
+        self.browser.settle()
+        self.assertEqual(self.ask(lines), [False] * 3)
+        stroke = f"Array.from({card}.group.choices[1].build(unlatchReport.plots.runs[0])[0].values)"
+        values = [value for value in self.ask(f"{stroke}.map((value) => (Number.isNaN(value) ? null : value))") if value is not None]
+        self.assertLess(max(values), 0.1 + 1e-6)  # m: to the free length, where it ends
+        self.assertGreater(max(values), 0.09)
+        self.assert_silent()
+
+    def test_the_nearest_approach_has_a_view_of_its_own(self):
+        self.open(self.record("run", "run", SCENARIOS / "boosters/cyclogram.yaml", "--until", "4"))
+        card = self.get_card("Clearances")
+        self.assertIn("the smallest 0.2944 m at 1.299 s", self.ask(f"{card}.group.note"))
+        self.ask(f"(() => {{ const card = {card}; card.choice = card.group.choices[1]; card.fresh = true; unlatchReport.plots.paintCard(card); }})()")
+        self.assertEqual(self.ask(f"{card}.choice.name"), "nearest approach")
+        self.assertLess(self.ask(f"{card}.plot.scales.y.max"), 2)
+        self.assert_silent()
+
+    def test_curves_that_lie_on_one_another_and_those_of_two_runs_are_told_apart(self):
+        logs = [self.record(name, "run", SCENARIOS / "boosters/cyclogram.yaml", "--set", f"bodies.core.mass={mass}")
+                for name, mass in (("a", 98500), ("b", 99000))]
+        self.open(*logs)
+        card = self.get_card("Reaction forces")
+        strokes = self.ask(f"{card}.plot.series.slice(1).map((series) => series.stroke())")
+        self.assertEqual(len(set(strokes)), len(strokes), "each curve of each run has a colour of its own")
+        dashes = self.ask(f"{card}.plot.series.slice(1, 5).map((series) => JSON.stringify(series.dash))")
+        self.assertEqual(len(set(dashes)), 4, "the four nodes bear the same: their colours take turns")
+
+    def test_a_telephone_shows_every_column_and_a_slider_that_can_be_used(self):
+        self.open(self.record("run", "run", REFERENCE))
+        size = {"deviceScaleFactor": 1, "mobile": False}
+        self.browser.call("Emulation.setDeviceMetricsOverride", width=390, height=844, **size)
+        try:
+            self.browser.settle()
+            self.assertGreater(self.ask("document.querySelector('input.time').clientWidth"), 250)
+            self.assertLessEqual(self.ask("document.documentElement.scrollWidth"), 390)
+            for selector in (".events", ".list .scroll"):
+                self.assertLessEqual(self.ask(f"(() => {{ const n = document.querySelector('{selector}'); return n.scrollWidth - n.clientWidth; }})()"), 0, selector)
+        finally:
+            self.browser.call("Emulation.setDeviceMetricsOverride", width=1600, height=1000, **size)
+
     def test_a_run_in_the_loop_shows_its_timing_and_faults(self):
         faults = SCENARIOS / "boosters/faults/jammed-nozzle.yaml"
         log = self.record("loop", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", faults, *PATIENT)

@@ -118,7 +118,7 @@ void add_watch(Command app, int& exit_code) {
   command.add_option("--for", options->seconds, "ends after this wall time, s (default: never)")
       .type_name("SECONDS")
       .seconds();
-  command.add_flag("--once", options->once, "shows one complete view and ends");
+  command.add_flag("--once", options->once, "prints one complete snapshot and exits");
   command.add_json_option(options->json, "one object on each line, each second");
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "tools/unlatch/terminal.h"
+#include "unlatch/model.h"
 
 namespace unlatch::tools {
 namespace {
@@ -43,6 +44,21 @@ std::string cut(const std::string& text, std::size_t columns) {
 std::string pad(const std::string& text, std::size_t columns) {
   const std::string fit = cut(text, columns);
   return fit + std::string(columns - count_characters(fit), ' ');
+}
+
+std::string pad_left(const std::string& text, std::size_t columns) {
+  const std::size_t length = count_characters(text);
+  return (length < columns ? std::string(columns - length, ' ') : "") + text;
+}
+
+// Four digits, or as many as fit.
+std::string write(double value, std::size_t columns) {
+  std::string text;
+  for (int digits = 4; digits > 0; --digits) {
+    text = format("%.*g", digits, value);
+    if (text.size() <= columns) break;
+  }
+  return text;
 }
 
 // A line of pieces, each in a colour of its own, never wider than the screen.
@@ -91,8 +107,8 @@ std::string build_bar(double share) {
 std::string build_time_bar(double typical, double worst, double limit) {
   std::string bar = build_bar(limit > 0 ? worst / limit : 0);
   std::replace(bar.begin(), bar.end(), '#', '-');
-  const auto filled =
-      static_cast<std::size_t>(std::lround(std::clamp(typical / limit, 0.0, 1.0) * static_cast<double>(kBar)));
+  const double share = limit > 0 ? std::clamp(typical / limit, 0.0, 1.0) : 0.0;
+  const auto filled = static_cast<std::size_t>(std::lround(share * static_cast<double>(kBar)));
   for (std::size_t i = 0; i < std::max<std::size_t>(filled, typical > 0 ? 1 : 0); ++i) bar[1 + i] = '#';
   return bar;
 }
@@ -158,15 +174,17 @@ class Screen {
   void draw_joints(std::size_t shown) {
     if (view_.joints.empty()) return;
     const bool known = view_.reactions_tick >= 0;
-    add(begin().add(Colour::kBold, pad("Joint", 14) + pad("mode", 12) +
-                                       (known ? "         x         y         z     rot_x     rot_y     rot_z  N, N m"
-                                              : "reactions: none yet")));
+    const bool wide = options_.columns >= 95;  // a terminal of 80 columns has all of it, in narrower ones
+    const std::size_t name = wide ? 14 : 11, mode = wide ? 12 : 9, column = wide ? 10 : 9;
+    std::string heading = pad("Joint", name) + pad("mode", mode);
+    for (const char* row : kRowNames) heading += known ? pad_left(row, column) : "";
+    add(begin().add(Colour::kBold, heading + (known ? (wide ? "  N, N m" : " N,N m") : "reactions: none yet")));
     for (std::size_t i = 0; i < std::min(shown, view_.joints.size()); ++i) {
       const WatchedJoint& joint = view_.joints[i];
       Line line = begin();
-      line.add(pad(joint.name, 13) + " ").add(Colour::kGreen, pad(joint.mode, 11)).add(" ");
+      line.add(pad(joint.name, name - 1) + " ").add(Colour::kGreen, pad(joint.mode, mode - 1)).add(" ");
       for (const double value : joint.reaction) {
-        if (known) line.add(format("%10.4g", value));
+        if (known) line.add(pad_left(write(value, column - 1), column));
       }
       add(line);
     }
@@ -175,7 +193,7 @@ class Screen {
 
   void draw_clearances(std::size_t shown) {
     if (view_.clearances.empty()) return;
-    add(begin().add(Colour::kBold, pad("Clearance", 30) + "     now      smallest"));
+    add(begin().add(Colour::kBold, pad("Clearance", 30) + "     now      smallest of the states seen here"));
     for (std::size_t i = 0; i < std::min(shown, view_.clearances.size()); ++i) {
       const hil::Clearance& clearance = view_.clearances[i];
       const std::string pair = view_.bodies[static_cast<std::size_t>(clearance.a)] + " – " +
@@ -229,7 +247,7 @@ class Screen {
     for (const std::int64_t count : view_.health->rejected) refused += count;
     add(begin()
             .add(Colour::kBold, "Simulator ")
-            .add(format("commands late %lld, refused %lld; dropped %lld, repeated %lld; missing participants %lld",
+            .add(format("commands late %lld, refused %lld; dropped %lld, resent %lld; absent %lld",
                         static_cast<long long>(view_.health->late), static_cast<long long>(refused),
                         static_cast<long long>(view_.health->dropped), static_cast<long long>(view_.health->resent),
                         static_cast<long long>(view_.health->missing))));
@@ -240,7 +258,7 @@ class Screen {
       const WatchedParticipant& one = view_.participants[i];
       const bool is_ready = one.status == hil::AckStatus::kReady;
       Line line = begin();
-      line.add(Colour::kBold, "Takes part ").add(pad(one.name, 14) + " ");
+      line.add(Colour::kBold, "Participant ").add(pad(one.name, 14) + " ");
       line.add(is_ready ? Colour::kGreen : Colour::kYellow, is_ready                                 ? "ready"
                                                             : one.status == hil::AckStatus::kRefused ? "refuses"
                                                                                                      : "is missing");

@@ -46,7 +46,7 @@ struct View {
   std::vector<WatchedJoint> joints;
   std::int64_t reactions_tick = -1;  // at which they were taken; -1: none was heard yet
   std::vector<std::string> bodies;
-  std::vector<hil::Clearance> clearances;  // least: of those looked at
+  std::vector<hil::Clearance> clearances;  // smallest: of the states that this observer looked at, not of every tick
   std::vector<WatchedParticipant> participants;
   std::optional<hil::HealthMessage> health;
   std::deque<WatchedNotice> notices;  // the latest, oldest first

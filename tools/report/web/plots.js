@@ -4,7 +4,7 @@ import { colour, css, dash, secondColour } from './colours.js';
 import { digits, el, select } from './dom.js';
 import { buildQuantities } from './quantities.js';
 
-const HEIGHT = 210;
+const HEIGHT = 210, WIDTH = 76;  // px, of a plot and of its axis: of all the same, so that times stand below one another
 const MOST_SHOWN = 12;  // curves at first; the others are a click on their name away
 const NOISE = 1e-6;     // of a quantity's size: less is rounding, and no axis is drawn for it
 const SMALLEST = { N: 1e-6, 'N m': 1e-6 };  // the size of a quantity that is zero but for rounding; 1e-9 of other units
@@ -145,7 +145,7 @@ export class Plots {
       ...this.size(card),
       scales: { x: { time: false }, y: { range: (plot, least, most) => this.chooseRange(card, plot, least, most, floor) } },
       axes: [{ ...axis, label: 'time, s', size: 30 },
-        { ...axis, label: unit === '1' ? '' : unit, size: (_, ticks) => Math.max(54, 24 + 6.5 * Math.max(0, ...(ticks ?? []).map((text) => text.length))), values: (_, ticks) => writeTicks(ticks) }],
+        { ...axis, label: unit === '1' ? '' : unit, size: (_, ticks) => Math.max(WIDTH, 24 + 6.5 * Math.max(0, ...(ticks ?? []).map((text) => text.length))), values: (_, ticks) => writeTicks(ticks) }],
       series: [{ label: 't, s', value: (_, value) => (value === null ? '' : digits(value, 7)) }, ...curves.map((curve, i) => ({
         label: this.runs.length > 1 ? `${curve.run.label} ${curve.name}` : curve.name, stroke: curve.second ? secondColour(curve.colour) : colour(curve.colour), width: curve.second ? 1.6 : 1.5,
         dash: calcDash(curve, curves, floor), spanGaps: true, points: { show: false },

@@ -49,7 +49,7 @@ function clearances(runs) {
   const smallest = nearest === null ? ''
     : `; the smallest ${digits(nearest.pair.min, 4)} m at ${digits(nearest.pair.t, 5)} s, ${bodyName(nearest.pair.run, nearest.pair.a)} – ${bodyName(nearest.pair.run, nearest.pair.b)}`;
   return { title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}${smallest}`, choices: [
-    ...(nearest === null ? [] : [{ name: 'nearest approach', unit: 'm', build, window: nearest }]), { name: 'all', unit: 'm', build }] };
+    { name: 'all', unit: 'm', build }, ...(nearest === null ? [] : [{ name: 'nearest approach', unit: 'm', build, window: nearest }])] };
 }
 
 // The joints of one follower share its colour; dashes tell them apart.
@@ -84,7 +84,7 @@ function relative(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(relativePosition(run, i, 0, atFrame(frame)))) })).slice(1);
   const name = runs[0].bodies[0].name;
-  return { title: `Position relative to ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
+  return { title: `Position from ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
     { name: 'distance', unit: 'm', build: curves((p) => Math.hypot(...p)) },
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm', build: curves((p) => p[k]) })) ] };
 }
