@@ -82,6 +82,9 @@ class ExportTest(ProcessTest):
         self.assertEqual(read["counts"]["/events"], len(self.report["events"]))
         self.assertGreater(read["chunks"], 0)
         self.assertTrue(read["indexed"])
+        self.assertTrue(all(name == "zstd" for name, _, _ in read["sizes"]))
+        written, whole = (sum(size[k] for size in read["sizes"]) for k in (1, 2))
+        self.assertLess(3 * written, whole)  # JSON of numbers shrinks to a third and less
         last = {transform["child_frame_id"]: transform for transform in read["last"]["/tf"]["transforms"]}
         for name, body in self.last["bodies"].items():
             self.assertEqual([last[name]["translation"][axis] for axis in "xyz"], body["p"])

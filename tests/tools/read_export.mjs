@@ -11,11 +11,14 @@ async function readMcap(bytes) {
   const { McapIndexedReader, McapStreamReader } = await load('@mcap/core');
   const readable = { size: async () => BigInt(bytes.length), read: async (offset, size) => bytes.subarray(Number(offset), Number(offset + size)) };
   // From the beginning, every checksum compared; then by the index.
-  const stream = new McapStreamReader({ validateCrcs: true });
+  const { default: zstd } = await load('@foxglove/wasm-zstd');
+  await zstd.isLoaded;
+  const decompressHandlers = { zstd: (data, size) => zstd.decompress(data, Number(size)) };
+  const stream = new McapStreamReader({ validateCrcs: true, decompressHandlers });
   stream.append(bytes);
   for (let record; (record = stream.nextRecord()) !== undefined;);
   if (!stream.done()) throw new Error('the file ends early');
-  const reader = await McapIndexedReader.Initialize({ readable });
+  const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers });
   const channels = {}, counts = {}, last = {};
   for (const channel of reader.channelsById.values()) channels[channel.topic] = reader.schemasById.get(channel.schemaId).name;
   for await (const message of reader.readMessages()) {
@@ -25,7 +28,8 @@ async function readMcap(bytes) {
   }
   let metadata = {};
   for await (const record of reader.readMetadata({ name: 'unlatch' })) metadata = Object.fromEntries(record.metadata);
-  return { channels, counts, last, metadata, chunks: reader.chunkIndexes.length, indexed: reader.chunkIndexes.every((index) => index.messageIndexOffsets.size > 0) };
+  const sizes = reader.chunkIndexes.map((index) => [index.compression, Number(index.compressedSize), Number(index.uncompressedSize)]);
+  return { sizes, channels, counts, last, metadata, chunks: reader.chunkIndexes.length, indexed: reader.chunkIndexes.every((index) => index.messageIndexOffsets.size > 0) };
 }
 
 async function readParquet(bytes) {

@@ -7,5 +7,5 @@ const [source, modules, output] = process.argv.slice(2);
 const { build } = createRequire(path.join(modules, 'x.js'))('esbuild');
 await build({
   entryPoints: [path.join(source, 'main.mjs')], bundle: true, minify: true, outfile: output, format: 'cjs', platform: 'node',
-  target: 'node18', charset: 'ascii', nodePaths: [modules], legalComments: 'eof', logLevel: 'warning',
+  target: 'node18', charset: 'ascii', loader: { '.wasm': 'binary' }, nodePaths: [modules], legalComments: 'eof', logLevel: 'warning',
 });

@@ -1,5 +1,6 @@
 // The run as MCAP, with Foxglove's schemas, so that Foxglove shows the scene; messages as JSON, times from 0.
 import { McapWriter } from '@mcap/core';
+import { loadZstd } from './zstd.mjs';
 import { FrameTransforms, Log, SceneUpdate } from '@foxglove/schemas/jsonschema';
 import { closeSync, openSync, writeSync } from 'node:fs';
 
@@ -92,7 +93,8 @@ async function addTick(recording, head, tick) {
 
 export async function writeMcap(lines, path) {
   const file = new File(path);
-  const writer = new McapWriter({ writable: file });
+  const compress = await loadZstd();
+  const writer = new McapWriter({ writable: file, compressChunk: (bytes) => ({ compression: 'zstd', compressedData: compress(bytes) }) });
   await writer.start({ profile: '', library: 'unlatch' });
   const recording = new Recording(writer);
   let head;
