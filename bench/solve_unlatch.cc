@@ -11,9 +11,10 @@ namespace {
 
 class Unlatch : public Solver {
  public:
-  explicit Unlatch(const Model& model) : model_(model), simulation_(model_) { evaluate_or_throw(); }
+  explicit Unlatch(const Model& model) : model_(model), simulation_(model_) { check(evaluate_state(simulation_)); }
 
-  void solve() override { evaluate_or_throw(); }
+  // From poses and velocities; the modes are those of the call before.
+  void solve() override { check(evaluate_state(simulation_, Changed::kMotion)); }
 
   Solution build_solution() override {
     const test::KernelSolution kernel = test::read_solution(simulation_);
@@ -28,11 +29,6 @@ class Unlatch : public Solver {
   }
 
  protected:
-  void evaluate_or_throw() {
-    test::Simulation& s = simulation_;
-    check(evaluate_state(s));
-  }
-
   static void check(int node) {
     if (node != kNone) throw std::runtime_error("unlatch: the pivot of node " + std::to_string(node) + " vanished");
   }

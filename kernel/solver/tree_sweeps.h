@@ -105,9 +105,12 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
   }
   if (v.modes.by_rows) eliminate_rows<kFactor>(v, node, bias, passed, bad);
   if (v.group.link == ParentLink::kRoot) return;
+  const bool passes = v.modes.by_freedoms || v.modes.rows != 0;
   // The first of siblings begin their sums, and the first to come their parents' blocks.
-  if (v.modes.by_freedoms || v.modes.rows != 0 || v.group.siblings_begin || v.group.begins != kNone)
-    pass_to_parents<kFactor>(v, passed, sweep.source, sums);
+  if (!passes && !v.group.siblings_begin && v.group.begins == kNone) return;
+  Passed<T> at_parent = passed;
+  if (passes) at_parent = move<kFactor>(passed, load<T>(v.blocks.solver().offset));
+  pass_to_parents<kFactor>(v, at_parent, sweep.source, sums);
 }
 
 template <bool kLeaf, bool kFactor, class T, int kWidth>
