@@ -162,4 +162,14 @@ struct Node<T, false> {
   }
 };
 
+// The first lane whose pivot vanished, as a node.
+template <class T>
+inline int find_bad_node(const PlanData& plan, const Group& group, int lane, const T& bad) {
+  std::int64_t bits[T::kWidth];
+  __builtin_memcpy(bits, &bad.v, sizeof(bits));
+  for (int i = 0; i < T::kWidth; ++i)
+    if (bits[i] != 0) return plan.lane_nodes[static_cast<std::size_t>(group.first + lane + i)];
+  return kNone;
+}
+
 }  // namespace unlatch::UNLATCH_ISA

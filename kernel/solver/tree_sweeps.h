@@ -15,10 +15,8 @@
 
 #include "kernel/dynamics/varying.h"
 #include "kernel/solver/flexible_solver.h"
-#include "kernel/solver/four_siblings.h"
-#include "kernel/solver/node.h"
-#include "kernel/solver/parents.h"
 #include "kernel/solver/prefetch.h"
+#include "kernel/solver/single_freedom.h"
 
 namespace unlatch::UNLATCH_ISA {
 
@@ -76,89 +74,6 @@ UNLATCH_INLINE void eliminate_rows(const V& v, const N& node, const SpatialT<T>&
   }
 }
 
-// --- Lanes held by three rows or more --------------------------------------------------------------------------------
-
-template <class T>
-UNLATCH_INLINE SpatialT<T> to_spatial(const SlideT<T>& a) {
-  const T o(0.0);
-  return {a.lin, {o, o, o}};
-}
-template <class T>
-UNLATCH_INLINE const SpatialT<T>& to_spatial(const SpatialT<T>& a) {
-  return a;
-}
-
-// Eliminates freedom r, whose direction is s and whose U = A s. Returns its inverse pivot: zero in lanes where it is no
-// freedom, so that they lose nothing.
-template <class V, class N, class S, class U, class T>
-UNLATCH_INLINE T eliminate_freedom(const V& v, const N& node, const Sweep& sweep, int r, const S& s, const U& u,
-                                   SpatialT<T>& load_left, T& bad) {
-  auto& own = v.blocks.freedom(r);
-  const T mask = load<T>(own.mask), beta = dot(s, load_left);
-  T pivot = dot(s, u);
-  bad = bad | (mask & ~node.is_pivot(pivot, s));
-  if (sweep.gamma_h != 0 && has_row(v.group.compliant, r)) pivot = pivot + load<T>(v.blocks.pivot(r));
-  const T inverse = mask & (T(1) / pivot);
-  store(own.beta, beta);
-  store(own.U, to_spatial(u));
-  store(own.inverse_pivot, inverse);
-  load_left = load_left - (beta * inverse) * u;
-  return inverse;
-}
-// Out of `rest`, which may be sparse; returns what is left of it, which may be so as well.
-template <class V, class N, class A, class S, class T>
-UNLATCH_INLINE auto eliminate_freedom_of(const V& v, const N& node, const A& rest, const Sweep& sweep, int r,
-                                         const S& s, SpatialT<T>& load_left, T& bad) {
-  const auto u = rest * s;
-  return downdated(rest, eliminate_freedom(v, node, sweep, r, s, u, load_left, bad), u);
-}
-
-// One by one. The first comes out of the node's block and the second out of what the first left, which keep their
-// zeros; any further out of a whole block.
-template <class V, class N, class T>
-UNLATCH_INLINE void factor_freedoms(const V& v, const N& node, const Sweep& sweep, Passed<T>& passed, T& bad) {
-  unsigned left = v.modes.freedoms;
-  if (left == 0) {
-    passed.A = node.get_block();
-    return;
-  }
-  const auto take_next = [&] {
-    const int r = std::countr_zero(left);
-    left &= left - 1;
-    return r;
-  };
-  const int first = take_next();
-  with_freedom(v, first, [&](const auto& s) UNLATCH_INLINE_LAMBDA {
-    const auto u = node.times(s);
-    const auto rest = node.downdated(eliminate_freedom(v, node, sweep, first, s, u, passed.load, bad), u);
-    if (left == 0) {
-      passed.A = get_whole(rest);
-      return;
-    }
-    const int second = take_next();
-    with_freedom(v, second, [&](const auto& s2) UNLATCH_INLINE_LAMBDA {
-      passed.A = get_whole(eliminate_freedom_of(v, node, rest, sweep, second, s2, passed.load, bad));
-    });
-    while (left != 0) {
-      const int r = take_next();
-      with_freedom(v, r, [&](const auto& s3) UNLATCH_INLINE_LAMBDA {
-        passed.A = eliminate_freedom_of(v, node, passed.A, sweep, r, s3, passed.load, bad);
-      });
-    }
-  });
-}
-// The same for another load.
-template <class V, class T>
-UNLATCH_INLINE void reduce_freedoms(const V& v, SpatialT<T>& load_left) {
-  for (unsigned left = v.modes.freedoms; left != 0; left &= left - 1) {
-    const int r = std::countr_zero(left);
-    auto& own = v.blocks.freedom(r);
-    const T beta = with_freedom(v, r, [&](const auto& s) UNLATCH_INLINE_LAMBDA { return dot(s, load_left); });
-    store(own.beta, beta);
-    load_left = load_left - (beta * load<T>(own.inverse_pivot)) * load<T>(own.U);
-  }
-}
-
 // --- Backward pass, leaves to root -----------------------------------------------------------------------------------
 
 template <class T>
@@ -185,30 +100,14 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
       if constexpr (kFactor) passed.A = mask & passed.A;
     }
   } else {
-    const T o(0.0);
-    passed = {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
+    passed = get_nothing<T>();
   }
   if (v.modes.by_rows) eliminate_rows<kFactor>(v, node, bias, passed, bad);
   if (v.group.link == ParentLink::kRoot) return;
-  const bool passes = v.modes.by_freedoms || v.modes.rows != 0;
-  // The first of siblings begin their sums, and the first to come their parents' blocks.
-  if (!passes && !v.group.siblings_begin && v.group.begins == kNone) return;
-  Passed<T> at_parent = passed;
-  if (passes) at_parent = move<kFactor>(passed, load<T>(v.blocks.solver().offset));
-  if constexpr (V::kWidth == 4 && T::kWidth == 4)
-    if (v.group.link == ParentLink::kSiblings && v.group.begins != kNone)
-      return add_four_siblings<kFactor>(v, at_parent, sweep.source);
-  add_to_parents<kFactor>(v, at_parent, sweep.source, sums);
-}
-
-// The first lane whose pivot vanished, as a node.
-template <class T>
-inline int find_bad_node(const PlanData& plan, const Group& group, int lane, const T& bad) {
-  std::int64_t bits[T::kWidth];
-  __builtin_memcpy(bits, &bad.v, sizeof(bits));
-  for (int i = 0; i < T::kWidth; ++i)
-    if (bits[i] != 0) return plan.lane_nodes[static_cast<std::size_t>(group.first + lane + i)];
-  return kNone;
+  if (v.modes.by_freedoms || v.modes.rows != 0)
+    pass_to_parents<kFactor>(v, move<kFactor>(passed, load<T>(v.blocks.solver().offset)), sweep.source, sums);
+  else if (v.group.siblings_begin || v.group.begins != kNone)  // they begin sums, with nothing
+    pass_to_parents<kFactor>(v, get_nothing<T>(), sweep.source, sums);
 }
 
 template <bool kLeaf, bool kFactor, class T, int kWidth>
@@ -243,8 +142,12 @@ UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep&
       continue;
     }
     for_width<kWidest>(group, [&]<class T, int kWidth>() {
-      node = group.leaf ? eliminate_group<true, kFactor, T, kWidth>(plan, ev, sweep, g, sums)
-                        : eliminate_group<false, kFactor, T, kWidth>(plan, ev, sweep, g, sums);
+      if (kFactor && group.has_joint && has_single_freedom(ev.modes[g]))
+        node = group.leaf ? factor_single_freedom<true, T, kWidth>(plan, ev, sweep, g, sums)
+                          : factor_single_freedom<false, T, kWidth>(plan, ev, sweep, g, sums);
+      else
+        node = group.leaf ? eliminate_group<true, kFactor, T, kWidth>(plan, ev, sweep, g, sums)
+                          : eliminate_group<false, kFactor, T, kWidth>(plan, ev, sweep, g, sums);
     });
     if (kFactor && node != kNone) return node;
     if (group.siblings_end && (kWidest < 4 || group.begins == kNone))
