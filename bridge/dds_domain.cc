@@ -1,17 +1,13 @@
 #include "bridge/dds_domain.h"
 
-#include <dds/ddsrt/log.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cctype>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <mutex>
-#include <string_view>
 
 #include "bridge/dds_byte_order.h"
+#include "bridge/dds_log.h"
 
 namespace unlatch::bridge {
 namespace {
@@ -60,19 +56,6 @@ void close(const DdsEntity* domain) {
   delete domain;
 }
 
-// --- What cannot be read ---
-
-std::atomic<std::int64_t> g_unreadable{0};
-
-void read_log(void*, const dds_log_data_t* line) {
-  const std::string_view text(line->message, line->size);
-  if (text.find(": deserialization unlatch") != std::string_view::npos) {
-    g_unreadable.fetch_add(1, std::memory_order_relaxed);
-  } else {
-    std::fprintf(stderr, "Cyclone DDS: %.*s\n", static_cast<int>(text.size()), text.data());
-  }
-}
-
 }  // namespace
 
 std::string describe(const DdsOptions& options) {
@@ -84,8 +67,6 @@ std::string describe(const DdsOptions& options) {
   return text + "on the interface '" + options.interface +
          "': " + (options.interface == "lo" ? "this machine only; " : "") + who;
 }
-
-std::int64_t get_dds_unreadable() noexcept { return g_unreadable.load(std::memory_order_relaxed); }
 
 PortError make_dds_error(const DdsOptions& options, const char* what, dds_return_t code) {
   const std::string where = std::getenv("CYCLONEDDS_URI") != nullptr
@@ -103,8 +84,7 @@ std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
     throw PortError("Cyclone DDS: there is no domain " + std::to_string(options.domain) + "; choose one from 0 to " +
                     std::to_string(kLastDomain));
   }
-  static std::once_flag once;
-  std::call_once(once, [] { dds_set_log_sink(read_log, nullptr); });
+  take_dds_log();
   if (!is_byte_order_checked())
     throw PortError(
         "Cyclone DDS: this program was linked so that samples of the other byte order are not refused, and 0.10.2 "

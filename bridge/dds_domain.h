@@ -30,10 +30,6 @@ class DdsEntity {
 // through CYCLONEDDS_URI. Throws PortError.
 [[nodiscard]] std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options);
 
-// Samples that Cyclone could not read, in this process so far. It reports them in its log alone, and so we
-// read that: the first open_dds_domain takes its lines, and passes the others on to standard error.
-[[nodiscard]] std::int64_t get_dds_unreadable() noexcept;
-
 // The message when Cyclone refuses: `what` did not work, for the reason in `code`.
 [[nodiscard]] PortError make_dds_error(const DdsOptions& options, const char* what, dds_return_t code);
 

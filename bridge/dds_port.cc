@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "bridge/dds_domain.h"
+#include "bridge/dds_log.h"
 #include "bridge/dds_security.h"
 #include "bridge/port.h"
 #include "bridge/schema/dds_layout.h"
@@ -41,7 +43,7 @@ constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
     {MessageKind::kCatalog, &unlatch_Catalog_desc, 1, 1, 1, kForever},
     {MessageKind::kHelloAck, &unlatch_HelloAck_desc, 64, 256, 1, kRecent},
     {MessageKind::kEvent, &unlatch_Event_desc, 1024, 4096, 1024, kForever},
-    {MessageKind::kCommand, &unlatch_Command_desc, 1024, 4096, 64, kRecent},
+    {MessageKind::kCommand, &unlatch_Command_desc, 32768, 65536, 64, kRecent},
     {MessageKind::kState, &unlatch_State_desc, 192, 4096, 0, kForever},
     {MessageKind::kStepAck, &unlatch_StepAck_desc, 1024, 4096, 0, kForever},
     {MessageKind::kHealth, &unlatch_Health_desc, 64, 256, 0, kForever},
@@ -124,7 +126,18 @@ class DdsPort final : public Port {
       writers_[static_cast<std::size_t>(traits.kind)] =
           check("creating a writer", dds_create_writer(participant_.get(), topic, qos.get(), nullptr));
     }
-    if (receives(role, traits.kind)) open_reader(traits, topic, batches_[index]);
+    if (!receives(role, traits.kind)) return;
+    try {
+      open_reader(traits, topic, batches_[index]);
+    } catch (const PortError&) {
+      // Identities made for an earlier version of the protocol.
+      if (!publishes(role, traits.kind) || options_.security.empty()) throw;
+      batches_[index].reader = 0;
+      std::fputs(
+          "DDS Security: this identity may not receive Hello, so that another simulator would not be noticed; "
+          "bridge/security/make-keys makes new ones\n",
+          stderr);
+    }
   }
 
   void open_reader(const TopicTraits& traits, dds_entity_t topic, Batch& batch) {
@@ -132,6 +145,7 @@ class DdsPort final : public Port {
     batch.storage.resize(kBatch * size);
     for (std::size_t i = 0; i < kBatch; ++i) batch.samples[i] = batch.storage.data() + i * size;
     const Qos qos = make_qos(traits, traits.reader_depth);
+    dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);  // a simulator receives the Hello of others
     batch.reader = check("creating a reader", dds_create_reader(participant_.get(), topic, qos.get(), nullptr));
     const dds_entity_t any = check("creating a condition", dds_create_readcondition(batch.reader, DDS_ANY_STATE));
     check("attaching a condition", dds_waitset_attach(waitset_.get(), any, 0));

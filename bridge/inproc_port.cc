@@ -86,7 +86,7 @@ class InprocPort final : public Port {
   bool send(const Message& message) override {
     const std::lock_guard lock(shared_->mutex);
     for (Queue* queue : shared_->queues) {
-      if (receives(queue->get_role(), message.kind)) queue->push(message);
+      if (queue != &queue_ && receives(queue->get_role(), message.kind)) queue->push(message);
     }
     return true;
   }

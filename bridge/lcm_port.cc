@@ -1,51 +1,37 @@
-// The LCM transport: one channel per message, UNLATCH_STATE and so on. Messages go out from a buffer that the codec of
-// hil/messages fills, and come in through it, so that nothing allocates on our side.
+// The LCM transport: one channel per message, UNLATCH_STATE and so on. Messages go out through liblcm, from a buffer
+// that the codec of hil/messages fills, so that nothing allocates on our side; they come in through LcmSocket.
 #include <lcm/lcm.h>
-#include <poll.h>
 
-#include <algorithm>
 #include <array>
-#include <ctime>
-#include <span>
+#include <atomic>
+#include <optional>
 #include <string_view>
 
 #include "bridge/lcm_route.h"
+#include "bridge/lcm_socket.h"
 #include "bridge/port.h"
 
 namespace unlatch::bridge {
 namespace {
 
-// Messages of one kind that may wait: LCM drops the newest beyond that, silently.
-constexpr int kQueueCapacity = 8192;
-
 constexpr std::string_view kUdpScheme = "udpm://";
-
-timespec to_timespec(std::chrono::nanoseconds time) {
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time);
-  return {.tv_sec = seconds.count(), .tv_nsec = (time - seconds).count()};
-}
 
 class LcmPort final : public Port {
  public:
-  LcmPort(Role role, const LcmOptions& options) : Port(role) {
+  LcmPort(Role role, const LcmOptions& options) : Port(role), is_simulator_(role == Role::kSimulator) {
     if (!options.url.starts_with(kUdpScheme)) {
       throw PortError("LCM: '" + options.url + "' is not a UDP multicast address; write it like " + LcmOptions{}.url);
     }
-    const std::string interface = find_lcm_route(options.url).interface;
-    if (!interface.empty() && interface != options.interface) throw PortError(explain_route(options, interface));
+    const LcmRoute route = find_lcm_route(options.url);
+    if (!route.interface.empty() && route.interface != options.interface) {
+      throw PortError(explain_route(options, route.interface));
+    }
     lcm_.reset(lcm_create(options.url.c_str()));
     if (!lcm_) throw PortError(explain(options));
-    for (std::size_t i = 0; i < hil::kMessageKinds; ++i) {
-      subscriptions_[i] = {this, static_cast<MessageKind>(i)};
-      if (receives(role, subscriptions_[i].kind)) subscribe(subscriptions_[i], options);
-    }
+    socket_.emplace(role, route, options.interface);
   }
 
  private:
-  struct Subscription {
-    LcmPort* port;
-    MessageKind kind;
-  };
   struct Close {
     void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
   };
@@ -64,43 +50,31 @@ class LcmPort final : public Port {
            options.interface + "`.";
   }
 
-  void subscribe(Subscription& subscription, const LcmOptions& options) {
-    // Channel names are views of literals, so that they end in NUL.
-    lcm_subscription_t* handle =
-        lcm_subscribe(lcm_.get(), hil::get_channel(subscription.kind).data(), handle_message, &subscription);
-    if (!handle) throw PortError(explain(options));
-    lcm_subscription_set_queue_capacity(handle, kQueueCapacity);
-  }
-
-  // Called by lcm_handle, in the thread that polls.
-  static void handle_message(const lcm_recv_buf_t* buffer, const char*, void* user) {
-    const auto& subscription = *static_cast<const Subscription*>(user);
-    LcmPort& port = *subscription.port;
-    const std::span bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-    port.result_ = hil::decode(subscription.kind, bytes, *port.target_) ? Received::kMessage : Received::kMalformed;
-  }
-
   bool send(const Message& message) override {
+    if (message.kind == MessageKind::kHello) own_session_.store(message.hello.session, std::memory_order_relaxed);
     const std::size_t length = hil::encode(message, buffer_);
     return length > 0 && lcm_publish(lcm_.get(), hil::get_channel(message.kind).data(), buffer_.data(),
                                      static_cast<unsigned int>(length)) == 0;
   }
 
   Received receive(Message& message, std::chrono::nanoseconds wait) override {
-    pollfd waiting{.fd = lcm_get_fileno(lcm_.get()), .events = POLLIN, .revents = 0};
-    const timespec limit = to_timespec(std::max(wait, std::chrono::nanoseconds::zero()));
-    if (ppoll(&waiting, 1, &limit, nullptr) <= 0) return Received::kNothing;
-    target_ = &message;
-    result_ = Received::kOther;
-    lcm_handle(lcm_.get());  // one message, which handle_message decodes
-    return result_;
+    bool readable = false;
+    if (!socket_->pop(message, readable, wait)) return Received::kNothing;
+    if (!readable) return Received::kMalformed;
+    // The group brings back what we send; of that a simulator receives its Hello.
+    const bool is_own = is_simulator_ && message.kind == MessageKind::kHello &&
+                        message.hello.session == own_session_.load(std::memory_order_relaxed);
+    return is_own ? Received::kOther : Received::kMessage;
   }
 
-  std::array<Subscription, hil::kMessageKinds> subscriptions_{};
+  [[nodiscard]] Losses get_losses() const override { return {.lost = socket_->get_lost()}; }
+  [[nodiscard]] std::int64_t get_unreadable() const noexcept override { return socket_->get_malformed(); }
+
+  const bool is_simulator_;
   std::array<std::uint8_t, hil::kMaxWireBytes> buffer_{};  // of the thread that publishes
-  Message* target_ = nullptr;                              // of the thread that polls, as is result_
-  Received result_ = Received::kOther;
+  std::atomic<std::int64_t> own_session_{0};               // of the Hello that we send
   std::unique_ptr<lcm_t, Close> lcm_;
+  std::optional<LcmSocket> socket_;
 };
 
 }  // namespace

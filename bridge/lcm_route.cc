@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kScheme = 7;  // udpm://
 constexpr const char* kDefaultGroup = "239.255.76.67";
-constexpr std::uint16_t kAnyPort = 7667;  // a route does not depend on it
+constexpr std::uint16_t kDefaultPort = 7667;
 
 std::string get_interface(const sockaddr_in& address) {
   ifaddrs* all = nullptr;
@@ -35,7 +35,7 @@ std::string get_interface(const sockaddr_in& address) {
 std::string find_interface(const std::string& group) {
   sockaddr_in to{};
   to.sin_family = AF_INET;
-  to.sin_port = htons(kAnyPort);
+  to.sin_port = htons(kDefaultPort);  // a route does not depend on it
   if (inet_pton(AF_INET, group.c_str(), &to.sin_addr) != 1) return {};
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in from{};
@@ -49,10 +49,14 @@ std::string find_interface(const std::string& group) {
 }  // namespace
 
 LcmRoute find_lcm_route(const std::string& url) {
-  const std::string group = url.substr(kScheme, url.find_first_of(":?", kScheme) - kScheme);
+  const std::string network = url.substr(kScheme, url.find('?', kScheme) - kScheme);
+  const std::size_t colon = network.find(':');
+  std::string group = network.substr(0, colon);
+  if (group.empty()) group = kDefaultGroup;
+  const int port = colon == std::string::npos ? kDefaultPort : std::atoi(network.c_str() + colon + 1);
   const std::size_t ttl = url.find("ttl=");
-  return {find_interface(group.empty() ? kDefaultGroup : group),
-          ttl == std::string::npos ? 0 : std::atoi(url.c_str() + ttl + 4)};
+  return {find_interface(group), ttl == std::string::npos ? 0 : std::atoi(url.c_str() + ttl + 4), group,
+          static_cast<std::uint16_t>(port)};
 }
 
 }  // namespace unlatch::bridge

@@ -10,6 +10,7 @@ bool publishes(Role role, MessageKind kind) noexcept {
 }
 
 bool receives(Role role, MessageKind kind) noexcept {
+  if (role == Role::kSimulator && kind == MessageKind::kHello) return true;  // of another simulator
   if (role == Role::kParticipant && (kind == MessageKind::kReactions || kind == MessageKind::kSource)) return false;
   return hil::get_size(kind) > 0 && !publishes(role, kind);
 }

@@ -22,7 +22,7 @@ using hil::MessageKind;
 
 // The simulator publishes Hello, Catalog, State, Event, Health and so on and receives the rest; a participant (flight
 // software) the reverse, without Reactions and Source, which are for displays; an observer (logger, watch) receives
-// everything and publishes nothing.
+// everything and publishes nothing. A simulator receives the Hello of others too, but not its own.
 enum class Role { kSimulator, kParticipant, kObserver };
 
 [[nodiscard]] bool publishes(Role role, MessageKind kind) noexcept;
@@ -39,7 +39,7 @@ struct PortCounts {
   std::int64_t publish_failures = 0;  // refused by the middleware, or not this role's to publish
   std::int64_t received = 0;
   std::int64_t malformed = 0;  // wrong length or fingerprint, or numbers out of the schema's ranges
-  std::int64_t lost = 0;       // on their way to this port, as far as the transport notices (LCM never does)
+  std::int64_t lost = 0;       // on their way to this port, as far as the transport notices
   std::int64_t unfit =
       0;  // DDS: others' readers and writers that do not match ours because of their quality of service
 };

@@ -1,11 +1,17 @@
-// SIGINT and SIGTERM end a tool in an orderly way.
+// SIGINT and SIGTERM end a tool in an orderly way; nothing that hangs keeps it from ending.
 #pragma once
 
 #include <atomic>
 
 namespace unlatch::tools {
 
-// From now on both signals set the flag that this returns, for as long as the process lives.
+// From now on both signals set the flag that this returns, for as long as the process lives. After SIGTERM the process
+// ends within a second, whatever hangs: once the main thread does not get on, with exit code 1. A report that is still
+// being computed is finished.
 const std::atomic<bool>& catch_interrupts();
+
+// From now on writing to standard error never waits for a reader: what a full pipe does not take is lost. Other
+// programs that write to the same pipe are not affected. Files and terminals stay as they are.
+void never_wait_for_stderr();
 
 }  // namespace unlatch::tools

@@ -130,7 +130,7 @@ static_assert(offsetof(unlatch::hil::VerdictMessage, applied_tick) == offsetof(u
 static_assert(offsetof(unlatch::hil::VerdictMessage, participant) == offsetof(unlatch_Verdict, participant));
 static_assert(offsetof(unlatch::hil::VerdictMessage, reason) == offsetof(unlatch_Verdict, reason));
 static_assert(offsetof(unlatch::hil::VerdictMessage, channel) == offsetof(unlatch_Verdict, channel));
-static_assert(offsetof(unlatch::hil::VerdictMessage, reserved) == offsetof(unlatch_Verdict, reserved));
+static_assert(offsetof(unlatch::hil::VerdictMessage, count) == offsetof(unlatch_Verdict, count));
 static_assert(sizeof(unlatch::hil::ReactionsMessage) == sizeof(unlatch_Reactions));
 static_assert(offsetof(unlatch::hil::ReactionsMessage, session) == offsetof(unlatch_Reactions, session));
 static_assert(offsetof(unlatch::hil::ReactionsMessage, sequence) == offsetof(unlatch_Reactions, sequence));

@@ -25,6 +25,12 @@ std::vector<std::string> get_required(const SessionOptions& options) {
   return options.pace == Pace::kFast ? std::vector<std::string>{} : options.flight_software.required;
 }
 
+std::int64_t calc_horizon_ticks(const FlightSoftware& flight_software, const HelloMessage& hello) {
+  constexpr double kMost = 0x1p53;
+  return static_cast<std::int64_t>(
+      std::min(std::ceil(flight_software.horizon * 1e9 / static_cast<double>(hello.dt_ns)), kMost));
+}
+
 Announcer build_announcer(const Simulation& simulation, const std::string& scenario, const ExecutiveOptions& options,
                           Connection& connection) {
   std::vector<CatalogMessage> catalog = build_session_catalog(simulation, options);
@@ -52,8 +58,10 @@ Executive::Executive(Simulation& simulation, Connection& connection, Recorder& r
       commands_(simulation.model().channels,
                 {.session = options.session,
                  .delay_ticks = options.flight_software.delay,
-                 .accept_late = options.pace == Pace::kRealtime},
-                rejects_),
+                 .accept_late = options.pace == Pace::kRealtime,
+                 .horizon_ticks = calc_horizon_ticks(options.flight_software, announcer_.get_hello()),
+                 .places = static_cast<std::size_t>(options.flight_software.queue)},
+                participants_, rejects_),
       publisher_(simulation, recorder, connection_, options.faults, options.session),
       commanders_(simulation.model().channels.size(), nullptr),
       own_ticks_(std::make_unique<MonotonicTicks>(announcer_.get_hello().dt_ns, std::llround(options.timing.spin * 1e9),
@@ -66,7 +74,7 @@ LogEnd Executive::run() {
   std::string failure;
   thread_.store(gettid(), std::memory_order_relaxed);
   hash_ = simulation_.calc_hash();
-  if (!introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
+  if (!listen(failure) || !introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
   timing_.begin_counts();
   ticks_.restart(*started_ns_);
 
@@ -109,7 +117,7 @@ Executive::Next Executive::wait_realtime() noexcept {
 
 Executive::Next Executive::wait_lockstep() noexcept {
   if (liveness_.get_tick() != simulation_.get_tick()) return Next::kStep;  // no State, no answers
-  std::int64_t resend_at_ns = liveness_.get_sent_ns() + options_.resend_ns;
+  std::int64_t sent_ns = liveness_.get_sent_ns();
   while (true) {
     receive();
     const std::int64_t now_ns = clock_.get_ns();
@@ -119,9 +127,9 @@ Executive::Next Executive::wait_lockstep() noexcept {
       if (lose(*overdue) == Next::kStop) return Next::kStop;
       continue;
     }
-    if (now_ns >= resend_at_ns) {
-      resend_state(simulation_.get_tick() == 0 ? RunStatus::kArmed : RunStatus::kRunning);
-      resend_at_ns = now_ns + options_.resend_ns;
+    if (now_ns - get_quiet_since_ns(sent_ns) >= options_.resend_ns) {
+      repeat_state(simulation_.get_tick() == 0 ? RunStatus::kArmed : RunStatus::kRunning);
+      sent_ns = now_ns;
     }
     announcer_.announce(now_ns);
     connection_.wait(kLockstepWait);
@@ -141,7 +149,7 @@ Executive::Next Executive::pause(Participant& participant) noexcept {
                   std::to_string(limit_s) + " s");
     }
     if (!resend_at_ns || now_ns >= *resend_at_ns) {
-      resend_state(RunStatus::kPaused);
+      repeat_state(RunStatus::kPaused);
       resend_at_ns = now_ns + std::max(options_.resend_ns, kPausePoll_ns);
     }
     announcer_.announce(now_ns);
@@ -261,10 +269,18 @@ void Executive::handle(const CommandMessage& command, std::int64_t arrived_ns) n
   command_ns_ = arrived_ns;
   const bool in_time = !is_realtime() || !cutoff_ns_ || arrived_ns <= *cutoff_ns_;
   const std::int64_t tick = simulation_.get_tick();
-  const auto [reason, applied_tick] = commands_.add(command, sender, in_time ? tick : tick + 1);
-  if (reason) {
-    publisher_.publish_verdict(*reason, command.participant, command.sequence, command.channel, applied_tick);
+  const CommandQueue::Outcome outcome = commands_.add(command, sender, in_time ? tick : tick + 1);
+  if (outcome.repeated) return;
+  if (outcome.reason) {
+    publisher_.publish_verdict(*outcome.reason, command.participant, command.sequence, command.channel,
+                               outcome.applied_tick);
   }
+  if (outcome.displaced) {
+    publisher_.publish_verdict(Reject::kNoPlace, command.participant, outcome.displaced->sequence,
+                               outcome.displaced->channel, -1);
+  }
+  const bool is_known = outcome.reason == Reject::kDuplicate || outcome.reason == Reject::kJump;
+  if (sender != nullptr && !is_known) sender->news_ns = arrived_ns;
 }
 
 void Executive::handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept {
@@ -273,11 +289,20 @@ void Executive::handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexc
   if (sender == nullptr || sender->standing == Participant::Standing::kEvicted) {
     return rejects_.add(Reject::kUnknownParticipant);
   }
-  const bool sane =
-      ack.tick >= 0 && ack.tick <= simulation_.get_tick() && ack.last_command >= 0 && ack.command_count >= 0;
+  const bool sane = ack.tick >= 0 && ack.tick <= simulation_.get_tick() && ack.last_command >= 0 &&
+                    ack.command_count >= 0 && ack.command_count <= SeenCommands::kWindow;
   if (!sane) return rejects_.add(Reject::kMalformed);
   resume(*sender);
   liveness_.receive(ack, *sender, arrived_ns, clock_.get_ns());
+}
+
+// Another simulator, or our own messages come back.
+void Executive::handle(const HelloMessage& other, std::int64_t) noexcept {
+  const bool is_over = other.status >= static_cast<std::int32_t>(RunStatus::kDone);
+  if (other.session == options_.session || other.session == 0 || is_over) return;
+  const bool is_news = other.session != other_.session;
+  other_ = other;
+  if (is_news) publisher_.publish_notice(kOtherSimulator, get_name(other.scenario));
 }
 
 bool Executive::is_answered(std::int64_t now_ns) noexcept {
@@ -341,6 +366,29 @@ void Executive::resend_state(RunStatus status) noexcept {
   publisher_.resend_state(status);
 }
 
+void Executive::repeat_state(RunStatus status) noexcept {
+  const std::int64_t tick = simulation_.get_tick();
+  commands_.expect_repeats(tick);
+  for (const Participant& participant : participants_.all()) {
+    const StepAckMessage& ack = participant.ack;
+    if (!participant.is_present() || ack.tick != tick) continue;
+    std::optional<SeenCommands::Gap> gap = participant.seen.find_gap(ack.last_command, ack.command_count);
+    for (int asked = 0; gap && asked < Publisher::kVerdictsPerTick; ++asked) {
+      publisher_.publish_missing(participant.id, gap->first, gap->count);
+      gap = participant.seen.find_gap(ack.last_command, ack.command_count, gap->first + gap->count);
+    }
+  }
+  resend_state(status);
+}
+
+std::int64_t Executive::get_quiet_since_ns(std::int64_t sent_ns) const noexcept {
+  for (const Participant& participant : participants_.all()) {
+    if (!participant.required || !participant.is_present()) continue;
+    if (!participant.has_answered(liveness_.get_tick())) sent_ns = std::max(sent_ns, participant.news_ns);
+  }
+  return sent_ns;
+}
+
 void Executive::publish_health(std::int64_t now_ns) noexcept {
   HealthMessage health;
   health.wall_ns = started_ns_ ? now_ns - *started_ns_ : 0;
@@ -386,10 +434,36 @@ void Executive::publish_faults() noexcept {
 }
 
 std::int64_t Executive::calc_dropped() const noexcept {
-  return connection_.get_dropped_out() + connection_.get_dropped_in() + commands_.get_dropped();
+  return connection_.get_dropped_out() + connection_.get_dropped_in();
 }
 
 // --- The beginning: nothing here is in the cycle --------------------------------------------------------------------
+
+bool Executive::listen(std::string& failure) {
+  if (options_.pace == Pace::kFast) return true;
+  const std::int64_t end_ns = clock_.get_ns() + options_.listen_ns;
+  while (clock_.get_ns() < end_ns && other_.session == 0 && !stop_.load(std::memory_order_relaxed)) {
+    receive();
+    clock_.sleep_until_ns(clock_.get_ns() + kStartPoll_ns);
+  }
+  if (other_.session == 0 || options_.beside_others) return true;
+  failure = describe_other();
+  return false;
+}
+
+// Of two that begin at the same time, the one with the larger number.
+bool Executive::gives_way() const noexcept {
+  if (other_.session == 0 || options_.beside_others) return false;
+  return other_.status != static_cast<std::int32_t>(RunStatus::kDiscover) || other_.session < options_.session;
+}
+
+std::string Executive::describe_other() const {
+  return "another simulator is here: scenario '" + std::string(get_name(other_.scenario)) + "', session " +
+         std::to_string(other_.session) +
+         "; flight software would not know which of them it belongs to. End it, use another network (--domain; LCM: "
+         "the "
+         "port in --lcm-url), or give this one and its flight software one --session NUMBER";
+}
 
 bool Executive::introduce(std::string& failure) {
   if (options_.pace == Pace::kFast) {
@@ -407,6 +481,10 @@ bool Executive::introduce(std::string& failure) {
       announcer_.set_status(RunStatus::kConfigured);
       return true;
     }
+    if (gives_way()) {
+      failure = describe_other();
+      return false;
+    }
     if (!handshake_.get_refusal().empty()) {
       failure = handshake_.get_refusal();
       return false;
@@ -420,7 +498,7 @@ bool Executive::introduce(std::string& failure) {
 }
 
 bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
-  const auto is_refused = [this] { return !handshake_.get_refusal().empty(); };
+  const auto is_refused = [this] { return !handshake_.get_refusal().empty() || gives_way(); };
   while (!participants_.is_complete() && !is_refused() && clock_.get_ns() < deadline_ns) {
     receive();
     clock_.sleep_until_ns(clock_.get_ns() + kStartPoll_ns);
@@ -448,12 +526,13 @@ bool Executive::configure(std::string& failure) {
         return false;
       }
       announcer_.announce(now_ns);
-      if (now_ns - liveness_.get_sent_ns() >= options_.resend_ns) {
-        resend_state(RunStatus::kConfigured);
+      if (now_ns - get_quiet_since_ns(liveness_.get_sent_ns()) >= options_.resend_ns) {
+        repeat_state(RunStatus::kConfigured);
         liveness_.restart_round_trip(now_ns);
       }
       clock_.sleep_until_ns(now_ns + kStartPoll_ns);
     }
+    commands_.expect_repeats(0);
     resend_state(RunStatus::kArmed);
     publisher_.set_resent(0);
   }
@@ -493,6 +572,8 @@ LogEnd Executive::conclude_stop() {
 LogEnd Executive::conclude(RunStatus status, std::string message) {
   if (options_.faults != nullptr) publish_faults();
   beat(Place::kEnding);
+  announcer_.set_status(status);
+  announcer_.send_farewell();
   while (announcer_.send_unsent_source_part()) beat(Place::kEnding);
   for (int i = 0; i < kFinalStates; ++i) {
     resend_state(status);

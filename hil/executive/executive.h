@@ -83,7 +83,10 @@ class Executive {
   enum class Next { kStep, kStop };
   enum class Place : std::int32_t { kBeginning, kWaiting, kReceiving, kStepping, kPublishing, kEnding };
 
-  // The beginning: introductions, then State 0 until all have answered it.
+  // The beginning: nobody else simulates here; introductions; State 0 until all have answered it.
+  bool listen(std::string& failure);
+  [[nodiscard]] bool gives_way() const noexcept;
+  [[nodiscard]] std::string describe_other() const;
   bool introduce(std::string& failure);
   bool wait_for_introductions(std::int64_t deadline_ns);
   bool configure(std::string& failure);
@@ -104,6 +107,7 @@ class Executive {
   void handle(const HelloAckMessage& answer, std::int64_t arrived_ns) noexcept;
   void handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept;
   void handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept;
+  void handle(const HelloMessage& other, std::int64_t arrived_ns) noexcept;
   bool is_answered(std::int64_t now_ns) noexcept;
   void resume(Participant& participant) noexcept;
   [[nodiscard]] Next lose(Participant& participant) noexcept;
@@ -112,6 +116,10 @@ class Executive {
   // Outputs.
   void publish_state(RunStatus status) noexcept;
   void resend_state(RunStatus status) noexcept;
+  // For those that have not answered: asks for commands that are missing, and sends the State again.
+  void repeat_state(RunStatus status) noexcept;
+  // The time since which nothing new has come that an answer to this State waits for.
+  [[nodiscard]] std::int64_t get_quiet_since_ns(std::int64_t sent_ns) const noexcept;
   void publish_health(std::int64_t now_ns) noexcept;
   void publish_reactions(std::int64_t now_ns) noexcept;
   void begin_faults() noexcept;
@@ -144,6 +152,7 @@ class Executive {
   Liveness liveness_;
   CommandQueue commands_;
   Publisher publisher_;
+  HelloMessage other_;                          // the latest of another simulator; its session is 0 until one is heard
   std::vector<const Participant*> commanders_;  // of each channel: the sender of its latest command, or null
 
   const std::unique_ptr<TickSource> own_ticks_;

@@ -93,14 +93,30 @@ void Publisher::publish_verdict(Reject reason, std::int32_t participant, std::in
   if (verdicts_left_ == 0) return;
   --verdicts_left_;
   VerdictMessage verdict;
-  verdict.session = session_;
-  verdict.sequence = verdict_sequence_++;
-  verdict.tick = simulation_.get_tick();
   verdict.refers_to = refers_to;
   verdict.applied_tick = applied_tick;
   verdict.participant = participant;
   verdict.reason = static_cast<std::int32_t>(reason);
   verdict.channel = channel;
+  verdict.count = 1;
+  send_verdict(verdict);
+}
+
+void Publisher::publish_missing(std::int32_t participant, std::int64_t first, std::int64_t count) noexcept {
+  VerdictMessage verdict;
+  verdict.refers_to = first;
+  verdict.applied_tick = -1;
+  verdict.participant = participant;
+  verdict.reason = static_cast<std::int32_t>(Reject::kMissing);
+  verdict.channel = -1;
+  verdict.count = static_cast<std::int32_t>(count);
+  send_verdict(verdict);
+}
+
+void Publisher::send_verdict(VerdictMessage verdict) noexcept {
+  verdict.session = session_;
+  verdict.sequence = verdict_sequence_++;
+  verdict.tick = simulation_.get_tick();
   connection_.send(verdict);
 }
 

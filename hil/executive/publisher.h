@@ -42,6 +42,8 @@ class Publisher {
   // The answer to a message that was refused, or late. At most kVerdictsPerTick between two calls of begin_tick().
   void publish_verdict(Reject reason, std::int32_t participant, std::int64_t refers_to, std::int32_t channel,
                        std::int64_t applied_tick) noexcept;
+  // Asks a participant for commands that it announced and that have not arrived: `count` from `first` on. Not counted.
+  void publish_missing(std::int32_t participant, std::int64_t first, std::int64_t count) noexcept;
   void begin_tick() noexcept { verdicts_left_ = kVerdictsPerTick; }
 
   // For one other thread.
@@ -54,6 +56,7 @@ class Publisher {
 
  private:
   void send_state_part(std::int32_t part, RunStatus status) noexcept;
+  void send_verdict(VerdictMessage verdict) noexcept;
   // `tick`: at whose step it happened.
   void publish(EventMessage& event, std::int64_t tick, double time) noexcept;
 
@@ -68,7 +71,7 @@ class Publisher {
   ReactionsMessage reactions_;  // scratch
   std::int64_t state_sequence_ = 0, event_sequence_ = 0, health_sequence_ = 0, verdict_sequence_ = 0,
                reactions_sequence_ = 0;
-  int verdicts_left_ = 0;
+  int verdicts_left_ = kVerdictsPerTick;
   std::int64_t resent_ = 0;  // States
   moodycamel::BlockingReaderWriterCircularBuffer<EventMessage> notices_{256};
 };

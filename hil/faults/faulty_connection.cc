@@ -23,6 +23,10 @@ void FaultyConnection::send_due(std::int64_t now_ns) noexcept {
 
 void FaultyConnection::collect() noexcept {
   for (int i = 0; i < kMaxArrivals && inner_.receive(arrival_); ++i) {
+    if (const auto* const hello = std::get_if<HelloMessage>(&arrival_.message)) {
+      other_simulator_ = Arrival{*hello, arrival_.arrived_ns};  // none of this session's messages
+      continue;
+    }
     in_ = std::visit([](const auto& message) { return Message(message); }, arrival_.message);
     faults_.offer(Direction::kIn, in_, arrival_.arrived_ns, clock_.get_ns(), find_sender(in_));
   }
@@ -32,6 +36,10 @@ void FaultyConnection::collect() noexcept {
 
 bool FaultyConnection::receive(Arrival& arrival) noexcept {
   if (!std::exchange(is_collected_, true)) collect();
+  if (other_simulator_) {
+    arrival = *std::exchange(other_simulator_, std::nullopt);
+    return true;
+  }
   while (faults_.take(Direction::kIn, collected_ns_, in_, arrival.arrived_ns)) {
     const auto message = to_participant_message(in_);
     if (!message) continue;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string_view>
 
 #include "hil/faults/fault_injector.h"
@@ -45,6 +46,7 @@ class FaultyConnection final : public Connection {
   const std::function<void(Participant&)> resume_;
   bool is_collected_ = false;  // arrivals have been passed to the injector; receive() hands out what comes of them
   std::int64_t collected_ns_ = 0;
+  std::optional<Arrival> other_simulator_;  // its latest Hello
   Message in_, out_;  // scratch
   Arrival arrival_;   // scratch
 };

@@ -14,6 +14,7 @@ inline constexpr std::string_view kResumed = "participant.resumed";          // 
 inline constexpr std::string_view kRejoined = "participant.rejoined";        // a new start of one that was lost
 inline constexpr std::string_view kSecondOfName = "participant.name_taken";  // refused: one of that name takes part
 inline constexpr std::string_view kNotAdmitted = "participant.refused";      // another schema or model, or evicted
+inline constexpr std::string_view kOtherSimulator = "simulator.other";  // another is heard; the subject is its scenario
 inline constexpr std::string_view kParticipantPrefix = "participant.";
 inline constexpr std::string_view kFaultPrefix = "fault.";  // of a fault script: fault.freeze, fault.freeze.end
 inline constexpr std::string_view kMessageFaultPrefix = "fault.message.";  // too many for notices
@@ -25,7 +26,7 @@ inline constexpr std::string_view kOverrunPrefix = "overrun.";
 [[nodiscard]] inline bool is_notice(const EventMessage& event) noexcept {
   const std::string_view name = get_name(event.name);
   if (name.starts_with(kFaultPrefix)) return !name.starts_with(kMessageFaultPrefix);
-  return name.starts_with(kParticipantPrefix) || name.starts_with(kPolicyPrefix);
+  return name == kOtherSimulator || name.starts_with(kParticipantPrefix) || name.starts_with(kPolicyPrefix);
 }
 
 }  // namespace unlatch::hil

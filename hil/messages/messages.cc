@@ -211,7 +211,7 @@ void pass_fields(Wire& wire, T& message) noexcept {
   wire.pass(message.participant);
   wire.pass(message.reason);
   wire.pass(message.channel);
-  wire.pass(message.reserved);
+  wire.pass(message.count);
 }
 
 template <class Wire, MaybeConst<ReactionsMessage> T>
@@ -276,8 +276,8 @@ constexpr auto kStateFingerprint = static_cast<std::int64_t>(0x6775e179fe5f7785U
 constexpr auto kCommandFingerprint = static_cast<std::int64_t>(0x656025a7e259739aU);
 constexpr auto kStepAckFingerprint = static_cast<std::int64_t>(0xb2e66e417c19c063U);
 constexpr auto kEventFingerprint = static_cast<std::int64_t>(0xffb09129c2532d80U);
-constexpr auto kHealthFingerprint = static_cast<std::int64_t>(0x1ec68fbabf00c628U);
-constexpr auto kVerdictFingerprint = static_cast<std::int64_t>(0xa152f06e690e09edU);
+constexpr auto kHealthFingerprint = static_cast<std::int64_t>(0x1ec68fbabf00c62eU);
+constexpr auto kVerdictFingerprint = static_cast<std::int64_t>(0x117f6b0ce2f5e5c1U);
 constexpr auto kReactionsFingerprint = static_cast<std::int64_t>(0xe9f6cdbc48b331a0U);
 constexpr auto kSourceFingerprint = static_cast<std::int64_t>(0xc8985185d1d4dd4dU);
 
@@ -352,9 +352,10 @@ std::string_view get_text(AckStatus value) noexcept {
 
 std::string_view get_text(Reject value) noexcept {
   static constexpr std::string_view kTexts[] = {"wrong_session", "past_tick", "duplicate", "expired", "not_finite",
-      "out_of_range", "unknown_channel", "malformed", "unknown_participant", "name_taken", "mismatch", "late"};
+      "out_of_range", "unknown_channel", "malformed", "unknown_participant", "name_taken", "mismatch", "too_far",
+      "no_place", "jump", "late", "missing"};
   const auto index = static_cast<std::uint32_t>(value);
-  return index < 12 ? kTexts[index] : std::string_view{};
+  return index < 16 ? kTexts[index] : std::string_view{};
 }
 
 std::size_t encode(const HelloMessage& message, std::span<std::uint8_t> to) noexcept {
@@ -458,7 +459,7 @@ bool decode(std::span<const std::uint8_t> from, VerdictMessage& message) noexcep
   return decode_as(kVerdictFingerprint, from, message);
 }
 bool is_well_formed(const VerdictMessage& message) noexcept {
-  return in_range(message.reason, 0, 11);
+  return in_range(message.reason, 0, 15);
 }
 
 std::size_t encode(const ReactionsMessage& message, std::span<std::uint8_t> to) noexcept {

@@ -17,8 +17,8 @@
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kProtocolVersion = 3;
-inline constexpr std::int64_t kSchemaHash = static_cast<std::int64_t>(0x91eab7d3aef0a89fU);
+inline constexpr std::int32_t kProtocolVersion = 4;
+inline constexpr std::int64_t kSchemaHash = static_cast<std::int64_t>(0x326f038f6320097fU);
 
 inline constexpr std::size_t kNameLength = 48;  // bytes of a name, terminating NUL included
 inline constexpr std::size_t kTextLength = 96;  // bytes of a sentence for people
@@ -28,7 +28,7 @@ inline constexpr std::size_t kJointsPerPart = 64;  // joint modes in one State m
 inline constexpr std::size_t kMaxItems = 65536;  // bodies, joints, channels, sensor values or signals of one system, at most
 inline constexpr std::size_t kReactionsPerPart = 192;  // numbers in one Reactions message: six each of 32 joints
 inline constexpr std::size_t kSourcePerPart = 2048;  // bytes of the scenario in one Source message
-inline constexpr std::size_t kRejectReasons = 11;  // reasons for refusing, those of Reject before kLate
+inline constexpr std::size_t kRejectReasons = 14;  // reasons for refusing, those of Reject before kLate
 
 enum class Pace : std::int32_t { kRealtime, kLockstep, kFast };
 enum class RunStatus : std::int32_t { kDiscover, kConfigured, kArmed, kRunning, kPaused, kDone, kAborted, kFaulted };
@@ -36,7 +36,8 @@ enum class Policy : std::int32_t { kHold, kZero, kSafe, kPause, kAbort, kEvict }
 enum class CatalogKind : std::int32_t { kBody, kJoint, kChannel, kSensor, kSignal, kParticipant };
 enum class AckStatus : std::int32_t { kReady, kRefused, kLeaving };
 enum class Reject : std::int32_t { kWrongSession, kPastTick, kDuplicate, kExpired, kNotFinite, kOutOfRange,
-    kUnknownChannel, kMalformed, kUnknownParticipant, kNameTaken, kMismatch, kLate };
+    kUnknownChannel, kMalformed, kUnknownParticipant, kNameTaken, kMismatch, kTooFar, kNoPlace, kJump, kLate, kMissing
+    };
 
 // The name of a value in words: get_text(Reject::kPastTick) is "past_tick"; empty for what is no value.
 [[nodiscard]] std::string_view get_text(Pace value) noexcept;
@@ -242,25 +243,25 @@ struct HealthMessage {
   // refused messages, by Reject; malformed bytes of any message among them
   std::array<std::int64_t, kRejectReasons> rejected{};
 };
-static_assert(sizeof(HealthMessage) == 200);  // the sum of its fields: no padding
+static_assert(sizeof(HealthMessage) == 224);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<HealthMessage>);
 inline constexpr std::size_t kHealthWireBytes = 8 + sizeof(HealthMessage);
 std::size_t encode(const HealthMessage& message, std::span<std::uint8_t> to) noexcept;
 bool decode(std::span<const std::uint8_t> from, HealthMessage& message) noexcept;
 [[nodiscard]] bool is_well_formed(const HealthMessage& message) noexcept;
 
-// A Command or HelloAck that was refused, or is late. At most 16 a tick are sent; Health counts all. Sent by the
-// simulator.
+// A Command or HelloAck that was refused, is late, or is missing. At most 16 a tick are sent; Health counts all that
+// were refused. Sent by the simulator.
 struct VerdictMessage {
   std::int64_t session = 0;
   std::int64_t sequence = 0;  // counts Verdict messages of the session from 0
   std::int64_t tick = 0;  // at which the simulator received it
-  std::int64_t refers_to = 0;  // sequence number of the message concerned
+  std::int64_t refers_to = 0;  // sequence number of the message concerned; missing: of the first one
   std::int64_t applied_tick = 0;  // late: the tick before whose step it acts; refused: -1
   std::int32_t participant = 0;  // its sender
   std::int32_t reason = 0;  // Reject
   std::int32_t channel = 0;  // of a Command; else -1
-  std::int32_t reserved = 0;  // 0
+  std::int32_t count = 0;  // missing: how many Commands in a row, the first included; else 1
 };
 static_assert(sizeof(VerdictMessage) == 56);  // the sum of its fields: no padding
 static_assert(std::is_trivially_copyable_v<VerdictMessage>);

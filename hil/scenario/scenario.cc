@@ -15,6 +15,7 @@ namespace {
 constexpr int kLanguageVersion = 1;
 constexpr double kMaxTicks = 1e12;
 constexpr double kMaxDelay = 1000;  // ticks
+constexpr double kMinQueue = 16, kMaxQueue = 1'000'000;  // commands
 
 }  // namespace
 
@@ -190,6 +191,15 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
     software.delay = static_cast<int>(delay);
   else
     mistakes_.add(map.node().find("delay")->mark, "this delay is not usable", "whole ticks, 0 to 1000");
+  software.horizon = map.number("horizon", "s", software.horizon);
+  if (!(software.horizon > 0 && software.horizon <= 1e9))
+    mistakes_.add(map.node().find("horizon")->mark, "this horizon is not usable", "more than 0, at most 1e9 s");
+  const double queue = map.number("queue", "", software.queue);
+  if (queue >= kMinQueue && queue <= kMaxQueue && queue == std::floor(queue))
+    software.queue = static_cast<int>(queue);
+  else
+    mistakes_.add(map.node().find("queue")->mark, "this number of commands is not usable",
+                  "a whole number, 16 to 1000000");
   const int policy = map.choice("policy", "policy", kPolicyNames, static_cast<int>(software.policy));
   if (policy >= 0) software.policy = static_cast<Policy>(policy);
   map.finish();

@@ -24,6 +24,8 @@ struct FlightSoftware {
   double pause_limit = 600;           // s of wall time that the policy 'pause' waits before it aborts
   double cutoff = 1;                  // real time: fraction of a tick after which its commands are late
   int delay = 0;                      // ticks by which the transport delays every command
+  double horizon = 60;                // s of simulated time from the present tick to the last one accepted of a command
+  int queue = 16384;                  // commands of a required participant that may wait for their tick
   // kHold: channels keep their last values; kZero: they go to 0, or to the nearest value of their range; kSafe: to
   // their safe values; kPause: the run waits; kAbort: the run ends; kEvict: as kHold, and the participant may not come
   // back.

@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::int64_t kRetry_ns = 1'000'000;
 constexpr int kMaxAttempts = 100;
+constexpr std::int64_t kHelloInterval_ns = 100'000'000;
 
 std::int64_t calc_dt_ns(const Simulation& simulation) { return std::llround(simulation.plan().get_options().dt * 1e9); }
 
@@ -99,15 +100,17 @@ bool Announcer::send_when_possible(const Message& message) {
 void Announcer::announce(std::int64_t now_ns) noexcept {
   if (announced_ns_ && now_ns - *announced_ns_ < interval_ns_) return;
   announced_ns_ = now_ns;
-  if (next_ == 0) {
+  const bool is_turn = next_ == 0;
+  if (is_turn || !hello_ns_ || now_ns - *hello_ns_ >= kHelloInterval_ns) {
     connection_.send(hello_);
     ++hello_.sequence;
+    hello_ns_ = now_ns;
   } else {
     CatalogMessage& item = catalog_[next_ - 1];
     item.sequence = catalog_sequence_++;
     connection_.send(item);
   }
-  next_ = (next_ + 1) % (catalog_.size() + 1);
+  if (is_turn || hello_ns_ != now_ns) next_ = (next_ + 1) % (catalog_.size() + 1);
   if (source_.empty()) return;
   SourceMessage& part = source_[next_source_];
   part.sequence = source_sequence_++;

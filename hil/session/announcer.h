@@ -34,8 +34,11 @@ class Announcer {
 
   // Hello and the whole catalog; waits while the connection is full. Not for the cycle.
   void send_all();
-  // Once in an interval: one message of Hello and the catalog in turn, and one part of the source.
+  // Once in an interval: one message of Hello and the catalog in turn, Hello a tenth of a second after the latest
+  // however long the catalog is; and one part of the source.
   void announce(std::int64_t now_ns) noexcept;
+  // Hello with the session's last status: who comes later and finds it kept knows that the session is over.
+  void send_farewell() { (void)send_when_possible(hello_); }
   // The next part of the source that has not been sent yet: a run may end before each part has had its turn. False when
   // there is none, or the connection stays full. Not for the cycle.
   bool send_unsent_source_part();
@@ -50,6 +53,7 @@ class Announcer {
   const Clock& clock_;
   const std::int64_t interval_ns_;
   std::optional<std::int64_t> announced_ns_;  // the latest
+  std::optional<std::int64_t> hello_ns_;      // of the latest Hello
   std::size_t next_ = 0;                      // 0: Hello, then the catalog
   std::size_t next_source_ = 0;
   std::int64_t catalog_sequence_ = 0, source_sequence_ = 0;

@@ -1,13 +1,19 @@
 // The commands of a session: checked on arrival, kept until their tick, applied in an order that does not depend on the
-// order of arrival. Fixed memory.
+// order of arrival. Each participant has places of its own; when they are taken, the command that is due last gives
+// way, so that far-off commands never crowd out near ones. Fixed memory; a command costs the logarithm of those that
+// wait.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
 #include "hil/messages/messages.h"
+#include "hil/session/command_pool.h"
 #include "hil/session/participants.h"
 #include "hil/session/reject_counts.h"
 #include "unlatch/model.h"
@@ -18,6 +24,8 @@ struct CommandQueueOptions {
   std::int64_t session = 0;
   std::int64_t delay_ticks = 0;  // a command that names tick k is due at k + delay_ticks
   bool accept_late = false;      // real time: a command that missed its tick acts at the next; else it is refused
+  std::int64_t horizon_ticks = std::int64_t{1} << 53;  // a command due later than this from the present is refused
+  std::size_t places = 4096;                           // of each required participant
 };
 
 class CommandQueue {
@@ -32,42 +40,58 @@ class CommandQueue {
   struct Outcome {
     std::optional<Reject> reason;
     std::int64_t applied_tick = -1;
+    bool repeated = false;  // arrived before, and its State was sent again: no refusal
+    // An earlier command of the same participant that gave way, and is refused as kNoPlace.
+    std::optional<CommandMessage> displaced = {};
   };
 
-  // `channels` and `rejects` must outlive the queue.
-  CommandQueue(std::span<const Channel> channels, const CommandQueueOptions& options, RejectCounts& rejects);
+  // A guest has this part of a required participant's places.
+  static constexpr std::size_t kGuestShare = 16;
+
+  // `channels`, `participants` and `rejects` must outlive the queue.
+  CommandQueue(std::span<const Channel> channels, const CommandQueueOptions& options, const Participants& participants,
+               RejectCounts& rejects);
 
   // Adds a command that can act at `earliest_tick` at the earliest; counts it if it is refused or late. `sender`: null
   // if unknown.
   Outcome add(const CommandMessage& command, Participant* sender, std::int64_t earliest_tick) noexcept;
+  // The State of `tick` was sent again, and its commands come again: those that are known are no duplicates.
+  void expect_repeats(std::int64_t tick) noexcept { repeated_tick_ = tick; }
   // Removes all commands of a participant.
   void remove(const Participant& sender) noexcept;
   // Removes the commands that are due at `tick` and passes each to `apply`, ordered by the tick named, then the
   // participant's name, then the sequence number.
   template <class Apply>
   void take_due(std::int64_t tick, Apply&& apply) noexcept {
-    sort();
-    for (const Pending& pending : pending_) {
-      if (pending.due_tick <= tick) apply(pending);
+    while (Waiting* const first = find_first_due(tick)) {
+      const Pending pending = *first->begin();
+      first->erase(first->begin());
+      apply(pending);
     }
-    std::erase_if(pending_, [tick](const Pending& pending) { return pending.due_tick <= tick; });
   }
 
   [[nodiscard]] std::int64_t get_late() const noexcept { return late_; }
-  [[nodiscard]] std::int64_t get_dropped() const noexcept { return dropped_; }  // because the queue was full
 
  private:
-  static constexpr std::size_t kCapacity = 4096;
   static constexpr std::int64_t kLastTick = std::int64_t{1} << 53;  // a tick beyond it is taken as malformed
-  [[nodiscard]] std::optional<Reject> check(const CommandMessage& command, std::int64_t acts_at,
-                                            std::int64_t due) const noexcept;
-  void sort() noexcept;
+  struct IsSooner {
+    bool operator()(const Pending& a, const Pending& b) const noexcept;
+  };
+  using Waiting = std::pmr::set<Pending, IsSooner>;
+
+  [[nodiscard]] std::optional<Reject> check(const CommandMessage& command, std::int64_t acts_at, std::int64_t due,
+                                            std::int64_t earliest_tick) const noexcept;
+  [[nodiscard]] Waiting* find_first_due(std::int64_t tick) noexcept;
+  [[nodiscard]] std::size_t get_places(const Participant& sender) const noexcept;
 
   const std::span<const Channel> channels_;
   const CommandQueueOptions options_;
+  const Participants& participants_;
   RejectCounts& rejects_;
-  std::vector<Pending> pending_;
-  std::int64_t late_ = 0, dropped_ = 0;
+  CommandPool pool_;
+  std::vector<Waiting> waiting_;  // by the participants' index
+  std::int64_t late_ = 0;
+  std::int64_t repeated_tick_ = -1;
 };
 
 }  // namespace unlatch::hil

@@ -11,15 +11,16 @@
 
 namespace unlatch::hil {
 
-// A message from a participant: a tenth of the size of Message, which has space for a State as well.
-using ParticipantMessage = std::variant<HelloAckMessage, CommandMessage, StepAckMessage>;
+// A message that a simulator receives: from a participant, or another simulator's Hello. A tenth of the size of
+// Message, which has space for a State as well.
+using ParticipantMessage = std::variant<HelloAckMessage, CommandMessage, StepAckMessage, HelloMessage>;
 
 struct Arrival {
   ParticipantMessage message;
   std::int64_t arrived_ns = 0;  // by the session's clock
 };
 
-// None for a message that the simulator alone sends.
+// None for a message that no simulator receives.
 [[nodiscard]] inline std::optional<ParticipantMessage> to_participant_message(const Message& message) noexcept {
   switch (message.kind) {
     case MessageKind::kHelloAck:
@@ -28,6 +29,8 @@ struct Arrival {
       return message.command;
     case MessageKind::kStepAck:
       return message.step_ack;
+    case MessageKind::kHello:
+      return message.hello;
     default:
       return std::nullopt;
   }

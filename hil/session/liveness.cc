@@ -42,6 +42,7 @@ bool Liveness::resume(Participant& participant, std::int64_t now_ns) noexcept {
   if (participant.standing != Standing::kLost) return false;
   participant.standing = Standing::kPresent;
   participant.waiting_since_ns = now_ns;
+  participant.seen.allow_jump();
   return true;
 }
 

@@ -7,22 +7,7 @@ namespace unlatch::hil {
 
 using Standing = Participant::Standing;
 
-bool SeenCommands::insert(std::int64_t sequence) noexcept {
-  std::int64_t& latest = latest_[slot(sequence)];
-  if (sequence <= latest) return false;
-  latest = sequence;
-  return true;
-}
-
-bool SeenCommands::has_all(std::int64_t last, std::int64_t count) const noexcept {
-  count = std::min({count, last, static_cast<std::int64_t>(kWindow)});
-  for (std::int64_t sequence = last; sequence > last - count; --sequence) {
-    if (latest_[slot(sequence)] < sequence) return false;
-  }
-  return true;
-}
-
-Participants::Participants(const std::vector<std::string>& required) {
+Participants::Participants(const std::vector<std::string>& required) : required_count_(required.size()) {
   participants_.reserve(std::max(kMaxParticipants, required.size()));
   for (const std::string& name : required) {
     Participant participant;

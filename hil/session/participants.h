@@ -2,29 +2,15 @@
 // from each. Fixed memory.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/messages/messages.h"
+#include "hil/session/seen_commands.h"
 
 namespace unlatch::hil {
-
-// The latest command numbers of a participant that have arrived, in any order.
-class SeenCommands {
- public:
-  // False for a number that was seen already, or is too old to be known.
-  bool insert(std::int64_t sequence) noexcept;
-  // True if all `count` numbers up to `last` have been seen. Numbers older than the window count as seen.
-  [[nodiscard]] bool has_all(std::int64_t last, std::int64_t count) const noexcept;
-
- private:
-  static constexpr std::size_t kWindow = 1024;
-  static std::size_t slot(std::int64_t sequence) noexcept { return static_cast<std::size_t>(sequence) % kWindow; }
-  std::array<std::int64_t, kWindow> latest_{};  // the number last seen in each slot; numbers count from 1
-};
 
 struct Participant {
   enum class Standing {
@@ -42,6 +28,7 @@ struct Participant {
   std::int64_t ack_arrived_ns = 0;
   std::optional<std::int64_t> waiting_since_ns;  // time since which it owes an answer, if it owes one
   SeenCommands seen;
+  std::int64_t news_ns = 0;  // arrival of its latest command that had not arrived before
 
   [[nodiscard]] bool is_present() const noexcept { return standing == Standing::kPresent; }
   // It has answered `tick`, and every command that it announced has arrived.
@@ -70,11 +57,15 @@ class Participants {
   Admission admit(const HelloAckMessage& hello) noexcept;
 
   [[nodiscard]] std::vector<Participant>& all() noexcept { return participants_; }
+  [[nodiscard]] const std::vector<Participant>& all() const noexcept { return participants_; }
   // The number of a participant in recordings: required ones from 0 in the scenario's order, then guests in the order
   // of their arrival.
   [[nodiscard]] std::int32_t get_index(const Participant& participant) const noexcept {
     return static_cast<std::int32_t>(&participant - participants_.data());
   }
+  static constexpr std::size_t kMaxParticipants = 16;  // unless more are required
+  [[nodiscard]] std::size_t get_required_count() const noexcept { return required_count_; }
+  [[nodiscard]] std::size_t get_capacity() const noexcept { return participants_.capacity(); }
   [[nodiscard]] bool is_complete() const noexcept;            // every required participant is present
   [[nodiscard]] std::int64_t count_missing() const noexcept;  // required ones that are not
   // "'separation', 'guidance'": the required ones for which `wanted` holds. Allocates.
@@ -89,10 +80,10 @@ class Participants {
   }
 
  private:
-  static constexpr std::size_t kMaxParticipants = 16;
   static Admission begin(Participant& participant, const HelloAckMessage& hello, Admission how) noexcept;
   std::vector<Participant> participants_;  // required ones first; never grows beyond its reserved memory
-  std::vector<std::string> guest_names_;   // memory for names of guests: one may join between two deadlines
+  const std::size_t required_count_;
+  std::vector<std::string> guest_names_;  // memory for names of guests: one may join between two deadlines
 };
 
 }  // namespace unlatch::hil

@@ -55,11 +55,15 @@ class Computer {
 
   // To be read after stop().
   std::vector<hil::VerdictMessage> verdicts;  // on what this computer said
+  std::int64_t commands_sent = 0;             // those sent again included
   hil::HealthMessage health;                  // the latest
   hil::HelloMessage hello;                    // the latest
   std::vector<hil::RunStatus> statuses;       // of Hello up to Configured, then of State; each change
 
  private:
+  static constexpr std::size_t kRepeatedWhole =
+      64;  // commands of an answer; of longer ones what is missing is repeated
+
   void hear(const hil::Message& message) {
     if (silent_) return;
     switch (message.kind) {
@@ -75,13 +79,27 @@ class Computer {
         }
         return;
       case hil::MessageKind::kVerdict:
-        if (message.verdict.participant == habits_.id) verdicts.push_back(message.verdict);
+        if (message.verdict.participant != habits_.id) return;
+        if (message.verdict.reason == static_cast<int>(hil::Reject::kMissing)) return send_missing(message.verdict);
+        verdicts.push_back(message.verdict);
         return;
       case hil::MessageKind::kHealth:
         health = message.health;
         return;
       default:
         return;
+    }
+  }
+
+  void send(const hil::CommandMessage& command) {
+    say(command);
+    ++commands_sent;
+  }
+
+  void send_missing(const hil::VerdictMessage& verdict) {
+    for (const hil::CommandMessage& command : answer_) {
+      const std::int64_t place = command.sequence - verdict.refers_to;
+      if (place >= 0 && place < verdict.count) send(command);
     }
   }
 
@@ -125,7 +143,10 @@ class Computer {
       }
     }
     if (state.tick < tick_) return;
-    for (const hil::CommandMessage& command : answer_) say(command);
+    const bool again = std::exchange(answered_, state.tick) == state.tick;
+    if (!again || answer_.size() <= kRepeatedWhole) {
+      for (const hil::CommandMessage& command : answer_) send(command);
+    }
     hil::StepAckMessage ack;
     ack.session = session_;
     ack.sequence = state.sequence;
@@ -141,6 +162,7 @@ class Computer {
   const Habits habits_;
   std::int64_t session_ = 0, sequence_ = 0;
   std::atomic<std::int64_t> tick_{-1};
+  std::int64_t answered_ = -1;
   bool silent_ = false;
   std::vector<hil::CommandMessage> answer_;
   std::jthread thread_;

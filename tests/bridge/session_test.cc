@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <iostream>
 #include <limits>
+#include <optional>
 #include <set>
 
+#include "bridge/direct_connection.h"
 #include "bridge/threaded_connection.h"
 #include "tests/bridge/computer.h"
 #include "tests/hil/session_support.h"
@@ -43,9 +47,8 @@ class Sessions : public testing::TestWithParam<std::string> {
   }
 
   // A session to its end; `meanwhile` runs beside it, in this thread.
-  SessionResult run(
-      const std::vector<std::string>& overrides, Pace pace = Pace::kLockstep, const std::string& log = "",
-      const std::function<void(hil::Executive&)>& meanwhile = [](hil::Executive&) {}) {
+  SessionResult run(const std::vector<std::string>& overrides, Pace pace = Pace::kLockstep, const std::string& log = "",
+                    const std::function<void(hil::Executive&)>& meanwhile = nullptr, bool direct = false) {
     const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
     const auto simulation = hil::build_simulation(scenario);
     hil::ExecutiveOptions options;
@@ -56,15 +59,18 @@ class Sessions : public testing::TestWithParam<std::string> {
     options.start_timeout_ns = 10'000'000'000;
     options.announce_ns = 2'000'000;
     const auto port = open(Role::kSimulator);
-    bridge::ThreadedConnection connection(*port);
+    std::optional<bridge::ThreadedConnection> threaded;
+    if (!direct) threaded.emplace(*port);
+    bridge::DirectConnection direct_connection(*port);
+    hil::Connection& connection = direct ? static_cast<hil::Connection&>(direct_connection) : *threaded;
     hil::Recorder recorder(log, hil::build_log_header(scenario, *simulation, pace, session_, options.last_tick));
     hil::Executive executive(*simulation, connection, recorder, scenario.name, options);
     SessionResult result;
     {
       std::jthread cyclic([&] { result.end = executive.run(); });
-      meanwhile(executive);
+      if (meanwhile) meanwhile(executive);
     }
-    connection.stop();
+    if (threaded) threaded->stop();
     recorder.close(result.end);
     hil::EventMessage notice;
     while (executive.take_notice(notice)) {
@@ -94,6 +100,29 @@ TEST_P(Sessions, GoThroughTheStatesOfTheProtocol) {
   EXPECT_NE(hello.model_hash, 0);
   EXPECT_EQ(hello.dt_ns, 1'000'000);
   EXPECT_EQ(hello.participant_count, 1);
+}
+
+// Only what is missing is sent again, so that the time for a tick is linear in the number of its commands.
+TEST_P(Sessions, TenThousandCommandsATickAreSentLittleMoreThanOnce) {
+  constexpr int kTicks = 20;
+  for (const int count : {100, 1000, 10'000}) {
+    const Computer& computer =
+        start("fsw", {.program = [count](std::int64_t) {
+                std::vector<std::pair<int, double>> commands(static_cast<std::size_t>(count), {0, 0.3});
+                commands.back().second = 0.7;
+                return commands;
+              }});
+    const auto begun = std::chrono::steady_clock::now();
+    const SessionResult result = run({kPatient, "step.until=0.02"}, Pace::kLockstep, "", nullptr, true);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+    EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+    EXPECT_EQ(result.channels[0], 0.7);
+    // In-process a queue keeps the newest 1024 messages: there it takes more rounds.
+    if (GetParam() != "inproc") EXPECT_LT(computer.commands_sent, 3 * kTicks * count);
+    std::cout << count << " commands a tick: " << took.count() / kTicks * 1e3 << " ms a tick, "
+              << static_cast<double>(computer.commands_sent) / (kTicks * count) << " times sent\n";
+    computers_.clear();
+  }
 }
 
 // The two command the same channel; the later name has the last word, whoever answers first.

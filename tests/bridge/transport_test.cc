@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "bridge/lcm_packets.h"
 #include "bridge/port.h"
 #include "tests/bridge/random_messages.h"
 #include "unlatch.h"
@@ -405,6 +406,40 @@ TEST(Lcm, MalformedBytesAreCounted) {
   ASSERT_TRUE(participant->poll(heard, kPatience));
   EXPECT_EQ(heard.kind, MessageKind::kState);
   EXPECT_EQ(participant->get_counts().malformed, 4);
+}
+
+// The datagram that liblcm 1.3.1 cannot bear, and others that are not well-formed: counted, and the next message
+// arrives.
+TEST(Lcm, DatagramsThatAreNotWellFormedAreCounted) {
+  bridge::LcmPackets packets;
+  using Result = bridge::LcmPackets::Result;
+  bridge::LcmPackets::Packet packet;
+  const auto number = [](std::uint32_t value, int bytes) {
+    std::string text;
+    while (bytes-- > 0) text += static_cast<char>(value >> 8 * bytes & 0xFFU);
+    return text;
+  };
+  const auto fragment = [&](std::uint32_t sequence, std::uint32_t size, std::uint32_t offset, std::uint32_t which,
+                            std::uint32_t count, const std::string& bytes) {
+    const std::string datagram = number(bridge::kLcmFragment, 4) + number(sequence, 4) + number(size, 4) +
+                                 number(offset, 4) + number(which, 2) + number(count, 2) + bytes;
+    return packets.accept(1, {reinterpret_cast<const std::uint8_t*>(datagram.data()), datagram.size()}, packet);
+  };
+  const std::string channel("UNLATCH_STEP_ACK\0", 17);
+  EXPECT_EQ(fragment(1, 1000, 0xffffffc0, 0, 2, channel + std::string(100, 'x')), Result::kMalformed);
+  EXPECT_EQ(fragment(2, 50, 0, 0, 2, channel + std::string(51, 'x')), Result::kMalformed) << "longer than its message";
+  EXPECT_EQ(fragment(3, 50, 0, 2, 2, "x"), Result::kMalformed) << "the third of two";
+  EXPECT_EQ(fragment(4, 50, 0, 0, 2, std::string(64, 'x')), Result::kMalformed) << "no channel";
+  EXPECT_EQ(fragment(5, 4, 0, 0, 2, channel + "ab"), Result::kPart);
+  EXPECT_EQ(fragment(5, 5, 2, 1, 2, "cd"), Result::kMalformed) << "another size than announced";
+  EXPECT_EQ(fragment(6, 4, 0, 0, 2, channel + "ab"), Result::kPart);
+  EXPECT_EQ(fragment(6, 4, 1, 1, 2, "cd"), Result::kMalformed) << "overlaps";
+  EXPECT_EQ(fragment(7, 4, 0, 0, 2, std::string("OTHER\0", 6) + "ab"), Result::kPart);
+  EXPECT_EQ(fragment(7, 4, 2, 1, 2, "cd"), Result::kForeign);
+  EXPECT_EQ(fragment(8, 4, 2, 1, 2, "cd"), Result::kPart) << "in any order";
+  EXPECT_EQ(fragment(8, 4, 2, 1, 2, "cd"), Result::kPart) << "and twice";
+  ASSERT_EQ(fragment(8, 4, 0, 0, 2, channel + "ab"), Result::kMessage);
+  EXPECT_EQ(std::string(packet.data.begin(), packet.data.end()), "abcd");
 }
 
 // The text of the PortError that opening throws.

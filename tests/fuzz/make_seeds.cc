@@ -38,6 +38,40 @@ void write_messages(const fs::path& folder) {
   }
 }
 
+// Numbers as LCM writes them.
+std::string to_big_endian(std::uint64_t number, std::size_t length) {
+  std::string bytes;
+  for (std::size_t i = length; i-- > 0;) bytes += static_cast<char>(number >> 8 * i & 0xFF);
+  return bytes;
+}
+
+// Each message in one datagram, then in fragments of macOS's size and of a handful; what the marks mean: lcm_fuzz.cc.
+void write_datagrams(const fs::path& folder) {
+  test::Random random(kSeed);
+  for (const hil::MessageKind kind : test::list_kinds()) {
+    const std::string name(hil::get_kind_name(kind)), channel = std::string(hil::get_channel(kind)) + '\0';
+    std::array<std::uint8_t, hil::kMaxWireBytes> wire{};
+    const std::size_t length = hil::encode(test::make_random_message(kind, random), wire);
+    const std::string bytes = to_bytes(wire, length);
+    std::string all;
+    const auto add = [&all](const std::string& datagram) {
+      const auto size = static_cast<std::uint16_t>(datagram.size());
+      all += '\7' + to_bytes(size) + datagram;
+    };
+    add(to_big_endian(0x4c433032, 4) + to_big_endian(1, 4) + channel + bytes);
+    write(folder / (name + "-short"), all);
+    for (const std::size_t part : {std::size_t{1423}, length / 5 + 1}) {
+      all.clear();
+      const std::size_t count = (length + part - 1) / part;
+      for (std::size_t i = 0; i < count; ++i) {
+        add(to_big_endian(0x4c433033, 4) + to_big_endian(2, 4) + to_big_endian(length, 4) + to_big_endian(i * part, 4) +
+            to_big_endian(i, 2) + to_big_endian(count, 2) + (i == 0 ? channel : "") + bytes.substr(i * part, part));
+      }
+      write(folder / (name + "-" + std::to_string(part)), all);
+    }
+  }
+}
+
 // A recording of the small scenario, its first half, and checkpoints.
 void write_logs(const fs::path& folder) {
   const hil::Scenario scenario = hil::load_scenario_text(fuzz::kSmallScenario, "small.yaml");
@@ -98,12 +132,13 @@ int main(int count, char** arguments) {
     return 2;
   }
   const fs::path folder(arguments[1]);
-  for (const char* target :
-       {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults", "modes", "calculix"}) {
+  for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults",
+                             "modes", "calculix", "lcm"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }
   write_messages(folder);
+  write_datagrams(folder / "lcm");
   write_logs(folder);
   write_sessions(folder);
   write_modes(folder);

@@ -13,6 +13,8 @@ namespace {
 
 using hil::Reject;
 
+constexpr std::int64_t kHorizon = 1000, kPlaces = 32;
+
 class CommandQueueTest : public ::testing::Test {
  protected:
   CommandQueueTest() {
@@ -22,7 +24,14 @@ class CommandQueueTest : public ::testing::Test {
     (void)participants_.admit(make_hello_ack(8, "alpha"));
   }
   hil::CommandQueue make_queue(std::int64_t delay_ticks = 0, bool accept_late = false) {
-    return {channels_, {.session = 4711, .delay_ticks = delay_ticks, .accept_late = accept_late}, rejects_};
+    return {channels_,
+            {.session = 4711,
+             .delay_ticks = delay_ticks,
+             .accept_late = accept_late,
+             .horizon_ticks = kHorizon,
+             .places = kPlaces},
+            participants_,
+            rejects_};
   }
   hil::CommandQueue::Outcome add(hil::CommandQueue& queue, const hil::CommandMessage& command,
                                  std::int64_t earliest_tick) {
@@ -99,12 +108,51 @@ TEST_F(CommandQueueTest, CommandsOfALostParticipantAreRemoved) {
   EXPECT_THAT(take(queue, 5), testing::ElementsAre(0.2));
 }
 
-TEST_F(CommandQueueTest, AFullQueueDropsAndCounts) {
+TEST_F(CommandQueueTest, BeyondItsPlacesTheCommandsDueLastGiveWayWhateverTheArrival) {
   hil::CommandQueue queue = make_queue();
-  constexpr std::int64_t kCapacity = 4096;
-  for (std::int64_t i = 1; i <= kCapacity + 3; ++i) add(queue, make_command(i, 5, 0.5), 5);
-  EXPECT_EQ(queue.get_dropped(), 3);
-  EXPECT_EQ(take(queue, 5).size(), static_cast<std::size_t>(kCapacity));
+  for (std::int64_t i = 1; i <= kPlaces; ++i) EXPECT_FALSE(add(queue, make_command(i, 100 + i, 0.1), 5).reason);
+  const auto near = add(queue, make_command(kPlaces + 1, 5, 0.9), 5);
+  EXPECT_FALSE(near.reason);
+  ASSERT_TRUE(near.displaced);
+  EXPECT_EQ(near.displaced->sequence, kPlaces);
+  EXPECT_EQ(add(queue, make_command(kPlaces + 2, 900, 0.1), 5).reason, Reject::kNoPlace);
+  EXPECT_EQ(count(Reject::kNoPlace), 2);
+  EXPECT_THAT(take(queue, 5), testing::ElementsAre(0.9));
+}
+
+TEST_F(CommandQueueTest, AParticipantHasItsOwnPlaces) {
+  hil::CommandQueue queue = make_queue();
+  for (std::int64_t i = 1; i <= 3 * kPlaces; ++i) add(queue, make_command(i, 100 + i, 0.1, 7), 5);
+  EXPECT_EQ(count(Reject::kNoPlace), 2 * kPlaces);
+  for (std::int64_t i = 1; i <= kPlaces; ++i) EXPECT_FALSE(add(queue, make_command(i, 5, 0.2, 8), 5).reason);
+  EXPECT_EQ(take(queue, 5).size(), std::size_t{kPlaces});
+}
+
+TEST_F(CommandQueueTest, ACommandBeyondTheHorizonIsRefused) {
+  hil::CommandQueue queue = make_queue();
+  EXPECT_FALSE(add(queue, make_command(1, 5 + kHorizon, 0.5), 5).reason);
+  EXPECT_EQ(add(queue, make_command(2, 6 + kHorizon, 0.5), 5).reason, Reject::kTooFar);
+}
+
+TEST_F(CommandQueueTest, ANumberFarAheadIsRefusedAndDoesNotHarmTheOthers) {
+  hil::CommandQueue queue = make_queue();
+  constexpr std::int64_t kFar = std::int64_t{1} << 40;
+  EXPECT_FALSE(add(queue, make_command(1, 5, 0.1), 5).reason);
+  EXPECT_EQ(add(queue, make_command(kFar, 5, 0.5), 5).reason, Reject::kJump);
+  for (std::int64_t i = 2; i <= 3000; ++i) {
+    EXPECT_NE(add(queue, make_command(i, 5, 0.1), 5).reason, Reject::kDuplicate) << i;
+    (void)take(queue, 5);
+  }
+}
+
+// A State that was sent again is answered again, as the protocol demands.
+TEST_F(CommandQueueTest, AnAnswerToARepeatedStateIsNoDuplicate) {
+  hil::CommandQueue queue = make_queue();
+  EXPECT_FALSE(add(queue, make_command(1, 5, 0.5), 5).reason);
+  queue.expect_repeats(5);
+  EXPECT_FALSE(add(queue, make_command(1, 5, 0.5), 5).reason);
+  EXPECT_EQ(count(Reject::kDuplicate), 0);
+  EXPECT_EQ(take(queue, 5).size(), 1u);
 }
 
 }  // namespace

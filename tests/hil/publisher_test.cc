@@ -63,14 +63,15 @@ TEST_F(PublisherTest, ANoticeIsOfThisTickAndAnOverrunOfTheStepBefore) {
 
 TEST_F(PublisherTest, VerdictsAreLimitedWithinATick) {
   const auto publish = [this] { publisher_.publish_verdict(hil::Reject::kLate, 7, 1, 0, 5); };
-  publish();
-  EXPECT_TRUE(connection_.sent.empty()) << "none before the first tick has ended";
+  for (int i = 0; i < 100; ++i) publish();
+  EXPECT_EQ(connection_.sent.size(), static_cast<std::size_t>(hil::Publisher::kVerdictsPerTick)) << "before the first tick";
+  connection_.sent.clear();
   publisher_.begin_tick();
   for (int i = 0; i < 100; ++i) publish();
   EXPECT_EQ(connection_.sent.size(), static_cast<std::size_t>(hil::Publisher::kVerdictsPerTick));
   publisher_.begin_tick();
   publish();
-  EXPECT_EQ(connection_.sent.back().verdict.sequence, hil::Publisher::kVerdictsPerTick);
+  EXPECT_EQ(connection_.sent.back().verdict.sequence, 2 * hil::Publisher::kVerdictsPerTick);
   EXPECT_EQ(connection_.sent.back().verdict.applied_tick, 5);
 }
 

@@ -151,7 +151,7 @@ TEST_P(RealtimeReplay, JitterStrayCommandsAndThePolicyAreAllInTheRecording) {
   FakeParticipant::Habits habits;
   habits.dies_at = kSilentFrom;
   habits.twice = true;
-  habits.mischief = [random = std::mt19937(seed), sequence = std::int64_t{1'000'000}](
+  habits.mischief = [random = std::mt19937(seed), sequence = std::int64_t{100'000}](
                         std::int64_t tick, hil::RingConnection& connection, std::int64_t session) mutable {
     if (random() % 8 == 0) std::this_thread::sleep_for(std::chrono::microseconds(random() % 3000));
     for (unsigned i = random() % 4; i > 0; --i) {

@@ -18,7 +18,8 @@ json summarize(const unlatch::hil::Scenario& s) {
   json out{
       {"model", unlatch::calc_model_hash(s.model, options)},
       {"units", json::array()},
-      {"software", {fsw.required, fsw.timeout, fsw.pause_limit, fsw.cutoff, fsw.delay, static_cast<int>(fsw.policy)}},
+      {"software", {fsw.required, fsw.timeout, fsw.pause_limit, fsw.cutoff, fsw.delay, static_cast<int>(fsw.policy),
+                    fsw.horizon, fsw.queue}},
       {"timing",
        {static_cast<int>(s.timing.overruns.kind), s.timing.overruns.max_ticks, s.timing.spin, s.timing.watchdog,
         s.timing.watchdog_aborts, s.timing.per_tick}},

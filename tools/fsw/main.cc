@@ -22,8 +22,12 @@ int main(int argc, char** argv) {
   tools::TransportOptions transport;
   std::string name = "fsw";
   double patience_s = 60;
+  std::int64_t session = 0;
   tools::add_transport_options(command, transport, false);
   command.add_option("--name", name, "its name in the scenario").type_name("NAME").default_shown();
+  command.add_option("--session", session, "number of the session to take part in; 0: the first one heard")
+      .type_name("NUMBER")
+      .not_negative();
   command.add_option("--patience", patience_s, "longest wait for a simulator, s")
       .type_name("SECONDS")
       .seconds()
@@ -34,11 +38,12 @@ int main(int argc, char** argv) {
   int exit_code = tools::kExitDone;
   if (!command_line.parse(argc, argv, exit_code)) return exit_code;
 
+  tools::never_wait_for_stderr();
   const std::atomic<bool>& stop = tools::catch_interrupts();
   try {
     const auto port = tools::open_port(transport, bridge::Role::kParticipant);
     std::fprintf(stderr, "unlatch-fsw: '%s' waits for a simulator on %s\n", name.c_str(), transport.name.c_str());
-    fsw::ParticipantClient participant(*port, name);
+    fsw::ParticipantClient participant(*port, name, session);
     const auto outcome = participant.run(patience_s, stop);
     std::fprintf(stderr, "unlatch-fsw: %s\n", outcome.explanation.c_str());
     return outcome.done || stop ? tools::kExitDone : tools::kExitFailed;

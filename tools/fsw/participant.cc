@@ -1,6 +1,6 @@
 #include "tools/fsw/participant.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cstdio>
 #include <random>
 
@@ -15,26 +15,37 @@ using hil::RunStatus;
 
 constexpr auto kPollWait = 50ms;
 
+// A simulator sends something every few milliseconds. When ours has been silent for so long and another one is heard,
+// it is gone. Only time in which we listened counts: this process may have been stopped.
+constexpr auto kGone = 2s;
+constexpr auto kMostOfALook = 100ms;
+
+// Answers of at most so many commands are repeated as a whole; of longer ones what the simulator says is missing.
+constexpr std::size_t kRepeatedWhole = 64;
+
 // Another number for every start: the simulator tells two of one name apart by it.
 std::int32_t draw_id() { return static_cast<std::int32_t>(std::random_device{}() >> 1); }
 
 }  // namespace
 
-ParticipantClient::ParticipantClient(bridge::Port& port, const std::string& name)
-    : port_(port), name_(name), id_(draw_id()) {}
+ParticipantClient::ParticipantClient(bridge::Port& port, const std::string& name, std::int64_t session)
+    : port_(port), name_(name), id_(draw_id()), wanted_session_(session) {}
 
 ParticipantClient::Outcome ParticipantClient::run(double patience_s, const std::atomic<bool>& stop) {
   Outcome outcome;
-  auto heard = Clock::now();
+  auto heard = Clock::now(), looked = heard;
   hil::Message message;
   while (!stop.load(std::memory_order_relaxed)) {
+    const auto now = Clock::now();
+    silence_ += std::min<std::chrono::nanoseconds>(now - looked, kMostOfALook);
+    looked = now;
     if (!port_.poll(message, kPollWait)) {
       if (std::chrono::duration<double>(Clock::now() - heard).count() < patience_s) continue;
       outcome.explanation = session_ == 0 ? "no simulator was found" : "the simulator has stopped sending";
       return outcome;
     }
     if (message.kind == MessageKind::kHello) {
-      hear_hello(message.hello);
+      if (!hear_hello(message.hello)) continue;
       answer_hello();
     } else if (message.kind == MessageKind::kCatalog && message.catalog.session == session_) {
       vehicle_.learn(message.catalog);
@@ -48,6 +59,7 @@ ParticipantClient::Outcome ParticipantClient::run(double patience_s, const std::
       continue;  // another session, or nothing that concerns us
     }
     heard = Clock::now();
+    silence_ = 0ns;
     if (!refusal_.empty()) {
       outcome.explanation = refusal_;
       return outcome;
@@ -58,8 +70,14 @@ ParticipantClient::Outcome ParticipantClient::run(double patience_s, const std::
   return outcome;
 }
 
-void ParticipantClient::hear_hello(const hil::HelloMessage& hello) {
-  if (hello.session == session_) return;  // said again
+bool ParticipantClient::hear_hello(const hil::HelloMessage& hello) {
+  if (hello.session == session_) return true;                                     // said again
+  if (hello.status >= static_cast<std::int32_t>(RunStatus::kDone)) return false;  // kept from a session that is over
+  if (wanted_session_ != 0 && hello.session != wanted_session_) return false;
+  if (session_ != 0 && silence_ < kGone) {
+    tell_of_other(hello);
+    return false;
+  }
   session_ = hello.session;
   agreed_ = hil::HelloAckMessage{};
   agreed_.session = hello.session;
@@ -76,6 +94,18 @@ void ParticipantClient::hear_hello(const hil::HelloMessage& hello) {
   if (hello.schema_hash != hil::kSchemaHash || hello.protocol != hil::kProtocolVersion) {
     refuse("built for another version of the message schema");
   }
+  return true;
+}
+
+void ParticipantClient::tell_of_other(const hil::HelloMessage& hello) {
+  if (hello.session == told_of_) return;
+  told_of_ = hello.session;
+  std::fprintf(
+      stderr,
+      "unlatch-fsw: another simulator is heard, scenario '%s', session %lld; '%s' stays with session %lld. Choose "
+      "one with --session\n",
+      std::string(hil::get_name(hello.scenario)).c_str(), static_cast<long long>(hello.session), name_.c_str(),
+      static_cast<long long>(session_));
 }
 
 // Once the catalog is complete, and again whenever the simulator says hello again.
@@ -89,15 +119,23 @@ void ParticipantClient::answer_hello() {
   say(AckStatus::kReady);
 }
 
-// Of refusals only this one concerns a person: two computers were started with one name. We stay, in case the other
+// Of refusals only kNameTaken concerns a person: two computers were started with one name. We stay, in case the other
 // goes.
 void ParticipantClient::hear_verdict(const hil::VerdictMessage& verdict) {
-  if (verdict.participant != id_ || verdict.reason != static_cast<int>(hil::Reject::kNameTaken) || told_) return;
+  if (verdict.participant != id_) return;
+  if (verdict.reason == static_cast<int>(hil::Reject::kMissing)) return send_missing(verdict.refers_to, verdict.count);
+  if (verdict.reason != static_cast<int>(hil::Reject::kNameTaken) || told_) return;
   told_ = true;
   std::fprintf(stderr,
                "unlatch-fsw: another participant named '%s' takes part already; give each its own --name, or end the "
                "other one\n",
                name_.c_str());
+}
+
+void ParticipantClient::send_missing(std::int64_t first, std::int64_t count) {
+  for (const hil::CommandMessage& command : answer_commands_) {
+    if (command.sequence >= first && command.sequence - first < count) port_.publish(command);
+  }
 }
 
 void ParticipantClient::refuse(const std::string& reason) {
@@ -114,7 +152,8 @@ void ParticipantClient::say(AckStatus status) {
 
 void ParticipantClient::hear_state(const hil::StateMessage& state) {
   if (!attached_ || state.tick < answered_tick_ || !vehicle_.sense(state)) return;
-  if (state.tick > answered_tick_) {
+  const bool again = state.tick == answered_tick_;
+  if (!again) {
     commands_.clear();
     sequence_.update(state.time_ns, vehicle_, commands_);
     answered_tick_ = state.tick;
@@ -131,11 +170,13 @@ void ParticipantClient::hear_state(const hil::StateMessage& state) {
       answer_commands_.push_back(command);
     }
   }
-  answer(state);
+  answer(state, again);
 }
 
-void ParticipantClient::answer(const hil::StateMessage& state) {
-  for (const hil::CommandMessage& command : answer_commands_) port_.publish(command);
+void ParticipantClient::answer(const hil::StateMessage& state, bool again) {
+  if (!again || answer_commands_.size() <= kRepeatedWhole) {
+    for (const hil::CommandMessage& command : answer_commands_) port_.publish(command);
+  }
   hil::StepAckMessage ack;
   ack.session = session_;
   ack.sequence = state.sequence;

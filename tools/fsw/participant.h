@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace unlatch::fsw {
 
 class ParticipantClient {
  public:
-  ParticipantClient(bridge::Port& port, const std::string& name);
+  // `session`: takes part in the one of that number alone; 0: in the first that it hears of.
+  ParticipantClient(bridge::Port& port, const std::string& name, std::int64_t session = 0);
 
   struct Outcome {
     bool done = false;        // a session came to its planned end
@@ -25,27 +27,33 @@ class ParticipantClient {
   Outcome run(double patience_s, const std::atomic<bool>& stop);
 
  private:
-  void hear_hello(const hil::HelloMessage& hello);
+  // False: it is none of ours.
+  bool hear_hello(const hil::HelloMessage& hello);
+  void tell_of_other(const hil::HelloMessage& hello);
   void hear_state(const hil::StateMessage& state);
   void hear_verdict(const hil::VerdictMessage& verdict);
+  void send_missing(std::int64_t first, std::int64_t count);
   void answer_hello();
   void refuse(const std::string& reason);
   void say(hil::AckStatus status);
-  void answer(const hil::StateMessage& state);
+  void answer(const hil::StateMessage& state, bool again);
   [[nodiscard]] bool has_ended(const hil::StateMessage& state, Outcome& outcome) const;
 
   bridge::Port& port_;
   const std::string name_;
   const std::int32_t id_;
+  const std::int64_t wanted_session_;
 
   Vehicle vehicle_;
   SeparationSequence sequence_;
   Commands commands_;
-  std::int64_t session_ = 0;     // 0: none yet
-  hil::HelloAckMessage agreed_;  // what this session was agreed on
-  bool attached_ = false;        // to this session's vehicle
-  std::string refusal_;          // why not
-  bool told_ = false;            // that its name is taken
+  std::int64_t session_ = 0;             // 0: none yet
+  hil::HelloAckMessage agreed_;          // what this session was agreed on
+  bool attached_ = false;                // to this session's vehicle
+  std::string refusal_;                  // why not
+  bool told_ = false;                    // that its name is taken
+  std::int64_t told_of_ = 0;             // the latest other session that was told of
+  std::chrono::nanoseconds silence_{0};  // of our session, while we listened
   std::int64_t answered_tick_ = -1;
   std::int64_t last_command_ = 0;                     // sequence number
   std::vector<hil::CommandMessage> answer_commands_;  // to answered_tick_

@@ -37,6 +37,7 @@ struct HilOptions {
   std::string pace_name;
   hil::Pace pace = hil::Pace::kRealtime;
   double start_timeout_s = 20;
+  std::int64_t session = 0;  // 0: drawn at random
   PacingOptions pacing;
   std::string faults;  // file
   OutputOptions output;
@@ -69,6 +70,10 @@ std::string describe(const hil::EventMessage& notice, const hil::FlightSoftware&
   if (name == hil::kResumed) return at + "flight software '" + subject + "' is back, the run goes on";
   if (name == hil::kRejoined) return at + "flight software '" + subject + "' was started again and takes part";
   if (name == hil::kLeft) return at + "flight software '" + subject + "' has left";
+  if (name == hil::kOtherSimulator) {
+    return at + "another simulator is heard on this network, scenario '" + subject +
+           "'; flight software belongs to one of them alone if each session has its own --session";
+  }
   if (name == hil::kSecondOfName) {
     return at + "a second flight software named '" + subject +
            "' asks to take part and is refused; start each with a --name of its own";
@@ -88,7 +93,7 @@ class Session {
         scenario_((check_output(options.output.json), load(options.scenario))),
         simulation_(hil::build_simulation(scenario_)),
         last_tick_(calc_last_tick(scenario_)),
-        session_(hil::draw_session()),
+        session_(options.session != 0 ? options.session : hil::draw_session()),
         header_(hil::build_log_header(scenario_, *simulation_, options.pace, session_, last_tick_)) {}
 
   int run() {
@@ -111,6 +116,7 @@ class Session {
  private:
   static constexpr std::size_t kCapacityOut = 1024;  // messages
   static constexpr int kLooksPerSecond = 100;
+  static constexpr std::int64_t kListen_ns = 250'000'000;  // a simulator says Hello every tenth of a second
 
   void open_tick_source() {
     if (options_.pace != hil::Pace::kRealtime) return;
@@ -153,6 +159,8 @@ class Session {
     options.flight_software = scenario_.flight_software;
     options.timing = scenario_.timing;
     options.ticks = tick_source_.get();
+    if (options_.transport.name != "inproc") options.listen_ns = kListen_ns;
+    options.beside_others = options_.session != 0;
     options.source = hil::build_source(scenario_.text, scenario_.overrides, session_);
     options.start_timeout_ns = static_cast<std::int64_t>(options_.start_timeout_s * 1e9);
     hil::Executive executive(*simulation_, *connection_, *recorder_, scenario_.name, options);
@@ -289,16 +297,25 @@ void add_hil(Command app, int& exit_code) {
       .type_name("SECONDS")
       .seconds()
       .default_shown();
-  add_pacing_options(command, options->pacing);
   command
-      .add_option("--faults", options->faults,
-                  "fault script (.yaml), see hil/scenarios/FAULTS.md")
+      .add_option(
+          "--session", options->session,
+          "number of this session, for flight software with the same --session; allows other simulators beside it")
+      .type_name("NUMBER")
+      .not_negative();
+  add_pacing_options(command, options->pacing);
+  command.add_option("--faults", options->faults, "fault script (.yaml), see hil/scenarios/FAULTS.md")
       .type_name("FILE");
   add_output_options(command, options->output);
   command.callback([options, &exit_code] {
     options->pace = options->pace_name == "realtime"   ? hil::Pace::kRealtime
                     : options->pace_name == "lockstep" ? hil::Pace::kLockstep
                                                        : hil::Pace::kFast;
+    if (options->pace == hil::Pace::kFast && options->transport.name != "inproc") {
+      refuse_option("--pace", "fast is a run without flight software, and sends nothing over " +
+                                  options->transport.name + "; use --transport inproc, or unlatch run");
+    }
+    never_wait_for_stderr();
     options->pacing.add_overrides(options->scenario.overrides);
     exit_code = Session(*options).run();
   });

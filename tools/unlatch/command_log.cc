@@ -99,6 +99,7 @@ class Listener {
 };
 
 int run(const LogOptions& options) {
+  never_wait_for_stderr();
   const std::atomic<bool>& stop = catch_interrupts();
   const auto port = open_port(options.transport, bridge::Role::kObserver);
   Listener listener(options.out);

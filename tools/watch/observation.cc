@@ -294,6 +294,7 @@ void Observation::hear_verdict(const hil::VerdictMessage& verdict) {
   const auto channel = static_cast<std::size_t>(verdict.channel);
   const std::string name = verdict.channel >= 0 && channel < channels_.size() ? " for " + channels_[channel] : "";
   const auto reason = static_cast<hil::Reject>(verdict.reason);
+  if (reason == hil::Reject::kMissing) return;  // of the protocol's own
   tell((reason == hil::Reject::kLate ? "late: message " : "refused, " + std::string(get_text(reason)) + ": message ") +
            std::to_string(verdict.refers_to) + name + " of " + find_participant(verdict.participant).name,
        true);

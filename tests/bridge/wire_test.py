@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""What any program of the network can do to the simulator, with real sockets, pipes and signals. Run by ctest in a network
+namespace of its own:
+
+    wire_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import json
+import os
+import signal
+import socket
+import struct
+import subprocess
+import threading
+import time
+import unittest
+
+from processes import BOOSTERS, FSW, PATIENT, UNLATCH, ProcessTest, run_tests
+
+GROUP = ("239.255.76.67", 7667)
+FIRST_RTPS_PORT = 7410  # of participants in domain 0: every second port from here on
+# An RTPS header and a DATA submessage whose length leads behind the packet.
+BAD_RTPS = b"RTPS\x02\x01\x01\x10" + bytes(12) + b"\x15\x05\xff\x7f" + bytes(20)
+# Offset close to 2^32: 100 bytes behind it lie outside any buffer.
+BAD_FRAGMENT = struct.pack(">IIIIHH", 0x4C433033, 1, 1000, 0xFFFFFFC0, 0, 2) + b"UNLATCH_STATE\0" + bytes(100)
+SOON = 1.5  # s for an end that was promised within one, on a busy machine
+
+
+class WireTest(ProcessTest):
+    def open_socket(self):
+        out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.addCleanup(out.close)
+        return out
+
+    def flood(self, packet, targets):
+        """Sends it again and again until the test ends."""
+        out, stopping = self.open_socket(), threading.Event()
+
+        def run():
+            while not stopping.is_set():
+                for target in targets:
+                    out.sendto(packet, target)
+                time.sleep(0.0001)
+
+        thread = threading.Thread(target=run)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(stopping.set)
+
+    def terminate(self, process):
+        begun = time.monotonic()
+        process.send_signal(signal.SIGTERM)
+        process.wait(20)
+        self.assertLess(time.monotonic() - begun, SOON)
+
+    # --- LCM ----------------------------------------------------------------------------------------------------
+
+    def test_a_fragment_outside_its_message_harms_nobody(self):
+        logger = self.begin(UNLATCH, "log", "--transport", "lcm", "--out", self.folder / "heard")
+        self.begin(FSW, "--transport", "lcm")
+        self.wait_for(logger, "waits for a session")
+        self.flood(BAD_FRAGMENT, [GROUP])
+        report = self.run_json(UNLATCH, "hil", BOOSTERS, "--transport", "lcm", "--pace", "lockstep", "--until", "1", *PATIENT)
+        self.assertEqual(report["status"], "ok")
+        self.assertGreater(report["timing"]["rejected"]["malformed"], 0)
+        self.finish(logger)
+
+    # --- the log of the middleware --------------------------------------------------------------------------------
+
+    def test_a_flood_of_malformed_packets_is_counted_and_does_not_fill_the_log(self):
+        self.begin(FSW, "--transport", "dds")
+        self.flood(BAD_RTPS, [("127.0.0.1", FIRST_RTPS_PORT + 2 * i) for i in range(4)])
+        result = self.run_ok(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "realtime", "--until", "3", *PATIENT,
+                             "--json", "-")
+        report = json.loads(result.stdout)
+        self.assertEqual(report["status"], "ok")
+        self.assertGreater(report["timing"]["rejected"]["malformed"], 1000)
+        self.assertLess(len(result.stderr), 20_000)
+
+    def begin_unread(self, *arguments):
+        """A program whose standard error nobody reads, full from the beginning."""
+        read, write = os.pipe()
+        self.addCleanup(os.close, read)
+        os.set_blocking(write, False)
+        try:
+            while True:
+                os.write(write, bytes(4096))
+        except BlockingIOError:
+            os.set_blocking(write, True)
+        process = subprocess.Popen(list(map(str, arguments)), stdout=subprocess.PIPE, stderr=write, text=True)
+        os.close(write)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def test_a_full_standard_error_stops_neither_pace(self):
+        for pace in ("lockstep", "realtime"):
+            with self.subTest(pace):
+                self.begin(FSW, "--transport", "dds")
+                self.flood(BAD_RTPS, [("127.0.0.1", FIRST_RTPS_PORT + 2 * i) for i in range(4)])
+                process = self.begin_unread(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", pace, "--until", "2",
+                                            *PATIENT, "--json", "-")
+                out, _ = process.communicate(timeout=60)
+                report = json.loads(out)
+                self.assertEqual((report["status"], report["ticks"]), ("ok", 2000))
+
+    def test_sigterm_ends_each_program_within_a_second(self):
+        fsw = self.begin_unread(FSW, "--transport", "dds")
+        logger = self.begin_unread(UNLATCH, "log", "--transport", "dds", "--out", self.folder / "heard")
+        log = self.folder / "run.log"
+        simulator = self.begin_unread(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "realtime", "--until", "60", "--log", log,
+                                      *PATIENT)
+        self.flood(BAD_RTPS, [("127.0.0.1", FIRST_RTPS_PORT + 2 * i) for i in range(4)])
+        time.sleep(3)
+        for process in (fsw, logger, simulator):  # the others end with the simulator's session
+            self.assertIsNone(process.poll())
+            self.terminate(process)
+        self.assertTrue(self.run_json(UNLATCH, "replay", log)["replay"]["agrees"])
+
+    def test_sigterm_ends_a_report_that_nobody_reads(self):
+        read, write = os.pipe()
+        self.addCleanup(os.close, read)
+        os.set_blocking(write, False)
+        try:
+            while True:
+                os.write(write, bytes(4096))
+        except BlockingIOError:
+            os.set_blocking(write, True)
+        process = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--until", "0.1",
+                             stdout=write)
+        os.close(write)
+        with self.assertRaises(subprocess.TimeoutExpired):
+            process.wait(2)
+        self.terminate(process)
+
+    # --- two simulators -------------------------------------------------------------------------------------------
+
+    def hear_another(self, transport):
+        arguments = ["hil", BOOSTERS, "--transport", transport, "--pace", "realtime", "--until", "6", *PATIENT]
+        log = self.folder / "first.log"
+        self.begin(FSW, "--transport", transport)
+        first = self.begin(UNLATCH, *arguments, "--log", log)
+        self.wait_for(first, "takes part")
+        second = self.run_ok(UNLATCH, *arguments, code=1)
+        self.assertIn("another simulator is here: scenario 'boosters'", second.stdout + second.stderr)
+        # With a number of its own, and flight software for it.
+        other = self.begin(FSW, "--transport", transport, "--session", "4711")
+        third = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", transport, "--pace", "lockstep", "--until", "1",
+                           *PATIENT, "--session", "4711")
+        self.finish(third)
+        self.finish(other)
+        said = self.finish(first)
+        self.assertIn("another simulator is heard", said)
+        report = self.run_json(UNLATCH, "replay", log)
+        self.assertTrue(report["replay"]["agrees"])
+        self.assertFalse([notice for notice in report["notices"] if notice["name"].startswith("policy")])
+
+    def test_two_simulators_on_dds_notice_each_other(self):
+        self.hear_another("dds")
+
+    def test_two_simulators_on_lcm_notice_each_other(self):
+        self.hear_another("lcm")
+
+    def test_flight_software_stays_with_its_session(self):
+        fsw = self.begin(FSW, "--transport", "dds")
+        arguments = ["hil", BOOSTERS, "--transport", "dds", "--pace", "realtime", *PATIENT]
+        first = self.begin(UNLATCH, *arguments, "--until", "4")
+        self.wait_for(first, "takes part")
+        self.run_ok(UNLATCH, *arguments, "--until", "0.1", "--session", "4711", "--start-timeout", "1.5", code=1)
+        self.finish(first)
+        self.assertIn("stays with session", self.finish(fsw))
+
+    def test_fast_over_a_network_is_a_mistake(self):
+        said = self.run_ok(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "fast", code=2).stderr
+        self.assertIn("--pace", said)
+
+
+if __name__ == "__main__":
+    run_tests()
