@@ -4,6 +4,7 @@ network namespace of its own:
 
     clients_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
+import os
 import re
 import struct
 import unittest
@@ -40,6 +41,31 @@ class ClientsTest(ProcessTest):
         over_dds = self.fly("dds", [BIN / "example_pilot_c"])
         over_lcm = self.fly("lcm", [BIN / "example_pilot_cpp"])
         self.assertEqual(over_dds["hash"], over_lcm["hash"])
+
+    def test_the_c99_pilot_leaves_in_order_with_security(self):
+        """Again and again: what Cyclone's plugins still do when the process ends decides."""
+        keys = self.folder / "keys"
+        self.run_ok(SOURCE / "bridge/security/make-keys", keys)
+        def plugin(element, name, functions, files):
+            texts = "".join(f"<{item}>file:{keys}/fsw/{file}</{item}>" for item, file in files.items())
+            return (f'<{element}><Library path="dds_security_{name}" initFunction="init_{functions}" '
+                    f'finalizeFunction="finalize_{functions}"/>{texts}</{element}>')
+
+        network = (
+            '<CycloneDDS><Domain Id="any"><General><Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>'
+            "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+            '<MaxAutoParticipantIndex>99</MaxAutoParticipantIndex><Peers><Peer Address="127.0.0.1"/></Peers></Discovery><Security>'
+            + plugin("Authentication", "auth", "authentication",
+                     {"IdentityCertificate": "identity.pem", "IdentityCA": "ca.pem", "PrivateKey": "key.pem"})
+            + plugin("Cryptographic", "crypto", "crypto", {})
+            + plugin("AccessControl", "ac", "access_control",
+                     {"PermissionsCA": "ca.pem", "Governance": "governance.p7s", "Permissions": "permissions.p7s"})
+            + "</Security></Domain></CycloneDDS>")
+        for _ in range(8):
+            pilot = self.begin(BIN / "example_pilot_c", env={**os.environ, "CYCLONEDDS_URI": network})
+            self.run_ok(UNLATCH, "hil", PROBE, "--transport", "dds", "--pace", "lockstep", "--security", keys / "sim",
+                        "--set", "flight_software.timeout=30")
+            self.assertIn(FLOWN, self.finish(pilot))
 
     def test_python_reads_lcm_bytes(self):
         listener = self.begin("/usr/bin/env", "python3", LISTEN, PYTHON_TYPES)
