@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -68,6 +69,9 @@ void print_reactions(std::FILE* to, const RunReport& report) {
     const auto mode = static_cast<std::size_t>(report.simulation.state().joints[i].mode);
     std::fprintf(to, "  %s\n", joints[i].modes[mode].name.c_str());
   }
+  for (const hil::SharedReactions& shared : report.analysis.shared)
+    std::fprintf(to, "  %s, %g s to %g s\n", describe(report.scenario.model, shared.rows).c_str(), shared.from,
+                 shared.until);
 }
 
 // Changes by events beyond the allowed ones. Allowed are: none for a release, its impulse and loss for a latch.
