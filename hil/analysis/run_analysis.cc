@@ -20,6 +20,8 @@ void RunAnalysis::update(const StepReport& report) {
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   postponed += report.postponed;
 
+  update_shared(report);
+
   const double time = simulation_.get_time();
   for (std::size_t joint = 0; joint < peaks.size(); ++joint) {
     for (std::size_t row = 0; row < kRows; ++row) {
@@ -38,6 +40,22 @@ void RunAnalysis::update(const StepReport& report) {
   for (; next_sample_ < sample_ticks_.size() && sample_ticks_[next_sample_] <= simulation_.get_tick(); ++next_sample_) {
     if (sample_ticks_[next_sample_] == simulation_.get_tick()) take_sample();
   }
+}
+
+// Which rows are redundant changes only with their number and with events. At first no step has told it.
+void RunAnalysis::update_shared(const StepReport& report) {
+  const double time = simulation_.get_time();
+  if (!redundant_ || *redundant_ != report.redundant || !report.events.empty()) {
+    std::vector<RedundantRows> now =
+        list_redundant_rows(simulation_.plan(), simulation_.state(), simulation_.workspace());
+    for (SharedReactions& entry : shared)
+      entry.lasts =
+          entry.lasts && std::erase_if(now, [&](const RedundantRows& rows) { return rows == entry.rows; }) > 0;
+    for (RedundantRows& rows : now) shared.push_back({std::move(rows), time, time, true});
+    redundant_ = report.redundant;
+  }
+  for (SharedReactions& entry : shared)
+    if (entry.lasts) entry.until = time;
 }
 
 void RunAnalysis::add_event(const FiredEvent& fired) {

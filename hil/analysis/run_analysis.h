@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/analysis/clearance.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
+#include "unlatch/redundancy.h"
 
 namespace unlatch::hil {
 
@@ -44,6 +46,13 @@ struct PeakReaction {
   double value = 0, time = 0;  // signed, of the largest size so far; N or N m, s
 };
 
+// Reactions that were not unique, from one time to another: rows of their joints were redundant.
+struct SharedReactions {
+  RedundantRows rows;
+  double from = 0, until = 0;  // s
+  bool lasts = false;          // at the latest state
+};
+
 class RunAnalysis {
  public:
   // `samples`: ticks at which to take a sample, in any order.
@@ -57,17 +66,20 @@ class RunAnalysis {
   std::vector<TipOff> tip_offs;
   std::vector<EventAudit> audits;
   std::vector<std::array<PeakReaction, kRows>> peaks;  // per joint
+  std::vector<SharedReactions> shared;                 // in the order in which they began
   const std::vector<Clearance>& clearances() const { return clearance_.get(); }
   std::int64_t postponed = 0;  // event instants left to a later tick
 
  private:
   void add_event(const FiredEvent& fired);
   void take_sample();
+  void update_shared(const StepReport& report);
 
   const Scenario& scenario_;
   const Simulation& simulation_;
   std::vector<std::int64_t> sample_ticks_;  // ascending
   std::size_t next_sample_ = 0;
+  std::optional<std::int32_t> redundant_;  // rows, at the latest state
   ClearanceMonitor clearance_;
   std::vector<Pose> poses_;
 };

@@ -28,6 +28,8 @@ void ScenarioReader::read_joint(const std::string& name, const YamlNode& node) {
   if (const YamlNode* axes = map.find("axes")) joint.axes = read_frame(*axes);
   if (const YamlNode* axes = map.find("rotation_axes")) joint.rotation_axes = read_frame(*axes);
   if (const YamlNode* axes = map.find("follower_axes")) joint.follower_axes = read_frame(*axes);
+  joint.share = map.number("share", "", 1);
+  if (map.find("share_length") != nullptr) joint.share_length = map.number("share_length", "m");
   if (const YamlNode* modes = map.require("modes")) read_modes(*modes, joint);
   std::vector<std::string> names;
   for (const JointMode& mode : joint.modes) names.push_back(mode.name);

@@ -5,6 +5,7 @@
 #include "kernel/compile/instruction_set.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
+#include "kernel/compile/loop_paths.h"
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/compile/topology.h"
 #include "kernel/dynamics/flexible.h"
@@ -392,6 +393,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   lay_out_blocks(model, plan);
   fill_constants(model, plan);
   compile_loops(model, plan);
+  compile_loop_paths(model, plan);
   place_multipliers(plan);
   plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());

@@ -59,6 +59,8 @@ class Hasher {
   void add_one(const Joint& j) {
     add(j.base, j.follower, j.point_base, j.point_follower, j.axes, j.rotation_axes, j.follower_axes, j.universal,
         j.modes, j.mode);
+    if (j.share != 1) add(j.share);
+    if (j.share_length) add(*j.share_length);
   }
   void add_one(const Gravity& g) { add(g.uniform, g.mu, g.centre); }
   void add_one(const Load& l) {

@@ -154,6 +154,10 @@ bool check_joint(const Model& model, const std::string& where, const Joint& join
     report("rotation_axes is not a frame", frame, "rotation_axes");
   if (joint.follower_axes && !is_right_handed(*joint.follower_axes))
     report("follower_axes is not a frame", frame, "follower_axes");
+  if (!(joint.share > 0) || !std::isfinite(joint.share))
+    report("share is " + show(joint.share), "a stiffness beside that of other joints, greater than 0", "share");
+  if (joint.share_length && (!(*joint.share_length > 0) || !std::isfinite(*joint.share_length)))
+    report("share_length is " + show(*joint.share_length) + " m", "a length greater than 0", "share_length");
   if (joint.modes.empty()) report("it has no modes", "give at least one, such as {rows: [x, y, z]}", "modes");
   for (std::size_t i = 0; i < joint.modes.size(); ++i) {
     const JointMode& mode = joint.modes[i];

@@ -26,6 +26,20 @@ class Arena {
   std::size_t used_ = 0;
 };
 
+// The unknowns are as many as the redundant rows or as the others, whichever are fewer.
+void lay_out_split(const PlanData& plan, Arena& arena, SplitScratch& split) {
+  const auto loop_rows = static_cast<std::size_t>(plan.loop_rows);
+  const std::size_t rows = loop_rows + static_cast<std::size_t>(plan.ring_rows);
+  const std::size_t unknowns = std::min(loop_rows, rows / 2);
+  arena.take(split.relation, loop_rows * rows);
+  arena.take(split.matrix, unknowns * unknowns);
+  arena.take(split.scales, rows);
+  arena.take(split.loads, rows);
+  arena.take(split.unknowns, unknowns);
+  arena.take(split.shares, loop_rows);
+  arena.take(split.ring_columns, plan.ring_joints.size());
+}
+
 void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.blocks, static_cast<std::size_t>(plan.block_numbers));
   arena.take(ev.modes, plan.groups.size());
@@ -50,6 +64,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.loop_matrix, loop_rows * columns);
   arena.take(ev.loop_loads, (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns);
   arena.take(ev.loop_solution, loop_rows);
+  lay_out_split(plan, arena, ev.split);
   arena.take(ev.guards, plan.events.size());
   arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
 }

@@ -41,11 +41,11 @@ struct GroupModes {
 
 // One row of a joint that closes a loop.
 struct LoopRow {
-  std::int32_t joint, non_tree, row, base, follower;  // non_tree: the joint's place among those
-  std::int32_t pivot;                                 // index of the row that is eliminated in this one's place
-  Spatial on_base, on_follower;                       // unit wrenches at the bodies' origins
-  double own;                                         // its diagonal entry of Λ
-  double free;                                        // that entry if nothing held its bodies
+  std::int32_t loop, joint, non_tree, row, base, follower;  // loop, non_tree: the joint's place among those
+  std::int32_t pivot;                                       // index of the row that is eliminated in this one's place
+  Spatial on_base, on_follower;                             // unit wrenches at the bodies' origins
+  double own;                                               // its diagonal entry of Λ
+  double free;                                              // that entry if nothing held its bodies
 };
 
 // Auxiliary states, State::auxiliary, as the stages of a step take them.
@@ -71,6 +71,15 @@ struct CompliantSpring {
   double stiffness, damping;              // times its switch scale
   double first_rate, first_acceleration;  // of its coordinate, k1
   double second_place, second_rate;       // of its coordinate at the second stage, m or rad
+};
+
+// Scratch of kernel/solver/redundant_rows.cc. k: rows of loops, t: of the tree's joints in loops.
+struct SplitScratch {
+  std::span<double> relation;            // k rows of k + t numbers
+  std::span<double> matrix;              // square, of the smaller number of unknowns
+  std::span<double> scales, loads;       // per independent row
+  std::span<double> unknowns, shares;    // the larger number of unknowns; per redundant row
+  std::span<std::int32_t> ring_columns;  // per joint of PlanData::ring_joints: its first row among those
 };
 
 struct Evaluation {
@@ -105,6 +114,7 @@ struct Evaluation {
   std::span<double> loop_solution;      // k
   std::int32_t loop_count = 0;          // rows that are active
   std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
+  SplitScratch split;
 
   // outputs
   std::span<double> guards;   // per event

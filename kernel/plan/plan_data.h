@@ -36,6 +36,8 @@ struct PlanJoint {
   std::int32_t child = kNone;     // of a joint of the tree: the body that it holds to its parent
   std::int32_t group = kNone;     // likewise: its group
   std::int32_t non_tree = kNone;  // of any other joint: its place in PlanData::non_tree_joints
+  // Square roots of the stiffnesses that redundant reactions are shared by, see kernel/solver/redundant_rows.h.
+  double share = 1, turning_share = 1;  // of a point–plane row; of a rotation row, m
 };
 
 // A joint that is no edge of the tree: it closes a loop, or never holds.
@@ -64,6 +66,21 @@ inline constexpr std::size_t kLoopScratch = 7;
 struct LoopEnd {
   std::int32_t loop;  // into PlanData::loops
   bool follower;
+};
+
+// The nodes that a loop's wrenches pass from its two bodies to where the ways meet, that one excluded, see
+// loop_paths.h: into PlanData::path_nodes.
+struct LoopPath {
+  std::int32_t first, base_first, end;  // from the follower; from the base; behind both
+  std::int32_t mesh;                    // into PlanData::meshes
+};
+struct PathNode {
+  std::int32_t loop_node;   // into PlanData::loop_nodes
+  std::int32_t ring_joint;  // into PlanData::ring_joints; kNone: a flexible body or one of its markers
+};
+// Joints of loops that share joints: their reactions depend on each other.
+struct LoopMesh {
+  std::int32_t first, count;  // into PlanData::mesh_joints
 };
 
 // --- Bodies that bend or burn ----------------------------------------------------------------------------------------
@@ -210,6 +227,12 @@ struct PlanData {
   std::int32_t loop_rows = 0, loop_columns = 0;  // that the loops' joints hold at most; the same, padded for packs
   std::int32_t loop_load_rows = 0;               // of Evaluation::loop_loads, before its scratch
   std::int32_t loop_modal_rows = 0;              // of these, the first, of modal coordinates
+  std::vector<LoopPath> loop_paths;              // per loop
+  std::vector<PathNode> path_nodes;
+  std::vector<std::int32_t> ring_joints;  // joints of the tree that lie in loops
+  std::int32_t ring_rows = 0;             // that they hold at most
+  std::vector<LoopMesh> meshes;
+  std::vector<std::int32_t> mesh_joints;  // of each mesh, in the order of the model
 
   // blocks, see blocks.h
   std::vector<BodyEight> eights;

@@ -11,13 +11,11 @@ constexpr double kRedundant = 1e-10;
 // An entry this small beside the one that free bodies would give is rounding: the tree alone holds the row.
 constexpr double kHeldByTree = 1e-13;
 
-// The row that is eliminated as number r.
-const LoopRow& get_pivot_row(const Evaluation& ev, int r) { return ev.loop_rows[at(ev.loop_rows[at(r)].pivot)]; }
-
 // A wrench of size 1 at each body's origin.
-LoopRow build_row(const PlanData& plan, const JointFrame& f, int joint, int row) {
+LoopRow build_row(const PlanData& plan, const JointFrame& f, int loop, int row) {
+  const std::int32_t joint = plan.loops[at(loop)];
   const PlanJoint& j = plan.joints[at(joint)];
-  LoopRow out{joint, j.non_tree, row, j.base, j.follower, kNone, {}, {}, 0, 0};
+  LoopRow out{loop, joint, j.non_tree, row, j.base, j.follower, kNone, {}, {}, 0, 0};
   if (row < kRotX) {
     const Vec3& n = column(f.n, row);
     out.on_follower = {n, cross(f.r_follower, n)};
@@ -74,7 +72,7 @@ void build_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) n
     for (int r = 0; r < kRows; ++r)
       if (has_row(get_active_rows(plan, state, joint), r))
         ev.loop_rows[at(ev.loop_count++)] =
-            build_row(plan, ev.non_tree_frames[at(plan.joints[at(joint)].non_tree)], joint, r);
+            build_row(plan, ev.non_tree_frames[at(plan.joints[at(joint)].non_tree)], static_cast<int>(l), r);
   }
   ev.loop_ranges[plan.loops.size()] = ev.loop_count;
 }

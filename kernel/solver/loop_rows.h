@@ -23,6 +23,9 @@ inline LowerTriangle get_loop_matrix(const PlanData& plan, const Evaluation& ev)
   return {ev.loop_matrix.data(), plan.loop_columns};
 }
 
+// The row that is eliminated as number r.
+inline const LoopRow& get_pivot_row(const Evaluation& ev, int r) { return ev.loop_rows[at(ev.loop_rows[at(r)].pivot)]; }
+
 // The rows that hold in the present modes, with their unit wrenches; needs the joints' frames.
 void build_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 

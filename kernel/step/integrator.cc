@@ -9,6 +9,7 @@
 #include "kernel/joints/coordinates.h"
 #include "kernel/joints/residuals.h"
 #include "kernel/solver/loop_rows.h"
+#include "kernel/solver/redundant_rows.h"
 #include "kernel/step/load_state.h"
 
 namespace unlatch {
@@ -34,8 +35,10 @@ int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independ
   update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
   update_forces(now, ev);
   const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, sweep, independent_rows);
-  if (node == kNone && !plan.rigid) update_modal_rates(plan, ev);
-  return node;
+  if (node != kNone) return node;
+  if (!plan.rigid) update_modal_rates(plan, ev);
+  if (sweep.multipliers && ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
+  return kNone;
 }
 
 // Stages at one instant share the sizes of loads.
@@ -111,6 +114,7 @@ int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_forces(now, ev);
   get_kernels(now.plan).solve(now.plan, ev, {});
   if (!now.plan.rigid) update_modal_rates(now.plan, ev);
+  if (ev.loop_redundant > 0) split_redundant_rows(now.plan, now.state, ev);
   return kNone;
 }
 

@@ -99,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"LeftHanded", [](Model& m) { m.joints[0].axes.col(0) *= -1; }, "joint 'pin'", "axes is not a frame"},
         Bad{"NotUnit", [](Model& m) { m.joints[0].rotation_axes = 2 * Eigen::Matrix3d::Identity(); }, "joint 'pin'",
             "rotation_axes is not a frame"},
+        Bad{"NoShare", [](Model& m) { m.joints[0].share = 0; }, "joint 'pin'", "share is 0"},
+        Bad{"NoShareLength", [](Model& m) { m.joints[0].share_length = -0.1; }, "joint 'pin'", "share_length is -0.1 m"},
         Bad{"Gap", [](Model& m) { m.joints[0].point_base.y() = 0.5; }, "joint 'pin'", "-0.5 m along y"},
         Bad{"Turned",
             [](Model& m) {

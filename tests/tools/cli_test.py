@@ -166,6 +166,35 @@ class CliTest(ProcessTest):
         self.assertFalse(wrong["valid"])
         self.assertGreater(wrong["mistakes"][0]["line"], 1)
 
+    def test_reactions_that_are_not_unique_are_told(self):
+        bolts = "".join(f"""
+  bolt{k}: {{between: [ground, plate], point: [0.4*cos({k}*pi/4), 0.4*sin({k}*pi/4), 0], share: 1, share_length: 1 cm,
+          follower_point: [0.4*cos({k}*pi/4), 0.4*sin({k}*pi/4), 0], modes: {{held: {{rows: [z]}}, free: {{rows: []}}}}, mode: held}}"""
+                        for k in range(8))
+        scenario = self.folder / "plate.yaml"
+        scenario.write_text(f"""unlatch: 1
+name: plate
+step: {{dt: 1 ms, until: 0.1 s}}
+gravity: {{uniform: [0, 0, -10]}}
+bodies: {{plate: {{mass: 80 kg, inertia: [3, 3, 6]}}}}
+joints:{bolts}
+events:
+  - {{name: cut, when: {{time: 0.05 s}}, then: [{", ".join(f"{{set_mode: {{joint: bolt{k}, mode: free}}}}" for k in (0, 1, 3, 4, 6))}]}}
+""")
+        told = "5 of 8 rows of bolt0, bolt1, bolt2, bolt3, bolt4, bolt5, bolt6, bolt7 are redundant"
+        checked = call(UNLATCH, "check", scenario)
+        self.assertIn(told, checked.stdout)
+        joints = [f"bolt{k}" for k in range(8)]
+        self.assertEqual(self.run_json(UNLATCH, "check", scenario)["redundant"], [{"joints": joints, "rows": 8, "redundant": 5}])
+        self.assertIn(told, call(UNLATCH, "run", scenario).stdout)
+        run = self.run_json(UNLATCH, "run", scenario, "--sample", "0.02")
+        self.assertEqual(run["redundant"], [{"joints": joints, "rows": 8, "redundant": 5, "from": 0.0, "until": 0.049}])
+        for joint in joints:
+            self.assertAlmostEqual(run["samples"][0]["reactions"][joint]["lambda"][0], 100, 9)
+        refused = call(UNLATCH, "check", scenario, "--set", "joints.bolt0.share=0")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("share is 0", refused.stderr)
+
 
 if __name__ == "__main__":
     main()

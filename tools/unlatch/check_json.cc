@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "unlatch/frequencies.h"
 
@@ -55,7 +56,8 @@ Json build_elimination(const Model& model, const Plan& plan) {
 
 }  // namespace
 
-void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation, const std::string& target) {
+void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
+                     const std::vector<RedundantRows>& redundant, const std::string& target) {
   const Model& model = scenario.model;
   const Plan& plan = simulation.plan();
   Json json = {{"schema", 1},       {"valid", true},          {"scenario", scenario.name}, {"title", scenario.title},
@@ -68,6 +70,8 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
   json["loops"] = Json::array();
   for (const std::int32_t loop : plan.get_loops())
     json["loops"].push_back(model.joints[static_cast<std::size_t>(loop)].name);
+  json["redundant"] = Json::array();
+  for (const RedundantRows& rows : redundant) json["redundant"].push_back(build_json(model, rows));
   json["elements"] = Json::array();
   for (const ElementFrequency& element : simulation.calc_frequencies()) {
     const double h_omega = plan.get_options().dt * element.omega, h_decay = plan.get_options().dt * element.decay;

@@ -2,15 +2,18 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
+#include "unlatch/redundancy.h"
 
 namespace unlatch::tools {
 
 // The plan of a valid scenario: bodies, joints with their modes, elimination order, elements, sizes. Overwrites the
-// simulation's workspace.
-void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation, const std::string& target);
+// simulation's workspace. `redundant`: at the start.
+void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
+                     const std::vector<RedundantRows>& redundant, const std::string& target);
 // Every mistake, with its place.
 void write_mistakes_json(const hil::ScenarioError& error, const std::string& target);
 

@@ -8,6 +8,7 @@
 #include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
+#include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 #include "unlatch/frequencies.h"
@@ -91,6 +92,12 @@ void print_elimination(const Model& model, const Plan& plan) {
   loops.print(stdout, 0);
 }
 
+void print_redundant(const Model& model, const std::vector<RedundantRows>& redundant) {
+  if (redundant.empty()) return;
+  print_heading("Redundant rows at the start");
+  for (const RedundantRows& rows : redundant) std::printf("  %s\n", describe(model, rows).c_str());
+}
+
 void print_elements(const Model& model, hil::Simulation& simulation) {
   const Plan& plan = simulation.plan();
   const auto frequencies = simulation.calc_frequencies();
@@ -113,7 +120,8 @@ void print_elements(const Model& model, hil::Simulation& simulation) {
   list.print(stdout, 20);
 }
 
-void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation) {
+void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
+                const std::vector<RedundantRows>& redundant) {
   const Plan& plan = simulation.plan();
   std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
   std::printf(
@@ -124,6 +132,7 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation) {
   print_bodies(scenario.model);
   print_joints(scenario.model);
   print_elimination(scenario.model, plan);
+  print_redundant(scenario.model, redundant);
   print_elements(scenario.model, simulation);
   print_heading("Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
@@ -140,8 +149,10 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
       const std::string& title = scenario.title.empty() ? scenario.name : scenario.title;
       draw_graph(describe_graph(scenario.model, simulation->plan(), title), graph);
     }
-    if (json != "-") print_plan(scenario, *simulation);
-    if (!json.empty()) write_plan_json(scenario, *simulation, json);
+    const std::vector<RedundantRows> redundant =
+        list_redundant_rows(simulation->plan(), simulation->state(), simulation->workspace());
+    if (json != "-") print_plan(scenario, *simulation, redundant);
+    if (!json.empty()) write_plan_json(scenario, *simulation, redundant, json);
   } catch (const hil::ScenarioError& error) {
     if (!json.empty()) write_mistakes_json(error, json);
     throw;

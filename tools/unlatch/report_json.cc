@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 
 namespace unlatch::tools {
@@ -171,6 +172,13 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     const auto mode = static_cast<std::size_t>(report.simulation.state().joints[i].mode);
     json["joints"][model.joints[i].name] = model.joints[i].modes[mode].name;
+  }
+  json["redundant"] = Json::array();
+  for (const hil::SharedReactions& shared : report.analysis.shared) {
+    Json entry = build_json(model, shared.rows);
+    entry["from"] = shared.from;
+    entry["until"] = shared.until;
+    json["redundant"].push_back(entry);
   }
   json["audit"] = Json::array();
   for (const EventAudit& audit : report.analysis.audits) json["audit"].push_back(build_audit(audit));

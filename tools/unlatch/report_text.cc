@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "tools/unlatch/alike.h"
+#include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -117,6 +118,9 @@ void print_reactions(std::FILE* to, const RunReport& report) {
     }
     std::fprintf(to, "  %s\n", get_mode(group[0]).c_str());
   }
+  for (const hil::SharedReactions& shared : report.analysis.shared)
+    std::fprintf(to, "  %s, %g s to %g s\n", describe(report.scenario.model, shared.rows).c_str(), shared.from,
+                 shared.until);
 }
 
 // Changes by events beyond the allowed ones. Allowed are: none for a release, its impulse and loss for a latch.

@@ -70,6 +70,11 @@ function buildPeaks(runs, clock) {
       run.finalModes[joint.name]] }))));
 }
 
+function buildRedundant(runs, clock) {
+  return both(runs, ['joints', 'redundant rows', 'from t, s', 'to t, s'], (run) => run.redundant.map((item) => (
+    [item.joints.join(', '), `${item.redundant} of ${item.rows}`, go(clock, item.from), go(clock, item.until)])));
+}
+
 function buildAudit(runs, clock) {
   return both(runs, ['at t, s', 'momentum, kg m/s', 'angular momentum, kg m²/s', 'energy, J', 'allowed energy, J'], (run) => run.audit.map((item) => ({ name: null, cells: [
     go(clock, item.t), digits(norm(minus(item.momentum_jump, item.allowed.momentum_jump)), 3),
@@ -108,6 +113,7 @@ export function buildTables(data, runs, clock) {
     add('Smallest clearances', 'of every tick', buildClearances(runs, clock)),
     add('Tip-off rates', 'body axes, at the end of the step in which the body was let go', buildTipOffs(runs, clock)),
     add('Peak reactions', 'of every tick, signed, on the follower; click to go there', runs.some((run) => run.joints.length) ? buildPeaks(runs, clock) : null),
+    add('Reactions that are not unique', 'rows of these joints are redundant; split by equal stiffnesses, or as `share` says', buildRedundant(runs, clock)),
     add('Audit of momentum and energy', 'changes by events beyond the allowed ones', buildAudit(runs, clock)),
     section('Where this comes from', '', buildProvenance(data, runs), buildTexts(runs)),
   ].filter(Boolean));

@@ -1,0 +1,13 @@
+// Rings: which joints of the tree each loop leads through, which loops share joints and so make a mesh, and by which
+// stiffnesses redundant reactions are shared (kernel/solver/redundant_rows.h).
+#pragma once
+
+#include "kernel/plan/plan_data.h"
+#include "unlatch/model.h"
+
+namespace unlatch {
+
+// Needs compile_loops(). O(loops · depth of the tree).
+void compile_loop_paths(const Model& model, PlanData& plan);
+
+}  // namespace unlatch

@@ -1,0 +1,28 @@
+#include "unlatch/redundancy.h"
+
+#include <bit>
+
+#include "kernel/joints/kinematics.h"
+#include "kernel/solver/loop_rows.h"
+
+namespace unlatch {
+
+std::vector<RedundantRows> list_redundant_rows(const Plan& owner, const State& state, const Workspace& workspace) {
+  const PlanData& plan = owner.data();
+  const Evaluation& ev = workspace.data().kept.evaluation;
+  std::vector<std::int32_t> redundant(plan.meshes.size(), 0);
+  for (int r = ev.loop_count - ev.loop_redundant; r < ev.loop_count; ++r)
+    ++redundant[at(plan.loop_paths[at(get_pivot_row(ev, r).loop)].mesh)];
+  std::vector<RedundantRows> all;
+  for (std::size_t m = 0; m < plan.meshes.size(); ++m) {
+    if (redundant[m] == 0) continue;
+    const auto first = plan.mesh_joints.begin() + plan.meshes[m].first;
+    RedundantRows& rows = all.emplace_back();
+    rows.joints.assign(first, first + plan.meshes[m].count);
+    rows.redundant = redundant[m];
+    for (const std::int32_t joint : rows.joints) rows.rows += std::popcount(get_active_rows(plan, state, joint));
+  }
+  return all;
+}
+
+}  // namespace unlatch

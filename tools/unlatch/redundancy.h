@@ -1,0 +1,19 @@
+// Reactions that are not unique, in words and as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "unlatch/model.h"
+#include "unlatch/redundancy.h"
+
+namespace unlatch::tools {
+
+// "5 of 8 rows of bolt1, bolt2, bolt3 are redundant: the split of their reactions is not unique …"; of many joints the
+// first are named.
+std::string describe(const Model& model, const RedundantRows& rows);
+
+// joints, rows, redundant.
+nlohmann::ordered_json build_json(const Model& model, const RedundantRows& rows);
+
+}  // namespace unlatch::tools
