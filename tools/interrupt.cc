@@ -25,7 +25,7 @@ std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler may set it
 sem_t terminated;                                       // posted by SIGTERM
 
-constexpr auto kOrderly = 800ms;  // for the end of the session and its report
+constexpr auto kOrderly = 600ms;  // for the end of the session and its report
 constexpr auto kLook = 100ms;
 constexpr auto kWorking = 5ms;  // of processor time in one look: the main thread computes, else it hangs
 

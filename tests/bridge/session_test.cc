@@ -118,9 +118,8 @@ TEST_P(Sessions, TenThousandCommandsATickAreSentLittleMoreThanOnce) {
     EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
     EXPECT_EQ(result.channels[0], 0.7);
     // In-process a queue keeps the newest 1024 messages: there it takes more rounds.
-    if (GetParam() != "inproc") {
-      EXPECT_LT(computer.commands_sent, 3 * kTicks * count);
-    }
+    const std::int64_t bearable = (GetParam() == "inproc" ? 30 : 3) * kTicks * std::int64_t{count};
+    EXPECT_LT(computer.commands_sent, bearable);
     std::cout << count << " commands a tick: " << took.count() / kTicks * 1e3 << " ms a tick, "
               << static_cast<double>(computer.commands_sent) / (kTicks * count) << " times sent\n";
     computers_.clear();
