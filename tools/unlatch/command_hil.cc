@@ -22,6 +22,7 @@
 #include "tools/fsw/participant.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/pacing_options.h"
 #include "tools/unlatch/recording_watch.h"
@@ -138,9 +139,9 @@ class Session {
 
   void tell_faults() {
     for (const auto& [fault, count] : faults_->list_tallies()) {
-      std::fprintf(stderr, "fault script: %s %s affected %lld messages\n",
+      std::fprintf(stderr, "fault script: %s %s affected %s\n",
                    hil::kFaultNames[static_cast<std::size_t>(fault->kind)].c_str(), fault->subject.c_str(),
-                   static_cast<long long>(count));
+                   tools::count(static_cast<std::size_t>(count), "message").c_str());
     }
   }
 
@@ -290,9 +291,7 @@ void add_hil(Command app, int& exit_code) {
       .seconds()
       .default_shown();
   add_pacing_options(command, options->pacing);
-  command
-      .add_option("--faults", options->faults,
-                  "fault script (.yaml), see hil/scenarios/FAULTS.md")
+  command.add_option("--faults", options->faults, "fault script (.yaml), see hil/scenarios/FAULTS.md")
       .type_name("FILE");
   add_output_options(command, options->output);
   command.callback([options, &exit_code] {
