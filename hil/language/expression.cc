@@ -122,8 +122,9 @@ Quantity calc_root(const Quantity& q) {
 Quantity call(const std::string& function, const std::vector<Quantity>& arguments) {
   const std::size_t wanted = function == "atan2" ? 2 : 1;
   if (arguments.size() != wanted)
-    throw ExpressionError(function + " of " + std::to_string(arguments.size()) + " values",
-                          function + (wanted == 2 ? "(y, x)" : "(x)"));
+    throw ExpressionError(
+        function + " of " + std::to_string(arguments.size()) + (arguments.size() == 1 ? " value" : " values"),
+        function + (wanted == 2 ? "(y, x)" : "(x)"));
   const Quantity& a = arguments[0];
   if (function == "sqrt") return calc_root(a);
   if (function == "abs") return {std::abs(a.value), a.dimension};

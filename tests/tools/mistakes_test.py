@@ -192,6 +192,12 @@ class MistakesTest(ProcessTest):
                  + ", ".join(f"{{set_mode: {{joint: hinge{i}, mode: free}}}}" for i in range(1, 25)) + "]\n")
         return self.change("planks.yaml", ("    elements:\n", template), ("count: 3}", "count: 24}"), event)
 
+    def test_one_is_singular(self):
+        text = self.run_ok(UNLATCH, "check", self.first, "--dt", "1", "--until", "1").stdout
+        self.assertIn("1 tick to 1 s; 0 channels, 9 sensor values, 1 signal, 1 event", text)
+        self.assertIn("at 1 instant of events", self.run_ok(UNLATCH, "run", self.first).stdout)
+        self.assertIn("first: ok, 1 tick of", self.run_ok(UNLATCH, "run", self.first, "--until", "1 ms").stdout)
+
     def test_lists_show_many_alike_as_one(self):
         planks = self.make_planks()
         lines = self.run_ok(UNLATCH, "check", planks).stdout.splitlines()

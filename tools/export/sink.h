@@ -30,7 +30,7 @@ class Sink {
   Sink() = default;
 };
 
-// RFC 4180: a header with units, a line a tick.
+// RFC 4180: a header with units, one row per tick.
 std::unique_ptr<Sink> build_csv_sink(std::FILE* file);
 // The same table as JSON: an object with the columns, then an array a tick. For the Parquet writer.
 std::unique_ptr<Sink> build_table_sink(std::FILE* file);

@@ -78,7 +78,9 @@ void FoldedList::print(std::FILE* to, int width) const {
 void FoldedList::print(std::FILE* to) const { print(to, -1); }
 
 std::string count(std::size_t number, const std::string& noun) {
-  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+  const bool ends_in_y = noun.ends_with('y');
+  const std::string plural = ends_in_y ? noun.substr(0, noun.size() - 1) + "ies" : noun + "s";
+  return std::to_string(number) + " " + (number == 1 ? noun : plural);
 }
 
 }  // namespace unlatch::tools

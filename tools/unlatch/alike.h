@@ -35,7 +35,7 @@ class FoldedList {
   std::vector<std::string> keys_, names_, texts_;
 };
 
-// "1 event", "2 events"
+// "1 event", "2 events", "2 bodies"
 std::string count(std::size_t number, const std::string& noun);
 
 }  // namespace unlatch::tools

@@ -125,8 +125,8 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   const Plan& plan = simulation.plan();
   std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
   std::printf(
-      "  step %g s, %lld ticks to %g s; %s, %s, %s, %s\n", scenario.dt,
-      static_cast<long long>(calc_last_tick(scenario)), scenario.until,
+      "  step %g s, %s to %g s; %s, %s, %s, %s\n", scenario.dt,
+      count(static_cast<std::size_t>(calc_last_tick(scenario)), "tick").c_str(), scenario.until,
       count(scenario.model.channels.size(), "channel").c_str(), count(plan.get_sensor_count(), "sensor value").c_str(),
       count(scenario.model.signals.size(), "signal").c_str(), count(scenario.model.events.size(), "event").c_str());
   print_bodies(scenario.model);

@@ -2,6 +2,7 @@
 #include <cinttypes>
 
 #include "tools/exit_codes.h"
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/diff_report.h"
 #include "tools/unlatch/report.h"
@@ -43,7 +44,7 @@ void print_fields(std::FILE* to, const DiffReport& report, const hil::StateDiffe
     std::fprintf(to, "\n");
   }
   if (difference.fields.size() > kFieldsShown) {
-    std::fprintf(to, "  … and %zu more fields\n", difference.fields.size() - kFieldsShown);
+    std::fprintf(to, "  … and %s\n", count(difference.fields.size() - kFieldsShown, "more field").c_str());
   }
 }
 
@@ -100,7 +101,8 @@ void print_diff(std::FILE* to, const DiffReport& report) {
     print_inputs(to, report, *diff.state);
   } else {
     const bool same = diff.agrees() && !diff.is_damaged();
-    const std::string text = "the same bits at all " + std::to_string(diff.compared) + " ticks of both";
+    const std::string text = "the same bits at " + std::string(diff.compared == 1 ? "the " : "all ") +
+                             count(static_cast<std::size_t>(diff.compared), "tick") + " of both";
     std::fprintf(to, "%s: %s, from tick %" PRId64 " on%s\n", both.c_str(),
                  paint(to, same ? Colour::kGreen : Colour::kYellow, text).c_str(), diff.first_tick,
                  same ? "" : ", and yet they differ");
@@ -132,8 +134,8 @@ void add_diff(Command app, int& exit_code) {
   Command command = app.add_verb(
       "diff",
       "Compares two recordings of one model. Prints the first tick, body and field that differ, the "
-               "difference, and the "
-               "inputs of that step. Exit code 0: same bits, inputs and end; 1: different; 2: they cannot be compared.",
+      "difference, and the "
+      "inputs of that step. Exit code 0: same bits, inputs and end; 1: different; 2: they cannot be compared.",
       "unlatch diff yesterday.log today.log");
   command.add_option("A", options->logs[0], "recording made by --log").required();
   command.add_option("B", options->logs[1], "second recording").required();

@@ -22,6 +22,7 @@
 #include "tools/fsw/participant.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/pacing_options.h"
 #include "tools/unlatch/recording_watch.h"
@@ -144,9 +145,9 @@ class Session {
 
   void tell_faults() {
     for (const auto& [fault, count] : faults_->list_tallies()) {
-      std::fprintf(stderr, "fault script: %s %s affected %lld messages\n",
+      std::fprintf(stderr, "fault script: %s %s affected %s\n",
                    hil::kFaultNames[static_cast<std::size_t>(fault->kind)].c_str(), fault->subject.c_str(),
-                   static_cast<long long>(count));
+                   tools::count(static_cast<std::size_t>(count), "message").c_str());
     }
   }
 

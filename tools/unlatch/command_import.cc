@@ -6,6 +6,7 @@
 #include "tools/exit_codes.h"
 #include "tools/import/guard.h"
 #include "tools/import/imported.h"
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/report.h"
 
@@ -46,8 +47,8 @@ int run(const ImportOptions& options) {
   const hil::Scenario checked = hil::load_scenario_text(scenario, "the scenario that it makes");
   hil::build_simulation(checked);
   write_text(scenario, options.out);
-  std::fprintf(stderr, "%s: %zu bodies, %zu joints; its first lines say what was left out\n", options.out.c_str(),
-               checked.model.bodies.size(), checked.model.joints.size());
+  std::fprintf(stderr, "%s: %s, %s; its first lines say what was left out\n", options.out.c_str(),
+               count(checked.model.bodies.size(), "body").c_str(), count(checked.model.joints.size(), "joint").c_str());
   return kExitDone;
 }
 

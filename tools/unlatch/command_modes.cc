@@ -11,6 +11,7 @@
 #include "tools/exit_codes.h"
 #include "tools/modes/mesh_modes.h"
 #include "tools/modes/shell_beams.h"
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
@@ -108,7 +109,7 @@ void print_report(std::FILE* to, const hil::FlexibleStructure& body, const hil::
                J(0, 1), J(0, 2), J(1, 2));
   std::fprintf(to, "  as found: orthonormal to %.2g, momenta %.2g of a rigid mode's; made so to %.2g and %.2g\n",
                report.found_gram, report.found_momentum, report.gram, report.momentum);
-  if (!report.rigid.empty()) std::fprintf(to, "  %zu rigid modes are left out\n", report.rigid.size());
+  if (!report.rigid.empty()) std::fprintf(to, "  left out: %s\n", count(report.rigid.size(), "rigid mode").c_str());
   std::fprintf(to, "  mode  Hz of file  Hz          same    eff. mass  %s\n",
                modes.markers.empty() ? "" : "share of the compliance at each marker, %");
   if (!modes.markers.empty()) {
@@ -343,7 +344,8 @@ void add_shell(Command app, int& exit_code) {
   auto options = std::make_shared<ShellOptions>();
   HalfShell& shell = options->shell;
   Command command = app.add_verb(
-      "shell", "Modes of a free half shell by finite elements (CalculiX), beside both beam models; --out writes a modes file.",
+      "shell",
+      "Modes of a free half shell by finite elements (CalculiX), beside both beam models; --out writes a modes file.",
       "unlatch modes shell --cone 0\n"
       "unlatch modes shell --out fairing.modes --marker hinge=0,2,0");
   add_shell_options(command, shell);
@@ -378,9 +380,9 @@ void add_modes_import(Command app, int& exit_code) {
 
 void add_show(Command app, int& exit_code) {
   auto options = std::make_shared<ShowOptions>();
-  Command command =
-      app.add_verb("show", "Prints the contents of a modes file, its conditioning, and the effect of a selection of modes.",
-                   "unlatch modes show fairing.modes --select 1,4,5");
+  Command command = app.add_verb(
+      "show", "Prints the contents of a modes file, its conditioning, and the effect of a selection of modes.",
+      "unlatch modes show fairing.modes --select 1,4,5");
   command.add_option("file", options->path, "modes file (hil/MODES.md)").required();
   command.add_option("--select", options->select, "numbers of modes (default: all)").delimiter(',');
   command.add_json_option(options->json);

@@ -33,6 +33,8 @@ export function digits(value, count = 5) {
   return text.replace('-', '−');
 }
 
+export function plural(count, noun) { return `${count} ${noun}${count === 1 ? '' : 's'}`; }
+
 export function fixed(value, places) {
   if (!Number.isFinite(value)) return digits(value);
   const text = value.toFixed(places);

@@ -1,11 +1,11 @@
 // Head of the page: the run, its end, and warnings.
-import { digits, el } from './dom.js';
+import { digits, el, plural } from './dom.js';
 
 const MARKS = { ok: '✓', fault: '✕', aborted: '✕', different: '≠', damaged: '✕', truncated: '…' };
 
 function describe(run, two) {
   const ok = run.status === 'ok';
-  const replay = run.replay.agrees ? `replayed: every bit agrees at ${run.replay.ticks_compared} ticks` : 'does not replay as recorded';
+  const replay = run.replay.agrees ? `replayed: every bit agrees at ${plural(run.replay.ticks_compared, 'tick')}` : 'does not replay as recorded';
   return el('div', { class: 'run' },
     two ? el('span', { class: `letter ${run.label}` }, run.label) : null,
     el('span', { class: `status ${ok ? 'good' : 'bad'}` }, `${MARKS[run.status] ?? ''} ${run.status}`),
@@ -26,7 +26,7 @@ function describeDifference(diff, clock) {
   if (!difference) {
     const text = { same: 'the same bits to the same end', inputs: 'the same states, from other inputs',
       ends: 'the same bits as far as both go', damaged: 'the same bits up to the damage' }[diff.result];
-    return el('p', { class: 'banner good' }, `A and B: ${text} (${diff.ticks_compared} ticks compared).`);
+    return el('p', { class: 'banner good' }, `A and B: ${text} (${plural(diff.ticks_compared, 'tick')} compared).`);
   }
   const fields = difference.fields.slice(0, 4).map((field) => (
     `${field.of} ${field.field}: ${digits(field.a, 9)} / ${digits(field.b, 9)}${field.ulp ? ` (${field.ulp} ULP)` : ''}`));

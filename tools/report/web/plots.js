@@ -19,7 +19,7 @@ function joinTimes(runs) {
 
 function describeSampling({ frames, dt }) {
   if (frames.count === frames.seen) return `every tick (${digits(1 / dt)} Hz)`;
-  return `every ${frames.every} ticks (${digits(1 / dt / frames.every)} Hz), and every tick within ${frames.around} of an event: `
+  return `every ${frames.every === 1 ? 'tick' : `${frames.every} ticks`} (${digits(1 / dt / frames.every)} Hz), and every tick within ${frames.around} of an event: `
     + `${frames.count} of ${frames.seen} states`;
 }
 
@@ -47,7 +47,7 @@ function calcDash(curve, curves, floor) {
     && other.values.every((value, i) => !(Math.abs(value - curve.values[i]) > floor));
   const alike = curve.second || !curve.ranksFirst ? [] : curves.filter(lies);
   const k = alike.indexOf(curve);
-  if (k < 1) return curve.second ? [4, 4] : dash(curve.colour);
+  if (k < 1) return curve.second ? [4, 8] : dash(curve.colour);
   return [PERIOD * (alike.length - k) / alike.length, PERIOD * k / alike.length];
 }
 
