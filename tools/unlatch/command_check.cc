@@ -104,6 +104,7 @@ void print_plan(const ScenarioOptions& options, const hil::Scenario& scenario, h
   print_joints(scenario.model);
   print_elimination(scenario.model, plan);
   print_elements(scenario.model, simulation);
+  print_requirement_checks(scenario);
   print_heading("Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, options.path + " is valid").c_str());

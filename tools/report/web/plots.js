@@ -3,6 +3,7 @@ import uPlot from 'uplot';
 import { colour, css, dash } from './colours.js';
 import { digits, el, select } from './dom.js';
 import { buildQuantities } from './quantities.js';
+import { findLimits } from './verdict.js';
 
 const HEIGHT = 210;
 const MOST_SHOWN = 12;  // curves at first; the others are a click on their name away
@@ -30,6 +31,34 @@ function resample(run, values, times) {
     const value = fraction === 0 ? values[index] : values[index] + fraction * (values[index + 1] - values[index]);
     return Number.isFinite(value) ? value : null;
   });
+}
+
+// A scale that holds the limits too, but for those further away than the curves are high.
+function reach(limits, low, high) {
+  const height = high - low;
+  const near = limits.map((limit) => limit.value).filter((value) => value >= low - 2 * height && value <= high + 2 * height);
+  return [Math.min(low, ...near), Math.max(high, ...near)];
+}
+
+// A dashed line for each limit, with the ids of its requirements.
+function drawLimits(plot, limits) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = 'right';
+  for (const { value, id, met } of limits) {
+    if (value < plot.scales.y.min || value > plot.scales.y.max) continue;
+    const y = Math.round(plot.valToPos(value, 'y', true)) + 0.5;
+    ctx.strokeStyle = css(met ? '--good' : '--bad');
+    ctx.fillStyle = ctx.strokeStyle;
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.fillText(id, bbox.left + bbox.width - 4 * devicePixelRatio, y - 3 * devicePixelRatio);
+  }
+  ctx.restore();
 }
 
 export class Plots {
@@ -85,18 +114,21 @@ export class Plots {
       curve.marks = curve.marks.filter((mark) => mark.t !== null && Number.isFinite(mark.value)).map((mark) => ({ ...mark, value: mark.value / scale }));
       curve.values = resample(curve.run, curve.values, this.times);
     }
-    return { curves, unit };
+    const limits = findLimits(this.runs, card.group, card.choice).map((limit) => ({ ...limit, value: limit.value / scale }));
+    return { curves, unit, limits };
   }
 
   paintCard(card) {
-    const { curves, unit } = this.buildCurves(card);
+    const { curves, unit, limits } = this.buildCurves(card);
+    card.limits = limits;
     const axis = { stroke: css('--faint'), grid: { stroke: css('--line'), width: 1 }, ticks: { stroke: css('--line'), width: 1, size: 4 },
       font: '11px system-ui, sans-serif', labelFont: '11px system-ui, sans-serif', labelSize: 16, labelGap: 0 };
     const zoom = card.plot ? { ...card.plot.scales.x } : null;
     card.plot?.destroy();
     card.plot = new uPlot({
       ...this.size(card),
-      scales: { x: { time: false } },
+      // Limits within reach of the curves widen the scale; others would flatten them.
+      scales: { x: { time: false }, ...(limits.length ? { y: { range: (_, low, high) => uPlot.rangeNum(...reach(limits, low, high), 0.1, true) } } : {}) },
       axes: [{ ...axis, label: 'time, s', size: 30 },
         { ...axis, label: unit === '1' ? '' : unit, size: 54, values: (_, ticks) => ticks.map((tick) => digits(tick, 6)) }],
       series: [{ label: 't, s', value: (_, value) => (value === null ? '' : digits(value, 7)) }, ...curves.map((curve, i) => ({
@@ -105,7 +137,7 @@ export class Plots {
         show: card.shown.get(i) ?? i % (curves.length / this.runs.length) < MOST_SHOWN, value: (_, value) => digits(value, 5) }))],
       cursor: { sync: { key: 'time', setSeries: false, scales: ['x', null] }, y: false, drag: { x: true, y: false },
         points: { size: 6 } },
-      hooks: { drawClear: [(plot) => this.drawEvents(plot)], draw: [(plot) => this.drawMarks(plot, curves), () => this.moveTo(card)],
+      hooks: { drawClear: [(plot) => this.drawEvents(plot)], draw: [(plot) => this.drawMarks(plot, curves), (plot) => drawLimits(plot, limits), () => this.moveTo(card)],
         setSeries: [(plot, i) => { if (i) card.shown.set(i - 1, plot.series[i].show); }] },
     }, [this.times, ...curves.map((curve) => curve.values)], card.body);
     if (zoom && (zoom.min > this.clock.first || zoom.max < this.clock.last)) card.plot.setScale('x', zoom);

@@ -25,7 +25,7 @@ const pairColour = (pair) => Math.max(pair.a, pair.b) + (Math.min(pair.a, pair.b
 
 function clearances(runs) {
   const all = runs.some((run) => run.pairs_in_all > run.pairs.length) ? '; of many pairs the 40 nearest' : '';
-  return { title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}`, choices: [{
+  return { kind: 'clearance', title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}`, choices: [{
     name: 'all', unit: 'm', build: (run) => run.pairs.map((pair) => ({
       name: `${bodyName(run, pair.a)} – ${bodyName(run, pair.b)}`, colour: pairColour(pair), values: run.column(pair.column),
       marks: [{ t: pair.t, value: pair.min }] })) }] };
@@ -40,7 +40,7 @@ function reactions(first, unit, title) {
       { name: joint.name, colour: joint.follower, values: run.column(joint.column + 1 + row),
         marks: joint.peaks[row].value ? [joint.peaks[row]] : [] })) });
   }
-  return { title, note: `the base’s on the follower, along the ${first === 0 ? 'joint' : 'rotation'} frame`, choices };
+  return { kind: 'reaction', title, note: `the base’s on the follower, along the ${first === 0 ? 'joint' : 'rotation'} frame`, choices };
 }
 
 function vectors(title, note, unit, column, scale) {
@@ -57,7 +57,7 @@ function relative(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(relativePosition(run, i, 0, atFrame(frame)))) })).slice(1);
   const name = runs[0].bodies[0].name;
-  return { title: `Position from ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
+  return { kind: 'position', title: `Position from ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
     { name: 'distance', unit: 'm', build: curves((p) => Math.hypot(...p)) },
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm', build: curves((p) => p[k]) })) ] };
 }
@@ -72,7 +72,7 @@ function relativeVelocity(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(calc(run, i, frame))) })).slice(1);
   const name = runs[0].bodies[0].name;
-  return { title: `Velocity less that of ${name}`, note: `of the bodies’ origins, components along the axes of ${name}`, choices: [
+  return { kind: 'velocity', title: `Velocity less that of ${name}`, note: `of the bodies’ origins, components along the axes of ${name}`, choices: [
     { name: 'size', unit: 'm/s', build: curves((v) => Math.hypot(...v)) },
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm/s', build: curves((v) => v[k]) })) ] };
 }
@@ -115,8 +115,8 @@ const ownSensors = (run) => run.sensors.filter((sensor) => !DUPLICATED.has(senso
 export function buildQuantities(runs) {
   const all = [
     clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
-    vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG), relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true),
-    byUnit('Sensors', 'what flight software hears, but for positions, rates and reactions', runs, ownSensors),
+    { kind: 'rate', ...vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG) }, relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true),
+    { kind: 'sensor', ...byUnit('Sensors', 'what flight software hears, but for positions, rates and reactions', runs, ownSensors) },
     byUnit('Commands', 'channels that change, as the steps read them', runs, changingChannels),
   ];
   return all.filter((group) => runs.some((run) => group.choices.some((choice) => choice.build(run).length > 0)));
