@@ -107,6 +107,15 @@ double ClearanceMonitor::calc(std::size_t pair, const Pose& a, const Pose& b) {
   return distance;
 }
 
+bool ClearanceMonitor::is_exact(std::size_t pair) const {
+  const auto are_round = [&](int body) {
+    const std::vector<Geometry::Piece>& pieces = geometry_->bodies[static_cast<std::size_t>(body)];
+    return std::all_of(pieces.begin(), pieces.end(),
+                       [](const Geometry::Piece& piece) { return is_round(piece.shape); });
+  };
+  return are_round(clearances_[pair].a) && are_round(clearances_[pair].b);
+}
+
 void ClearanceMonitor::update(double time, const std::vector<Pose>& poses) {
   for (std::size_t i = 0; i < clearances_.size(); ++i) {
     Clearance& clearance = clearances_[i];

@@ -52,6 +52,8 @@ class ClearanceMonitor {
   void update(double time, const std::vector<Pose>& poses);  // of all bodies, at `time`
   // m, of a pair by its number, with its bodies at these poses.
   double calc(std::size_t pair, const Pose& a, const Pose& b);
+  // Closed forms serve the pair; if not, its distances have noise of some 1e-6 m.
+  bool is_exact(std::size_t pair) const;
   const std::vector<Clearance>& get() const { return clearances_; }
 
  private:

@@ -16,7 +16,14 @@ bool has(const std::vector<int>& list, int body) { return std::find(list.begin()
 }  // namespace
 
 ClearanceHistory::ClearanceHistory(const Scenario& scenario)
-    : monitor_(scenario.clearance, scenario.shapes), now_(monitor_.get()), tracks_(now_.size()) {}
+    : monitor_(scenario.clearance, scenario.shapes), now_(monitor_.get()), tracks_(now_.size()) {
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+    tracks_[i].whole = tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));
+}
+
+double ClearanceHistory::get_resolution(int pair) const {
+  return monitor_.is_exact(static_cast<std::size_t>(pair)) ? 0 : kTie;
+}
 
 int ClearanceHistory::find(int a, int b) const {
   for (std::size_t i = 0; i < now_.size(); ++i)
@@ -83,7 +90,7 @@ void ClearanceHistory::release(double time, const std::vector<int>& a, const std
     if (!((has(a, pair.a) && has(b, pair.b)) || (has(a, pair.b) && has(b, pair.a)))) continue;
     tracks_[i].after_release = true;
     tracks_[i].release_time = time;
-    tracks_[i].released = {};
+    tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));
     tracks_[i].released.add(time, pair.now);
     now_[i].after_release = {time, pair.now, time};
   }

@@ -26,6 +26,8 @@ class ClearanceHistory {
   [[nodiscard]] bool is_empty() const { return now_.empty(); }
   // The pair of two bodies, in either order; -1 if it is not watched.
   [[nodiscard]] int find(int a, int b) const;
+  // Depth of a dip that is no noise, m.
+  [[nodiscard]] double get_resolution(int pair) const;
   // At the end of the present piece, m; and at any time of the window.
   [[nodiscard]] double get_now(int pair) const { return now_[static_cast<std::size_t>(pair)].now; }
   [[nodiscard]] double calc(const MotionWindow& window, int pair, double time) const;

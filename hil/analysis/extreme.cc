@@ -35,6 +35,7 @@ void Smallest::search(double from, double to, const Function& function) {
 
 // Within an interval that has a neighbour on one side at most: both ends must descend into it.
 void Smallest::search_edge(double from, double at_from, double to, double at_to, const Function& function) {
+  if (resolution_ > 0) return;    // the ends would show noise alone
   constexpr double kNear = 1e-3;  // of the interval
   const double step = kNear * (to - from);
   if (!(step > 0) || !(function(from + step) < at_from) || !(function(to - step) < at_to)) return;
@@ -58,8 +59,12 @@ void Smallest::add(double from, double at_from, double to, double at_to, bool be
   if (count_ == 2) search_edge(from, at_from, to, at_to, function);
   if (count_ < 3) return;
   const double left = values_[0] - values_[1], right = values_[2] - values_[1];
-  // A smooth dip is no deeper below the middle knot than the neighbours are above it.
-  if (left >= 0 && right >= 0 && left + right > 0 && values_[1] - std::max(left, right) < value_)
+  // The vertex of a parabola through the three is no deeper below the middle one than an eighth of this sum; twice
+  // that.
+  constexpr double kRounding = 1e-13;
+  const double dip = 0.25 * (left + right);
+  if (left >= 0 && right >= 0 && dip > std::max(resolution_, kRounding * std::abs(values_[1])) &&
+      values_[1] - dip < value_)
     search(times_[0], times_[2], function);
 }
 

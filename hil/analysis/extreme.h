@@ -13,6 +13,9 @@ class Smallest {
  public:
   using Function = std::function<double(double time)>;
 
+  // `resolution`: dips that are shallower are noise of the function, and not searched.
+  explicit Smallest(double resolution = 0) : resolution_(resolution) {}
+
   // The next interval: values at its ends; `begins`: it does not continue the interval before smoothly (then call
   // finish() first). `function` gives values within this interval and, unless it begins, the one before.
   void add(double from, double at_from, double to, double at_to, bool begins, const Function& function);
@@ -30,6 +33,7 @@ class Smallest {
   void search(double from, double to, const Function& function);
   void search_edge(double from, double at_from, double to, double at_to, const Function& function);
 
+  double resolution_;
   double value_ = std::numeric_limits<double>::infinity(), time_ = 0;
   double times_[3] = {}, values_[3] = {};  // of the latest knots of this run
   int count_ = 0;

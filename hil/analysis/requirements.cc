@@ -17,6 +17,9 @@ std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
 
+bool takes_low(Take take) { return take != Take::kMaximum && take != Take::kFinal; }
+bool takes_high(Take take) { return take != Take::kMinimum && take != Take::kFinal; }
+
 // The part of a vector along a direction; its size if there is none.
 double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
   return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
@@ -66,7 +69,10 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Clearance
     Track track;
     track.requirement = &requirement;
     const Measure quantity = requirement.quantity;
-    if (quantity == Measure::kClearance) track.pair = clearances.find(requirement.a, requirement.b);
+    if (quantity == Measure::kClearance) {
+      track.pair = clearances.find(requirement.a, requirement.b);
+      track.low = track.high = Smallest(clearances.get_resolution(track.pair));
+    }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
       track.joint.emplace(model, requirement.a);
     if (quantity == Measure::kSensor)
@@ -190,9 +196,10 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     track.has_last = true;
     const double end = calc_at(track, to);
     if (is_sampled(r)) track.curve.add(to.time, end, false);
-    if (track.phase == Phase::kOpen) {
+    if (track.phase == Phase::kOpen && takes_low(r.take))
       track.low.add(from.time, start, to.time, end, begins,
                     [&](double time) { return calc_within(track, window, time); });
+    if (track.phase == Phase::kOpen && takes_high(r.take)) {
       track.high.add(from.time, -start, to.time, -end, begins,
                      [&](double time) { return -calc_within(track, window, time); });
     }
