@@ -99,13 +99,28 @@ ClearanceMonitor::~ClearanceMonitor() = default;
 ClearanceMonitor::ClearanceMonitor(ClearanceMonitor&&) noexcept = default;
 ClearanceMonitor& ClearanceMonitor::operator=(ClearanceMonitor&&) noexcept = default;
 
+double ClearanceMonitor::calc(std::size_t pair, const Pose& a, const Pose& b) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (Geometry::Piece& piece_a : geometry_->bodies[static_cast<std::size_t>(clearances_[pair].a)])
+    for (Geometry::Piece& piece_b : geometry_->bodies[static_cast<std::size_t>(clearances_[pair].b)])
+      distance = std::min(distance, geometry_->calc_distance(piece_a, a, piece_b, b));
+  return distance;
+}
+
+bool ClearanceMonitor::is_exact(std::size_t pair) const {
+  const auto are_round = [&](int body) {
+    const std::vector<Geometry::Piece>& pieces = geometry_->bodies[static_cast<std::size_t>(body)];
+    return std::all_of(pieces.begin(), pieces.end(),
+                       [](const Geometry::Piece& piece) { return is_round(piece.shape); });
+  };
+  return are_round(clearances_[pair].a) && are_round(clearances_[pair].b);
+}
+
 void ClearanceMonitor::update(double time, const std::vector<Pose>& poses) {
-  for (Clearance& clearance : clearances_) {
-    const auto a = static_cast<std::size_t>(clearance.a), b = static_cast<std::size_t>(clearance.b);
-    clearance.now = std::numeric_limits<double>::infinity();
-    for (Geometry::Piece& piece_a : geometry_->bodies[a])
-      for (Geometry::Piece& piece_b : geometry_->bodies[b])
-        clearance.now = std::min(clearance.now, geometry_->calc_distance(piece_a, poses.at(a), piece_b, poses.at(b)));
+  for (std::size_t i = 0; i < clearances_.size(); ++i) {
+    Clearance& clearance = clearances_[i];
+    clearance.now =
+        calc(i, poses.at(static_cast<std::size_t>(clearance.a)), poses.at(static_cast<std::size_t>(clearance.b)));
     if (clearance.now < clearance.smallest) {
       clearance.smallest = clearance.now;
       clearance.time = time;

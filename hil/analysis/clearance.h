@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,19 @@ struct Clearance {
   double now = std::numeric_limits<double>::infinity();       // m, at the last update; 0 if they touch or overlap
   double smallest = std::numeric_limits<double>::infinity();  // m, of all updates
   double time = 0;                                            // s, when it was smallest
+  // Times at which it is no greater than the smallest, to 1e-6 m: one instant, or the distance does not change for
+  // long.
+  struct Tie {
+    double from = 0, to = 0;  // s
+    int count = 0;            // knots of the motion
+  };
+  Tie tie{};
+  // From the time at which nothing joins the two any longer; absent for bodies that were never joined, or still are.
+  struct AfterRelease {
+    double from, smallest, time;  // s, m, s
+  };
+  std::optional<AfterRelease> after_release{};
+  double rate = 0;  // m/s, at the last update; below 0 they close
 };
 
 // Spheres and capsules against each other: closed form, exact to rounding. All else: FCL's convex distance (GJK), to
@@ -36,6 +50,10 @@ class ClearanceMonitor {
   ClearanceMonitor& operator=(ClearanceMonitor&&) noexcept;
 
   void update(double time, const std::vector<Pose>& poses);  // of all bodies, at `time`
+  // m, of a pair by its number, with its bodies at these poses.
+  double calc(std::size_t pair, const Pose& a, const Pose& b);
+  // Closed forms serve the pair; if not, its distances have noise of some 1e-6 m.
+  bool is_exact(std::size_t pair) const;
   const std::vector<Clearance>& get() const { return clearances_; }
 
  private:

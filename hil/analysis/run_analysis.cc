@@ -5,18 +5,19 @@
 
 namespace unlatch::hil {
 
-RunAnalysis::RunAnalysis(const Scenario& scenario, const Simulation& simulation, std::vector<std::int64_t> samples_in)
+RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, std::vector<std::int64_t> samples_in)
     : peaks(scenario.model.joints.size()),
       scenario_(scenario),
       simulation_(simulation),
       sample_ticks_(std::move(samples_in)),
-      clearance_(scenario.clearance, scenario.shapes),
-      poses_(scenario.model.bodies.size()) {
+      clearance_(scenario),
+      requirements_(scenario, clearance_),
+      separations_(scenario) {
   std::sort(sample_ticks_.begin(), sample_ticks_.end());
+  simulation.keep_motion();
 }
 
 void RunAnalysis::update(const StepReport& report) {
-  for (const FiredEvent& fired : report.events) add_event(fired);
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   postponed += report.postponed;
 
@@ -29,14 +30,10 @@ void RunAnalysis::update(const StepReport& report) {
       if (std::abs(value) > std::abs(peaks[joint][row].value)) peaks[joint][row] = {value, time};
     }
   }
-  if (!scenario_.clearance.empty()) {
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const BodyState& body = simulation_.state().bodies[i];
-      poses_[i].p_WB = {body.p.x, body.p.y, body.p.z};
-      poses_[i].q_WB = {body.q.w, body.q.x, body.q.y, body.q.z};
-    }
-    clearance_.update(time, poses_);
-  }
+  if (report.substeps == 0)
+    clearance_.begin(time, simulation_.state().bodies);
+  else
+    add_motion(report.events);
   for (; next_sample_ < sample_ticks_.size() && sample_ticks_[next_sample_] <= simulation_.get_tick(); ++next_sample_) {
     if (sample_ticks_[next_sample_] == simulation_.get_tick()) take_sample();
   }
@@ -58,7 +55,27 @@ void RunAnalysis::update_shared(const StepReport& report) {
     if (entry.lasts) entry.until = time;
 }
 
-void RunAnalysis::add_event(const FiredEvent& fired) {
+// Pieces of motion between the knots of the step; a knot that begins anew within it is just after events.
+void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
+  const std::span<const MotionKnot> knots = simulation_.get_motion();
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const MotionKnot &from = knots[i - 1], &to = knots[i];
+    if (!to.begins) {
+      window_.move_on(from, to);
+      clearance_.add(window_);
+      requirements_.add_piece(window_, from, to);
+      separations_.add_piece(window_, from, to);
+      continue;
+    }
+    std::size_t count = 0;
+    while (count < events.size() && events[count].time == to.time) add_event(events[count++], to);
+    separations_.add_events(from, to, clearance_);
+    requirements_.add_events(events.first(count), from, to);
+    events = events.subspan(count);
+  }
+}
+
+void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& after) {
   const Model& model = scenario_.model;
   const Event& event = model.events[static_cast<std::size_t>(fired.event)];
   timeline.push_back({fired.time, event.name, event.subject});
@@ -68,7 +85,7 @@ void RunAnalysis::add_event(const FiredEvent& fired) {
     if (joint.modes[static_cast<std::size_t>(action.mode)].rows != 0) continue;
     const auto body = static_cast<std::size_t>(joint.follower);
     const std::string base = joint.base == kGround ? "ground" : model.bodies[static_cast<std::size_t>(joint.base)].name;
-    tip_offs.push_back({fired.time, model.bodies[body].name, base, joint.name, simulation_.state().bodies[body].w});
+    tip_offs.push_back({fired.time, model.bodies[body].name, base, joint.name, after.state.bodies[body].w});
   }
 }
 

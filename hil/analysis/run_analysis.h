@@ -1,5 +1,6 @@
 // Results of a run for engineers, gathered step by step off the cyclic thread: the event timeline, samples, clearances,
-// tip-off rates, peak reactions, audits. A run in the loop is analysed by replaying it.
+// separations, peak reactions, audits, and the verdict on the requirements. A run in the loop is analysed by replaying
+// it.
 #pragma once
 
 #include <array>
@@ -8,7 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/clearance.h"
+#include "hil/analysis/clearance_history.h"
+#include "hil/analysis/motion_window.h"
+#include "hil/analysis/requirements.h"
+#include "hil/analysis/separations.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
 #include "unlatch/redundancy.h"
@@ -35,7 +39,7 @@ struct Sample {
   std::vector<ReactionSample> reactions;
 };
 
-// A body let go: its state at the end of the step in which a joint to it became free.
+// A body let go: its state at the instant at which a joint to it became free.
 struct TipOff {
   double time = 0;
   std::string body, base, joint;  // base: what it was joined to
@@ -56,7 +60,8 @@ struct SharedReactions {
 class RunAnalysis {
  public:
   // `samples`: ticks at which to take a sample, in any order.
-  RunAnalysis(const Scenario& scenario, const Simulation& simulation, std::vector<std::int64_t> samples);
+  // The simulation keeps its motion from now on.
+  RunAnalysis(const Scenario& scenario, Simulation& simulation, std::vector<std::int64_t> samples);
 
   // Looks at the state as it is, and at what its last step reported (a default report for the initial state).
   void update(const StepReport& report);
@@ -68,10 +73,14 @@ class RunAnalysis {
   std::vector<std::array<PeakReaction, kRows>> peaks;  // per joint
   std::vector<SharedReactions> shared;                 // in the order in which they began
   const std::vector<Clearance>& clearances() const { return clearance_.get(); }
+  // Of the run so far.
+  [[nodiscard]] std::vector<Verdict> judge() const { return requirements_.judge(window_); }
+  [[nodiscard]] std::vector<Separation> list_separations() const { return separations_.list(clearance_); }
   std::int64_t postponed = 0;  // event instants left to a later tick
 
  private:
-  void add_event(const FiredEvent& fired);
+  void add_motion(std::span<const FiredEvent> events);
+  void add_event(const FiredEvent& fired, const MotionKnot& after);
   void take_sample();
   void update_shared(const StepReport& report);
 
@@ -80,8 +89,10 @@ class RunAnalysis {
   std::vector<std::int64_t> sample_ticks_;  // ascending
   std::size_t next_sample_ = 0;
   std::optional<std::int32_t> redundant_;  // rows, at the latest state
-  ClearanceMonitor clearance_;
-  std::vector<Pose> poses_;
+  MotionWindow window_;
+  ClearanceHistory clearance_;
+  RequirementMonitor requirements_;
+  SeparationMonitor separations_;
 };
 
 // The tick nearest to a time.

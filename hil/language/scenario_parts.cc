@@ -150,8 +150,9 @@ class Includer {
 }  // namespace
 
 const std::vector<std::string>& shared_sections() {
-  static const std::vector<std::string> names{"constants", "bodies", "joints",    "elements", "channels",  "sensors",
-                                              "signals",   "events", "clearance", "points",   "templates", "instances"};
+  static const std::vector<std::string> names{"constants",    "bodies",    "joints",   "elements",  "channels",
+                                              "sensors",      "signals",   "events",   "clearance", "points",
+                                              "requirements", "templates", "instances"};
   return names;
 }
 

@@ -44,12 +44,13 @@ std::optional<std::size_t> parse_index(const std::string& part) {
 
 bool is_text(const YamlNode* node, std::string_view text) { return node && node->is_scalar() && node->text == text; }
 
-// The entry of a list of mappings that part names: `name` or `name:subject`.
+// The entry of a list of mappings that part names: `id`, `name` or `name:subject`.
 YamlNode& find_named(YamlNode& list, const std::string& part, const SourceMark& mark) {
   const std::size_t colon = part.find(':');
   YamlNode* found = nullptr;
   for (YamlNode& item : list.items) {
-    if (!is_text(item.find("name"), part.substr(0, colon))) continue;
+    const YamlNode* const id = item.find("id");
+    if (!is_text(id ? id : item.find("name"), part.substr(0, colon))) continue;
     if (colon != std::string::npos && !is_text(item.find("subject"), part.substr(colon + 1))) continue;
     if (found) throw YamlError(mark, "several entries are called '" + part + "'", "write name:subject, or its number");
     found = &item;

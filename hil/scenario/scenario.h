@@ -11,6 +11,7 @@
 #include "hil/language/scenario_sources.h"
 #include "hil/messages/messages.h"
 #include "hil/scenario/rates.h"
+#include "hil/scenario/requirements.h"
 #include "hil/scenario/shapes.h"
 #include "hil/scenario/timing_options.h"
 #include "unlatch/model.h"
@@ -55,6 +56,7 @@ struct Scenario {
   std::vector<std::vector<Shape>> shapes;      // of each body
   std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
   std::vector<TracedPoint> points;
+  std::vector<Requirement> requirements;
   std::map<std::string, SourceMark> marks;  // places of the elements, by ModelError::where: "body 'core'"
 };
 

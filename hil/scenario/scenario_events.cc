@@ -74,6 +74,8 @@ void ScenarioReader::read_event(const YamlNode& node) {
   if (nodes_.count(where) > 0)
     mistakes_.add(node.mark, "a second " + where, "give each event its own pair of name and subject");
   read_item_at(where, node, read_rest);
+  event_names_.emplace_back(event.name + (event.subject.empty() ? "" : ":" + event.subject),
+                            enabled ? static_cast<int>(model_.events.size()) : kNone);
   if (enabled) model_.events.push_back(std::move(event));
 }
 

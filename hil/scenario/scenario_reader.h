@@ -1,6 +1,6 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
-// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc, scenario_flexible.cc and
-// scenario_shapes.cc.
+// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc, scenario_flexible.cc,
+// scenario_requirements.cc and scenario_shapes.cc.
 #pragma once
 
 #include <functional>
@@ -42,6 +42,7 @@ class ScenarioReader {
   void read_events(YamlMap& top);
   void read_clearance(YamlMap& top);
   void read_points(YamlMap& top);
+  void read_requirements(YamlMap& top);
 
   // Bodies.
   struct Placement {
@@ -97,6 +98,16 @@ class ScenarioReader {
   Action read_action(const YamlNode& node);
   int read_mode_of(YamlMap& map, const std::string& key, int joint);
 
+  // Requirements.
+  void read_requirement(const YamlNode& node);
+  void read_requirement_quantity(const YamlNode& node, const std::string& kind, Requirement& to);
+  void read_requirement_clearance(const YamlNode& node, Requirement& to);
+  void read_requirement_of_bodies(YamlMap& map, Requirement& to);
+  void read_requirement_sensor(YamlMap& map, Requirement& to);
+  void read_requirement_interval(YamlMap& map, Requirement& to);
+  void read_requirement_limit(YamlMap& map, Requirement& to);
+  EventName read_event_name(const YamlNode& node);
+
   // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and remembers its place.
   void for_each_named(YamlMap& top, const std::string& section, const std::string& kind,
                       const std::function<void(const std::string&, const YamlNode&)>& read_item);
@@ -110,6 +121,7 @@ class ScenarioReader {
   ScenarioSources& sources_;
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
+  std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for those left out
   std::vector<Placement> placements_;
   std::map<std::string, FlexibleStructure> structures_;  // by flexible body
   std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where

@@ -115,9 +115,16 @@ bool Simulation::set_channel(std::size_t channel, double value) noexcept {
   return true;
 }
 
+void Simulation::keep_motion() {
+  if (log_memory_) return;
+  log_memory_ = allocate(MotionLog::get_bytes(plan_));
+  log_ = MotionLog(plan_, {log_memory_.get(), MotionLog::get_bytes(plan_)});
+}
+
 StepReport Simulation::step() noexcept {
   held_.latch(get_tick(), channels_);
-  const StepReport report = unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_);
+  const StepReport report =
+      unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_, log_memory_ ? &log_ : nullptr);
   if (report.status == StepStatus::kOk) held_.sample(get_tick(), workspace_.sensors);
   return report;
 }

@@ -37,6 +37,11 @@ class Simulation {
   // kOk nothing has changed but what is latched.
   StepReport step() noexcept UNLATCH_NONBLOCKING;
 
+  // From now on each step leaves the knots of its motion; allocates. For the analysis of a run, off the cyclic thread.
+  void keep_motion();
+  // Of the latest step; empty before it, and without keep_motion().
+  std::span<const MotionKnot> get_motion() const noexcept { return log_.get_knots(); }
+
   // A warm-up step: the same step, thrown away. Code and data remain in the processor's caches.
   void warm_up() noexcept UNLATCH_NONBLOCKING;
 
@@ -90,7 +95,8 @@ class Simulation {
 
   Model model_;
   Plan plan_;
-  Memory state_memory_, workspace_memory_, warm_up_memory_;
+  Memory state_memory_, workspace_memory_, warm_up_memory_, log_memory_;
+  MotionLog log_;
   State state_, warm_up_state_;
   Workspace workspace_;
   std::vector<double> channels_;

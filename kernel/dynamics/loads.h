@@ -7,13 +7,6 @@
 
 namespace unlatch {
 
-// An element's switch scale at time t.
-inline double calc_scale(const ElementState& element, double t) noexcept {
-  const double elapsed = t - element.start;
-  if (!(elapsed < element.duration)) return element.to;
-  return element.from + (element.to - element.from) * (elapsed / element.duration);
-}
-
 // A profile's value, s seconds after its element was switched on.
 double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) noexcept;
 

@@ -3,12 +3,9 @@
 #pragma once
 
 #include "kernel/plan/evaluation.h"
+#include "unlatch/motion.h"  // calc_twist
 
 namespace unlatch {
-
-// The turn about axis k of the rotation frame by which the follower's frame stands from the base's, in (−π, π]: exact
-// for a turn about that axis alone, and for both axes of a universal joint.
-double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept;
 
 // Which coordinates an evaluation wants.
 enum class CoordinateSet {

@@ -52,6 +52,7 @@ struct Run {
   Evaluation& ev;
   State& state;
   EventSearch& search;
+  MotionLog* log;  // null if nobody wants it
   StepReport report{};
   int node = kNone;  // where a pivot vanished
 
@@ -149,8 +150,33 @@ void accept(Run& run) {
   rearm(run.plan, run.state, run.ev);
 }
 
-bool act_at(Run& run, double now) {
+void copy(const State& from, const State& to) {
+  std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
+}
+
+// The state and the evaluation of this instant, sensors included, which nothing else of the step reads.
+void log_motion(Run& run, double now, bool begins) {
+  if (run.log == nullptr) return;
+  update_sensors(run.plan, run.state, run.ev);
+  MotionKnot& knot = run.log->add();
+  knot.time = now;
+  knot.begins = begins;
+  copy(run.state, knot.state);
+  for (std::size_t b = 0; b < knot.accelerations.size(); ++b)
+    knot.accelerations[b] = run.ev.get_acceleration(static_cast<int>(b));
+  for (std::size_t i = 0; i < knot.multipliers.size(); ++i) knot.multipliers[i] = run.ev.multipliers[i];
+  std::copy(run.ev.sensors.begin(), run.ev.sensors.end(), knot.sensors.begin());
+}
+
+// `begins`: of the knot before the events.
+bool act_at(Run& run, double now, bool begins) {
+  log_motion(run, now, begins);
+  const std::int32_t fired = run.search.fired_count;
   const StepStatus status = act(run.plan, run.inputs, now, run.state, run.ev, run.search, run.node);
+  if (status == StepStatus::kOk && run.search.fired_count != fired)
+    log_motion(run, now, true);
+  else if (run.log != nullptr && !begins)
+    run.log->remove();  // no event acted: the motion goes on smoothly
   return status == StepStatus::kOk ||
          run.fail(status == StepStatus::kSingular ? get_pivot_status(run.plan, run.ev, run.node) : status);
 }
@@ -182,7 +208,7 @@ double advance(Run& run, double now, double end, int& splits) {
   accept(run);
   if (may_split && (crossings > 0 || reaches_due)) {
     ++splits;
-    act_at(run, reached);
+    act_at(run, reached, false);
   }
   return reached;
 }
@@ -198,10 +224,6 @@ bool is_finite(const State& state, std::span<const double> sensors) {
   for (const double number : state.auxiliary) sum += number;
   for (const double number : sensors) sum += number;
   return std::isfinite(sum);
-}
-
-void copy(const State& from, const State& to) {
-  std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
 // How far a state that is handed in may differ from the one that is kept.
@@ -236,13 +258,14 @@ double get_time(const PlanData& plan, std::int64_t tick) { return static_cast<do
 
 }  // namespace
 
-StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace& workspace) noexcept {
+StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace& workspace, MotionLog* log) noexcept {
   const PlanData& plan = owner.data();
   WorkspaceData& data = workspace.data();
   FinalEvaluation& kept = data.kept;
   const Changed changed = kept.is_of(state) ? Changed::kCommands : compare(kept, state);
   kept.valid = false;  // until this step has ended well
-  Run run{plan, inputs, kept.evaluation, kept.state, data.search};
+  Run run{plan, inputs, kept.evaluation, kept.state, data.search, log};
+  if (log != nullptr) log->clear();
   const double begin = get_time(plan, state.header->tick), end = get_time(plan, state.header->tick + 1);
   run.search.fired_count = run.search.audit_count = 0;
   std::fill(run.search.tolerances.begin(), run.search.tolerances.end(), 0.0);
@@ -250,7 +273,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   // Events that the new inputs bring about, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed)) return finish(run);
   rearm(plan, run.state, run.ev);
-  if (!act_at(run, begin)) return finish(run);
+  if (!act_at(run, begin, true)) return finish(run);
 
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
@@ -261,6 +284,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
 
   run.report.redundant = run.ev.loop_redundant;
   ++run.state.header->tick;
+  log_motion(run, end, false);
   copy(run.state, state);
   kept.valid = true;
   return finish(run);

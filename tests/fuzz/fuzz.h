@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -39,11 +40,14 @@ inline bool is_finite(const unlatch::State& state) {
 }
 
 // Whatever model came out of a file, a step of it ends in a status and leaves no number in its state that is none.
-inline void step_a_little(hil::Simulation& simulation) {
+// `look`: at the report of each good step.
+inline void step_a_little(hil::Simulation& simulation, const std::function<void(const StepReport&)>& look = {}) {
   constexpr int kSteps = 3;
   for (int i = 0; i < kSteps; ++i) {
-    if (simulation.step().status != StepStatus::kOk) break;
+    const StepReport report = simulation.step();
+    if (report.status != StepStatus::kOk) break;
     require(is_finite(simulation.state()), "a number that is not finite in a state after a good step");
+    if (look) look(report);
   }
 }
 

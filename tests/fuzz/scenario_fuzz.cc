@@ -1,5 +1,5 @@
 // The scenario loader: a text gives a scenario, or a ScenarioError; what loads compiles and steps, or says why not.
-#include "hil/analysis/clearance.h"
+#include "hil/analysis/run_analysis.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;
@@ -10,11 +10,12 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const hil::Scenario scenario = hil::load_scenario_text(fuzz::to_text(data, size), "fuzz.yaml");
     if (scenario.model.bodies.size() > kMaxBodies) return 0;
     const auto simulation = hil::build_simulation(scenario);
-    hil::ClearanceMonitor clearance(scenario.clearance, scenario.shapes);
-    std::vector<hil::Pose> poses;
-    for (const Body& body : scenario.model.bodies) poses.push_back({body.p_WB, body.q_WB});
-    clearance.update(0, poses);
-    fuzz::step_a_little(*simulation);
+    hil::RunAnalysis analysis(scenario, *simulation, {});
+    analysis.update(StepReport{});
+    fuzz::step_a_little(*simulation, [&](const StepReport& report) { analysis.update(report); });
+    for (const hil::Verdict& verdict : analysis.judge())
+      fuzz::require(verdict.evaluated || !verdict.why.empty(), "a requirement that is not evaluated, without a reason");
+    (void)analysis.list_separations();
   } catch (const hil::ScenarioError& error) {
     fuzz::require(!error.mistakes.empty(), "a refusal without a mistake");
   }

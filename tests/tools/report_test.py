@@ -72,6 +72,31 @@ class ReportTest(ProcessTest):
             return { colours: new Set(pixels).size, sum: pixels.reduce((sum, pixel, i) => (sum * 31 + pixel) % 1000003, 7) };
         })()""")
 
+    # --- The verdict ----------------------------------------------------------------------------------------------
+
+    def test_the_verdict_stands_on_top_and_its_limits_are_in_the_plots(self):
+        text = Path(REFERENCE).read_text()
+        scenario = self.folder / "judged.yaml"
+        scenario.write_text(text.replace("requirements: ", "requirements:\n  - {id: far, text: " + json.dumps(HOSTILE) +
+                                         ", clearance: [core, booster1], at_least: 1.5}  #", 1))
+        log = self.folder / "judged.log"
+        result = self.run_json(UNLATCH, "run", scenario, "--log", log, code=1)
+        self.assertEqual([entry["id"] for entry in result["verdict"] if not entry["met"]], ["far"])
+        self.open(log)
+        self.assertEqual(self.ask("document.getElementById('results').firstElementChild.id"), "verdict")
+        rows = self.ask("[...document.querySelectorAll('#verdict tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))")
+        self.assertEqual([row[:2] for row in rows], [[entry["id"], "met" if entry["met"] else "not met"] for entry in result["verdict"]])
+        self.assertIn("1.31941 m", rows[0][2])
+        self.assertEqual(rows[0][3], "at least 1.5 m")
+        self.assertIn(HOSTILE, rows[0][6])
+        self.assertIn("1 of 5 not met", self.ask("document.querySelector('#verdict small').textContent"))
+        limits = self.ask("unlatchReport.plots.cards.find((card) => card.group.title === 'Clearances').limits")
+        self.assertEqual([(limit["id"], limit["value"], limit["met"]) for limit in limits],
+                         [("far", 1.5, False), ("distance1, distance2, distance3, distance4", 1, True)])
+        self.assertEqual(self.ask("window.struck"), None)
+        separations = self.ask("[...document.querySelectorAll('h2')].some((title) => title.textContent === 'Separations')")
+        self.assertTrue(separations)
+
     # --- One run --------------------------------------------------------------------------------------------------
 
     def test_the_slider_moves_the_bodies_to_where_the_run_had_them(self):

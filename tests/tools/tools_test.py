@@ -120,14 +120,17 @@ class ToolsTest(ProcessTest):
             self.assertEqual(names, {"ties_cut", "cutoff", "release", "contact", "nozzle", "liftoff"})
 
     def test_a_dead_contact_keeps_its_nozzle_shut_and_its_nose_on_the_core(self):
-        report = self.run_over("inproc", "--pace", "lockstep", "--until", "3", *PATIENT, scenario=DEAD_NOZZLE)
+        report = self.run_over("inproc", "--pace", "lockstep", "--until", "3", *PATIENT, scenario=DEAD_NOZZLE,
+                               code=1)  # the safe distance is not kept
+        self.assertEqual([entry["id"] for entry in report["verdict"] if not entry["met"]], ["distance1"])
         times = {(e["name"], e["subject"]): e["t"] for e in report["events"]}
         self.assertNotIn(("contact", "booster1"), times)
         self.assertNotIn(("nozzle", "booster1"), times)
         self.assertIn(("nozzle", "booster2"), times)
         self.assertGreater(times["liftoff", "booster1"], times["liftoff", "booster2"] + 0.1)
         text = self.run_ok(UNLATCH, "hil", DEAD_NOZZLE, "--transport", "inproc", "--pace", "lockstep", "--until", "3",
-                           *PATIENT).stdout
+                           *PATIENT, code=1).stdout
+        self.assertIn("1 of 4 requirements are not met", text)
         self.assertIn("booster1 stayed on core", text)
         self.assertIn("core and booster1 touch", text)
 
@@ -146,11 +149,11 @@ class ToolsTest(ProcessTest):
 
     # --- faults on purpose --------------------------------------------------------------------------------------
 
-    def run_with_faults(self, transport, name, *arguments, until="3"):
+    def run_with_faults(self, transport, name, *arguments, until="3", code=0):
         log = self.folder / f"{name}-{transport}.log"
         report = self.run_over(transport, "--pace", "lockstep", "--until", until, "--log", log, "--faults",
-                               SCENARIOS / f"boosters/faults/{name}.yaml", *arguments)
-        again = self.run_json(UNLATCH, "replay", log)  # without the script
+                               SCENARIOS / f"boosters/faults/{name}.yaml", *arguments, code=code)
+        again = self.run_json(UNLATCH, "replay", log, code=code)  # without the script
         self.assertTrue(again["replay"]["agrees"])
         self.assertEqual((again["hash"], again["notices"]), (report["hash"], report["notices"]))
         return report
@@ -164,7 +167,7 @@ class ToolsTest(ProcessTest):
 
     def test_a_stuck_contact_and_a_jammed_nozzle_keep_the_nose_on_the_core(self):
         for name in ("stuck-contact", "jammed-nozzle"):
-            report = self.run_with_faults("inproc", name, *PATIENT)
+            report = self.run_with_faults("inproc", name, *PATIENT, code=1)  # the nose strikes the core
             times = {(e["name"], e["subject"]): e["t"] for e in report["events"]}
             self.assertIn(("contact", "booster1"), times)
             self.assertNotIn(("nozzle", "booster1"), times)

@@ -81,6 +81,7 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
                                 {"implicit", element.implicit},
                                 {"stable", element.implicit || std::max(h_omega, h_decay) <= kStable}});
   }
+  json["requirements"] = build_requirement_checks(scenario);
   json["counts"] = {{"channels", model.channels.size()},
                     {"sensor_values", plan.get_sensor_count()},
                     {"signals", model.signals.size()},

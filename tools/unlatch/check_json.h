@@ -1,6 +1,7 @@
 // Results of `unlatch check` as JSON, written as report.h says.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,9 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
                      const std::vector<RedundantRows>& redundant, const std::string& target);
 // Every mistake, with its place.
 void write_mistakes_json(const hil::ScenarioError& error, const std::string& target);
+
+// Requirements, and which of them no run can evaluate (check_requirements.cc).
+void print_requirement_checks(const hil::Scenario& scenario);
+nlohmann::ordered_json build_requirement_checks(const hil::Scenario& scenario);
 
 }  // namespace unlatch::tools

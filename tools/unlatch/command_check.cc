@@ -134,6 +134,7 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   print_elimination(scenario.model, plan);
   print_redundant(scenario.model, redundant);
   print_elements(scenario.model, simulation);
+  print_requirement_checks(scenario);
   print_heading("Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());

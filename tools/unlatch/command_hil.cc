@@ -28,6 +28,7 @@
 #include "tools/unlatch/recording_watch.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
+#include "tools/unlatch/verdict_report.h"
 
 namespace unlatch::tools {
 namespace {
@@ -258,8 +259,9 @@ class Session {
                            end.hash,  end.timing, recording.notices, replayed, refused_};
     print_report(get_people_stream(options_.output.json), report);
     write_json(report, options_.output.json);
+    write_junit(report, options_.output.junit);
     if (!error.empty()) throw OutputError(error);
-    return status == "ok" ? kExitDone : kExitFailed;
+    return status == "ok" && is_met(report) ? kExitDone : kExitFailed;
   }
 
   const HilOptions& options_;
@@ -284,7 +286,8 @@ void add_hil(Command app, int& exit_code) {
   Command command = app.add_verb(
       "hil",
       "Runs a scenario with flight software in the loop. The flight software is another process, started before or "
-      "after this one. With --transport inproc the reference flight software runs in this process.",
+      "after this one. With --transport inproc the reference flight software runs in this process. Exit code 1 if a "
+      "requirement is not met.",
       "unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log &\n"
       "unlatch-fsw --transport dds");
   add_scenario_options(command, options->scenario);

@@ -3,12 +3,13 @@
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/replayed_log.h"
 #include "tools/unlatch/terminal.h"
+#include "tools/unlatch/verdict_report.h"
 
 namespace unlatch::tools {
 namespace {
 
 struct ReplayOptions {
-  std::string log, json;
+  std::string log, json, junit;
 };
 
 int run(const ReplayOptions& options) {
@@ -20,7 +21,8 @@ int run(const ReplayOptions& options) {
   const RunReport report = log.build_report();
   print_report(get_people_stream(options.json), report);
   write_json(report, options.json);
-  return log.is_sound() ? kExitDone : kExitFailed;
+  write_junit(report, options.junit);
+  return log.is_sound() && is_met(report) ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -30,10 +32,12 @@ void add_replay(Command app, int& exit_code) {
   Command command = app.add_verb(
       "replay",
       "Runs a recording again, compares the hash of the state at every tick, and reports the first difference (exit "
-      "code 1). A truncated recording replays up to its end, with status 'truncated' and exit code 0.",
+      "code 1). A truncated recording replays up to its end, with status 'truncated' and exit code 0. Exit code 1 if "
+      "a requirement is not met.",
       "unlatch replay run.log --json replay.json");
   command.add_option("LOG", options->log, "recording made by --log").required();
   command.add_json_option(options->json);
+  add_junit_option(command, options->junit);
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -15,6 +15,7 @@
 #include "tools/unlatch/recording_watch.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
+#include "tools/unlatch/verdict_report.h"
 
 namespace unlatch::tools {
 namespace {
@@ -131,18 +132,19 @@ int run(const RunOptions& options) {
                          {},          std::nullopt};
   print_report(get_people_stream(options.output.json), report);
   write_json(report, options.output.json);
+  write_junit(report, options.output.junit);
   if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
-  return end.status == hil::RunStatus::kDone ? kExitDone : kExitFailed;
+  return end.status == hil::RunStatus::kDone && is_met(report) ? kExitDone : kExitFailed;
 }
 
 }  // namespace
 
 void add_run(Command app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
-  Command command =
-      app.add_verb("run", "Runs a scenario without flight software, as fast as possible.",
-                   "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
-               "unlatch run hil/scenarios/boosters/reference.yaml --set bodies.core.mass=99000 --log run.log");
+  Command command = app.add_verb(
+      "run", "Runs a scenario without flight software, as fast as possible. Exit code 1 if a requirement is not met.",
+      "unlatch run hil/scenarios/boosters/reference.yaml --sample 0,2 --json result.json\n"
+      "unlatch run hil/scenarios/boosters/reference.yaml --set bodies.core.mass=99000 --log run.log");
   add_scenario_options(command, options->scenario);
   command
       .add_option("--sample", options->samples,

@@ -50,8 +50,9 @@ inline constexpr double kAccurate = 0.2, kStable = 2.8;
 
 // The outputs that run and hil may write; a recording is a file, and another one than the JSON's.
 struct OutputOptions {
-  std::string json, log;
+  std::string json, log, junit;
 };
 void add_output_options(Command command, OutputOptions& options);
+void add_junit_option(Command command, std::string& junit);
 
 }  // namespace unlatch::tools

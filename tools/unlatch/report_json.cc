@@ -5,6 +5,7 @@
 
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
+#include "tools/unlatch/verdict_report.h"
 
 namespace unlatch::tools {
 namespace {
@@ -37,9 +38,16 @@ Json build_sample(const hil::Sample& sample, const Model& model) {
 
 Json build_clearance(const hil::Clearance& clearance, const Model& model) {
   const auto name = [&model](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
-  return {{"pair", Json::array({name(clearance.a), name(clearance.b)})},
-          {"min", clearance.smallest},
-          {"t", clearance.time}};
+  Json json = {{"pair", Json::array({name(clearance.a), name(clearance.b)})},
+               {"min", clearance.smallest},
+               {"t", clearance.time},
+               {"tie", {clearance.tie.from, clearance.tie.to}}};
+  if (clearance.after_release) {
+    json["after_release"] = {{"from", clearance.after_release->from},
+                             {"min", clearance.after_release->smallest},
+                             {"t", clearance.after_release->time}};
+  }
+  return json;
 }
 
 Json build_audit(const EventAudit& audit) {
@@ -163,6 +171,8 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   for (const auto& clearance : report.analysis.clearances()) {
     json["clearance"].push_back(build_clearance(clearance, model));
   }
+  json["verdict"] = build_requirements_json(report);
+  json["separations"] = build_separations_json(report);
   json["tip_off"] = Json::array();
   for (const hil::TipOff& tip_off : report.analysis.tip_offs) {
     json["tip_off"].push_back(

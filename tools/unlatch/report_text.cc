@@ -5,11 +5,10 @@
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
+#include "tools/unlatch/verdict_report.h"
 
 namespace unlatch::tools {
 namespace {
-
-constexpr double kDegPerRad = 57.29577951308232;
 
 void print_heading(std::FILE* to, const char* text) {
   std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
@@ -49,6 +48,17 @@ void print_timeline(std::FILE* to, const RunReport& report) {
   }
 }
 
+// "at 1.3000 s"; where the distance does not change for long, "from 0.0420 to 0.0800 s".
+std::string describe_time(const hil::Clearance& clearance) {
+  constexpr int kLong = 10;  // knots: fewer are the bottom of a smooth curve
+  char text[64];
+  if (clearance.tie.count < kLong)
+    std::snprintf(text, sizeof text, "at %9.4f s", clearance.time);
+  else
+    std::snprintf(text, sizeof text, "from %.4f to %.4f s", clearance.tie.from, clearance.tie.to);
+  return text;
+}
+
 void print_clearances(std::FILE* to, const RunReport& report) {
   if (report.analysis.clearances().empty()) return;
   print_heading(to, "Smallest clearances");
@@ -66,27 +76,13 @@ void print_clearances(std::FILE* to, const RunReport& report) {
     });
     const hil::Clearance& clearance = clearances[least];
     const std::string of_group = "  the smallest of " + std::to_string(group.size()) + " pairs " + keys[least];
-    std::fprintf(to, "  %-28s %9.4f m at %9.4f s%s%s\n", pairs[least].c_str(), clearance.smallest, clearance.time,
+    std::fprintf(to, "  %-28s %9.4f m %s%s%s\n", pairs[least].c_str(), clearance.smallest,
+                 describe_time(clearance).c_str(),
                  clearance.smallest > 0 ? "" : paint(to, Colour::kRed, "  they touch").c_str(),
                  group.size() == 1 ? "" : of_group.c_str());
-  }
-}
-
-void print_tip_offs(std::FILE* to, const RunReport& report) {
-  if (report.analysis.tip_offs.empty()) return;
-  print_heading(to, "Tip-off rates (body axes)");
-  const auto& tip_offs = report.analysis.tip_offs;
-  std::vector<std::string> keys;
-  for (const hil::TipOff& tip_off : tip_offs) keys.push_back(without_numbers(tip_off.body));
-  for (const std::vector<std::size_t>& group : group_alike(keys)) {
-    const hil::TipOff& tip_off =
-        tip_offs[*std::max_element(group.begin(), group.end(), [&](std::size_t i, std::size_t k) {
-          return norm(tip_offs[i].w) < norm(tip_offs[k].w);
-        })];
-    const std::string of_group = "  the fastest of " + std::to_string(group.size()) + " " + keys[group[0]];
-    std::fprintf(to, "  %-12s at %10.6f s   %9.4f %9.4f %9.4f deg/s   |w| %8.4f deg/s%s\n", tip_off.body.c_str(),
-                 tip_off.time, tip_off.w.x * kDegPerRad, tip_off.w.y * kDegPerRad, tip_off.w.z * kDegPerRad,
-                 norm(tip_off.w) * kDegPerRad, group.size() == 1 ? "" : of_group.c_str());
+    if (!clearance.after_release || clearance.after_release->smallest == clearance.smallest) continue;
+    std::fprintf(to, "  %-28s %9.4f m at %9.4f s, from the release at %.4f s on\n", "",
+                 clearance.after_release->smallest, clearance.after_release->time, clearance.after_release->from);
   }
 }
 
@@ -240,11 +236,12 @@ void print_report(std::FILE* to, const RunReport& report) {
   const double dt = report.simulation.plan().get_options().dt;
   print_timeline(to, report);
   print_clearances(to, report);
-  print_tip_offs(to, report);
+  print_separations(to, report);
   print_reactions(to, report);
   print_audit(to, report.analysis.audits);
   print_timing(to, report.timing);
   print_verdicts(to, report);
+  print_requirements(to, report);
   const bool ok = report.status == "ok";
   std::fprintf(to, "\n%s: %s, %s of %g s, t = %g s, state hash %s\n",
                paint(to, Colour::kBold, report.scenario.name).c_str(),

@@ -82,8 +82,13 @@ void warn_of_unstable_elements(const hil::Scenario& scenario) {
   }
 }
 
+void add_junit_option(Command command, std::string& junit) {
+  command.add_option("--junit", junit, "the requirements as test cases, JUnit XML").type_name("FILE");
+}
+
 void add_output_options(Command command, OutputOptions& options) {
   command.add_json_option(options.json);
+  add_junit_option(command, options.junit);
   command.add_option("--log", options.log, "recording to write (LCM event log), for `unlatch replay`")
       .type_name("FILE");
   command.parsed_callback([&options] {

@@ -45,6 +45,13 @@ struct ElementState {
   double from, to, start, duration;
 };
 
+// An element's switch scale at time t, s.
+inline double calc_scale(const ElementState& element, double t) noexcept {
+  const double elapsed = t - element.start;
+  if (!(elapsed < element.duration)) return element.to;
+  return element.from + (element.to - element.from) * (elapsed / element.duration);
+}
+
 // Progress of an event.
 enum class EventPhase : std::int64_t {
   kArmed = 0,    // waits for its guard

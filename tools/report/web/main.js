@@ -8,6 +8,7 @@ import { Stage } from './stage.js';
 import { buildTables } from './tables.js';
 import { Timeline } from './timeline.js';
 import { buildTiming } from './timing.js';
+import { buildVerdict } from './verdict.js';
 
 function open() {
   const data = JSON.parse(document.getElementById('data').textContent);
@@ -21,7 +22,7 @@ function open() {
   document.getElementById('stage').append(stage.node, timeline.node);
   const plots = new Plots(runs, clock);
   document.getElementById('results').prepend(
-    plots.node, buildTiming(runs, plots), buildTables(data, runs, clock));
+    ...[buildVerdict(runs, clock)].filter(Boolean), plots.node, buildTiming(runs, plots), buildTables(data, runs, clock));
 
   const redraw = () => { stage.paint(); plots.paint(); };
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);

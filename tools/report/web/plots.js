@@ -3,6 +3,7 @@ import uPlot from 'uplot';
 import { colour, css, dash, secondColour } from './colours.js';
 import { digits, el, select } from './dom.js';
 import { buildQuantities } from './quantities.js';
+import { findLimits } from './verdict.js';
 
 const HEIGHT = 210, WIDTH = 76;  // px, of a plot and of its axis: of all the same, so that times stand below one another
 const MOST_SHOWN = 12;  // curves at first; the others are a click on their name away
@@ -65,6 +66,35 @@ function writeTicks(ticks) {
   const size = Math.max(...ticks.map(Math.abs));
   const count = Math.min(12, Math.max(3, 2 + Math.ceil(Math.log10(Math.max(size / step, 1)))));
   return ticks.map((tick) => digits(Math.abs(tick) < 1e-9 * step ? 0 : tick, count));
+}
+
+// A scale that holds the limits too, but for those further away than the curves are high.
+function reach(limits, low, high) {
+  if (limits.length === 0 || low === null || high === null) return [low, high];
+  const height = high - low;
+  const near = limits.map((limit) => limit.value).filter((value) => value >= low - 2 * height && value <= high + 2 * height);
+  return [Math.min(low, ...near), Math.max(high, ...near)];
+}
+
+// A dashed line for each limit, with the ids of its requirements.
+function drawLimits(plot, limits) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.setLineDash([6 * devicePixelRatio, 4 * devicePixelRatio]);
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = 'right';
+  for (const { value, id, met } of limits) {
+    if (value < plot.scales.y.min || value > plot.scales.y.max) continue;
+    const y = Math.round(plot.valToPos(value, 'y', true)) + 0.5;
+    ctx.strokeStyle = css(met ? '--good' : '--bad');
+    ctx.fillStyle = ctx.strokeStyle;
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.fillText(id, bbox.left + bbox.width - 4 * devicePixelRatio, y - 3 * devicePixelRatio);
+  }
+  ctx.restore();
 }
 
 export class Plots {
@@ -132,18 +162,21 @@ export class Plots {
     }
     card.left.textContent = ranks.size > MOST_SHOWN
       ? `${MOST_SHOWN} of ${ranks.size} curves are drawn, those with the ${curves[0].rank === undefined ? 'largest' : 'smallest'} values; a click on a name shows or hides one` : '';
-    return { curves, unit, floor: floor / scale };
+    const limits = findLimits(this.runs, card.group, card.choice).map((limit) => ({ ...limit, value: limit.value / scale }));
+    return { curves, unit, floor: floor / scale, limits };
   }
 
   paintCard(card) {
-    const { curves, unit, floor } = this.buildCurves(card);
+    const { curves, unit, floor, limits } = this.buildCurves(card);
+    card.limits = limits;
     const axis = { stroke: css('--faint'), grid: { stroke: css('--line'), width: 1 }, ticks: { stroke: css('--line'), width: 1, size: 4 },
       font: '11px system-ui, sans-serif', labelFont: '11px system-ui, sans-serif', labelSize: 16, labelGap: 0 };
     const zoom = card.plot ? { ...card.plot.scales.x } : null;
     card.plot?.destroy();
     card.plot = new uPlot({
       ...this.size(card),
-      scales: { x: { time: false }, y: { range: (plot, least, most) => this.chooseRange(card, plot, least, most, floor) } },
+      // Limits within reach of the curves widen the scale; others would flatten them.
+      scales: { x: { time: false }, y: { range: (plot, least, most) => this.chooseRange(card, plot, ...reach(limits, least, most), floor) } },
       axes: [{ ...axis, label: 'time, s', size: 30 },
         { ...axis, label: unit === '1' ? '' : unit, size: (_, ticks) => Math.max(WIDTH, 24 + 6.5 * Math.max(0, ...(ticks ?? []).map((text) => text.length))), values: (_, ticks) => writeTicks(ticks) }],
       series: [{ label: 't, s', value: (_, value) => (value === null ? '' : digits(value, 7)) }, ...curves.map((curve, i) => ({
@@ -152,7 +185,7 @@ export class Plots {
         show: card.shown.get(i) ?? curve.ranksFirst, value: (_, value) => digits(value, 5) }))],
       cursor: { sync: { key: 'time', setSeries: false, scales: ['x', null] }, y: false, drag: { x: true, y: false },
         points: { size: 6 } },
-      hooks: { drawClear: [(plot) => this.drawEvents(plot)], draw: [(plot) => this.drawMarks(plot, curves), () => this.moveTo(card)],
+      hooks: { drawClear: [(plot) => this.drawEvents(plot)], draw: [(plot) => this.drawMarks(plot, curves), (plot) => drawLimits(plot, limits), () => this.moveTo(card)],
         setSeries: [(plot, i) => { if (i) card.shown.set(i - 1, plot.series[i].show); }] },
     }, [this.times, ...curves.map((curve) => curve.values)], card.body);
     const { window } = card.choice;

@@ -48,7 +48,7 @@ function clearances(runs) {
     rank: -pair.min, marks: [{ t: pair.t, value: pair.min }] }));
   const smallest = nearest === null ? ''
     : `; the smallest ${digits(nearest.pair.min, 4)} m at ${digits(nearest.pair.t, 5)} s, ${bodyName(nearest.pair.run, nearest.pair.a)} – ${bodyName(nearest.pair.run, nearest.pair.b)}`;
-  return { title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}${smallest}`, choices: [
+  return { kind: 'clearance', title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}${smallest}`, choices: [
     { name: 'all', unit: 'm', build }, ...(nearest === null ? [] : [{ name: 'nearest approach', unit: 'm', build, window: nearest }])] };
 }
 
@@ -67,7 +67,7 @@ function reactions(first, unit, title) {
       { name: joint.name, colour: jointColour(run, joint), values: run.column(joint.column + 1 + row),
         marks: joint.peaks[row].value ? [joint.peaks[row]] : [] })) });
   }
-  return { title, note: `the base’s on the follower, along the ${first === 0 ? 'joint' : 'rotation'} frame`, choices };
+  return { kind: 'reaction', title, note: `the base’s on the follower, along the ${first === 0 ? 'joint' : 'rotation'} frame`, choices };
 }
 
 function vectors(title, note, unit, column, scale) {
@@ -84,7 +84,7 @@ function relative(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(relativePosition(run, i, 0, atFrame(frame)))) })).slice(1);
   const name = runs[0].bodies[0].name;
-  return { title: `Position from ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
+  return { kind: 'position', title: `Position from ${name}`, note: `of the bodies’ origins, in the axes of ${name}`, choices: [
     { name: 'distance', unit: 'm', build: curves((p) => Math.hypot(...p)) },
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm', build: curves((p) => p[k]) })) ] };
 }
@@ -99,7 +99,7 @@ function relativeVelocity(runs) {
   const curves = (pick) => (run) => run.bodies.map((body, i) => ({ name: body.name, colour: i, marks: [],
     values: map(run.count, (frame) => pick(calc(run, i, frame))) })).slice(1);
   const name = runs[0].bodies[0].name;
-  return { title: `Velocity relative to ${name}`, note: `of the bodies’ origins, components along the axes of ${name}`, choices: [
+  return { kind: 'velocity', title: `Velocity relative to ${name}`, note: `of the bodies’ origins, components along the axes of ${name}`, choices: [
     { name: 'size', unit: 'm/s', build: curves((v) => Math.hypot(...v)) },
     ...XYZ.map((axis, k) => ({ name: axis, unit: 'm/s', build: curves((v) => v[k]) })) ] };
 }
@@ -155,8 +155,8 @@ const ownSensors = (run) => run.sensors.filter((sensor) => !DUPLICATED.has(senso
 export function buildQuantities(runs) {
   const all = [
     clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
-    vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG), relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true), springs(),
-    byUnit('Sensors', 'received by flight software; positions, rates and reactions have plots of their own', runs, ownSensors),
+    { kind: 'rate', ...vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG) }, relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true), springs(),
+    { kind: 'sensor', ...byUnit('Sensors', 'received by flight software; positions, rates and reactions have plots of their own', runs, ownSensors) },
     byUnit('Commands', 'channels that change, as the steps read them', runs, changingChannels),
   ];
   return all.filter((group) => runs.some((run) => group.choices.some((choice) => choice.build(run).length > 0)));

@@ -1,8 +1,8 @@
 // Tables of results, and of their origin.
 import { digits, download, el, fixed, table } from './dom.js';
 import { ROWS } from './run.js';
+import { listSeparations, SEPARATION_HEADINGS } from './verdict.js';
 
-const DEG = 180 / Math.PI;
 const norm = (v) => Math.hypot(...v);
 const minus = (a, b) => a.map((value, k) => value - b[k]);
 
@@ -56,10 +56,8 @@ function buildClearances(runs, clock) {
     cells: [item.pair.join(' – '), item.min > 0 ? fixed(item.min, 4) : el('strong', { class: 'badtext' }, 'they touch'), go(clock, item.t)] })));
 }
 
-function buildTipOffs(runs, clock) {
-  return both(runs, ['body', 'joint', 'at t, s', 'ωx', 'ωy', 'ωz', '|ω|, deg/s'], (run) => run.tip_off.map((item) => ({
-    name: item.body, rank: norm(item.w),
-    cells: [item.body, item.joint, go(clock, item.t), ...item.w.map((value) => fixed(value * DEG, 4)), fixed(norm(item.w) * DEG, 4)] })));
+function buildSeparations(runs, clock) {
+  return both(runs, SEPARATION_HEADINGS, (run) => listSeparations(run, clock).map((cells) => ({ name: null, cells })));
 }
 
 function buildPeaks(runs, clock) {
@@ -71,8 +69,8 @@ function buildPeaks(runs, clock) {
 }
 
 function buildRedundant(runs, clock) {
-  return both(runs, ['joints', 'redundant rows', 'from t, s', 'to t, s'], (run) => run.redundant.map((item) => (
-    [item.joints.join(', '), `${item.redundant} of ${item.rows}`, go(clock, item.from), go(clock, item.until)])));
+  return both(runs, ['joints', 'redundant rows', 'from t, s', 'to t, s'], (run) => run.redundant.map((item) => ({
+    name: null, cells: [item.joints.join(', '), `${item.redundant} of ${item.rows}`, go(clock, item.from), go(clock, item.until)] })));
 }
 
 function buildAudit(runs, clock) {
@@ -110,8 +108,8 @@ function buildTexts(runs) {
 export function buildTables(data, runs, clock) {
   const add = (title, note, content) => (content ? section(title, note, content) : null);
   return el('div', {}, [
-    add('Smallest clearances', 'of every tick', buildClearances(runs, clock)),
-    add('Tip-off rates', 'body axes, at the end of the step in which the body was let go', buildTipOffs(runs, clock)),
+    add('Smallest clearances', 'located inside the step', buildClearances(runs, clock)),
+    add('Separations', 'velocities and rates at the end of push, in the inertial frame; axial: about the separation axis', buildSeparations(runs, clock)),
     add('Peak reactions', 'of every tick, signed, on the follower; click to go there', runs.some((run) => run.joints.length) ? buildPeaks(runs, clock) : null),
     add('Reactions that are not unique', 'rows of these joints are redundant; split by equal stiffnesses, or as `share` says', buildRedundant(runs, clock)),
     add('Audit of momentum and energy', 'changes by events beyond the allowed ones', buildAudit(runs, clock)),

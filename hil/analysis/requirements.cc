@@ -1,0 +1,287 @@
+#include "hil/analysis/requirements.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace unlatch::hil {
+namespace {
+
+using Measure = Requirement::Measure;
+using Take = Requirement::Take;
+
+constexpr double kTwoPi = 6.283185307179586;
+
+Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
+
+bool takes_low(Take take) { return take != Take::kMaximum && take != Take::kFinal; }
+bool takes_high(Take take) { return take != Take::kMinimum && take != Take::kFinal; }
+
+// The part of a vector along a direction; its size if there is none.
+double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
+  return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
+}
+
+// Value, limit and margin; of two limits the one that is nearer.
+void set_margin(const Requirement& requirement, double value, double time, Verdict& verdict) {
+  const double above = value - requirement.least, below = requirement.most - value;
+  verdict.evaluated = true;
+  verdict.value = value;
+  verdict.time = time;
+  verdict.margin = std::min(above, below);
+  verdict.limit = above <= below ? requirement.least : requirement.most;
+}
+
+}  // namespace
+
+// --- Sampled quantities ---------------------------------------------------------------------------------------------
+
+void SampledCurve::add(double time, double value, bool begins) {
+  if (begins) count_ = 0;
+  if (count_ == kPoints) {
+    std::copy(times_ + 1, times_ + kPoints, times_);
+    std::copy(values_ + 1, values_ + kPoints, values_);
+    --count_;
+  }
+  times_[count_] = time;
+  values_[count_++] = value;
+}
+
+// Neville's scheme.
+double SampledCurve::calc(double time) const {
+  double p[kPoints];
+  std::copy(values_, values_ + count_, p);
+  for (int k = 1; k < count_; ++k)
+    for (int i = 0; i + k < count_; ++i)
+      p[i] = ((time - times_[i + k]) * p[i] + (times_[i] - time) * p[i + 1]) / (times_[i] - times_[i + k]);
+  return p[0];
+}
+
+// --- The quantities -------------------------------------------------------------------------------------------------
+
+RequirementMonitor::RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances)
+    : scenario_(scenario), clearances_(clearances), times_(scenario.model.events.size(), std::nan("")) {
+  const Model model = scenario.requirements.empty() ? Model{} : place_markers(scenario.model);
+  for (const Requirement& requirement : scenario.requirements) {
+    Track track;
+    track.requirement = &requirement;
+    const Measure quantity = requirement.quantity;
+    if (quantity == Measure::kClearance) {
+      track.pair = clearances.find(requirement.a, requirement.b);
+      track.low = track.high = Smallest(clearances.get_resolution(track.pair));
+    }
+    if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
+      track.joint.emplace(model, requirement.a);
+    if (quantity == Measure::kSensor)
+      for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
+    if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
+    tracks_.push_back(std::move(track));
+  }
+}
+
+bool RequirementMonitor::is_sampled(const Requirement& requirement) const {
+  return requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kSensor;
+}
+
+double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& knot) const {
+  const Requirement& r = *track.requirement;
+  std::span<const double> values = knot.sensors;
+  if (r.quantity == Measure::kReaction) {
+    const std::size_t first = at(r.a) * kRows;
+    if (r.axis >= 0) return knot.multipliers[first + at(r.axis)];
+    values = knot.multipliers.subspan(first + (r.axis == Requirement::kForce ? 0 : kRotX), 3);
+  } else {
+    values = values.subspan(track.first, at(sensor_width(scenario_.model.sensors[at(r.a)].kind)));
+    if (r.axis >= 0) return values[at(r.axis)];
+  }
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum);
+}
+
+template <class BodyAt>
+double RequirementMonitor::calc_of_bodies(const Track& track, const BodyAt& body_at) const {
+  const Requirement& r = *track.requirement;
+  if (track.joint) {
+    const BodyState base = body_at(track.joint->get_base()), follower = body_at(track.joint->get_follower());
+    if (r.quantity == Measure::kSpeed) return track.joint->calc_speed(base, follower, r.axis);
+    const double value = track.joint->calc_coordinate(base, follower, r.axis);
+    if (r.quantity == Measure::kDisplacement) return value;
+    return value - kTwoPi * std::nearbyint((value - (track.has_last ? track.last : value)) / kTwoPi);  // turns counted
+  }
+  const BodyState a = body_at(r.a), b = body_at(r.b);
+  const Mat3 R_a = rotation_matrix(a.q), R_b = rotation_matrix(b.q);
+  switch (r.quantity) {
+    case Measure::kRate:
+      return std::abs(take_part(a.w - transpose_times(R_a, R_b * b.w), r.direction));
+    case Measure::kVelocity:
+      return take_part(transpose_times(R_b, a.v - b.v), r.direction);
+    case Measure::kPosition:
+      return take_part(transpose_times(R_b, a.p - b.p), r.direction);
+    default: {
+      const Vec3 axis = R_a * to_vec3(r.direction), other = R_b * to_vec3(r.other);
+      return std::atan2(norm(cross(axis, other)), dot(axis, other));
+    }
+  }
+}
+
+double RequirementMonitor::calc_at(const Track& track, const MotionKnot& knot) const {
+  if (is_sampled(*track.requirement)) return calc_sample(track, knot);
+  if (track.pair >= 0) return clearances_.get_now(track.pair);
+  return calc_of_bodies(track, [&](int body) { return body < 0 ? get_rest() : knot.state.bodies[at(body)]; });
+}
+
+double RequirementMonitor::calc_within(const Track& track, const MotionWindow& window, double time) const {
+  if (is_sampled(*track.requirement)) return track.curve.calc(time);
+  if (track.pair >= 0) return clearances_.calc(window, track.pair, time);
+  return calc_of_bodies(track, [&](int body) { return window.calc_body(body, time); });
+}
+
+// --- The run --------------------------------------------------------------------------------------------------------
+
+void RequirementMonitor::add_events(std::span<const FiredEvent> events, const MotionKnot& before,
+                                    const MotionKnot& after) {
+  for (const FiredEvent& fired : events) {
+    double& time = times_[at(fired.event)];
+    if (!std::isfinite(time)) time = fired.time;
+  }
+  const auto is_here = [&](const EventName& name) {
+    return name.is_named() && std::any_of(events.begin(), events.end(),
+                                          [&](const FiredEvent& fired) { return fired.event == name.event; });
+  };
+  for (Track& track : tracks_) {
+    const Requirement& r = *track.requirement;
+    if (is_of_events(r.quantity)) continue;
+    if (track.phase == Phase::kOpen && is_here(r.to)) {
+      if (window_ != nullptr) finish(track, *window_);
+      track.phase = Phase::kClosed;
+    } else if (track.phase == Phase::kWaiting && is_here(r.at)) {
+      track.last = calc_at(track, before);
+      track.last_time = before.time;
+      track.has_last = true;
+      track.phase = Phase::kClosed;
+    } else if (track.phase == Phase::kWaiting && is_here(r.from)) {
+      track.phase = Phase::kOpen;
+      track.fresh = true;
+      track.last = calc_at(track, after);
+      track.last_time = after.time;
+      track.has_last = true;
+      track.low.add(after.time, track.last);
+      track.high.add(after.time, -track.last);
+    }
+  }
+}
+
+void RequirementMonitor::finish(Track& track, const MotionWindow& window) const {
+  track.low.finish([&](double time) { return calc_within(track, window, time); });
+  track.high.finish([&](double time) { return -calc_within(track, window, time); });
+}
+
+void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to) {
+  window_ = &window;
+  for (Track& track : tracks_) {
+    const Requirement& r = *track.requirement;
+    if (is_of_events(r.quantity)) continue;
+    // The turns of an angle count from the beginning of the run, whatever the interval.
+    if (track.phase == Phase::kClosed || (track.phase == Phase::kWaiting && r.quantity != Measure::kAngle)) continue;
+    const bool begins = track.fresh || !window.is_smooth();
+    double start = track.last;
+    if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
+    if (begins && !track.fresh) finish(track, window);
+    if (is_sampled(r) && begins) track.curve.add(from.time, start, true);
+    track.last = start;
+    track.has_last = true;
+    const double end = calc_at(track, to);
+    if (is_sampled(r)) track.curve.add(to.time, end, false);
+    if (track.phase == Phase::kOpen && takes_low(r.take))
+      track.low.add(from.time, start, to.time, end, begins,
+                    [&](double time) { return calc_within(track, window, time); });
+    if (track.phase == Phase::kOpen && takes_high(r.take)) {
+      track.high.add(from.time, -start, to.time, -end, begins,
+                     [&](double time) { return -calc_within(track, window, time); });
+    }
+    track.last = end;
+    track.last_time = to.time;
+    track.fresh = false;
+  }
+}
+
+// --- The verdict ----------------------------------------------------------------------------------------------------
+
+const EventName* RequirementMonitor::find_missing(const Requirement& requirement) const {
+  std::vector<const EventName*> names{&requirement.at, &requirement.from, &requirement.to};
+  for (const EventName& name : requirement.events) names.push_back(&name);
+  for (const EventName* name : names)
+    if (name->is_named() && (name->event == kNone || !std::isfinite(times_[at(name->event)]))) return name;
+  return nullptr;
+}
+
+Verdict RequirementMonitor::judge_times(const Requirement& requirement) const {
+  Verdict verdict;
+  const auto time = [&](std::size_t i) { return times_[at(requirement.events[i].event)]; };
+  if (requirement.quantity == Measure::kTime) {
+    set_margin(requirement, time(0) - (requirement.events.size() > 1 ? time(1) : 0), time(0), verdict);
+    return verdict;
+  }
+  std::size_t worst = 1;
+  for (std::size_t i = 1; i < requirement.events.size(); ++i)
+    if (time(i) - time(i - 1) < time(worst) - time(worst - 1)) worst = i;
+  set_margin(requirement, time(worst) - time(worst - 1), time(worst), verdict);
+  return verdict;
+}
+
+Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const {
+  const Requirement& r = *track.requirement;
+  Verdict verdict;
+  if (const EventName* missing = find_missing(r)) {
+    verdict.why = "event '" + missing->text + (missing->event == kNone ? "' is left out" : "' did not occur");
+    return verdict;
+  }
+  if (is_of_events(r.quantity)) return judge_times(r);
+  if (track.phase == Phase::kOpen && r.to.is_named()) {
+    verdict.why = "event '" + r.to.text + "' did not occur after '" + r.from.text + "'";
+    return verdict;
+  }
+  if (!track.has_last) {
+    verdict.why = "the run has no step in its interval";
+    return verdict;
+  }
+  if (r.at.is_named() || r.take == Take::kFinal) {
+    set_margin(r, track.last, track.last_time, verdict);
+    return verdict;
+  }
+  if (track.phase == Phase::kOpen) finish(track, window);
+  const double low = track.low.get_value(), high = -track.high.get_value();
+  const double low_time = track.low.get_time(), high_time = track.high.get_time();
+  switch (r.take) {
+    case Take::kMinimum:
+      set_margin(r, low, low_time, verdict);
+      break;
+    case Take::kMaximum:
+      set_margin(r, high, high_time, verdict);
+      break;
+    case Take::kPeak:
+      set_margin(r, std::max(-low, high), -low > high ? low_time : high_time, verdict);
+      break;
+    default:
+      if (low - r.least <= r.most - high)
+        set_margin(r, low, low_time, verdict), verdict.limit = r.least, verdict.margin = low - r.least;
+      else
+        set_margin(r, high, high_time, verdict), verdict.limit = r.most, verdict.margin = r.most - high;
+  }
+  return verdict;
+}
+
+std::vector<Verdict> RequirementMonitor::judge(const MotionWindow& window) const {
+  std::vector<Verdict> verdicts;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    verdicts.push_back(judge(tracks_[i], window));
+    verdicts.back().requirement = i;
+  }
+  return verdicts;
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,84 @@
+// Verdict of a run: the value of each requirement, its margin, its time, and whether it is met. Minima and maxima are
+// located inside the steps, values at an event are those of its instant.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/analysis/clearance_history.h"
+#include "hil/analysis/extreme.h"
+#include "hil/analysis/joint_frame.h"
+#include "hil/analysis/motion_window.h"
+#include "hil/scenario/scenario.h"
+#include "unlatch/step.h"
+
+namespace unlatch::hil {
+
+struct Verdict {
+  std::size_t requirement = 0;  // index into Scenario::requirements
+  bool evaluated = false;       // else `why`
+  std::string why;              // "event 'release:booster1' did not occur"
+  double value = 0, limit = 0;  // in the requirement's unit; the limit that is nearest
+  double margin = 0;            // how far the value is within the limit; below 0: not met
+  double time = 0;              // s, of the value
+  [[nodiscard]] bool is_met() const { return evaluated && margin >= 0; }
+};
+
+// A quantity that is known at knots alone: between them the polynomial through the latest five of a smooth run.
+class SampledCurve {
+ public:
+  void add(double time, double value, bool begins);
+  [[nodiscard]] double calc(double time) const;
+
+ private:
+  static constexpr int kPoints = 5;
+  double times_[kPoints] = {}, values_[kPoints] = {};
+  int count_ = 0;
+};
+
+class RequirementMonitor {
+ public:
+  // Both are referred to.
+  RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances);
+
+  // Events acted at an instant; `before` and `after`: the knots around it.
+  void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
+  // The window has moved on to the piece between these knots, the clearances too.
+  void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  // Of the run so far, whose end is the end of the window.
+  [[nodiscard]] std::vector<Verdict> judge(const MotionWindow& window) const;
+
+ private:
+  enum class Phase { kWaiting, kOpen, kClosed };
+  struct Track {
+    const Requirement* requirement = nullptr;
+    std::optional<JointGeometry> joint;
+    int pair = -1;          // of clearances
+    std::size_t first = 0;  // of a sensor: its first value
+    Phase phase = Phase::kOpen;
+    Smallest low, high;  // `high`: of the negative
+    SampledCurve curve;
+    bool has_last = false, fresh = true;
+    double last = 0, last_time = 0;  // the value at the end of the latest piece, or of the instant
+  };
+
+  [[nodiscard]] bool is_sampled(const Requirement& requirement) const;
+  [[nodiscard]] double calc_sample(const Track& track, const MotionKnot& knot) const;
+  template <class BodyAt>
+  [[nodiscard]] double calc_of_bodies(const Track& track, const BodyAt& body_at) const;
+  [[nodiscard]] double calc_at(const Track& track, const MotionKnot& knot) const;
+  [[nodiscard]] double calc_within(const Track& track, const MotionWindow& window, double time) const;
+  void finish(Track& track, const MotionWindow& window) const;
+  [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
+  [[nodiscard]] Verdict judge_times(const Requirement& requirement) const;
+  [[nodiscard]] const EventName* find_missing(const Requirement& requirement) const;
+
+  const Scenario& scenario_;
+  const ClearanceHistory& clearances_;
+  std::vector<Track> tracks_;
+  std::vector<double> times_;  // per event: of its first occurrence, NaN before
+  const MotionWindow* window_ = nullptr;
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,85 @@
+// Separations: pairs of assemblies that joints held together and no longer do, with the numbers that a separation is
+// judged by.
+//
+//   release        the instant at which the last joint between the two becomes free
+//   end of push    the instant at which the last spring or pusher between them ceases to act: a pusher at its free
+//   length,
+//                  any other when it is switched off; the release if none acts; the end of the run while one does
+//   axis           of the base body's axes (of W's, if the base is the ground) that nearest to the relative velocity of
+//                  the two centres of mass at the end of push, with its sign
+//
+// All rates and velocities are those of the end of push. Rates are of the two bodies that the last joint connected,
+// their axial part is that about the separation axis. Coning: hil/analysis/assemblies.h.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/analysis/assemblies.h"
+#include "hil/analysis/clearance_history.h"
+#include "hil/analysis/spring_work.h"
+
+namespace unlatch::hil {
+
+// An angular velocity about the separation axis and across it, rad/s.
+struct SplitRate {
+  double axial = 0, transverse = 0;  // signed; a size
+};
+
+struct Push {
+  std::string spring;
+  double impulse = 0, work = 0;  // from the release on: N s (size of the vector; N m s of a torque), J
+};
+
+// One side of a separation.
+struct SeparatedSide {
+  int body = kGround;       // of the last joint
+  std::vector<int> bodies;  // the assembly, kGround included
+  SplitRate rate;           // in W
+  Coning coning;
+  bool has_coning = false;  // not the ground
+};
+
+struct Separation {
+  SeparatedSide base, follower;
+  std::string joint;             // the last
+  double release = 0, end = 0;   // s
+  bool pushes = false;           // a spring still acts at the end of the run
+  bool rejoined = false;         // a joint has joined them again
+  std::string axis;              // "+x of core"
+  double along = 0, across = 0;  // m/s: velocity of the follower's centre of mass relative to the base's
+  SplitRate relative;            // angular velocity of the follower relative to the base
+  std::vector<Push> pushers;
+  int pair = -1;  // of Scenario::clearance: that which came nearest after the release; -1: none watched
+};
+
+class SeparationMonitor {
+ public:
+  explicit SeparationMonitor(const Scenario& scenario);
+
+  // Events acted between two knots. Tells the clearances which bodies parted.
+  void add_events(const MotionKnot& before, const MotionKnot& after, ClearanceHistory& clearances);
+  void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  [[nodiscard]] std::vector<Separation> list(const ClearanceHistory& clearances) const;
+
+ private:
+  struct Track {
+    Separation separation;
+    Vec3 axis_W{0, 0, 0};
+    std::vector<std::size_t> springs;  // between the two, of springs_
+    std::vector<SpringWork::Sum> sums;
+    bool over = false;  // joined again
+  };
+  using Bodies = std::vector<BodyState>;
+  void open(std::size_t joint, const Assemblies& now, const MotionKnot& after, ClearanceHistory& clearances);
+  // Numbers of the end of push, which is this time as far as is known.
+  void measure(Track& track, double time, const Bodies& bodies, std::span<const double> burnt) const;
+
+  const Scenario& scenario_;
+  const Model model_;  // with its markers placed
+  std::vector<SpringWork> springs_;
+  std::vector<Track> tracks_;
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,103 @@
+#include "hil/analysis/spring_work.h"
+
+#include <cmath>
+
+namespace unlatch::hil {
+namespace {
+
+Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+// The line from one end of a point spring to the other, and the velocity of its second end relative to the first.
+struct Line {
+  Vec3 apart, rate;
+  Line(const PointSpring& spring, const BodyState& base, const BodyState& follower) {
+    const Mat3 R_base = rotation_matrix(base.q), R_follower = rotation_matrix(follower.q);
+    const Vec3 r_base = R_base * to_vec3(spring.point_base), r_follower = R_follower * to_vec3(spring.point_follower);
+    apart = (follower.p + r_follower) - (base.p + r_base);
+    rate = (follower.v + cross(R_follower * follower.w, r_follower)) - (base.v + cross(R_base * base.w, r_base));
+  }
+};
+
+}  // namespace
+
+std::optional<SpringWork> SpringWork::make(const Model& model, int element) {
+  SpringWork work;
+  work.element_ = element;
+  const std::size_t loads = model.loads.size(), points = model.point_springs.size();
+  const auto i = static_cast<std::size_t>(element);
+  if (i >= loads && i < loads + points) {
+    work.point_ = model.point_springs[i - loads];
+    work.base_ = work.point_->base;
+    work.follower_ = work.point_->follower;
+    return work;
+  }
+  if (i < loads + points || i >= loads + points + model.joint_springs.size()) return {};
+  work.joint_ = model.joint_springs[i - loads - points];
+  work.geometry_.emplace(model, work.joint_->joint);
+  work.base_ = work.geometry_->get_base();
+  work.follower_ = work.geometry_->get_follower();
+  return work;
+}
+
+double SpringWork::calc_length(const BodyState& base, const BodyState& follower) const {
+  return norm(Line(*point_, base, follower).apart);
+}
+
+bool SpringWork::acts(const MotionKnot& knot) const {
+  if (calc_scale(knot.state.elements[static_cast<std::size_t>(element_)], knot.time) == 0) return false;
+  if (!point_ || !point_->push_only) return true;
+  const auto body = [&](int i) { return i < 0 ? get_rest() : knot.state.bodies[static_cast<std::size_t>(i)]; };
+  return calc_length(body(base_), body(follower_)) < point_->free_length;
+}
+
+std::optional<double> SpringWork::find_end(const MotionWindow& window, const MotionKnot& from) const {
+  if (!point_ || !point_->push_only || !acts(from)) return {};
+  const auto is_beyond = [&](double time) {
+    return calc_length(window.calc_body(base_, time), window.calc_body(follower_, time)) >= point_->free_length;
+  };
+  const MotionPiece& piece = window.get_present();
+  double low = piece.from, high = piece.to;
+  if (!is_beyond(high)) return {};
+  for (const double stop = 1e-9 * (high - low); high - low > stop;) {
+    const double middle = 0.5 * (low + high);
+    if (!(middle > low && middle < high)) break;
+    (is_beyond(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+// The laws of PointSpring and JointSpring (unlatch/model.h).
+SpringWork::Force SpringWork::calc_force(const BodyState& base, const BodyState& follower, double scale) const {
+  if (joint_) {
+    const double x = geometry_->calc_coordinate(base, follower, joint_->axis);
+    const double rate = geometry_->calc_speed(base, follower, joint_->axis);
+    const double size = (joint_->effort - joint_->stiffness * (x - joint_->rest) - joint_->damping * rate) * scale;
+    return {size * geometry_->calc_axis(base, joint_->axis), size * rate};
+  }
+  const Line line(*point_, base, follower);
+  const double length = norm(line.apart);
+  if (length == 0 || (point_->push_only && length >= point_->free_length)) return {{0, 0, 0}, 0};
+  const Vec3 direction = (1 / length) * line.apart;
+  const double rate = dot(direction, line.rate);
+  double size = -(point_->stiffness * (length - point_->free_length) + point_->damping * rate) * scale;
+  if (point_->push_only && size < 0) size = 0;
+  return {size * direction, size * rate};
+}
+
+SpringWork::Sum SpringWork::calc(const MotionWindow& window, const MotionKnot& from, double to) const {
+  const double h = to - from.time;
+  Sum sum;
+  if (!(h > 0)) return sum;
+  const ElementState& element = from.state.elements[static_cast<std::size_t>(element_)];
+  for (const int i : {0, 1, 2}) {
+    const double time = i == 2 ? to : from.time + 0.5 * i * h, weight = (i == 1 ? 4 : 1) * h / 6;
+    const double scale = calc_scale(element, time);
+    if (scale == 0) continue;
+    const Force force = calc_force(window.calc_body(base_, time), window.calc_body(follower_, time), scale);
+    sum.impulse += weight * force.force;
+    sum.work += weight * force.power;
+  }
+  return sum;
+}
+
+}  // namespace unlatch::hil

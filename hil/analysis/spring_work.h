@@ -1,0 +1,48 @@
+// Impulse and work of springs over pieces of motion, and the instants at which they cease to act. Of elements with two
+// ends: point springs and joint springs.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/analysis/joint_frame.h"
+#include "hil/analysis/motion_window.h"
+
+namespace unlatch::hil {
+
+class SpringWork {
+ public:
+  // `model`: with its markers placed. `element`: its number in the model. Empty if it is no spring of these kinds.
+  static std::optional<SpringWork> make(const Model& model, int element);
+
+  [[nodiscard]] int get_base() const { return base_; }
+  [[nodiscard]] int get_follower() const { return follower_; }
+  [[nodiscard]] int get_element() const { return element_; }
+  // It is switched on, and exerts a force: a pusher until it has its free length.
+  [[nodiscard]] bool acts(const MotionKnot& knot) const;
+  // The time at which a pusher reaches its free length within the present piece, to 1e-9 of it; nothing if it does not.
+  [[nodiscard]] std::optional<double> find_end(const MotionWindow& window, const MotionKnot& from) const;
+
+  struct Sum {
+    Vec3 impulse{0, 0, 0};  // of the force on the follower, W, N s; of a torque N m s
+    double work = 0;        // J, on both bodies together
+  };
+  // Over the present piece up to `to`, by Simpson's rule.
+  [[nodiscard]] Sum calc(const MotionWindow& window, const MotionKnot& from, double to) const;
+
+ private:
+  struct Force {
+    Vec3 force;    // on the follower, W
+    double power;  // W
+  };
+  [[nodiscard]] Force calc_force(const BodyState& base, const BodyState& follower, double scale) const;
+  [[nodiscard]] double calc_length(const BodyState& base, const BodyState& follower) const;
+
+  int element_ = 0, base_ = kGround, follower_ = 0;
+  std::optional<PointSpring> point_;
+  std::optional<JointSpring> joint_;
+  std::optional<JointGeometry> geometry_;
+};
+
+}  // namespace unlatch::hil

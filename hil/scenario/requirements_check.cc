@@ -1,0 +1,77 @@
+#include "hil/scenario/requirements_check.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace unlatch::hil {
+namespace {
+
+// The earliest time at which a condition can hold, s: of those on time alone; any other might hold at the start.
+double calc_earliest(const Condition& condition) {
+  double time = condition.kind == Condition::Kind::kAny ? std::numeric_limits<double>::infinity() : 0;
+  switch (condition.kind) {
+    case Condition::Kind::kTime:
+      return condition.threshold;
+    case Condition::Kind::kAll:
+      for (const Condition& part : condition.parts) time = std::max(time, calc_earliest(part));
+      return time;
+    case Condition::Kind::kAny:
+      for (const Condition& part : condition.parts) time = std::min(time, calc_earliest(part));
+      return time;
+    default:
+      return 0;
+  }
+}
+
+std::string to_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+// Rows that some mode of a joint holds.
+RowSet list_held(const Joint& joint) {
+  RowSet rows = 0;
+  for (const JointMode& mode : joint.modes) rows = static_cast<RowSet>(rows | mode.rows);
+  return rows;
+}
+
+bool holds(const Requirement& requirement, const Model& model) {
+  const RowSet rows = list_held(model.joints[static_cast<std::size_t>(requirement.a)]);
+  if (requirement.axis >= 0) return has_row(rows, requirement.axis);
+  return (rows & (requirement.axis == Requirement::kForce ? kPointRows : kRotationRows)) != 0;
+}
+
+}  // namespace
+
+std::vector<RequirementProblem> find_problems(const Scenario& scenario) {
+  std::vector<RequirementProblem> problems;
+  for (std::size_t i = 0; i < scenario.requirements.size(); ++i) {
+    const Requirement& requirement = scenario.requirements[i];
+    std::vector<const EventName*> names{&requirement.at, &requirement.from, &requirement.to};
+    for (const EventName& name : requirement.events) names.push_back(&name);
+    for (const EventName* name : names) {
+      if (!name->is_named()) continue;
+      if (name->event == kNone) {
+        problems.push_back({i, "event '" + name->text + "' is left out", "enable it, or leave out the requirement"});
+        continue;
+      }
+      const Event& event = scenario.model.events[static_cast<std::size_t>(name->event)];
+      const double earliest = calc_earliest(event.when) + event.delay;
+      if (earliest > scenario.until) {
+        problems.push_back({i,
+                            "event '" + name->text + "' cannot occur before " + to_text(earliest) +
+                                " s, the run ends at " + to_text(scenario.until) + " s",
+                            "run longer, or name an event within the run"});
+      }
+    }
+    if (requirement.from.is_named() && requirement.from.text == requirement.to.text)
+      problems.push_back({i, "its interval begins and ends with the same event", "name two events"});
+    if (requirement.quantity == Requirement::Measure::kReaction && !holds(requirement, scenario.model))
+      problems.push_back(
+          {i, "no mode of its joint holds this row: the reaction is 0", "name a row that some mode holds"});
+  }
+  return problems;
+}
+
+}  // namespace unlatch::hil

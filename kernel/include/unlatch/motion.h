@@ -1,0 +1,53 @@
+// Motion inside a step: the states and outputs between which it is smooth. A step is smooth from its beginning to the
+// first instant at which events act, from there to the next, and to its end. Minima and event values that lie inside a
+// step are read off these (hil/analysis); the step itself needs none of it, and its bits do not depend on it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "unlatch/math.h"
+#include "unlatch/plan.h"
+#include "unlatch/state.h"
+
+namespace unlatch {
+
+// The system at one end of a smooth piece of motion.
+struct MotionKnot {
+  double time = 0;      // s
+  bool begins = false;  // a piece begins here: this is just after events, or the beginning of the step with its inputs
+  State state;          // at `time`; its header has the tick at which the step began, but for the last knot
+  std::span<Spatial> accelerations;  // of the bodies' origins, world axes, m/s², rad/s²; by body
+  std::span<double> multipliers;     // six for each joint, N, N m
+  std::span<double> sensors;         // as Workspace::sensors
+};
+
+// Knots of one step, in memory that the caller owns: the beginning (begins); for each instant of events the state just
+// before them and just after (begins); the end.
+class MotionLog {
+ public:
+  MotionLog() = default;
+  // `memory`: at least get_bytes(plan), aligned to 8. The plan must outlive it.
+  MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept;
+  // Memory that the knots of one step take.
+  static std::size_t get_bytes(const Plan& plan) noexcept;
+
+  // Knots of the latest step; valid until the next.
+  std::span<const MotionKnot> get_knots() const noexcept { return {knots_, count_}; }
+
+  // For the step.
+  void clear() noexcept { count_ = 0; }
+  MotionKnot& add() noexcept;  // the next knot; the last one again where there are no more
+  void remove() noexcept { count_ -= count_ > 0; }
+
+ private:
+  MotionKnot* knots_ = nullptr;
+  std::size_t count_ = 0, capacity_ = 0;
+};
+
+// The turn about axis k (0 to 2) by which the frame `follower` stands from the frame `base`, in (−π, π]: exact for a
+// turn about that axis alone, and for both axes of a universal joint. Rad.
+double calc_twist(const Mat3& base, const Mat3& follower, int k) noexcept;
+
+}  // namespace unlatch

@@ -1,0 +1,50 @@
+#include "unlatch/motion.h"
+
+#include <algorithm>
+#include <new>
+
+#include "kernel/plan/plan_data.h"
+
+namespace unlatch {
+namespace {
+
+// Beginning and end of the step; before and after of each instant, of which a step has its splits and its beginning.
+std::size_t count_knots(const PlanData& plan) { return 2 * (at(plan.options.max_splits) + 1) + 2; }
+
+std::size_t count_numbers(const Plan& owner) {
+  const PlanData& plan = owner.data();
+  return plan.bodies.size() * (sizeof(Spatial) / sizeof(double)) + plan.joints.size() * kRows +
+         owner.get_sensor_count();
+}
+
+}  // namespace
+
+std::size_t MotionLog::get_bytes(const Plan& plan) noexcept {
+  return count_knots(plan.data()) *
+         (sizeof(MotionKnot) + plan.get_state_bytes() + count_numbers(plan) * sizeof(double));
+}
+
+MotionLog::MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept : capacity_(count_knots(plan.data())) {
+  std::byte* cursor = memory.data();
+  knots_ = reinterpret_cast<MotionKnot*>(cursor);
+  cursor += capacity_ * sizeof(MotionKnot);
+  const std::size_t bodies = plan.data().bodies.size(), rows = plan.data().joints.size() * kRows;
+  for (std::size_t i = 0; i < capacity_; ++i) {
+    MotionKnot& knot = *new (knots_ + i) MotionKnot;
+    knot.state = State(plan, {cursor, plan.get_state_bytes()});
+    cursor += plan.get_state_bytes();
+    knot.accelerations = {reinterpret_cast<Spatial*>(cursor), bodies};
+    cursor += bodies * sizeof(Spatial);
+    knot.multipliers = {reinterpret_cast<double*>(cursor), rows};
+    cursor += rows * sizeof(double);
+    knot.sensors = {reinterpret_cast<double*>(cursor), plan.get_sensor_count()};
+    cursor += plan.get_sensor_count() * sizeof(double);
+  }
+}
+
+MotionKnot& MotionLog::add() noexcept {
+  count_ = std::min(count_ + 1, capacity_);
+  return knots_[count_ - 1];
+}
+
+}  // namespace unlatch
