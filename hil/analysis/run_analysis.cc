@@ -11,11 +11,13 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, const Simulation& simulation,
       simulation_(simulation),
       sample_ticks_(std::move(samples_in)),
       clearance_(scenario.clearance, scenario.shapes),
-      poses_(scenario.model.bodies.size()) {
+      poses_(scenario.model.bodies.size()),
+      accuracy_(scenario, simulation) {
   std::sort(sample_ticks_.begin(), sample_ticks_.end());
 }
 
 void RunAnalysis::update(const StepReport& report) {
+  accuracy_.update(report);
   for (const FiredEvent& fired : report.events) add_event(fired);
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   postponed += report.postponed;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hil/analysis/clearance.h"
+#include "hil/analysis/notices.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
 
@@ -58,7 +59,8 @@ class RunAnalysis {
   std::vector<EventAudit> audits;
   std::vector<std::array<PeakReaction, kRows>> peaks;  // per joint
   const std::vector<Clearance>& clearances() const { return clearance_.get(); }
-  std::int64_t postponed = 0;  // event instants left to a later tick
+  const AccuracyWatch& accuracy() const { return accuracy_; }  // notices, energy
+  std::int64_t postponed = 0;                                  // event instants left to a later tick
 
  private:
   void add_event(const FiredEvent& fired);
@@ -70,6 +72,7 @@ class RunAnalysis {
   std::size_t next_sample_ = 0;
   ClearanceMonitor clearance_;
   std::vector<Pose> poses_;
+  AccuracyWatch accuracy_;
 };
 
 // The tick nearest to a time.

@@ -3,12 +3,12 @@
 
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
+#include "tools/unlatch/check_findings.h"
 #include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
-#include "unlatch/frequencies.h"
 
 namespace unlatch::tools {
 namespace {
@@ -73,23 +73,25 @@ void print_elimination(const Model& model, const Plan& plan) {
   }
 }
 
-void print_elements(const Model& model, hil::Simulation& simulation) {
+void print_elements(const Model& model, const hil::Simulation& simulation) {
   const Plan& plan = simulation.plan();
-  const auto frequencies = simulation.calc_frequencies();
-  if (frequencies.empty()) return;
-  print_heading("Elastic elements, h = step");
-  for (const ElementFrequency& element : frequencies) {
-    const double h_omega = plan.get_options().dt * element.omega, h_decay = plan.get_options().dt * element.decay;
+  const std::vector<hil::SpringResolution> springs = hil::calc_resolutions(simulation);
+  if (springs.empty()) return;
+  print_heading("Elastic elements, h = step; the largest of all modes that events can set");
+  for (const hil::SpringResolution& spring : springs) {
+    const double h_omega = plan.get_options().dt * spring.largest_omega;
+    const double h_decay = plan.get_options().dt * spring.largest_decay;
     const double worst = std::max(h_omega, h_decay);
     std::string verdict = "resolved";
-    if (element.implicit)
+    if (spring.implicit)
       verdict = worst > kAccurate ? "implicit: second order, damps what the step does not resolve" : "implicit";
     else if (worst > kStable)
       verdict = paint(stdout, Colour::kRed, "unstable: make the step smaller, or the element softer");
     else if (worst > kAccurate)
       verdict = paint(stdout, Colour::kYellow, "stable, but not resolved accurately");
-    std::printf("  %-20s h*omega %-10.4g h*decay %-10.4g %s\n", model.element_name(element.element).c_str(), h_omega,
-                h_decay, verdict.c_str());
+    const std::string where = spring.where.empty() ? "" : " (with " + spring.where + ")";
+    std::printf("  %-20s h*omega %-10.4g h*decay %-10.4g %s%s\n", model.element_name(spring.element).c_str(), h_omega,
+                h_decay, verdict.c_str(), where.c_str());
   }
 }
 
@@ -104,6 +106,8 @@ void print_plan(const ScenarioOptions& options, const hil::Scenario& scenario, h
   print_joints(scenario.model);
   print_elimination(scenario.model, plan);
   print_elements(scenario.model, simulation);
+  print_springs(stdout, hil::list_springs(scenario));
+  print_findings(stdout, scenario, hil::find_surprises(scenario, simulation));
   print_heading("Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, options.path + " is valid").c_str());

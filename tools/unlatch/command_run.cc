@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
+#include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/recording_watch.h"
 #include "tools/unlatch/report.h"
@@ -24,8 +26,22 @@ struct RunOptions {
   std::vector<double> samples;                              // s
   std::vector<std::pair<double, std::string>> checkpoints;  // s, file
   std::string resume;                                       // file
+  std::string accuracy;                                     // tolerance, kWithoutValue, or empty: not asked for
   OutputOptions output;
 };
+
+// An option that is given without its value reads so.
+constexpr const char* kWithoutValue = "true";
+constexpr double kUsualTolerance = 1e-6;
+
+double read_tolerance(const std::string& text) {
+  if (text == kWithoutValue) return kUsualTolerance;
+  char* end = nullptr;
+  const double tolerance = std::strtod(text.c_str(), &end);
+  if (*end != 0 || !(tolerance > 0 && tolerance < 1))
+    refuse_option("--accuracy", "'" + text + "' is no tolerance: a number above 0 and below 1, of each value's size");
+  return tolerance;
+}
 
 // The ticks of this run: where it begins, where it ends.
 struct Span {
@@ -104,6 +120,9 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
 }
 
 int run(const RunOptions& options) {
+  if (!options.accuracy.empty()) (void)read_tolerance(options.accuracy);
+  if (!options.accuracy.empty() && !options.resume.empty())
+    refuse_option("--accuracy", "a checkpoint is of one step; runs at its half and its quarter begin at the start");
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);
   warn_of_unstable_elements(scenario);
@@ -124,13 +143,16 @@ int run(const RunOptions& options) {
   hil::LogEnd end = run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, checkpoints, last_tick);
   if (recorder) recorder->close(end);
 
-  const RunReport report{scenario,    simulation,  analysis, get_status_name(end.status),
-                         end.message, end.tick,    end.hash, end.timing,
-                         {},          std::nullopt};
+  RunReport report{scenario,   simulation, analysis,    get_status_name(end.status), end.message, end.tick, end.hash,
+                   end.timing, {},         std::nullopt};
+  if (!options.accuracy.empty() && end.status == hil::RunStatus::kDone)
+    report.accuracy =
+        measure_accuracy(options.scenario, scenario, simulation, analysis, read_tolerance(options.accuracy));
+  const bool unresolved = tell_unresolved(analysis, report.status, report.message);
   print_report(get_people_stream(options.output.json), report);
   write_json(report, options.output.json);
   if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
-  return end.status == hil::RunStatus::kDone ? kExitDone : kExitFailed;
+  return end.status == hil::RunStatus::kDone && !unresolved ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -154,6 +176,13 @@ void add_run(Command app, int& exit_code) {
       .add_option("--resume", options->resume,
                   "continues from a checkpoint of the same scenario, with the same bits; results start there")
       .type_name("FILE");
+  command
+      .add_option(
+          "--accuracy", options->accuracy,
+          "runs at dt, dt/2 and dt/4 and estimates the error of every result, and the largest step at which all "
+          "errors are within a tolerance, relative to each value's size (default: 1e-6)")
+      .type_name("TOLERANCE")
+      .expected(0, 1);
   add_output_options(command, options->output);
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }
