@@ -31,6 +31,20 @@ bool has_implicit_modes(const Model& model, double dt) {
   });
 }
 
+// Of a system that nothing holds to the ground, seen from its centre of mass: a first frame near it, then the rest.
+struct Seen {
+  EnergyFlow flow;
+  Vec3 frame;
+};
+Seen look(const Simulation& simulation) {
+  const Vec3 near = calc_audit_frame(simulation.plan(), simulation.state(), simulation.workspace());
+  const EnergyFlow flow = calc_energy_flow(simulation.plan(), simulation.state(), simulation.workspace(), near);
+  if (near.x == 0 && near.y == 0 && near.z == 0) return {flow, near};
+  const Vec3 rest = (1 / flow.mass) * flow.momentum;
+  return {change_frame(flow, rest), near + rest};
+}
+bool is_at_rest(const Vec3& frame) { return frame.x == 0 && frame.y == 0 && frame.z == 0; }
+
 }  // namespace
 
 EnergyAudit::EnergyAudit(const Simulation& simulation)
@@ -48,14 +62,13 @@ void EnergyAudit::update(const StepReport& report) {
     add_tick(report);
   else
     begin();
-  keep();
 }
 
 void EnergyAudit::begin() {
   begun_ = true;
-  frame_ = calc_audit_frame(simulation_.plan(), simulation_.state(), simulation_.workspace());
-  now_ = calc_energy_flow(simulation_.plan(), simulation_.state(), simulation_.workspace(), frame_);
-  balance_.scale = now_.kinetic + now_.strain;
+  const auto [flow, frame] = look(simulation_);
+  balance_.scale = flow.kinetic + flow.strain;
+  keep(flow, frame);
 }
 
 EnergyFlow EnergyAudit::calc_start() {
@@ -66,12 +79,16 @@ EnergyFlow EnergyAudit::calc_start() {
   return calc_energy_flow(simulation_.plan(), before_, workspace_, frame_);
 }
 
+// A trapezoid misses h/12 of the curvature of the power; h/6 of its change, if all of that is curvature.
 void EnergyAudit::add_work(const EnergyFlow& from, const EnergyFlow& to, double h) {
+  double change = 0;
   for (std::size_t i = 0; i < balance_.work.size(); ++i) {
     const double work = 0.5 * h * (from.power[i] + to.power[i]);
+    change += to.power[i] - from.power[i];
     balance_.work[i] += work;
     tick_work_ += work;
   }
+  coarse_ += h / 6 * std::abs(change);
   balance_.strain += from.strain - to.strain;
   tick_work_ += from.strain - to.strain;
 }
@@ -96,8 +113,16 @@ bool EnergyAudit::is_implicit() const {
 
 void EnergyAudit::add_tick(const StepReport& report) {
   const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
-  const EnergyFlow start = calc_start();
-  const EnergyFlow reached = calc_energy_flow(simulation_.plan(), simulation_.state(), simulation_.workspace(), frame_);
+  const auto [flow, frame] = look(simulation_);
+  const bool at_rest = is_at_rest(frame_) || is_at_rest(frame);
+  const auto see = [at_rest](const EnergyFlow& seen, const Vec3& from) {
+    return at_rest ? change_frame(seen, -from) : seen;
+  };
+  const auto see_event = [at_rest](const EnergyFlow& seen) {
+    return at_rest ? seen : change_frame(seen, (1 / seen.mass) * seen.momentum);
+  };
+  smooth_ = smooth_ && at_rest == at_rest_;
+  const EnergyFlow start = see(calc_start(), frame_), reached = see(flow, frame);
   tick_work_ = 0;
   if (report.audits.empty()) {
     if (smooth_)
@@ -108,10 +133,10 @@ void EnergyAudit::add_tick(const StepReport& report) {
     EnergyFlow from = start;
     double time = end - dt;
     for (const EventAudit& audit : report.audits) {
-      add_work(from, change_frame(audit.flow_before, frame_), audit.time - time);
+      add_work(from, see_event(audit.flow_before), audit.time - time);
       balance_.impulses += audit.allowed.kinetic;
       tick_work_ += audit.allowed.kinetic;
-      from = change_frame(audit.flow_after, frame_);
+      from = see_event(audit.flow_after);
       time = audit.time;
     }
     add_work(from, reached, end - time);
@@ -125,15 +150,13 @@ void EnergyAudit::add_tick(const StepReport& report) {
     balance_.largest_time = end;
   }
   smooth_ = report.audits.empty();
+  at_rest_ = at_rest;
   earlier_ = start;
-  now_ = reached;
+  keep(flow, frame);
 }
 
-// The next tick is seen from where the centre of mass goes now.
-void EnergyAudit::keep() {
-  const Vec3 frame = calc_audit_frame(simulation_.plan(), simulation_.state(), simulation_.workspace());
-  earlier_ = change_frame(earlier_, frame - frame_);
-  now_ = change_frame(now_, frame - frame_);
+void EnergyAudit::keep(const EnergyFlow& flow, const Vec3& frame) {
+  now_ = flow;
   frame_ = frame;
   const std::span<const std::byte> bytes = simulation_.state().get_bytes();
   std::memcpy(block_.data(), bytes.data(), bytes.size());
@@ -141,11 +164,11 @@ void EnergyAudit::keep() {
   fastest_ = std::max(fastest_, now_.kinetic + 0.5 * now_.mass * dot(frame_, frame_));
 }
 
-double EnergyAudit::calc_rounding() const {
+double EnergyAudit::calc_doubt() const {
   // each tick rounds every velocity once or so: their errors add like a random walk, with room for some ten operations
   constexpr double kOperations = 16;
   const double ticks = std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation_.get_tick(), 1)));
-  return kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
+  return coarse_ + kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
 }
 
 }  // namespace unlatch::hil

@@ -3,7 +3,8 @@
 // Between two ticks the change of kinetic and stored energy must equal the work of loads, weight, motors, dampers,
 // modes and leaving mass; an event may add what its plastic impulse takes. Work is the integral of powers at the ticks:
 // by the parabola through three of them (Adams–Moulton, error h⁴/24 d³P/dt³ a tick), by the trapezoid next to events
-// and changed commands. Each tick is seen from the centre of mass, so that a speed of flight of km/s hides nothing.
+// and changed commands. All is seen from the centre of mass, so that a speed of flight of km/s hides nothing; ticks in
+// which something holds a body to the ground are seen from there.
 // Cost: one pass over bodies and elements a tick; off the cyclic thread.
 #pragma once
 
@@ -36,8 +37,8 @@ class EnergyAudit {
   // After the initial state (a default report) and after each step.
   void update(const StepReport& report);
   [[nodiscard]] const EnergyBalance& get() const { return balance_; }
-  // Size that rounding alone explains, J.
-  [[nodiscard]] double calc_rounding() const;
+  // Size that rounding and the integrals of powers may explain, J.
+  [[nodiscard]] double calc_doubt() const;
 
  private:
   void begin();
@@ -47,7 +48,7 @@ class EnergyAudit {
   void add_work(const EnergyFlow& from, const EnergyFlow& to, double h);
   void add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h);
   [[nodiscard]] bool is_implicit() const;
-  void keep();
+  void keep(const EnergyFlow& flow, const Vec3& frame);
 
   const Simulation& simulation_;
   std::vector<int> implicit_;      // elements that the plan integrates implicitly
@@ -57,10 +58,12 @@ class EnergyAudit {
   std::vector<std::uint64_t> block_;  // the state before the last step
   State before_;
   std::vector<double> inputs_;
-  Vec3 frame_{};
-  EnergyFlow earlier_{}, now_{};         // at the last tick but one, and at the last, seen from `frame_`
+  Vec3 frame_{};                         // velocity of the observer of now_
+  EnergyFlow earlier_{}, now_{};         // at the last tick but one, and at the last, seen from the centre of mass
   bool begun_ = false, smooth_ = false;  // smooth_: nothing has happened between the two
+  bool at_rest_ = false;                 // they are seen from the ground
   double tick_work_ = 0, fastest_ = 0;   // J, of the tick; J, largest kinetic energy seen from rest
+  double coarse_ = 0;                    // J: what trapezoids may miss
   EnergyBalance balance_;
 };
 

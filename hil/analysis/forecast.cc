@@ -253,6 +253,11 @@ class Earliest {
   std::vector<double> events;
 };
 
+// As scenarios mark them.
+std::string name_event(const Event& event) {
+  return quoted("event", event.name) + (event.subject.empty() ? "" : " of '" + event.subject + "'");
+}
+
 bool has_kind(const Condition& c, Condition::Kind kind) {
   return c.kind == kind ||
          std::any_of(c.parts.begin(), c.parts.end(), [kind](const Condition& part) { return has_kind(part, kind); });
@@ -267,7 +272,7 @@ void find_event_surprises(const Scenario& scenario, std::vector<Finding>& findin
   const Earliest earliest(model);
   for (std::size_t e = 0; e < model.events.size(); ++e) {
     const Event& event = model.events[e];
-    const std::string where = quoted("event", event.name + (event.subject.empty() ? "" : " " + event.subject));
+    const std::string where = name_event(event);
     if (earliest.events[e] == kNever)
       findings.push_back({"never", where, "cannot come: no event brings about what it waits for"});
     else if (earliest.events[e] > scenario.until)
@@ -281,7 +286,7 @@ void find_event_surprises(const Scenario& scenario, std::vector<Finding>& findin
   for (const FiredEvent& fired : trial.step().events) {
     const Event& event = model.events[at(fired.event)];
     if (fired.time > 0 || has_kind(event.when, Condition::Kind::kTime)) continue;
-    const std::string where = quoted("event", event.name + (event.subject.empty() ? "" : " " + event.subject));
+    const std::string where = name_event(event);
     findings.push_back({"start", where, "holds at the start already, and acts at t = 0"});
   }
 }

@@ -147,7 +147,7 @@ void AccuracyWatch::watch_drift() {
 
 void AccuracyWatch::watch_energy() {
   const EnergyBalance& energy = audit_.get();
-  const double size = std::abs(energy.unexplained) - audit_.calc_rounding();
+  const double size = std::abs(energy.unexplained) - audit_.calc_doubt();
   if (!failed_ && !(size <= kEnergyFailure * energy.scale)) {
     failed_ = true;
     failed_time_ = simulation_.get_time();

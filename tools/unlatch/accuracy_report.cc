@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "hil/run/run.h"
@@ -39,17 +40,27 @@ Comparison run_at(const ScenarioOptions& options, double dt, double until) {
   return run;
 }
 
-// The largest step that meets the tolerance, tried: from the estimate down by a quarter each time. A whole number of
-// steps makes the run.
+constexpr double kNano = 1e9;
+
+// The longest step up to `most` of which a whole number makes the run, in whole nanoseconds as scenarios want them.
+double find_whole_step(double most, double until) {
+  const auto total = std::llround(until * kNano);
+  const auto fewest = static_cast<std::int64_t>(std::ceil(until / most * (1 - 1e-9)));
+  for (std::int64_t count = std::max<std::int64_t>(fewest, 1); count <= 2 * fewest + 1; ++count)
+    if (total % count == 0) return static_cast<double>(total / count) / kNano;
+  return 0;
+}
+
+// The largest step that meets the tolerance, tried: from the estimate down by a quarter each time.
 void find_step(const ScenarioOptions& options, double dt, double until, hil::AccuracyReport& accuracy) {
-  constexpr double kMostGrowth = 16, kShrink = 0.75;
+  constexpr double kMostGrowth = 16, kLongest = 1, kShortest = 1e-6, kShrink = 0.75;  // of dt; s; s
+  constexpr double kMostTicks = 1000;  // times those of the run: nobody would wait for more
   constexpr int kTrials = 6;
-  const double longest = kMostGrowth * dt;
-  auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, longest);
+  auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, std::min(kMostGrowth * dt, kLongest));
   accuracy.limit = limit;
-  for (int trial = 0; trial < kTrials && step > 0; ++trial, step *= kShrink) {
-    const double whole = until / std::ceil(until / std::min(step, until) - 1e-9);
-    if (whole < 1e-3 * dt) return;  // a run of more than a thousand times the steps is nobody's wish
+  for (int trial = 0; trial < kTrials; ++trial, step *= kShrink) {
+    const double whole = find_whole_step(std::min(step, until), until);
+    if (whole < std::max(kShortest, dt / kMostTicks)) return;
     const Comparison run = run_at(options, whole, until);
     if (!run.failure.empty() || hil::calc_largest_error(accuracy, run.values) > accuracy.tolerance) continue;
     accuracy.step = whole;
@@ -65,6 +76,8 @@ hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::
                                      const hil::Simulation& simulation, const hil::RunAnalysis& analysis,
                                      double tolerance) {
   const double dt = simulation.plan().get_options().dt, until = simulation.get_time();
+  if (std::llround(dt * kNano) % 4 != 0)
+    refuse_option("--accuracy", "the step is halved twice, and steps are whole nanoseconds: use --dt");
   const Comparison half = run_at(options, 0.5 * dt, until), quarter = run_at(options, 0.25 * dt, until);
   hil::AccuracyReport accuracy = hil::compare_steps(
       scenario, simulation, hil::list_values(scenario, simulation, analysis), half.values, quarter.values);

@@ -21,21 +21,21 @@
 namespace unlatch::tools {
 namespace {
 
+// Of --accuracy.
+constexpr const char* kNotAsked = "no";
+constexpr double kUsualTolerance = 1e-6;
+
 struct RunOptions {
   ScenarioOptions scenario;
   std::vector<double> samples;                              // s
   std::vector<std::pair<double, std::string>> checkpoints;  // s, file
   std::string resume;                                       // file
-  std::string accuracy;                                     // tolerance, kWithoutValue, or empty: not asked for
+  std::string accuracy = kNotAsked;                         // tolerance, or empty for the usual one
   OutputOptions output;
 };
 
-// An option that is given without its value reads so.
-constexpr const char* kWithoutValue = "true";
-constexpr double kUsualTolerance = 1e-6;
-
 double read_tolerance(const std::string& text) {
-  if (text == kWithoutValue) return kUsualTolerance;
+  if (text.empty() || text == "true") return kUsualTolerance;
   char* end = nullptr;
   const double tolerance = std::strtod(text.c_str(), &end);
   if (*end != 0 || !(tolerance > 0 && tolerance < 1))
@@ -120,8 +120,9 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
 }
 
 int run(const RunOptions& options) {
-  if (!options.accuracy.empty()) (void)read_tolerance(options.accuracy);
-  if (!options.accuracy.empty() && !options.resume.empty())
+  const bool compares = options.accuracy != kNotAsked;
+  if (compares) (void)read_tolerance(options.accuracy);
+  if (compares && !options.resume.empty())
     refuse_option("--accuracy", "a checkpoint is of one step; runs at its half and its quarter begin at the start");
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);
@@ -145,7 +146,7 @@ int run(const RunOptions& options) {
 
   RunReport report{scenario,   simulation, analysis,    get_status_name(end.status), end.message, end.tick, end.hash,
                    end.timing, {},         std::nullopt};
-  if (!options.accuracy.empty() && end.status == hil::RunStatus::kDone)
+  if (compares && end.status == hil::RunStatus::kDone)
     report.accuracy =
         measure_accuracy(options.scenario, scenario, simulation, analysis, read_tolerance(options.accuracy));
   const bool unresolved = tell_unresolved(analysis, report.status, report.message);
