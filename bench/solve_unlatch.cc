@@ -11,9 +11,10 @@ namespace {
 
 class Unlatch : public Solver {
  public:
-  explicit Unlatch(const Model& model) : model_(model), simulation_(model_) { evaluate_or_throw(); }
+  explicit Unlatch(const Model& model) : model_(model), simulation_(model_) { check(evaluate_state(simulation_)); }
 
-  void solve() override { evaluate_or_throw(); }
+  // From poses and velocities; the modes are those of the call before.
+  void solve() override { check(evaluate_state(simulation_, Changed::kMotion)); }
 
   Solution build_solution() override {
     const test::KernelSolution kernel = test::read_solution(simulation_);
@@ -28,11 +29,6 @@ class Unlatch : public Solver {
   }
 
  protected:
-  void evaluate_or_throw() {
-    test::Simulation& s = simulation_;
-    check(evaluate_state(s));
-  }
-
   static void check(int node) {
     if (node != kNone) throw std::runtime_error("unlatch: the pivot of node " + std::to_string(node) + " vanished");
   }
@@ -43,12 +39,28 @@ class Unlatch : public Solver {
 
 class UnlatchFactorSolve final : public Unlatch {
  public:
-  using Unlatch::Unlatch;
+  explicit UnlatchFactorSolve(const Model& model) : Unlatch(model) {
+    const Inputs inputs{simulation_.commands};
+    const Evaluation& ev = simulation_.evaluation();
+    update_forces({simulation_.data(), inputs, simulation_.state, simulation_.get_time()}, simulation_.evaluation());
+    for (const Place& place : ev.places) forces_.push_back(read(ev.blocks.data(), place, &SharedBlock<double>::force));
+  }
 
   void solve() override {
     const PlanData& plan = simulation_.data();
+    if (!plan.loops.empty()) restore_forces();
     check(get_kernels(plan).factor_and_solve(plan, simulation_.state, simulation_.evaluation(), {}, kAllRows));
   }
+
+ private:
+  // A solve leaves the loops' reactions among the forces.
+  void restore_forces() {
+    const Evaluation& ev = simulation_.evaluation();
+    for (std::size_t b = 0; b < forces_.size(); ++b)
+      write(ev.blocks.data(), ev.places[b], &SharedBlock<double>::force, forces_[b]);
+  }
+
+  std::vector<Spatial> forces_;
 };
 
 }  // namespace

@@ -55,11 +55,10 @@ UNLATCH_INLINE void add_four_siblings(const GroupView<Pack<4>, 4>& v, const Pass
   begin(23, Four{force.z.v, torque.x.v, torque.y.v, torque.z.v});
 }
 
-// What a joint passes, at the child's origin, to the parents, by the path that fits.
+// To the parents, by the path that fits. `at_parent`: at the parent's origin, see move().
 template <bool kFactor, class T, int kWidth>
-UNLATCH_INLINE void pass_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& passed, Source source,
+UNLATCH_INLINE void pass_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& at_parent, Source source,
                                     SiblingSums& sums) {
-  const Passed<T> at_parent = move<kFactor>(passed, load<T>(v.blocks.solver().offset));
   if constexpr (kWidth == 4 && T::kWidth == 4)
     if (v.group.link == ParentLink::kSiblings && v.group.begins != kNone)
       return add_four_siblings<kFactor>(v, at_parent, source);

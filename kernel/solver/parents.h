@@ -12,6 +12,11 @@ struct Passed {
   ArticulatedT<T> A;
   SpatialT<T> load;
 };
+template <class T>
+UNLATCH_INLINE Passed<T> get_nothing() {
+  const T o(0.0);
+  return {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
+}
 
 // Sums over the children of one parent, one partial sum per lane: child k counts towards the (k mod 8)-th. As wide as
 // the first group of siblings that comes.

@@ -27,7 +27,8 @@ template <bool kLeaf, class T, int kWidth>
       passed.A = get_whole(eliminate_first(v, node, sweep, r, s, passed.load, bad));
     });
     if (any(bad)) return find_bad_node(plan, v.group, lane, bad);
-    if (v.group.link != ParentLink::kRoot) pass_to_parents<true>(v, passed, sweep.source, sums);
+    if (v.group.link == ParentLink::kRoot) continue;
+    pass_to_parents<true>(v, move<true>(passed, load<T>(v.blocks.solver().offset)), sweep.source, sums);
   }
   return kNone;
 }

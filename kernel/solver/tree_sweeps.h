@@ -100,14 +100,14 @@ UNLATCH_INLINE void eliminate(const V& v, const Sweep& sweep, SiblingSums& sums,
       if constexpr (kFactor) passed.A = mask & passed.A;
     }
   } else {
-    const T o(0.0);
-    passed = {get_body_block(o, Sym3T<T>{o, o, o, o, o, o}), {{o, o, o}, {o, o, o}}};
+    passed = get_nothing<T>();
   }
   if (v.modes.by_rows) eliminate_rows<kFactor>(v, node, bias, passed, bad);
   if (v.group.link == ParentLink::kRoot) return;
-  // The first of siblings begin their sums, and the first to come their parents' blocks.
-  if (v.modes.by_freedoms || v.modes.rows != 0 || v.group.siblings_begin || v.group.begins != kNone)
-    pass_to_parents<kFactor>(v, passed, sweep.source, sums);
+  if (v.modes.by_freedoms || v.modes.rows != 0)
+    pass_to_parents<kFactor>(v, move<kFactor>(passed, load<T>(v.blocks.solver().offset)), sweep.source, sums);
+  else if (v.group.siblings_begin || v.group.begins != kNone)  // they begin sums, with nothing
+    pass_to_parents<kFactor>(v, get_nothing<T>(), sweep.source, sums);
 }
 
 template <bool kLeaf, bool kFactor, class T, int kWidth>

@@ -155,7 +155,10 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
       update_joint_velocities(plan, now.state, ev);
       break;
     case Changed::kState:
-      load_state(plan, now.state, ev);
+      load_modes(plan, now.state, ev);
+      [[fallthrough]];
+    case Changed::kMotion:
+      load_motion(plan, now.state, ev);
       update_masses(plan, now.t, ev);
       update_kinematics(plan, ev);
       [[fallthrough]];

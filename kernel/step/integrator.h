@@ -12,11 +12,12 @@
 
 namespace unlatch {
 
-// How an instant differs from the one that an evaluation is of, each including those above it.
+// How an instant differs from the one that an evaluation is of, each including those above it, kMotion all but kModes.
 enum class Changed {
   kCommands,    // the commands: poses, velocities, modes, elements and time are the same
   kVelocities,  // and the velocities: what integrate() leaves, which is at the end of its sub-step
   kModes,       // and modes or elements; poses, velocities and kinematics are in the evaluation
+  kMotion,      // all but what has_same_modes() compares
   kState,       // all of it
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
@@ -11,6 +13,7 @@ namespace unlatch {
 namespace {
 
 static_assert(sizeof(BodyState) == sizeof(MotionT<double>));
+static_assert(offsetof(JointState, locked) == offsetof(JointState, offset) + sizeof(Vec3));  // compared as one
 
 double get_mask(bool holds) { return std::bit_cast<double>(holds ? ~std::uint64_t{0} : std::uint64_t{0}); }
 
@@ -68,7 +71,15 @@ void load_lane(const PlanData& plan, const State& state, const Group& group, int
 
 }  // namespace
 
-void load_state(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
+bool has_same_modes(const State& a, const State& b) noexcept {
+  for (std::size_t j = 0; j < a.joints.size(); ++j) {
+    const JointState &x = a.joints[j], &y = b.joints[j];
+    if (x.mode != y.mode || std::memcmp(&x.offset, &y.offset, sizeof(x.offset) + sizeof(x.locked)) != 0) return false;
+  }
+  return true;
+}
+
+void load_motion(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
   double* blocks = ev.blocks.data();
   for (const BodyEight& eight : plan.eights)
     if (eight.filled != 0xff) load_empty_lanes(plan, eight, blocks);
@@ -77,6 +88,10 @@ void load_state(const PlanData& plan, const State& state, Evaluation& ev) noexce
     write(blocks, plan.places[b], &BodyLane::motion, {body.p, body.q, body.v, body.w});
   }
   std::copy(state.auxiliary.begin(), state.auxiliary.end(), ev.auxiliary.now.begin());
+}
+
+void load_state(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
+  load_motion(plan, state, ev);
   load_modes(plan, state, ev);
 }
 

@@ -8,6 +8,12 @@ namespace unlatch {
 // Poses, velocities and auxiliary states into the evaluation, rest into empty lanes, and the joints' modes.
 void load_state(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
+// The same without the modes.
+void load_motion(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+
+// What load_modes() reads of both is the same: modes, offsets and attitudes at which rows hold.
+bool has_same_modes(const State& a, const State& b) noexcept;
+
 // The joints' modes alone: masks of freedoms and rows, offsets, carried axes; ev.modes.
 void load_modes(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 

@@ -204,16 +204,21 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
+// How far a state that is handed in may differ from the one that is kept.
+Changed compare(const FinalEvaluation& kept, const State& state) {
+  return kept.valid && has_same_modes(kept.state, state) ? Changed::kMotion : Changed::kState;
+}
+
 // The evaluation of the step's beginning with its inputs. If the kept one is of this state, only the commands are new,
 // and the plan knows what they can change.
-bool begin_step(Run& run, const State& state, double begin, bool is_kept) {
+bool begin_step(Run& run, const State& state, double begin, Changed changed) {
   const Instant now = run.get_instant(begin);
-  if (is_kept) {
-    if (run.plan.commanded_loads && !run.check(evaluate(now, Changed::kCommands, run.ev))) return false;
+  if (changed == Changed::kCommands) {
+    if (run.plan.commanded_loads && !run.check(evaluate(now, changed, run.ev))) return false;
     if (!run.plan.commanded_events) return true;
   } else {
     copy(state, run.state);
-    if (!run.check(evaluate(now, Changed::kState, run.ev))) return false;
+    if (!run.check(evaluate(now, changed, run.ev))) return false;
   }
   update_guards(now, run.ev, run.search.stack);
   return true;
@@ -235,7 +240,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   const PlanData& plan = owner.data();
   WorkspaceData& data = workspace.data();
   FinalEvaluation& kept = data.kept;
-  const bool is_kept = kept.is_of(state);
+  const Changed changed = kept.is_of(state) ? Changed::kCommands : compare(kept, state);
   kept.valid = false;  // until this step has ended well
   Run run{plan, inputs, kept.evaluation, kept.state, data.search};
   const double begin = get_time(plan, state.header->tick), end = get_time(plan, state.header->tick + 1);
@@ -243,7 +248,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   std::fill(run.search.tolerances.begin(), run.search.tolerances.end(), 0.0);
 
   // Events that the new inputs bring about, and those that the last step postponed, act at once.
-  if (!begin_step(run, state, begin, is_kept)) return finish(run);
+  if (!begin_step(run, state, begin, changed)) return finish(run);
   rearm(plan, run.state, run.ev);
   if (!act_at(run, begin)) return finish(run);
 
@@ -264,10 +269,11 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
 StepStatus update_outputs(const Plan& owner, const Inputs& inputs, const State& state, Workspace& workspace) noexcept {
   const PlanData& plan = owner.data();
   FinalEvaluation& kept = workspace.data().kept;
+  const Changed changed = compare(kept, state);
   kept.valid = false;
   Evaluation& ev = kept.evaluation;
   const Instant now{plan, inputs, state, get_time(plan, state.header->tick)};
-  if (evaluate(now, Changed::kState, ev) != kNone) return StepStatus::kSingular;
+  if (evaluate(now, changed, ev) != kNone) return StepStatus::kSingular;
   update_guards(now, ev, workspace.data().search.stack);
   update_sensors(plan, state, ev);
   copy(state, kept.state);

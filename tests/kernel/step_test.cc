@@ -109,6 +109,35 @@ TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
   }
 }
 
+// One workspace takes states of any tick in any order: those whose modes are the same, and those whose modes are not.
+TEST(Step, AWorkspaceServesStatesOfOtherTicks) {
+  for (const GoldenModel& golden : build_golden_models()) {
+    SCOPED_TRACE(golden.model.name);
+    PlanOptions options;
+    options.dt = golden.dt;
+    Simulation run(golden.model, options), used(golden.model, options);
+    constexpr int kStates = 16;
+    std::vector<std::vector<std::byte>> states;
+    for (int i = 0; i < golden.ticks; ++i) {
+      if (i % (golden.ticks / kStates + 1) == 0) {
+        const std::span<const std::byte> bytes = run.state.get_bytes();
+        states.emplace_back(bytes.begin(), bytes.end());
+      }
+      ASSERT_EQ(run.advance().status, StepStatus::kOk);
+    }
+    for (std::size_t i = 0; i < 3 * states.size(); ++i) {
+      const std::vector<std::byte>& bytes = states[i * 7 % states.size()];
+      Simulation fresh(golden.model, options);
+      for (Simulation* s : {&used, &fresh}) std::memcpy(s->state.get_bytes().data(), bytes.data(), bytes.size());
+      ASSERT_EQ(update_outputs(used.plan, {used.commands}, used.state, used.workspace),
+                update_outputs(fresh.plan, {fresh.commands}, fresh.state, fresh.workspace));
+      ASSERT_TRUE(are_equal(used.workspace.multipliers, fresh.workspace.multipliers)) << "state " << i;
+      ASSERT_EQ(used.advance().status, fresh.advance().status);
+      ASSERT_EQ(calc_hash(used.state), calc_hash(fresh.state)) << "state " << i;
+    }
+  }
+}
+
 // A state that was changed between two steps is not taken for the result of the previous step.
 TEST(Step, AChangedStateCounts) {
   Simulation changed(build_boosters()), fresh(build_boosters());

@@ -76,9 +76,9 @@ inline void update_motion(Simulation& s) {
 }
 
 // An evaluation of the present state and commands; returns kNone, or the node whose pivot vanished.
-inline int evaluate_state(Simulation& s) {
+inline int evaluate_state(Simulation& s, Changed changed = Changed::kState) {
   const Inputs inputs{s.commands};
-  return evaluate({s.data(), inputs, s.state, s.get_time()}, Changed::kState, s.evaluation());
+  return evaluate({s.data(), inputs, s.state, s.get_time()}, changed, s.evaluation());
 }
 
 }  // namespace unlatch::test
