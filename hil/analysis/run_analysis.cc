@@ -12,12 +12,14 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, std::
       sample_ticks_(std::move(samples_in)),
       clearance_(scenario),
       requirements_(scenario, clearance_),
-      separations_(scenario) {
+      separations_(scenario),
+      accuracy_(scenario, simulation) {
   std::sort(sample_ticks_.begin(), sample_ticks_.end());
   simulation.keep_motion();
 }
 
 void RunAnalysis::update(const StepReport& report) {
+  accuracy_.update(report);
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   postponed += report.postponed;
 

@@ -11,6 +11,7 @@
 
 #include "hil/analysis/clearance_history.h"
 #include "hil/analysis/motion_window.h"
+#include "hil/analysis/notices.h"
 #include "hil/analysis/requirements.h"
 #include "hil/analysis/separations.h"
 #include "hil/scenario/scenario.h"
@@ -76,7 +77,8 @@ class RunAnalysis {
   // Of the run so far.
   [[nodiscard]] std::vector<Verdict> judge() const { return requirements_.judge(window_); }
   [[nodiscard]] std::vector<Separation> list_separations() const { return separations_.list(clearance_); }
-  std::int64_t postponed = 0;  // event instants left to a later tick
+  const AccuracyWatch& accuracy() const { return accuracy_; }  // notices, energy
+  std::int64_t postponed = 0;                                  // event instants left to a later tick
 
  private:
   void add_motion(std::span<const FiredEvent> events);
@@ -93,6 +95,7 @@ class RunAnalysis {
   ClearanceHistory clearance_;
   RequirementMonitor requirements_;
   SeparationMonitor separations_;
+  AccuracyWatch accuracy_;
 };
 
 // The tick nearest to a time.

@@ -42,6 +42,11 @@ struct TracedPoint {
   int seen_from = kGround;                         // the path is in the axes of this body; the ground: W
 };
 
+// What reading changed, or the user should know; no mistake. `where`: a key of Scenario::marks.
+struct Remark {
+  std::string where, text;
+};
+
 struct Scenario {
   std::string file;                    // as given to the loader, for messages
   std::string text;                    // of the file and those that it includes: with `overrides` it makes this again
@@ -57,7 +62,9 @@ struct Scenario {
   std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
   std::vector<TracedPoint> points;
   std::vector<Requirement> requirements;
-  std::map<std::string, SourceMark> marks;  // places of the elements, by ModelError::where: "body 'core'"
+  std::vector<Remark> remarks;
+  std::vector<std::string> springs_while_free;  // joint springs that are meant to act while their joint is free
+  std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"
 };
 
 // Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file

@@ -135,6 +135,7 @@ void ScenarioReader::read_joint_spring(YamlMap& map, JointSpring spring) {
   spring.rest = map.number("rest", turns ? "rad" : "m", 0.0);
   spring.on = map.boolean("enabled", true);
   if (map.find("implicit")) spring.implicit = map.boolean("implicit", true);
+  if (map.boolean("while_free", false)) scenario_.springs_while_free.push_back(spring.name);
   model_.joint_springs.push_back(std::move(spring));
 }
 

@@ -1,11 +1,38 @@
 // Flexible bodies, whose modes come from a file beside the scenario (MODES.md), and the markers that they carry.
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 #include "hil/flexible/flexible_body.h"
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
+
+namespace {
+
+// Beyond what lumped masses and printed digits do to modes.
+constexpr double kChanged = 1e-3;
+
+// What conditioning made of the modes; empty if they came as they should.
+std::string describe_changes(const FlexibleReport& report) {
+  char line[200];
+  const bool is_off = report.found_gram > kChanged || report.found_momentum > kChanged;
+  if (!is_off) return "";
+  std::snprintf(line, sizeof line,
+                "its modes were changed when the file was read: they were off orthogonality by %.2g and off zero "
+                "momentum by %.2g",
+                report.found_gram, report.found_momentum);
+  std::string text = line;
+  for (const ModeFinding& mode : report.modes) {
+    if (!mode.selected || std::abs(mode.hz - mode.file_hz) <= kChanged * mode.file_hz) continue;
+    std::snprintf(line, sizeof line, "; mode %d from %.6g to %.6g Hz, with its damping ratio", mode.number,
+                  mode.file_hz, mode.hz);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace
 
 // {modes: FILE, select: [1, 4, 5], damping: 0.01 or one for each}
 void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
@@ -30,6 +57,8 @@ void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
     const std::string path = resolve_include("", name);
     const FlexibleStructure structure =
         build_flexible_body(read_modes_text(sources_.read(path), path), selection, report);
+    if (const std::string changes = describe_changes(report); !changes.empty())
+      scenario_.remarks.push_back({"body '" + body.name + "'", changes});
     body.mass = structure.mass;
     body.inertia = structure.inertia;
     body.flexible = structure.flexible;

@@ -40,6 +40,7 @@ void update_masses(const PlanData& plan, double t, Evaluation& ev) noexcept {
     body.centre_B = p.low->centre + p.part * (p.high->centre - p.low->centre);
     body.inertia_B = add(p.low->inertia, p.part, change);
     body.mass_slope = p.slope * (p.high->mass - p.low->mass);
+    body.centre_slope_B = p.slope * (p.high->centre - p.low->centre);
     body.inertia_slope_B = add({0, 0, 0, 0, 0, 0}, p.slope, change);
   }
 }

@@ -58,6 +58,7 @@ struct Auxiliary {
 struct VaryingBody {
   double mass, mass_slope;          // kg; per unit of the law's variable
   Vec3 centre_B, centre;            // centre of mass from the body's origin, body axes and world axes, m
+  Vec3 centre_slope_B;              // m per unit of the law's variable
   Sym3 inertia_B, inertia_slope_B;  // about the centre of mass, body axes, kg m²; per unit of the law's variable
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernel/dynamics/balance.h"
+#include "kernel/dynamics/energy.h"
 #include "kernel/dynamics/loads.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/step/guards.h"
@@ -119,6 +120,7 @@ StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& st
   for (std::size_t round = 0; round <= 2 * plan.events.size(); ++round) {
     if (!is_any_due(plan, now, state, ev, search)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
+    const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
     RowSet added = 0;
     const int count = act_once(plan, now, state, ev, search, added);
     if (count == 0) return StepStatus::kOk;
@@ -130,11 +132,12 @@ StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& st
       allowed = calc_allowed_change(plan, state, ev);
       update_velocities(plan, ev);
     }
-    if (at(search.audit_count) < search.audits.size())
-      search.audits[at(search.audit_count++)] = {now, before, difference(calc_balance(plan, state, ev), before),
-                                                 allowed};
+    const Balance jump = difference(calc_balance(plan, state, ev), before);
     const Instant instant{plan, inputs, state, now};
     if (node = evaluate(instant, Changed::kModes, ev); node != kNone) return StepStatus::kSingular;
+    if (at(search.audit_count) < search.audits.size())
+      search.audits[at(search.audit_count++)] = {
+          now, before, jump, allowed, flow_before, calc_energy_flow(plan, state, now, ev, {0, 0, 0})};
     for (double& tolerance : search.tolerances) tolerance = 0;
     update_guards(instant, ev, search.stack);
   }

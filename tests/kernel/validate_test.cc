@@ -78,6 +78,13 @@ Profile table(std::vector<double> times, std::vector<double> values) {
   return p;
 }
 
+// What a program for design prints of a plate, I_z = I_x + I_y to three digits.
+TEST(Validate, RoundedInertiasOfAPlateAreAccepted) {
+  Model model = good_model();
+  model.bodies[0].inertia = Eigen::Vector3d(1.001, 2.002, 3.005).asDiagonal();  // 6.7e-4 too much
+  EXPECT_TRUE(validate(model).empty());
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Validate, ValidateMistakes,
     ::testing::Values(
@@ -87,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"Negative", [](Model& m) { m.bodies[0].inertia(0, 0) = -1; }, "body 'a'", "not positive definite"},
         Bad{"TinyMass", [](Model& m) { m.bodies[0].mass = 1e-61; }, "body 'a'", "its mass is 1e-61 kg"},
         Bad{"HugeInertia", [](Model& m) { m.bodies[0].inertia *= 1e61; }, "body 'a'", "principal moments"},
-        Bad{"Triangle", [](Model& m) { m.bodies[0].inertia(2, 2) = 2.5001; }, "body 'a'", "triangle"},
+        Bad{"Triangle", [](Model& m) { m.bodies[0].inertia(2, 2) = 2.51; }, "body 'a'", "triangle"},
         Bad{"InfiniteInertia", [](Model& m) { m.bodies[0].inertia(2, 2) = kInfinity; }, "body 'a'", "not finite"},
         Bad{"NoAttitude", [](Model& m) { m.bodies[0].q_WB = {0, 0, 0, 0}; }, "body 'a'", "quaternion"},
         Bad{"BodyTwice", [](Model& m) { m.bodies.push_back(m.bodies[0]); }, "body 'a'", "more than one"},

@@ -2,10 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/unlatch/check_findings.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
-#include "unlatch/frequencies.h"
 
 namespace unlatch::tools {
 namespace {
@@ -73,15 +73,20 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
   json["redundant"] = Json::array();
   for (const RedundantRows& rows : redundant) json["redundant"].push_back(build_json(model, rows));
   json["elements"] = Json::array();
-  for (const ElementFrequency& element : simulation.calc_frequencies()) {
-    const double h_omega = plan.get_options().dt * element.omega, h_decay = plan.get_options().dt * element.decay;
-    json["elements"].push_back({{"name", model.element_name(element.element)},
-                                {"h_omega", h_omega},
-                                {"h_decay", h_decay},
-                                {"implicit", element.implicit},
-                                {"stable", element.implicit || std::max(h_omega, h_decay) <= kStable}});
+  for (const hil::SpringResolution& spring : hil::calc_resolutions(simulation)) {
+    const double h = plan.get_options().dt, worst = h * spring.get_worst();
+    json["elements"].push_back({{"name", model.element_name(spring.element)},
+                                {"h_omega", h * spring.largest_omega},
+                                {"h_decay", h * spring.largest_decay},
+                                {"modes", spring.where},
+                                {"h_omega_at_start", h * spring.omega},
+                                {"h_decay_at_start", h * spring.decay},
+                                {"implicit", spring.implicit},
+                                {"stable", spring.implicit || worst <= kStable}});
   }
   json["requirements"] = build_requirement_checks(scenario);
+  json["springs"] = build_springs_json(hil::list_springs(scenario));
+  json["warnings"] = build_findings_json(scenario, hil::find_surprises(scenario, simulation));
   json["counts"] = {{"channels", model.channels.size()},
                     {"sensor_values", plan.get_sensor_count()},
                     {"signals", model.signals.size()},

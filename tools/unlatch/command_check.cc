@@ -5,13 +5,13 @@
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/alike.h"
+#include "tools/unlatch/check_findings.h"
 #include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
-#include "unlatch/frequencies.h"
 
 namespace unlatch::tools {
 namespace {
@@ -98,24 +98,26 @@ void print_redundant(const Model& model, const std::vector<RedundantRows>& redun
   for (const RedundantRows& rows : redundant) std::printf("  %s\n", describe(model, rows).c_str());
 }
 
-void print_elements(const Model& model, hil::Simulation& simulation) {
+void print_elements(const Model& model, const hil::Simulation& simulation) {
   const Plan& plan = simulation.plan();
-  const auto frequencies = simulation.calc_frequencies();
-  if (frequencies.empty()) return;
-  print_heading("Elastic elements, h = step");
+  const std::vector<hil::SpringResolution> springs = hil::calc_resolutions(simulation);
+  if (springs.empty()) return;
+  print_heading("Elastic elements, h = step; the largest of all modes that events can set");
   FoldedList list;
-  for (const ElementFrequency& element : frequencies) {
-    const double h_omega = plan.get_options().dt * element.omega, h_decay = plan.get_options().dt * element.decay;
+  for (const hil::SpringResolution& spring : springs) {
+    const double h_omega = plan.get_options().dt * spring.largest_omega;
+    const double h_decay = plan.get_options().dt * spring.largest_decay;
     const double worst = std::max(h_omega, h_decay);
     std::string verdict = "resolved";
-    if (element.implicit)
+    if (spring.implicit)
       verdict = worst > kAccurate ? "implicit: second order, damps what the step does not resolve" : "implicit";
     else if (worst > kStable)
       verdict = paint(stdout, Colour::kRed, "unstable: make the step smaller, or the element softer");
     else if (worst > kAccurate)
       verdict = paint(stdout, Colour::kYellow, "stable, but not resolved accurately");
-    list.add(model.element_name(element.element),
-             format("h*omega %-10.4g h*decay %-10.4g ", h_omega, h_decay) + verdict);
+    const std::string where = spring.where.empty() ? "" : " (with " + spring.where + ")";
+    list.add(model.element_name(spring.element),
+             format("h*omega %-10.4g h*decay %-10.4g ", h_omega, h_decay) + verdict + where);
   }
   list.print(stdout, 20);
 }
@@ -135,6 +137,8 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   print_redundant(scenario.model, redundant);
   print_elements(scenario.model, simulation);
   print_requirement_checks(scenario);
+  print_springs(stdout, hil::list_springs(scenario));
+  print_findings(stdout, scenario, hil::find_surprises(scenario, simulation));
   print_heading("Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());

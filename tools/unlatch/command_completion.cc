@@ -56,9 +56,9 @@ void add_man(Command app, int& exit_code) {
   Command command =
       app.add_verb("man",
                    "Prints a manual page, of a verb or of the program. Installed with the program, so that "
-                               "`man unlatch-run` finds it.",
+                   "`man unlatch-run` finds it.",
                    "unlatch man run | man -l -\n"
-                               "unlatch man --out build/man1");
+                   "unlatch man --out build/man1");
   command.add_option("VERB", options->verb, "the verb (default: the program)");
   command.add_option("--out", options->folder, "existing folder for all pages").type_name("FOLDER");
   command.callback([app, options, &exit_code] {

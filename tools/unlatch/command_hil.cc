@@ -22,6 +22,7 @@
 #include "tools/fsw/participant.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"
+#include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/alike.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/pacing_options.h"
@@ -255,6 +256,7 @@ class Session {
     }
     std::string status = get_status_name(end.status);
     if (replayed && !replayed->agrees()) status = "different";
+    tell_unresolved(analysis, status, message);
     const RunReport report{scenario_, *again,     analysis,          status,   message, end.tick,
                            end.hash,  end.timing, recording.notices, replayed, refused_};
     print_report(get_people_stream(options_.output.json), report);

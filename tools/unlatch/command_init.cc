@@ -67,13 +67,12 @@ void add_init(Command app, int& exit_code) {
     std::string file, like = "separation";
   };
   auto options = std::make_shared<Options>();
-  Command command =
-      app.add_verb("init", "Writes a scenario to start from, with comments, and the schema with which editors check it.",
-                   "unlatch init first --like array");
+  Command command = app.add_verb(
+      "init", "Writes a scenario to start from, with comments, and the schema with which editors check it.",
+      "unlatch init first --like array");
   std::vector<std::string> kinds;
   for (const Starter& starter : get_starters()) kinds.push_back(starter.name);
-  command
-      .add_option("NAME", options->file, "name of the scenario and of its file NAME.yaml; may include a folder")
+  command.add_option("NAME", options->file, "name of the scenario and of its file NAME.yaml; may include a folder")
       .required();
   command.add_option("--like", options->like, "kind of structure").one_of(kinds).default_shown();
   command.callback([options, &exit_code] { exit_code = run(options->file, options->like); });

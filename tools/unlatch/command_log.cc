@@ -130,9 +130,10 @@ int run(const LogOptions& options) {
 
 void add_log(Command app, int& exit_code) {
   auto options = std::make_shared<LogOptions>();
-  Command command =
-      app.add_verb("log", "Records the messages of a session into an LCM event log, as an ordinary subscriber, until the session ends.",
-                   "unlatch log --transport dds --out heard.log");
+  Command command = app.add_verb(
+      "log",
+      "Records the messages of a session into an LCM event log, as an ordinary subscriber, until the session ends.",
+      "unlatch log --transport dds --out heard.log");
   add_transport_options(command, options->transport, false);
   command.add_option("--out", options->out, "file to write").required().type_name("FILE");
   command.add_json_option(options->json, "numbers of received messages");

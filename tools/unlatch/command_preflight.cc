@@ -70,17 +70,17 @@ int run(const PreflightOptions& options) {
 
 void add_preflight(Command app, int& exit_code) {
   auto options = std::make_shared<PreflightOptions>();
-  Command command = app.add_verb("preflight",
-                                 "Checks whether this machine is ready for a hard-real-time run, and says how to improve it; changes "
-               "nothing. Loads one CPU for half a second to "
-               "measure other load on it.",
-                                 "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
+  Command command =
+      app.add_verb("preflight",
+                   "Checks whether this machine is ready for a hard-real-time run, and says how to improve it; changes "
+                   "nothing. Loads one CPU for half a second to "
+                   "measure other load on it.",
+                   "unlatch preflight --cpu 3 --strict && unlatch preflight --json machine.json");
   command.add_json_option(options->json);
   command.add_option("--cpu", options->cpu, "CPU to test, that of the cyclic thread")
       .type_name("NUMBER")
       .check(check_cpu);
-  command.add_flag("--no-trial", options->no_trial,
-                   "only reads system settings; does not load the CPU");
+  command.add_flag("--no-trial", options->no_trial, "only reads system settings; does not load the CPU");
   command.add_flag("--strict", options->strict, "exit code 3 unless all checks pass");
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }

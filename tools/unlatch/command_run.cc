@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
+#include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/recording_watch.h"
 #include "tools/unlatch/report.h"
@@ -20,13 +22,27 @@
 namespace unlatch::tools {
 namespace {
 
+// Of --accuracy.
+constexpr const char* kNotAsked = "no";
+constexpr double kUsualTolerance = 1e-6;
+
 struct RunOptions {
   ScenarioOptions scenario;
   std::vector<double> samples;                              // s
   std::vector<std::pair<double, std::string>> checkpoints;  // s, file
   std::string resume;                                       // file
+  std::string accuracy = kNotAsked;                         // tolerance, or empty for the usual one
   OutputOptions output;
 };
+
+double read_tolerance(const std::string& text) {
+  if (text.empty() || text == "true") return kUsualTolerance;
+  char* end = nullptr;
+  const double tolerance = std::strtod(text.c_str(), &end);
+  if (*end != 0 || !(tolerance > 0 && tolerance < 1))
+    refuse_option("--accuracy", "'" + text + "' is no tolerance: a number above 0 and below 1, of each value's size");
+  return tolerance;
+}
 
 // The ticks of this run: where it begins, where it ends.
 struct Span {
@@ -105,6 +121,10 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
 }
 
 int run(const RunOptions& options) {
+  const bool compares = options.accuracy != kNotAsked;
+  if (compares) (void)read_tolerance(options.accuracy);
+  if (compares && !options.resume.empty())
+    refuse_option("--accuracy", "a checkpoint is of one step; runs at its half and its quarter begin at the start");
   check_output(options.output.json);
   for (const auto& [time, path] : options.checkpoints) check_output(path);
   const hil::Scenario scenario = load(options.scenario);
@@ -127,14 +147,17 @@ int run(const RunOptions& options) {
   hil::LogEnd end = run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, checkpoints, last_tick);
   if (recorder) recorder->close(end);
 
-  const RunReport report{scenario,    simulation,  analysis, get_status_name(end.status),
-                         end.message, end.tick,    end.hash, end.timing,
-                         {},          std::nullopt};
+  RunReport report{scenario,   simulation, analysis,    get_status_name(end.status), end.message, end.tick, end.hash,
+                   end.timing, {},         std::nullopt};
+  if (compares && end.status == hil::RunStatus::kDone)
+    report.accuracy =
+        measure_accuracy(options.scenario, scenario, simulation, analysis, read_tolerance(options.accuracy));
+  const bool unresolved = tell_unresolved(analysis, report.status, report.message);
   print_report(get_people_stream(options.output.json), report);
   write_json(report, options.output.json);
   write_junit(report, options.output.junit);
   if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
-  return end.status == hil::RunStatus::kDone && is_met(report) ? kExitDone : kExitFailed;
+  return end.status == hil::RunStatus::kDone && !unresolved && is_met(report) ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -152,14 +175,20 @@ void add_run(Command app, int& exit_code) {
       .delimiter(',')
       .type_name("SECONDS,...")
       .seconds(Seconds::kZeroToo);
-  command
-      .add_option("--checkpoint", options->checkpoints, "saves the state at a time, s, for --resume; repeatable")
+  command.add_option("--checkpoint", options->checkpoints, "saves the state at a time, s, for --resume; repeatable")
       .type_name("SECONDS FILE")
       .seconds(Seconds::kZeroToo, 0);
   command
       .add_option("--resume", options->resume,
                   "continues from a checkpoint of the same scenario, with the same bits; results start there")
       .type_name("FILE");
+  command
+      .add_option(
+          "--accuracy", options->accuracy,
+          "runs at dt, dt/2 and dt/4 and estimates the error of every result, and the largest step at which all "
+          "errors are within a tolerance, relative to each value's size (default: 1e-6)")
+      .type_name("TOLERANCE")
+      .expected(0, 1);
   add_output_options(command, options->output);
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/analysis/resolution.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
 #include "tools/command_line.h"
@@ -45,8 +46,7 @@ std::int64_t calc_last_tick(const hil::Scenario& scenario);
 // Says on standard error which springs the step cannot integrate stably; `check` shows all of them.
 void warn_of_unstable_elements(const hil::Scenario& scenario);
 
-// The step times an element's ω or damping rate: beyond the first RK4 loses accuracy, beyond the second stability.
-inline constexpr double kAccurate = 0.2, kStable = 2.8;
+using hil::kAccurate, hil::kStable;
 
 // The outputs that run and hil may write; a recording is a file, and another one than the JSON's.
 struct OutputOptions {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/analysis/accuracy.h"
 #include "hil/analysis/run_analysis.h"
 #include "hil/run/replay.h"
 
@@ -23,6 +24,7 @@ struct RunReport {
   std::vector<hil::EventMessage> notices;  // participants, policies, faults
   std::optional<hil::ReplayResult> replay;
   std::vector<std::string> refused = {};  // by the operating system, to a run in real time
+  std::optional<hil::AccuracyReport> accuracy = {};
 };
 
 std::string to_hex(std::int64_t hash);

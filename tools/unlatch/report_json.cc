@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/verdict_report.h"
@@ -165,6 +166,10 @@ nlohmann::ordered_json build_json(const RunReport& report) {
     json["notices"].push_back(
         {{"t", notice.time}, {"name", hil::get_name(notice.name)}, {"subject", hil::get_name(notice.subject)}});
   }
+  for (const hil::RunNotice& notice : report.analysis.accuracy().get()) {
+    json["notices"].push_back(
+        {{"t", notice.time}, {"name", get_full_name(notice)}, {"subject", notice.subject}, {"text", notice.text}});
+  }
   json["samples"] = Json::array();
   for (const hil::Sample& sample : report.analysis.samples) json["samples"].push_back(build_sample(sample, model));
   json["clearance"] = Json::array();
@@ -192,6 +197,11 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   }
   json["audit"] = Json::array();
   for (const EventAudit& audit : report.analysis.audits) json["audit"].push_back(build_audit(audit));
+  json["energy"] = build_energy_json(report.analysis.accuracy().get_energy());
+  if (report.accuracy) {
+    json["accuracy"] = build_accuracy_json(*report.accuracy);
+    json["accuracy_step"] = build_step_json(*report.accuracy);
+  }
   json["verdicts"] = build_verdicts(report);
   json["timing"] = to_json(report.timing);
   json["refused"] = report.refused;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/alike.h"
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
@@ -239,6 +240,9 @@ void print_report(std::FILE* to, const RunReport& report) {
   print_separations(to, report);
   print_reactions(to, report);
   print_audit(to, report.analysis.audits);
+  print_energy(to, report.analysis.accuracy().get_energy());
+  print_accuracy_notices(to, report);
+  if (report.accuracy) print_accuracy(to, *report.accuracy, dt);
   print_timing(to, report.timing);
   print_verdicts(to, report);
   print_requirements(to, report);

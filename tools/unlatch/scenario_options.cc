@@ -72,13 +72,14 @@ hil::Scenario load(const ScenarioOptions& options) {
 }
 
 void warn_of_unstable_elements(const hil::Scenario& scenario) {
-  for (const ElementFrequency& element : hil::build_simulation(scenario)->calc_frequencies()) {
-    if (element.implicit || scenario.dt * std::max(element.omega, element.decay) <= kStable) continue;
+  const auto simulation = hil::build_simulation(scenario);
+  for (const hil::SpringResolution& element : hil::calc_resolutions(*simulation)) {
+    if (element.implicit || scenario.dt * element.get_worst() <= kStable) continue;
     std::fprintf(stderr,
                  "warning: element '%s' is too stiff for this step and will be unstable: h*omega %.3g, h*decay %.3g; "
                  "see `unlatch check`\n",
-                 scenario.model.element_name(element.element).c_str(), scenario.dt * element.omega,
-                 scenario.dt * element.decay);
+                 scenario.model.element_name(element.element).c_str(), scenario.dt * element.largest_omega,
+                 scenario.dt * element.largest_decay);
   }
 }
 

@@ -43,12 +43,36 @@ struct Balance {
   double kinetic;         // J
 };
 
+// Sources of power that an audit tells apart.
+enum class PowerSource : std::int32_t {
+  kLoads,      // forces and torques that a law or a command sizes
+  kGravity,    // weight
+  kMotors,     // constant efforts of joint springs, and joint torsions while no hinge makes them conservative
+  kDampers,    // of springs; what a pusher loses that may not pull
+  kModes,      // damping of flexible bodies
+  kMass,       // kinetic energy of what leaves a body with a mass law, and jet damping
+  kSwitching,  // springs whose switch scale runs
+};
+inline constexpr int kPowerSources = 7;                     // number of them
+extern const char* const kPowerSourceNames[kPowerSources];  // "loads" …
+
+// Energies and powers of the whole system at one instant, for one observer, see unlatch/energy.h.
+struct EnergyFlow {
+  double mass, mass_rate;       // kg, kg/s
+  Vec3 momentum;                // kg m/s
+  double kinetic, strain;       // J; strain: stored in springs and modes, at their switch scales
+  double power[kPowerSources];  // W, by PowerSource
+  Vec3 force[kPowerSources];    // N: how much an observer who moves with v sees less of each power, per v
+};
+
 // One instant at which events acted, audited: `jump` is what changed, `allowed` what the actions may change: nothing
 // for a release, the work and ground impulse of a plastic impulse for rows that close.
 struct EventAudit {
   double time;  // s
   // Balance before the events, its change, and the change that the actions are allowed to make.
   Balance before, jump, allowed;
+  // Energies and powers just before and just after, for an observer at rest.
+  EnergyFlow flow_before, flow_after;
 };
 
 // Report of a step.

@@ -1,7 +1,7 @@
 // Head of the page: the run, its end, and warnings.
 import { digits, el, plural } from './dom.js';
 
-const MARKS = { ok: '✓', fault: '✕', aborted: '✕', different: '≠', damaged: '✕', truncated: '…' };
+const MARKS = { ok: '✓', fault: '✕', aborted: '✕', unresolved: '✕', different: '≠', damaged: '✕', truncated: '…' };
 
 function describe(run, two) {
   const ok = run.status === 'ok';
@@ -55,6 +55,9 @@ export function buildHead(data, runs, clock) {
       const { tick, recorded, replayed } = run.replay.first_difference;
       banners.push(el('p', { class: 'banner bad' }, `${who}the replay leaves the recording at tick ${tick} `,
         `(recorded ${recorded}, replayed ${replayed}); what is shown ends there.`));
+    }
+    for (const { t, name, subject, text } of run.notices.filter((notice) => notice.name.startsWith('accuracy.'))) {
+      banners.push(el('p', { class: 'banner warn' }, `${who}not resolved by the step from ${t.toFixed(6)} s on: ${name.slice(9)} ${subject}: ${text}`));
     }
     for (const verdict of run.verdicts) banners.push(el('p', { class: 'banner warn' }, who + verdict));
   }

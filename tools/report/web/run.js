@@ -90,7 +90,7 @@ export class Run {
   // Events of the model and what the executive said, in order of time; `kind` decides mark and colour.
   timeline() {
     const entry = (kind) => ({ t, name, subject }) => ({ t, name, subject, kind, run: this });
-    const notice = (item) => entry(item.name.startsWith('fault.') ? 'fault' : 'notice')(item);
+    const notice = (item) => entry(item.name.startsWith('fault.') ? 'fault' : item.name.startsWith('accuracy.') ? 'accuracy' : 'notice')(item);
     const late = this.timing.worst_overruns.map((overrun) => ({
       t: overrun.tick * this.dt, name: `overrun.${overrun.cause}`, subject: `${(overrun.late_ns * 1e-3).toFixed(1)} µs late`,
       kind: 'overrun', run: this,

@@ -4,6 +4,7 @@ import { ROWS } from './run.js';
 
 const KINDS = {
   event: ['●', 'event of the model'], fault: ['▲', 'fault'], overrun: ['■', 'overrun'], notice: ['◆', 'flight software'],
+  accuracy: ['◇', 'not resolved by the step'],
 };
 const SPEEDS = [0.01, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 const SAME_TIME = 1e-9;  // of the run's length: the rounding of a click on an event

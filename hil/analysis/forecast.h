@@ -1,0 +1,32 @@
+// What a scenario tells before it runs: its springs as they begin, and what an engineer would not expect of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hil/scenario/scenario.h"
+#include "hil/simulation/simulation.h"
+
+namespace unlatch::hil {
+
+// A spring, pusher or torsion as it begins.
+struct SpringStart {
+  std::string name, kind;  // "spring", "pusher", "joint spring", "torsion"
+  bool on = false;
+  bool angular = false;  // length, stroke in rad and force in N m
+  double length = 0;     // m or rad: between the points, or the joint's coordinate
+  double force = 0;      // N or N m on the follower along the length, dampers at rest
+  double energy = 0;     // J stored
+  double stroke = 0;     // m or rad to where it carries no force
+};
+std::vector<SpringStart> list_springs(const Scenario& scenario);
+
+// Something to look at; the run goes on as the scenario says. `where`: a key of Scenario::marks, or empty.
+struct Finding {
+  std::string name;  // branch, start, never, overlap, points, modes, direction, free_spring, inertia, step
+  std::string where, text;
+};
+// Overwrites nothing of `simulation`; allocates and may take as long as some hundred steps.
+std::vector<Finding> find_surprises(const Scenario& scenario, const Simulation& simulation);
+
+}  // namespace unlatch::hil

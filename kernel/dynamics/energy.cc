@@ -1,0 +1,257 @@
+#include "kernel/dynamics/energy.h"
+
+#include <cmath>
+
+#include "kernel/dynamics/balance.h"
+#include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/gravity.h"
+#include "kernel/dynamics/loads.h"
+#include "kernel/joints/kinematics.h"
+#include "kernel/joints/residuals.h"
+#include "unlatch/elementary.h"
+#include "unlatch/energy.h"
+
+namespace unlatch {
+namespace {
+
+// The sum under way, for an observer with the velocity `frame`.
+struct Sum {
+  EnergyFlow flow{};
+  Vec3 frame;
+
+  // Of a force on a point that moves with v, and of a torque on what turns with w.
+  void push(PowerSource source, const Vec3& force, const Vec3& v) {
+    flow.power[at(static_cast<int>(source))] += dot(force, v - frame);
+    flow.force[at(static_cast<int>(source))] += force;
+  }
+  // Of internal forces, the same for every observer.
+  void add(PowerSource source, double power) { flow.power[at(static_cast<int>(source))] += power; }
+
+  void add_body(double mass, const Vec3& v, double spin_energy) {
+    const Vec3 seen = v - frame;
+    flow.mass += mass;
+    flow.momentum += mass * seen;
+    flow.kinetic += 0.5 * mass * dot(seen, seen) + spin_energy;
+  }
+};
+
+// Part of a switch scale that is gained per second.
+double calc_scale_rate(const ElementState& element, double t) {
+  const double elapsed = t - element.start;
+  return elapsed >= 0 && elapsed < element.duration ? (element.to - element.from) / element.duration : 0;
+}
+
+// A potential ½ k x², times the switch scale.
+void store(Sum& sum, const ElementState& element, double t, double scale, double stiffness, double x) {
+  const double energy = 0.5 * stiffness * x * x;
+  sum.flow.strain += scale * energy;
+  sum.add(PowerSource::kSwitching, calc_scale_rate(element, t) * energy);
+}
+
+// T = ½ m |v_c|² + ½ w·J w with dm/dt, dc/dt and dJ/dt beside the motion that varying.h describes, and the power of its
+// jet damping.
+void add_varying_body(const PlanData& plan, const Evaluation& ev, std::int32_t varying, const BodyFrame& body,
+                      const BodyKinematics& k, Sum& sum) {
+  const PlanVarying& law = plan.varying[at(varying)];
+  const VaryingBody& b = ev.varying[at(varying)];
+  const double rate = law.by_burnt ? ev.auxiliary.rate[at(varying)] : 1;
+  const Vec3 v = body.v + cross(k.w, b.centre);
+  const Vec3 change = rotate(k.R, b.inertia_slope_B) * k.w;
+  sum.add_body(b.mass, v, 0.5 * dot(k.w, k.J * k.w));
+  sum.push(PowerSource::kGravity, b.mass * calc_gravity(plan.gravity, body.p + b.centre), v);
+  sum.push(PowerSource::kMass, b.mass * cross(k.w, k.R * (rate * b.centre_slope_B)), v);
+  // ½ dm/dt |v|²: for another observer less dm/dt v per velocity, and dm/dt / 2 per its square
+  const Vec3 seen = v - sum.frame;
+  const double lost = rate * b.mass_slope;
+  sum.flow.mass_rate += lost;
+  sum.flow.power[at(static_cast<int>(PowerSource::kMass))] += 0.5 * lost * dot(seen, seen);
+  sum.flow.force[at(static_cast<int>(PowerSource::kMass))] += lost * seen;
+  sum.add(PowerSource::kMass, 0.5 * rate * dot(k.w, change));
+  if (!law.jet_damping) return;
+  const Vec3 r = k.R * law.exit - b.centre;
+  sum.add(PowerSource::kMass, rate * dot(k.w, b.mass_slope * cross(r, cross(k.w, r)) - change));
+}
+
+void add_flexible_body(const PlanData& plan, const State& state, const PlanFlexible& flexible, Sum& sum) {
+  BodyState seen = state.bodies[at(flexible.body)];
+  const Vec3 g = calc_gravity(plan.gravity, seen.p);
+  const double* coordinates = state.auxiliary.data() + flexible.auxiliary;
+  seen.v = seen.v - sum.frame;
+  const Balance own = calc_flexible_balance(plan, flexible, seen, coordinates);
+  sum.flow.mass += flexible.mass;
+  sum.flow.momentum += own.momentum;
+  sum.flow.kinetic += own.kinetic;
+  sum.add(PowerSource::kGravity, dot(g, own.momentum));
+  sum.flow.force[at(static_cast<int>(PowerSource::kGravity))] += flexible.mass * g;
+  const ModalShape shape = get_shape(plan, flexible);
+  for (int k = 0; k < flexible.modes; ++k) {
+    const double eta = coordinates[k], rate = coordinates[flexible.modes + k];
+    sum.flow.strain += 0.5 * shape.stiffness[k] * eta * eta;
+    sum.add(PowerSource::kModes, -shape.damping[k] * rate * rate);
+  }
+}
+
+void add_bodies(const PlanData& plan, const State& state, const Evaluation& ev, Sum& sum) {
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const PlanBody& body = plan.bodies[b];
+    if (body.flexible != kNone) {
+      const PlanFlexible& flexible = plan.flexible[at(body.flexible)];
+      if (flexible.body == static_cast<int>(b)) add_flexible_body(plan, state, flexible, sum);
+      continue;
+    }
+    const BodyKinematics k = read_kinematics(ev, static_cast<int>(b));
+    if (body.varying != kNone) {
+      add_varying_body(plan, ev, body.varying, get_body_frame(ev, static_cast<int>(b)), k, sum);
+      continue;
+    }
+    const BodyState& s = state.bodies[b];
+    sum.add_body(body.mass, s.v, 0.5 * dot(k.w, k.J * k.w));
+    sum.push(PowerSource::kGravity, body.mass * calc_gravity(plan.gravity, s.p), s.v);
+  }
+}
+
+void add_loads(const PlanData& plan, const Evaluation& ev, Sum& sum) {
+  for (std::size_t i = 0; i < plan.loads.size(); ++i) {
+    const PlanLoad& load = plan.loads[i];
+    const double size = ev.load_sizes[i];
+    if (size == 0) continue;
+    const BodyFrame body = get_body_frame(ev, load.body);
+    const Vec3 force = size * (load.world ? load.wrench.lin : body.R * load.wrench.lin);
+    const Vec3 torque = size * (load.world ? load.wrench.ang : body.R * load.wrench.ang);
+    const Vec3 v = load.world ? body.v + cross(body.w, body.R * load.point) : body.v;
+    sum.push(PowerSource::kLoads, force, v);
+    sum.add(PowerSource::kLoads, dot(torque, body.w));
+  }
+}
+
+void add_point_springs(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
+  for (const PlanPointSpring& spring : plan.point_springs) {
+    const ElementState& element = state.elements[at(spring.element)];
+    const double scale = calc_scale(element, t);
+    const BodyFrame base = get_body_frame(ev, spring.base), follower = get_body_frame(ev, spring.follower);
+    const Vec3 r_base = base.R * spring.point_base, r_follower = follower.R * spring.point_follower;
+    const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
+    const double length = norm(line), stretch = length - spring.free_length;
+    if (spring.push_only && stretch >= 0) continue;
+    store(sum, element, t, scale, spring.stiffness, stretch);
+    if (scale == 0 || length == 0) continue;
+    const double rate =
+        dot(line, (follower.v + cross(follower.w, r_follower)) - (base.v + cross(base.w, r_base))) / length;
+    const double elastic = -spring.stiffness * stretch * scale, viscous = -spring.damping * rate * scale;
+    const double lost = spring.push_only && elastic + viscous < 0 ? -elastic : viscous;
+    sum.add(PowerSource::kDampers, lost * rate);
+  }
+}
+
+// A torsion about an axis of the rotation frame has a potential while the two other rotations are held.
+bool has_potential(RowSet rows, int axis) {
+  const auto others = static_cast<RowSet>(kRotationRows & static_cast<RowSet>(~row_bit(axis)));
+  return axis < kRotX || (rows & others) == others;
+}
+
+void add_joint_springs(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
+  for (const PlanJointSpring& spring : plan.joint_springs) {
+    const ElementState& element = state.elements[at(spring.element)];
+    const double scale = calc_scale(element, t);
+    const double stretch = ev.coordinates[at(spring.coordinate)] - spring.rest;
+    const double rate = ev.speeds[at(spring.coordinate)];
+    double effort = spring.effort * scale;
+    if (has_potential(get_active_rows(plan, state, spring.joint), spring.axis))
+      store(sum, element, t, scale, spring.stiffness, stretch);
+    else
+      effort -= spring.stiffness * stretch * scale;
+    sum.add(PowerSource::kMotors, effort * rate);
+    sum.add(PowerSource::kDampers, -spring.damping * scale * rate * rate);
+  }
+}
+
+void add_plane_torsions(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
+  for (const PlanPlaneTorsion& spring : plan.plane_torsions) {
+    const ElementState& element = state.elements[at(spring.element)];
+    const double scale = calc_scale(element, t);
+    const BodyFrame base = get_body_frame(ev, spring.base), follower = get_body_frame(ev, spring.follower);
+    const Vec3 normal = base.R * spring.normal_base, axis = follower.R * spring.axis_follower;
+    const Vec3 across = cross(normal, axis);
+    const double size = norm(across);
+    if (size == 0) continue;
+    const double rate = -dot(across, follower.w - base.w) / size;
+    store(sum, element, t, scale, spring.stiffness, elementary::atan2(dot(normal, axis), size));
+    sum.add(PowerSource::kDampers, -spring.damping * scale * rate * rate);
+  }
+}
+
+// A body is held to the ground, by rows or by an element that is on.
+bool is_grounded(const PlanData& plan, const State& state, double t) {
+  const auto pulls = [&](std::int32_t base, std::int32_t element) {
+    return base == kGround && calc_scale(state.elements[at(element)], t) != 0;
+  };
+  for (std::size_t j = 0; j < plan.joints.size(); ++j)
+    if (plan.joints[j].base == kGround && get_active_rows(plan, state, static_cast<int>(j)) != 0) return true;
+  for (const PlanPointSpring& spring : plan.point_springs)
+    if (pulls(spring.base, spring.element)) return true;
+  for (const PlanJointSpring& spring : plan.joint_springs)
+    if (pulls(plan.joints[at(spring.joint)].base, spring.element)) return true;
+  for (const PlanPlaneTorsion& spring : plan.plane_torsions)
+    if (pulls(spring.base, spring.element)) return true;
+  return false;
+}
+
+double get_time(const PlanData& plan, const State& state) {
+  return static_cast<double>(state.header->tick) * plan.options.dt;
+}
+
+}  // namespace
+
+const char* const kPowerSourceNames[kPowerSources] = {"loads", "gravity", "motors",   "dampers",
+                                                      "modes", "mass",    "switching"};
+
+EnergyFlow calc_energy_flow(const PlanData& plan, const State& state, double t, const Evaluation& ev,
+                            const Vec3& frame) noexcept {
+  Sum sum{{}, frame};
+  add_bodies(plan, state, ev, sum);
+  add_loads(plan, ev, sum);
+  add_point_springs(plan, state, t, ev, sum);
+  add_joint_springs(plan, state, t, ev, sum);
+  add_plane_torsions(plan, state, t, ev, sum);
+  return sum.flow;
+}
+
+EnergyFlow calc_energy_flow(const Plan& plan, const State& state, const Workspace& workspace,
+                            const Vec3& frame) noexcept {
+  return calc_energy_flow(plan.data(), state, get_time(plan.data(), state), workspace.data().kept.evaluation, frame);
+}
+
+EnergyFlow change_frame(const EnergyFlow& flow, const Vec3& change) noexcept {
+  EnergyFlow out = flow;
+  out.kinetic += 0.5 * flow.mass * dot(change, change) - dot(flow.momentum, change);
+  out.momentum -= flow.mass * change;
+  for (int i = 0; i < kPowerSources; ++i) out.power[at(i)] -= dot(flow.force[at(i)], change);
+  const int mass = static_cast<int>(PowerSource::kMass);
+  out.power[at(mass)] += 0.5 * flow.mass_rate * dot(change, change);
+  out.force[at(mass)] -= flow.mass_rate * change;
+  return out;
+}
+
+Vec3 calc_audit_frame(const Plan& owner, const State& state, const Workspace& workspace) noexcept {
+  const PlanData& plan = owner.data();
+  if (is_grounded(plan, state, get_time(plan, state))) return {0, 0, 0};
+  Vec3 momentum = {0, 0, 0};
+  double mass = 0;
+  const Evaluation& ev = workspace.data().kept.evaluation;
+  for (std::size_t b = 0; b < plan.bodies.size(); ++b) {
+    const PlanBody& body = plan.bodies[b];
+    double own = body.mass;
+    if (body.varying != kNone) own = ev.varying[at(body.varying)].mass;
+    if (body.flexible != kNone && plan.flexible[at(body.flexible)].body == static_cast<int>(b))
+      own = plan.flexible[at(body.flexible)].mass;
+    mass += own;
+    momentum += own * state.bodies[b].v;
+  }
+  return (1 / mass) * momentum;
+}
+
+double calc_drift(const Plan& plan, const State& state, const Workspace& workspace) noexcept {
+  return calc_drift(plan.data(), state, workspace.data().kept.evaluation);
+}
+
+}  // namespace unlatch

@@ -1,0 +1,22 @@
+// What `check` tells of a valid scenario before it runs: its springs as they begin, and surprises.
+#pragma once
+
+#include <cstdio>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "hil/analysis/forecast.h"
+
+namespace unlatch::tools {
+
+// "file:12:3", of an element of the scenario; empty if it has no place.
+std::string get_place(const hil::Scenario& scenario, const std::string& where);
+
+void print_springs(std::FILE* to, const std::vector<hil::SpringStart>& springs);
+void print_findings(std::FILE* to, const hil::Scenario& scenario, const std::vector<hil::Finding>& findings);
+
+nlohmann::ordered_json build_springs_json(const std::vector<hil::SpringStart>& springs);
+nlohmann::ordered_json build_findings_json(const hil::Scenario& scenario, const std::vector<hil::Finding>& findings);
+
+}  // namespace unlatch::tools
