@@ -10,6 +10,7 @@ namespace unlatch::hil {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
+constexpr double kStill = 1e-6;  // m/s: the energy of slower bodies is not judged; of those at rest it is rounding
 
 std::span<std::byte> align(std::vector<std::byte>& memory, std::size_t bytes) {
   void* first = memory.data();
@@ -67,7 +68,7 @@ void EnergyAudit::update(const StepReport& report) {
 void EnergyAudit::begin() {
   begun_ = true;
   const auto [flow, frame] = look(simulation_);
-  balance_.scale = flow.kinetic + flow.strain;
+  balance_.scale = std::max(flow.kinetic + flow.strain, 0.5 * flow.mass * kStill * kStill);
   keep(flow, frame);
 }
 

@@ -167,7 +167,7 @@ TEST(RealTime, RefusalsAreNamedAndTheRestIsGranted) {
   std::jthread([] {
     const auto refused = hil::request_real_time({.priority = 80, .cpu = 100'000});
     ASSERT_FALSE(refused.empty());
-    EXPECT_TRUE(refused[0].starts_with("no CPU 100000 of its own: ")) << refused[0];
+    EXPECT_TRUE(refused[0].starts_with("the cyclic thread is not bound to CPU 100000: ")) << refused[0];
     for (const std::string& text : refused) EXPECT_NE(text.find('('), std::string::npos) << "no remedy: " << text;
   }).join();
   EXPECT_FALSE(hil::request_priority(1000).empty());

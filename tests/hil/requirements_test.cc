@@ -218,7 +218,8 @@ TEST(Requirements, MistakesAreToldWithTheirPlaceAndAGuess) {
                          "  - {id: A, rate: {body: still, relative_to: still}, at: late, from: late, at_most: 1}\n"),
             "run.yaml:13:32: unknown body 'moved'; known: still, moving\n"
             "run.yaml:13:44: unknown event 'erly'; did you mean 'early'? known: early, late, never, gone\n"
-            "run.yaml:13:60: '1 kg' is a mass (kg), not a length (m); write a number in m, or followed by mm, cm, km\n"
+            "run.yaml:13:60: '1 kg' is a mass (kg), not a length (m); write a number in m, or followed by mm, cm, km, "
+            "in, ft\n"
             "run.yaml:14:5: a second requirement 'A'; give each an id of its own\n"
             "run.yaml:14:46: a body relative to itself; name another body, or ground\n"
             "run.yaml:14:58: an instant and an interval; write either at, or from and to");

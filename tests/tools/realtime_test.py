@@ -157,7 +157,8 @@ class RealtimeTest(unittest.TestCase):
 
     def test_preflight_names_a_cpu_that_there_is_not(self):
         result = call(UNLATCH, "preflight", "--cpu", "1000")
-        self.assertIn("no CPU 1000 of its own", result.stderr)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("CPU 1000 does not exist", result.stderr)
 
 
 if __name__ == "__main__":

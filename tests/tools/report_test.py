@@ -125,7 +125,7 @@ class ReportTest(ProcessTest):
         self.open(log)
         titles = self.ask("[...document.querySelectorAll('.card h2')].map((node) => node.textContent)")
         for title in ("Clearances", "Reaction forces", "Reaction moments", "Angular rates", "Position from core",
-                      "Thrusts and forces", "Timing", "Tip-off rates", "Peak reactions"):
+                      "Thrusts and forces", "Timing", "Separations", "Peak reactions"):
             self.assertIn(title, titles)
         curves = self.ask("unlatchReport.plots.cards.map((card) => card.plot.series.length - 1)")
         self.assertGreater(min(curves), 0)

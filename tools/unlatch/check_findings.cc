@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/terminal.h"
 
 namespace unlatch::tools {
@@ -31,10 +32,11 @@ void print_springs(std::FILE* to, const std::vector<hil::SpringStart>& springs) 
   if (springs.empty()) return;
   print_heading(to, "Springs at the start (m, N, J; of rotations rad, N m)");
   std::fprintf(to, "  %-20s %-13s %12s %12s %12s %12s\n", "", "", "length", "force", "energy", "stroke");
-  for (const hil::SpringStart& spring : springs) {
-    std::fprintf(to, "  %-20s %-13s %12.6g %12.6g %12.6g %12.6g%s\n", spring.name.c_str(), spring.kind.c_str(),
-                 spring.length, spring.force, spring.energy, spring.stroke, spring.on ? "" : "  not enabled yet");
-  }
+  FoldedList list;
+  for (const hil::SpringStart& spring : springs)
+    list.add(spring.name, format("%-13s %12.6g %12.6g %12.6g %12.6g%s", spring.kind.c_str(), spring.length,
+                                 spring.force, spring.energy, spring.stroke, spring.on ? "" : "  not enabled yet"));
+  list.print(to, 20);
 }
 
 void print_findings(std::FILE* to, const hil::Scenario& scenario, const std::vector<hil::Finding>& findings) {

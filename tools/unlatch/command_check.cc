@@ -30,15 +30,6 @@ std::string list_rows(RowSet rows) {
   return text.empty() ? "none" : text;
 }
 
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof text, pattern, arguments);
-  va_end(arguments);
-  return text;
-}
-
 void print_bodies(const Model& model) {
   print_heading("Bodies");
   FoldedList list;
@@ -98,6 +89,17 @@ void print_redundant(const Model& model, const std::vector<RedundantRows>& redun
   for (const RedundantRows& rows : redundant) std::printf("  %s\n", describe(model, rows).c_str());
 }
 
+// Of a list in words the first three; the JSON has all.
+std::string shorten(const std::string& list) {
+  std::size_t end = 0, more = 0;
+  for (std::size_t comma = list.find(", "), k = 1; comma != std::string::npos;
+       comma = list.find(", ", comma + 2), ++k) {
+    if (k == 3) end = comma;
+    if (k >= 3) ++more;
+  }
+  return end == 0 ? list : list.substr(0, end) + " and " + std::to_string(more) + " more";
+}
+
 void print_elements(const Model& model, const hil::Simulation& simulation) {
   const Plan& plan = simulation.plan();
   const std::vector<hil::SpringResolution> springs = hil::calc_resolutions(simulation);
@@ -115,7 +117,7 @@ void print_elements(const Model& model, const hil::Simulation& simulation) {
       verdict = paint(stdout, Colour::kRed, "unstable: make the step smaller, or the element softer");
     else if (worst > kAccurate)
       verdict = paint(stdout, Colour::kYellow, "stable, but not resolved accurately");
-    const std::string where = spring.where.empty() ? "" : " (with " + spring.where + ")";
+    const std::string where = spring.where.empty() ? "" : " (with " + shorten(spring.where) + ")";
     list.add(model.element_name(spring.element),
              format("h*omega %-10.4g h*decay %-10.4g ", h_omega, h_decay) + verdict + where);
   }

@@ -1,7 +1,9 @@
 // Separations of a run, as a table and as JSON.
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/unlatch/alike.h"
 #include "tools/unlatch/terminal.h"
 #include "tools/unlatch/verdict_report.h"
 
@@ -97,7 +99,18 @@ void print_separations(std::FILE* to, const RunReport& report) {
   std::fprintf(
       to, "\n%s\n",
       paint(to, Colour::kBold, "Separations (rates and velocities at the end of push, in the inertial frame)").c_str());
-  for (const hil::Separation& pair : pairs) print_separation(to, report, pair);
+  std::vector<std::string> keys;
+  for (const hil::Separation& pair : pairs)
+    keys.push_back(without_numbers(get_title(report, pair.base) + " – " + get_title(report, pair.follower)));
+  for (const std::vector<std::size_t>& group : group_alike(keys)) {
+    const std::size_t fastest = *std::max_element(group.begin(), group.end(), [&](std::size_t i, std::size_t k) {
+      return pairs[i].relative.transverse < pairs[k].relative.transverse;
+    });
+    if (group.size() > 1)
+      std::fprintf(to, "  of %zu pairs %s the one that turns fastest across the axis:\n", group.size(),
+                   keys[fastest].c_str());
+    print_separation(to, report, pairs[fastest]);
+  }
 }
 
 nlohmann::ordered_json build_separations_json(const RunReport& report) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdarg>
 #include <cstdlib>
 
 namespace unlatch::tools {
@@ -90,6 +91,15 @@ std::string Progress::describe_rest(std::int64_t tick, std::chrono::steady_clock
 void Progress::clear() {
   if (line_open_) std::fputs("\r\033[K", stderr);
   line_open_ = false;
+}
+
+std::string format(const char* pattern, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
 }
 
 }  // namespace unlatch::tools

@@ -39,4 +39,7 @@ class Progress {
   bool line_open_ = false;
 };
 
+// As std::printf; at most 511 characters.
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...);
+
 }  // namespace unlatch::tools
