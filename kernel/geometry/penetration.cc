@@ -6,7 +6,7 @@
 namespace unlatch::geometry {
 namespace {
 
-constexpr int kMostPoints = 96;
+constexpr int kMostPoints = 112;
 constexpr int kMostFaces = 2 * kMostPoints;
 constexpr int kMostPolished = 16;
 constexpr double kAlikeLast = 0.9998;  // 1°
@@ -154,11 +154,17 @@ Vec3 calc_shrunk_normal(const Core& a, const Core& b) {
   return length > 0 ? (1.0 / length) * way : Vec3{0, 0, 1};
 }
 
+// Of equal depths the one whose witnesses lie opposite each other.
+bool is_better(double depth, double gap, const Depth& best, double size) {
+  const double same = 1e-14 * size;
+  return depth < best.depth - same || (depth <= best.depth + same && gap < best.gap);
+}
+
 }  // namespace
 
 Depth calc_depth_near(const Core& a, const Core& b, const Vec3& start, double size) {
   constexpr int kMostIterations = 32;
-  constexpr double kTurned = 1e-15, kLongest = 0.5;  // rad
+  constexpr double kTurned = 4e-15, kLongest = 0.5;  // rad
   Depth best;
   best.depth = std::numeric_limits<double>::infinity();
   Vec3 n = start, plain = start;
@@ -174,11 +180,10 @@ Depth calc_depth_near(const Core& a, const Core& b, const Vec3& start, double si
     if (c.apart && c.gap > 1e-13 * size) c = calc_closest(a, moved);
     if (!c.apart) break;  // cannot be, but for rounding
     const Vec3 back = c.b - s * n;
-    const double depth = dot(c.n, c.a - back);
+    const double depth = calc_extent(a, c.n) + calc_extent(b, -c.n);
     const Vec3 turned = n - dot(n, c.n) * c.n;  // of the start, as seen from the result
     const double turn = norm(turned);
-    const double same = 4e-15 * size;  // of equal depths the one whose witnesses lie opposite each other
-    if (depth < best.depth - same || (depth <= best.depth + same && s * turn < best.gap)) {
+    if (is_better(depth, s * turn, best, size)) {
       best.a = c.a;
       best.b = back;
       best.n = c.n;
@@ -225,7 +230,7 @@ Depth calc_depth(const Core& a, const Core& b) {
     return best;
   }
   best = calc_depth_near(a, b, calc_shrunk_normal(a, b), size);
-  const double tolerance = (is_polytope(a) && is_polytope(b) ? 1e-12 : 3e-4) * size;
+  const double tolerance = (is_polytope(a) && is_polytope(b) ? 1e-12 : 1e-5) * size;
   Vec3 tried[2 * kMostPolished];
   int tried_count = 0;
   const auto polish = [&](const Face& face, double alike) {
@@ -235,7 +240,7 @@ Depth calc_depth(const Core& a, const Core& b) {
     const Depth polished = calc_depth_near(a, b, face.n, size);
     tried[tried_count++] = face.n;
     tried[tried_count++] = polished.n;
-    if (polished.depth < best.depth) best = polished;
+    if (is_better(polished.depth, polished.gap, best, size)) best = polished;
   };
   bool room = true;
   for (int step = 0; room && step < kMostPoints; ++step) {

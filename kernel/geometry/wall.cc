@@ -55,7 +55,7 @@ Strip calc_strip(const Core& solid, const Core& b, double azimuth, double size) 
   if (closest.apart) {
     out.d = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
   } else {
-    const Depth depth = calc_depth_near(strip, b, -strip.R.x, size);
+    const Depth depth = calc_depth(strip, b);
     out.d = {-depth.depth, depth.a, depth.b, depth.n, depth.gap};
   }
   out.rate = -dot(out.d.normal, cross(solid.R.z, out.d.on_a - solid.c));
