@@ -32,7 +32,9 @@ Shape draw_any(Random& random, int kind) {
   return s;
 }
 
-bool is_same(double a, double b) { return a == b || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool is_same(double a, double b) {
+  return a == b || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
 bool is_same(const Vec3& a, const Vec3& b) { return is_same(a.x, b.x) && is_same(a.y, b.y) && is_same(a.z, b.z); }
 
 TEST(GeometryMotion, ExchangeMirrorsTheResultToTheLastBit) {
@@ -57,9 +59,7 @@ TEST(GeometryMotion, ARigidMotionOfBothChangesNothingButRounding) {
     const Placement at_a = draw_placement(random, 1.5), at_b = draw_placement(random, 1.5);
     const Placement by = draw_placement(random, 3);
     if (kind_a == 8 && i % 8) continue;
-    const auto move = [&](const Placement& at) {
-      return Placement{by.p_WB + by.R_WB * at.p_WB, by.R_WB * at.R_WB};
-    };
+    const auto move = [&](const Placement& at) { return Placement{by.p_WB + by.R_WB * at.p_WB, by.R_WB * at.R_WB}; };
     const Distance d = calc_distance(a, at_a, b, at_b), e = calc_distance(a, move(at_a), b, move(at_b));
     ASSERT_NEAR(d.distance, e.distance, 1e-9) << kind_a << " " << kind_b << " at " << i;
   }

@@ -1,7 +1,7 @@
 // Random pairs of every two kinds of convex shapes. Apart: the witnesses lie in their shapes, and the slab between the
 // support planes across the normal, by supports of the tests' own, is as wide as they are apart, which proves the
-// distance from both sides. Overlapping: the witnesses lie in their shapes and on the support planes, and no direction of
-// a dense search parts the two by less.
+// distance from both sides. Overlapping: the witnesses lie in their shapes and on the support planes, and no direction
+// of a dense search parts the two by less.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -26,7 +26,8 @@ TEST(GeometryShapes, NumbersThatAreNotFiniteAreRefused) {
   expect_mistake({.kind = ShapeKind::kSphere, .from = {0, kNan, 0}, .radius = 1}, "from", "not finite");
   expect_mistake({.kind = ShapeKind::kSphere, .radius = kNan}, "radius", "nan");
   expect_mistake({.kind = ShapeKind::kCapsule, .to = {1, 0, 0}, .radius = kInfinite}, "radius", "inf");
-  expect_mistake({.kind = ShapeKind::kHull, .points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kNan}}}, "points", "point 4");
+  expect_mistake({.kind = ShapeKind::kHull, .points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kNan}}}, "points",
+                 "point 4");
   expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {kNan, 1}}}, "profile", "point 2");
 }
 
@@ -47,8 +48,9 @@ TEST(GeometryShapes, DirectionsAndProfilesMustMeanSomething) {
   expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {0, 2}}}, "profile", "not beyond");
   expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {1, -1}}}, "profile", "(1, -1)");
   expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {1, 0}, {2, 0}}}, "profile", "axis");
-  expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {1, 1}}, .half = true, .side = {0, 0, 2}},
-                 "side", "along the axis");
+  expect_mistake(
+      {.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {1, 1}}, .half = true, .side = {0, 0, 2}},
+      "side", "along the axis");
 }
 
 TEST(GeometryShapes, GoodShapesHaveNoMistakes) {

@@ -103,8 +103,8 @@ double calc_outside(const Shape& s, const Placement& at, const Vec3& p) {
       return revolved(s.radius, s.end_radius);
     case ShapeKind::kBox: {
       const Vec3 m = transpose_times(rotation_matrix(s.q_BS), l - s.from);
-      return std::max({0.0, std::fabs(m.x) - 0.5 * s.size.x, std::fabs(m.y) - 0.5 * s.size.y,
-                       std::fabs(m.z) - 0.5 * s.size.z});
+      return std::max(
+          {0.0, std::fabs(m.x) - 0.5 * s.size.x, std::fabs(m.y) - 0.5 * s.size.y, std::fabs(m.z) - 0.5 * s.size.z});
     }
     default:
       break;

@@ -7,10 +7,10 @@
 
 namespace unlatch::test {
 
-inline constexpr geometry::ShapeKind kConvexKinds[] = {
-    geometry::ShapeKind::kSphere, geometry::ShapeKind::kCapsule, geometry::ShapeKind::kCylinder,
-    geometry::ShapeKind::kCone,   geometry::ShapeKind::kFrustum, geometry::ShapeKind::kBox,
-    geometry::ShapeKind::kHull};
+inline constexpr geometry::ShapeKind kConvexKinds[] = {geometry::ShapeKind::kSphere,   geometry::ShapeKind::kCapsule,
+                                                       geometry::ShapeKind::kCylinder, geometry::ShapeKind::kCone,
+                                                       geometry::ShapeKind::kFrustum,  geometry::ShapeKind::kBox,
+                                                       geometry::ShapeKind::kHull};
 inline constexpr const char* kConvexNames[] = {"Sphere", "Capsule", "Cylinder", "Cone", "Frustum", "Box", "Hull"};
 
 Vec3 draw_vector(Random& random, double reach);
