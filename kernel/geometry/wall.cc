@@ -21,8 +21,8 @@ namespace unlatch::geometry {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kFullSamples = 48;  // around the wall
-constexpr int kHalfSamples = 25;  // edges included
+constexpr int kFullSamples = 48;  // around the wall; every second but for hulls, whose corners are narrow
+constexpr int kHalfSamples = 25;  // the same of a half, edges included
 constexpr int kMostRefinements = 40;
 constexpr double kTurn = 1e-9;  // rad; the distance is stationary there, so that its error is of second order
 
@@ -89,8 +89,9 @@ void refine(const Core& solid, const Core& b, double size, double from, Strip le
 
 Distance calc_in(const Core& solid, const Core& b) {
   const bool half = solid.kind == Core::Kind::kHalfFrustum;
-  const int count = half ? kHalfSamples : kFullSamples;
-  const double step = half ? kPi / (kHalfSamples - 1) : 2 * kPi / kFullSamples, first = half ? -0.5 * kPi : 0.0;
+  const int thin = b.kind == Core::Kind::kPoints ? 1 : 2;
+  const int count = half ? (kHalfSamples - 1) / thin + 1 : kFullSamples / thin;
+  const double step = half ? kPi / (count - 1) : 2 * kPi / count, first = half ? -0.5 * kPi : 0.0;
   const double size = calc_pair_size(solid, b);
   Strip samples[kFullSamples];
   Strip best;
@@ -112,16 +113,25 @@ Distance calc_in(const Core& solid, const Core& b) {
 }  // namespace
 
 Distance calc_wall(const Core& solid, const Rounded& b) {
-  Distance out = calc_convex({solid, 0}, {b.core, 0});
-  const Vec3 on_wall = transpose_times(solid.R, out.on_a - solid.c);
-  const double rho = solid.kind == Core::Kind::kHalfFrustum && !(on_wall.x > 0)
-                         ? std::fabs(on_wall.y)
-                         : std::sqrt(on_wall.x * on_wall.x + on_wall.y * on_wall.y);
-  const double away = std::fabs((rho - solid.r0) * solid.gz - (on_wall.z + solid.h) * solid.gr);
-  const bool is_wall = out.distance > 0 && away <= 1e-13 * solid.bound;
-  if (!is_wall) {
-    const Distance in = calc_in(solid, b.core);
-    if (in.distance > out.distance) out = in;
+  Distance out;
+  const Closest closest = calc_closest(solid, b.core);
+  if (closest.apart) {
+    out = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
+    const Vec3 on_wall = transpose_times(solid.R, out.on_a - solid.c);
+    const double rho = solid.kind == Core::Kind::kHalfFrustum && !(on_wall.x > 0)
+                           ? std::fabs(on_wall.y)
+                           : std::sqrt(on_wall.x * on_wall.x + on_wall.y * on_wall.y);
+    const double away = std::fabs((rho - solid.r0) * solid.gz - (on_wall.z + solid.h) * solid.gr);
+    if (away > 1e-13 * solid.bound) {  // on an open end
+      const Distance in = calc_in(solid, b.core);
+      if (in.distance > out.distance) out = in;
+    }
+  } else {
+    out = calc_in(solid, b.core);
+    if (!(out.distance > 0)) {
+      const Depth depth = calc_depth(solid, b.core);
+      if (-depth.depth > out.distance) out = {-depth.depth, depth.a, depth.b, depth.n, depth.gap};
+    }
   }
   out.distance -= b.radius;
   out.on_b -= b.radius * out.normal;
