@@ -35,45 +35,48 @@ Vec3 calc_newton_step(const Tangent& A, const Tangent& B, const Vec3& r) {
 double calc_pair_size(const Core& a, const Core& b) { return (a.bound + b.bound) + norm(b.c - a.c); }
 
 Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, double size) {
+  // y is what A is asked for: B's point, or where Newton's method expects it, on B's tangent plane.
   Closest best;
+  Projection on_a, on_b;
+  on_a.p = start;
+  on_b = calc_projection(b, start);
   best.a = start;
-  Projection on_b = calc_projection(b, start);
   best.b = on_b.p;
-  double squared = dot(best.b - best.a, best.b - best.a);
+  Vec3 y = best.b, d = best.b - best.a;
+  double squared = dot(d, d);
   const double touching = (kRounding * size) * (kRounding * size);
   // Near the end the distance does not feel a step any more, for it is of second order in it; the residual does.
-  bool level = false;
+  bool level = false, newton = false, apart = !on_b.inside;
   double last = 0;
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    if (on_b.inside || squared <= touching) return best;
-    const Projection on_a = calc_projection(a, best.b);
-    if (on_a.inside) {
+  for (int iteration = 0; apart && squared > touching && iteration < kMostIterations; ++iteration) {
+    on_a = calc_projection(a, y);
+    if (on_a.inside && !newton) {
       best.a = best.b;
       return best;
     }
-    const Vec3 r = on_a.p - best.a;
-    const double residual = dot(r, r);
-    if (residual <= touching || (level && residual > 0.25 * last)) break;
-    last = residual;
-    Vec3 next_a = calc_projection(a, best.a + calc_newton_step(on_a.J, on_b.J, r)).p;
-    Projection next_b = calc_projection(b, next_a);
-    Vec3 d = next_b.p - next_a;
-    double next = dot(d, d);
-    const double limit = squared * (1 + kLevel);
-    if (!(next < limit) || next_b.inside) {
-      next_a = on_a.p;
-      next_b = calc_projection(b, next_a);
-      d = next_b.p - next_a;
-      next = dot(d, d);
+    on_b = calc_projection(b, on_a.p);
+    d = on_b.p - on_a.p;
+    const double next = dot(d, d), limit = squared * (1 + kLevel);
+    if (newton && (on_a.inside || on_b.inside || !(next < limit))) {
+      y = best.b;  // the step went astray: one of alternating projections, which cannot
+      newton = false;
+      continue;
     }
     if (!(next < limit)) break;
+    const Vec3 r = on_b.p - y;
+    const double residual = dot(r, r);
+    if (level && residual > 0.25 * last) break;
     level = next > squared * (1 - kLevel);
-    best.a = next_a;
-    best.b = next_b.p;
-    on_b = next_b;
+    last = residual;
+    best.a = on_a.p;
+    best.b = on_b.p;
     squared = next;
+    apart = !on_b.inside;
+    if (residual <= touching) break;
+    y = y + calc_newton_step(on_b.J, on_a.J, r);
+    newton = true;
   }
-  if (on_b.inside || squared <= touching) return best;
+  if (!apart || squared <= touching) return best;
   best.apart = true;
   best.distance = std::sqrt(squared);
   best.n = (1.0 / best.distance) * (best.b - best.a);

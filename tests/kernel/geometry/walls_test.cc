@@ -137,7 +137,7 @@ TEST(GeometryWalls, HaveTheDistanceOfTheirGenerators) {
 
 TEST(GeometryWalls, AreContinuousThroughTheTouch) {
   Random random(12);
-  for (int i = 0; i < 28; ++i) {
+  for (int i = 0; i < 14; ++i) {
     const Shape wall = hollow({{0, 1.5}, {2, 1.1}}, i % 2 == 1);
     const CompiledShape a = compile_shape(wall), b = compile_shape(draw_shape(random, kConvexKinds[i % 7]));
     const Mat3 R = draw_rotation(random);
