@@ -39,12 +39,28 @@ class Unlatch : public Solver {
 
 class UnlatchFactorSolve final : public Unlatch {
  public:
-  using Unlatch::Unlatch;
+  explicit UnlatchFactorSolve(const Model& model) : Unlatch(model) {
+    const Inputs inputs{simulation_.commands};
+    const Evaluation& ev = simulation_.evaluation();
+    update_forces({simulation_.data(), inputs, simulation_.state, simulation_.get_time()}, simulation_.evaluation());
+    for (const Place& place : ev.places) forces_.push_back(read(ev.blocks.data(), place, &SharedBlock<double>::force));
+  }
 
   void solve() override {
     const PlanData& plan = simulation_.data();
+    if (!plan.loops.empty()) restore_forces();
     check(get_kernels(plan).factor_and_solve(plan, simulation_.state, simulation_.evaluation(), {}, kAllRows));
   }
+
+ private:
+  // A solve leaves the loops' reactions among the forces.
+  void restore_forces() {
+    const Evaluation& ev = simulation_.evaluation();
+    for (std::size_t b = 0; b < forces_.size(); ++b)
+      write(ev.blocks.data(), ev.places[b], &SharedBlock<double>::force, forces_[b]);
+  }
+
+  std::vector<Spatial> forces_;
 };
 
 }  // namespace

@@ -25,7 +25,8 @@ void finish_solution(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
 
 // Factors at the present kinematics, joint frames and modes, and solves. At most `most` rows of loops count as
 // independent: the stages of a step lie a little off the rows, so that redundant ones contradict each other there; the
-// evaluation at the beginning of the step tells how many are not. Returns kNone, or the node whose pivot vanished.
+// evaluation at the beginning of the step tells how many are not. Adds the loops' reactions to SharedBlock::force:
+// another solve of the same instant needs the forces anew. Returns kNone, or the node whose pivot vanished.
 template <int kWidest>
 int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep, std::int32_t most) {
   if (const int node = sweep_back<kWidest, true>(plan, ev, sweep); node != kNone) return node;
