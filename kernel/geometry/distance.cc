@@ -47,7 +47,9 @@ Rounded build_core(const CompiledShape& shape, const Placed& at) {
       core.h = shape.half_length;
       core.r0 = shape.r0;
       core.r1 = shape.r1;
-      update_generator(core);
+      core.gr = shape.slope_r;
+      core.gz = shape.slope_z;
+      core.length = shape.generator;
       break;
   }
   return out;

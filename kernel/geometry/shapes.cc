@@ -231,6 +231,10 @@ CompiledShape compile_shape(const Shape& shape) {
   if (shape.kind == ShapeKind::kCone) out.r1 = 0;
   if (shape.kind == ShapeKind::kFrustum) out.r1 = shape.end_radius;
   out.bound = hypotenuse(out.half_length, larger(out.r0, out.r1));
+  Core core;
+  core.h = out.half_length, core.r0 = out.r0, core.r1 = out.r1;
+  update_generator(core);
+  out.slope_r = core.gr, out.slope_z = core.gz, out.generator = core.length;
   return out;
 }
 

@@ -24,7 +24,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kFullSamples = 48;  // around the wall; every second but for hulls, whose corners are narrow
 constexpr int kHalfSamples = 25;  // the same of a half, edges included
 constexpr int kMostRefinements = 40;
-constexpr double kTurn = 1e-9;  // rad; the distance is stationary there, so that its error is of second order
+constexpr double kStationary = 1e-9;  // of the pair's size, per rad: what is left of an interval is less than it
+constexpr double kTurn = 1e-9;        // rad; the distance is stationary there, so that its error is of second order
 
 struct Strip {
   Distance d;
@@ -74,7 +75,7 @@ void refine(const Core& solid, const Core& b, double size, double from, Strip le
         i % 3 == 2 ? 0.5 * (from + to) : from + (to - from) * (weight_left / (weight_left - weight_right));
     const Strip middle = calc_strip(solid, b, at, size);
     if (middle.d.distance < best.d.distance) best = middle;
-    if (middle.rate == 0) return;
+    if (std::fabs(middle.rate) <= kStationary * size) return;
     if (middle.rate < 0) {
       from = at, weight_left = middle.rate;
       if (side == -1) weight_right *= 0.5;
