@@ -24,49 +24,38 @@ Meridian calc_meridian(const Core& f, double rho, double z) {
   return {Region::kSide, f.r0 + u * f.gr, u * f.gz - f.h};
 }
 
-Projection project_frustum(const Core& f, const Vec3& l) {
+Projection project_frustum(const Core& f, const Vec3& x, const Vec3& l) {
   const double rho = std::sqrt(l.x * l.x + l.y * l.y);
   const Meridian m = calc_meridian(f, rho, l.z);
-  Projection out;
-  if (m.region == Meridian::Region::kInside) {
-    out.p = l;
-    out.inside = true;
-    return out;
-  }
-  if (m.region == Meridian::Region::kDisc) {
-    out.p = {l.x, l.y, m.z};
-    out.J = {{1, 0, 0}, {0, 1, 0}, 1, 1};
-    return out;
-  }
+  if (m.region == Meridian::Region::kInside) return {x, {}, true};
+  if (m.region == Meridian::Region::kDisc) return {x + (m.z - l.z) * f.R.z, {f.R.x, f.R.y, 1, 1}, false};
   const double inverse = rho > 0 ? 1.0 / rho : 0.0;
   const double ex = rho > 0 ? l.x * inverse : 1.0, ey = l.y * inverse;
-  out.p = {m.rho * ex, m.rho * ey, m.z};
-  out.J.u2 = {-ey, ex, 0};
-  out.J.l2 = m.rho * inverse;
-  out.J.u1 = {f.gr * ex, f.gr * ey, f.gz};
-  out.J.l1 = m.region == Meridian::Region::kSide ? 1 : 0;
-  return out;
+  const Vec3 e = ex * f.R.x + ey * f.R.y, t = ex * f.R.y - ey * f.R.x;
+  const bool side = m.region == Meridian::Region::kSide;
+  return {f.c + (m.rho * e + m.z * f.R.z),
+          {side ? f.gr * e + f.gz * f.R.z : e, t, side ? 1.0 : 0.0, m.rho * inverse},
+          false};
 }
 
 // The half with x ≥ 0: the whole frustum's projection if it lies there, else that onto the plane x = 0, where the
 // section is the meridian polygon and its mirror image.
-Projection project_half(const Core& f, const Vec3& l) {
-  Projection out = project_frustum(f, l);
-  if (out.p.x >= 0) return out;
+Projection project_half(const Core& f, const Vec3& x, const Vec3& l) {
+  const Projection whole = project_frustum(f, x, l);
+  if (dot(f.R.x, whole.p - f.c) >= 0) return whole;
   const double side = l.y < 0 ? -1 : 1;
   const Meridian m = calc_meridian(f, std::fabs(l.y), l.z);
-  out.inside = false;
-  out.p = {0, side * m.rho, m.z};
-  out.J = {};
+  Projection out;
+  out.p = f.c + ((side * m.rho) * f.R.y + m.z * f.R.z);
   switch (m.region) {
     case Meridian::Region::kInside:
-      out.J = {{0, 1, 0}, {0, 0, 1}, 1, 1};
+      out.J = {f.R.y, f.R.z, 1, 1};
       break;
     case Meridian::Region::kDisc:
-      out.J = {{0, 1, 0}, {0, 0, 1}, 1, 0};
+      out.J = {f.R.y, f.R.z, 1, 0};
       break;
     case Meridian::Region::kSide:
-      out.J = {{0, side * f.gr, f.gz}, {1, 0, 0}, 1, 0};
+      out.J = {(side * f.gr) * f.R.y + f.gz * f.R.z, f.R.x, 1, 0};
       break;
     case Meridian::Region::kRim:
       break;
@@ -174,11 +163,9 @@ Projection calc_projection(const Core& core, const Vec3& x) {
       return out;
     }
     case Core::Kind::kFrustum:
-      out = project_frustum(core, l);
-      break;
+      return project_frustum(core, x, l);
     case Core::Kind::kHalfFrustum:
-      out = project_half(core, l);
-      break;
+      return project_half(core, x, l);
     case Core::Kind::kBox:
       out = project_box(core, l);
       break;
