@@ -1,6 +1,7 @@
 // The golden program of the kernel: needs nothing but kernel/ and Eigen, so that it runs wherever the kernel does.
 // golden [--lanes NAME | --list-lanes]: prints the hashes that tests/data/golden.json has; tools/determinism compares
 // them over compilers and processors.
+#include "tests/golden/golden_distances.h"
 #include "tests/golden/golden_models.h"
 #include "tests/golden/golden_run.h"
 
@@ -12,5 +13,6 @@ int main(int argc, char** argv) {
   for (const GoldenModel& golden : build_golden_models()) {
     all &= print_golden_hashes(golden.model.name.c_str(), golden.model, golden.dt, golden.ticks, set);
   }
+  print_distance_hashes();
   return all ? 0 : 1;
 }

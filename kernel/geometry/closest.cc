@@ -1,0 +1,130 @@
+#include "kernel/geometry/closest.h"
+
+#include "kernel/geometry/gjk.h"
+
+namespace unlatch::geometry {
+namespace {
+
+constexpr int kMostIterations = 24;
+constexpr double kRounding = 2e-16;   // of the pair's size
+constexpr double kLevel = 1e-12;      // relative change of the squared distance that is none
+constexpr double kCertified = 1e-13;  // of the pair's size: a gap that needs no second method
+
+double calc_gap(const Core& a, const Core& b, const Closest& c) {
+  return c.distance + (calc_extent(a, c.n) + calc_extent(b, -c.n));
+}
+
+// δ of (I − J_A J_B) δ = r. δ = r + U_A y, and y solves (I − Λ_A C Λ_B Cᵀ) y = Λ_A C Λ_B U_Bᵀ r with C = U_Aᵀ U_B.
+Vec3 calc_newton_step(const Tangent& A, const Tangent& B, const Vec3& r) {
+  const double c11 = dot(A.u1, B.u1), c12 = dot(A.u1, B.u2), c21 = dot(A.u2, B.u1), c22 = dot(A.u2, B.u2);
+  // K = Λ_A C Λ_B
+  const double k11 = A.l1 * c11 * B.l1, k12 = A.l1 * c12 * B.l2, k21 = A.l2 * c21 * B.l1, k22 = A.l2 * c22 * B.l2;
+  const double m11 = 1 - (k11 * c11 + k12 * c12), m12 = -(k11 * c21 + k12 * c22);
+  const double m21 = -(k21 * c11 + k22 * c12), m22 = 1 - (k21 * c21 + k22 * c22);
+  const double r1 = dot(B.u1, r), r2 = dot(B.u2, r);
+  const double f1 = k11 * r1 + k12 * r2, f2 = k21 * r1 + k22 * r2;
+  const double determinant = m11 * m22 - m12 * m21;
+  constexpr double kSingular = 1e-15;  // both flat in one direction: any point along it is as near
+  if (!(std::fabs(determinant) > kSingular)) return r;
+  const double y1 = (f1 * m22 - m12 * f2) / determinant, y2 = (m11 * f2 - f1 * m21) / determinant;
+  return r + (y1 * A.u1 + y2 * A.u2);
+}
+
+}  // namespace
+
+double calc_pair_size(const Core& a, const Core& b) { return (a.bound + b.bound) + norm(b.c - a.c); }
+
+Closest calc_closest_from(const Core& a, const Core& b, const Vec3& start, double size) {
+  // y is what A is asked for: B's point, or where Newton's method expects it, on B's tangent plane.
+  Closest best;
+  Projection on_a, on_b;
+  on_a.p = start;
+  on_b = calc_projection(b, start);
+  best.a = start;
+  best.b = on_b.p;
+  Vec3 y = best.b, d = best.b - best.a;
+  double squared = dot(d, d);
+  const double touching = (kRounding * size) * (kRounding * size);
+  // Near the end the distance does not feel a step any more, for it is of second order in it; the residual does.
+  bool level = false, newton = false, apart = !on_b.inside;
+  double last = 0;
+  for (int iteration = 0; apart && squared > touching && iteration < kMostIterations; ++iteration) {
+    on_a = calc_projection(a, y);
+    if (on_a.inside && !newton) {
+      best.a = best.b;
+      return best;
+    }
+    on_b = calc_projection(b, on_a.p);
+    d = on_b.p - on_a.p;
+    const double next = dot(d, d), limit = squared * (1 + kLevel);
+    if (newton && (on_a.inside || on_b.inside || !(next < limit))) {
+      y = best.b;  // the step went astray: one of alternating projections, which cannot
+      newton = false;
+      continue;
+    }
+    if (!(next < limit)) break;
+    const Vec3 r = on_b.p - y;
+    const double residual = dot(r, r);
+    if (level && residual > 0.25 * last) break;
+    level = next > squared * (1 - kLevel);
+    last = residual;
+    best.a = on_a.p;
+    best.b = on_b.p;
+    squared = next;
+    apart = !on_b.inside;
+    if (residual <= touching) break;
+    y = y + calc_newton_step(on_b.J, on_a.J, r);
+    newton = true;
+  }
+  if (!apart || squared <= touching) return best;
+  best.apart = true;
+  best.distance = std::sqrt(squared);
+  best.n = (1.0 / best.distance) * (best.b - best.a);
+  best.gap = calc_gap(a, b, best);
+  return best;
+}
+
+Closest calc_closest(const Core& a, const Core& b) {
+  const double size = calc_pair_size(a, b);
+  Closest first;
+  const bool polytopes =
+      is_polytope(a) && is_polytope(b) && a.kind != Core::Kind::kPoint && b.kind != Core::Kind::kPoint;
+  if (!polytopes) {
+    first = calc_closest_from(a, b, calc_projection(a, b.c).p, size);
+    if (!first.apart || first.gap <= kCertified * size) return first;
+  }
+  const Gjk g = calc_gjk(a, b, b.c - a.c);
+  Closest second;
+  second.a = g.a, second.b = g.b;
+  const Vec3 d = g.b - g.a;
+  second.distance = norm(d);
+  second.apart = !g.overlap && second.distance > kRounding * size;
+  if (second.apart) {
+    second.n = (1.0 / second.distance) * d;
+    second.gap = calc_gap(a, b, second);
+    if (!polytopes && second.gap > kCertified * size) second = calc_closest_from(a, b, calc_projection(a, g.b).p, size);
+  }
+  return polytopes || !second.apart || second.gap < first.gap ? second : first;
+}
+
+Curvature calc_curvature(const Core& a, const Core& b, const Closest& at) {
+  Curvature out;
+  out.u = calc_across(at.n);
+  out.v = cross(at.n, out.u);
+  const auto add = [&](const Tangent& J) {
+    const auto add_direction = [&](const Vec3& t, double l) {
+      if (!(l > 0)) return;
+      constexpr double kFlat = 1e-9;
+      const double radius = at.distance * l / (1 - l > kFlat ? 1 - l : kFlat);
+      const double x = dot(t, out.u), y = dot(t, out.v);
+      out.uu += radius * x * x, out.uv += radius * x * y, out.vv += radius * y * y;
+    };
+    add_direction(J.u1, J.l1);
+    add_direction(J.u2, J.l2);
+  };
+  add(calc_projection(a, at.b).J);
+  add(calc_projection(b, at.a).J);
+  return out;
+}
+
+}  // namespace unlatch::geometry

@@ -1,0 +1,157 @@
+// Pairs of shapes: their order, their cores, and which method computes them.
+#include "kernel/geometry/distance.h"
+
+#include <cmath>
+
+#include "kernel/geometry/middle.h"
+
+namespace unlatch::geometry {
+namespace {
+
+struct Placed {
+  Vec3 c;  // centre, from the pair's origin
+  Mat3 R;  // axes in W
+};
+
+Placed place(const CompiledShape& shape, const Placement& at, const Vec3& origin) {
+  return {(at.p_WB - origin) + at.R_WB * shape.p_BS, at.R_WB * shape.R_BS};
+}
+
+Rounded build_core(const CompiledShape& shape, const Placed& at) {
+  Rounded out;
+  Core& core = out.core;
+  core.c = at.c;
+  core.R = at.R;
+  core.bound = shape.bound;
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      core.bound = 0;
+      out.radius = shape.r0;
+      break;
+    case ShapeKind::kCapsule:
+      core.kind = Core::Kind::kSegment;
+      core.h = core.bound = shape.half_length;
+      out.radius = shape.r0;
+      break;
+    case ShapeKind::kBox:
+      core.kind = Core::Kind::kBox;
+      core.half = shape.half_size;
+      break;
+    case ShapeKind::kHull:
+      core.kind = Core::Kind::kPoints;
+      core.points = shape.points.data();
+      core.count = static_cast<int>(shape.points.size());
+      break;
+    default:
+      core.kind = Core::Kind::kFrustum;
+      core.h = shape.half_length;
+      core.r0 = shape.r0;
+      core.r1 = shape.r1;
+      core.gr = shape.slope_r;
+      core.gz = shape.slope_z;
+      core.length = shape.generator;
+      break;
+  }
+  return out;
+}
+
+Distance calc_half_space(const Placed& space, const Rounded& b) {
+  Distance out;
+  out.normal = space.R.z;
+  // The plane as a square that is large beside B: the middle is that of B's face.
+  Core square;
+  square.kind = Core::Kind::kBox;
+  square.R = space.R;
+  const double over = dot(out.normal, b.core.c - space.c), wide = 2 * b.core.bound;
+  square.c = b.core.c - over * out.normal;
+  square.half = {wide, wide, 0};
+  out.on_b = calc_support(b.core, -out.normal);
+  const double height = dot(out.normal, out.on_b - space.c);
+  out.on_a = out.on_b - height * out.normal;
+  move_to_middle(square, b.core, out.normal, wide, out.on_a, out.on_b);
+  out.on_b -= b.radius * out.normal;
+  out.distance = height - b.radius;
+  return out;
+}
+
+// The solids between the profile's points; the least of their walls.
+Distance calc_hollow(const CompiledShape& hollow, const Placed& at, const Rounded& b) {
+  Distance least;
+  for (std::size_t i = 0; i + 1 < hollow.profile.size(); ++i) {
+    const ProfilePoint &p = hollow.profile[i], &q = hollow.profile[i + 1];
+    Core solid;
+    solid.kind = hollow.half ? Core::Kind::kHalfFrustum : Core::Kind::kFrustum;
+    solid.R = at.R;
+    solid.c = at.c + (0.5 * (p.z + q.z)) * at.R.z;
+    solid.h = 0.5 * (q.z - p.z);
+    solid.r0 = p.r;
+    solid.r1 = q.r;
+    const double r = p.r > q.r ? p.r : q.r;
+    solid.bound = std::sqrt(solid.h * solid.h + r * r);
+    update_generator(solid);
+    if (norm(b.core.c - solid.c) - solid.bound - b.core.bound - b.radius >= least.distance) continue;
+    const Distance d = calc_wall(solid, b);
+    if (d.distance < least.distance) least = d;
+  }
+  return least;
+}
+
+int compare(double a, double b) { return a < b ? -1 : (a > b ? 1 : 0); }
+int compare(const Vec3& a, const Vec3& b) {
+  if (const int c = compare(a.x, b.x)) return c;
+  if (const int c = compare(a.y, b.y)) return c;
+  return compare(a.z, b.z);
+}
+int compare(const Mat3& a, const Mat3& b) {
+  if (const int c = compare(a.x, b.x)) return c;
+  if (const int c = compare(a.y, b.y)) return c;
+  return compare(a.z, b.z);
+}
+
+// An order of shapes and places, by kind, sizes and place, so that both orders of the arguments compute the same.
+int compare(const CompiledShape& a, const Placement& at_a, const CompiledShape& b, const Placement& at_b) {
+  if (a.kind != b.kind) return a.kind > b.kind ? -1 : 1;
+  if (const int c = compare(a.bound, b.bound)) return c;
+  if (const int c = compare(a.r0, b.r0)) return c;
+  if (const int c = compare(a.r1, b.r1)) return c;
+  if (const int c = compare(a.half_length, b.half_length)) return c;
+  if (const int c = compare(a.half_size, b.half_size)) return c;
+  if (a.points.size() != b.points.size()) return a.points.size() < b.points.size() ? -1 : 1;
+  if (const int c = compare(at_a.p_WB, at_b.p_WB)) return c;
+  if (const int c = compare(at_a.R_WB, at_b.R_WB)) return c;
+  if (const int c = compare(a.p_BS, b.p_BS)) return c;
+  if (const int c = compare(a.R_BS, b.R_BS)) return c;
+  for (std::size_t i = 0; i < a.points.size(); ++i)
+    if (const int c = compare(a.points[i], b.points[i])) return c;
+  return 0;
+}
+
+bool is_convex(ShapeKind kind) { return kind != ShapeKind::kHollow && kind != ShapeKind::kHalfSpace; }
+
+Distance calc_ordered(const CompiledShape& a, const Placement& at_a, const CompiledShape& b, const Placement& at_b) {
+  const Vec3 origin = at_a.p_WB;
+  const Placed place_a = place(a, at_a, origin);
+  const Rounded core_b = build_core(b, place(b, at_b, origin));
+  Distance out = a.kind == ShapeKind::kHollow      ? calc_hollow(a, place_a, core_b)
+                 : a.kind == ShapeKind::kHalfSpace ? calc_half_space(place_a, core_b)
+                                                   : calc_convex(build_core(a, place_a), core_b);
+  out.on_a += origin;
+  out.on_b += origin;
+  return out;
+}
+
+}  // namespace
+
+Distance calc_distance(const CompiledShape& a, const Placement& at_a, const CompiledShape& b,
+                       const Placement& at_b) noexcept {
+  if (!is_convex(a.kind) && !is_convex(b.kind)) return {};
+  if (compare(a, at_a, b, at_b) <= 0) return calc_ordered(a, at_a, b, at_b);
+  Distance out = calc_ordered(b, at_b, a, at_a);
+  const Vec3 on_a = out.on_a;
+  out.on_a = out.on_b;
+  out.on_b = on_a;
+  out.normal = -out.normal;
+  return out;
+}
+
+}  // namespace unlatch::geometry

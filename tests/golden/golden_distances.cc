@@ -1,0 +1,54 @@
+#include "tests/golden/golden_distances.h"
+
+#include <bit>
+#include <cinttypes>
+#include <cstdio>
+
+#include "tests/kernel/geometry/solids.h"
+
+namespace unlatch::test {
+namespace {
+
+using geometry::Shape;
+using geometry::ShapeKind;
+
+constexpr const char* kNames[] = {"sphere", "capsule", "cylinder",   "cone",  "frustum",
+                                  "box",    "hull",    "half-space", "hollow"};
+constexpr int kPairs = 200, kWallPairs = 20;  // walls take longer
+
+Shape draw_any(Random& random, int kind) {
+  if (kind < 7) return draw_shape(random, kConvexKinds[kind]);
+  Shape shape = draw_shape(random, ShapeKind::kCylinder);
+  shape.kind = kind == 7 ? ShapeKind::kHalfSpace : ShapeKind::kHollow;
+  shape.normal = draw_direction(random);
+  shape.profile = {{0, 1.5}, {1, 1.2}, {2.5, 1}};
+  shape.half = random.chance(0.5);
+  shape.side = cross(shape.to - shape.from, shape.normal);
+  return shape;
+}
+
+}  // namespace
+
+void print_distance_hashes() {
+  for (int a = 0; a < 9; ++a) {
+    for (int b = a; b < 9; ++b) {
+      if (a >= 7) continue;  // two without distance
+      Random random(static_cast<std::uint64_t>(1000 + 10 * a + b));
+      std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a over 64-bit words, folded
+      const int count = b == 8 ? kWallPairs : kPairs;
+      for (int i = 0; i < count; ++i) {
+        const auto of_a = compile_shape(draw_any(random, a)), of_b = compile_shape(draw_any(random, b));
+        const auto at_a = draw_placement(random, 1.5), at_b = draw_placement(random, 1.5);
+        const geometry::Distance d = calc_distance(of_a, at_a, of_b, at_b);
+        for (const double x : {d.distance, d.on_a.x, d.on_a.y, d.on_a.z, d.on_b.x, d.on_b.y, d.on_b.z, d.normal.x,
+                               d.normal.y, d.normal.z, d.gap}) {
+          hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x100000001b3u;
+          hash ^= hash >> 32;
+        }
+      }
+      std::printf("distance/%s-%s %d %016" PRIx64 "\n", kNames[a], kNames[b], count, hash);
+    }
+  }
+}
+
+}  // namespace unlatch::test

@@ -1,0 +1,157 @@
+// Distances under exchange of the bodies, rigid motion, and smooth motion; no allocation; bounds by speeds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "tests/kernel/geometry/solids.h"
+#include "tests/support/malloc_guard.h"
+
+namespace unlatch::test {
+namespace {
+
+using geometry::CompiledShape;
+using geometry::Distance;
+using geometry::Placement;
+using geometry::Shape;
+using geometry::ShapeKind;
+
+constexpr int kKinds = 9;
+
+// Of every kind, hollow ones and half-spaces too.
+Shape draw_any(Random& random, int kind) {
+  if (kind < 7) return draw_shape(random, kConvexKinds[kind]);
+  Shape s = draw_shape(random, ShapeKind::kCylinder);
+  s.kind = kind == 7 ? ShapeKind::kHalfSpace : ShapeKind::kHollow;
+  s.normal = draw_direction(random);
+  s.profile = {{0, 1.5}, {1, 1.2}, {2.5, 1}};
+  s.half = random.chance(0.5);
+  s.side = cross(s.to - s.from, s.normal);
+  return s;
+}
+
+bool is_same(double a, double b) {
+  return a == b || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+bool is_same(const Vec3& a, const Vec3& b) { return is_same(a.x, b.x) && is_same(a.y, b.y) && is_same(a.z, b.z); }
+
+TEST(GeometryMotion, ExchangeMirrorsTheResultToTheLastBit) {
+  Random random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const int kind_a = random.below(kKinds), kind_b = random.below(7);
+    const CompiledShape a = compile_shape(draw_any(random, kind_a)), b = compile_shape(draw_any(random, kind_b));
+    const Placement at_a = draw_placement(random, 1.5), at_b = draw_placement(random, 1.5);
+    if (kind_a == 8 && i % 8) continue;  // walls take longer
+    const Distance d = calc_distance(a, at_a, b, at_b), e = calc_distance(b, at_b, a, at_a);
+    ASSERT_TRUE(is_same(d.distance, e.distance) && is_same(d.normal, -e.normal) && is_same(d.on_a, e.on_b) &&
+                is_same(d.on_b, e.on_a))
+        << kind_a << " " << kind_b;
+  }
+}
+
+TEST(GeometryMotion, ARigidMotionOfBothChangesNothingButRounding) {
+  Random random(6);
+  for (int i = 0; i < 20000; ++i) {
+    const int kind_a = random.below(kKinds), kind_b = random.below(7);
+    const CompiledShape a = compile_shape(draw_any(random, kind_a)), b = compile_shape(draw_any(random, kind_b));
+    const Placement at_a = draw_placement(random, 1.5), at_b = draw_placement(random, 1.5);
+    const Placement by = draw_placement(random, 3);
+    if (kind_a == 8 && i % 8) continue;
+    const auto move = [&](const Placement& at) { return Placement{by.p_WB + by.R_WB * at.p_WB, by.R_WB * at.R_WB}; };
+    const Distance d = calc_distance(a, at_a, b, at_b), e = calc_distance(a, move(at_a), b, move(at_b));
+    ASSERT_NEAR(d.distance, e.distance, 1e-9) << kind_a << " " << kind_b << " at " << i;
+  }
+}
+
+// Along a smooth motion the distance is continuous: no change is greater than the speed of approach. Where features
+// change its slope may turn; a step would show as a change that does not shrink with the interval.
+TEST(GeometryMotion, HasNoStepsAlongASmoothMotion) {
+  Random random(7);
+  for (int i = 0; i < 189; ++i) {
+    const int kind_a = i % kKinds, kind_b = (i / kKinds) % 7;
+    const CompiledShape a = compile_shape(draw_any(random, kind_a)), b = compile_shape(draw_any(random, kind_b));
+    const Placement at_a = draw_placement(random, 0.5), start = draw_placement(random, 0.5);
+    const Vec3 v = draw_direction(random), w = draw_direction(random);
+    const auto at = [&](double t) {
+      const Quat q = normalized(Quat{1, 0.5 * t * w.x, 0.5 * t * w.y, 0.5 * t * w.z});
+      return Placement{start.p_WB + t * v, rotation_matrix(q) * start.R_WB};
+    };
+    const double fastest = 1 + 1.0 * (norm(b.p_BS) + b.bound);  // m/s
+    const int steps = kind_a == 8 ? 60 : 600;
+    const double all = 3, dt = all / steps;
+    double last = 0;
+    for (int k = 0; k <= steps; ++k) {
+      const double d = calc_distance(a, at_a, b, at(k * dt)).distance;
+      if (k > 0) {
+        ASSERT_LE(std::fabs(d - last), fastest * dt * 1.0000001 + 1e-9) << kind_a << " " << kind_b << " tick " << k;
+      }
+      last = d;
+    }
+  }
+}
+
+// Second differences of a distance along a smooth motion, in an interval where the features stay: those of a smooth
+// function, h² d²; noise of the distance would stand out by its size.
+TEST(GeometryMotion, SecondDifferencesAreThoseOfASmoothFunction) {
+  const Shape first{.kind = ShapeKind::kCylinder, .from = {0, 0, -1}, .to = {0, 0, 1}, .radius = 0.5};
+  const Shape second{.kind = ShapeKind::kCone, .from = {0, 0, 0}, .to = {0, 0, 1.5}, .radius = 0.4};
+  const CompiledShape a = compile_shape(first), b = compile_shape(second);
+  const auto measure = [&](double t, double depth) {
+    const Quat q = normalized(Quat{1, 0.7 + 0.1 * t, 0.3, 0.2 * t});
+    return calc_distance(a, {}, b, {{0.9 + 0.05 * t - depth, 0.1 * t, 0.3 + 0.1 * t}, rotation_matrix(q)}).distance;
+  };
+  for (const double depth : {0.0, 0.55}) {  // apart, and overlapping
+    constexpr double kStep = 1e-4;
+    double worst = 0, least = 1e9;
+    for (int k = 0; k < 2000; ++k) {
+      const double t = k * kStep;
+      const double d = measure(t, depth);
+      least = std::min(least, d);
+      worst = std::max(worst, std::fabs(measure(t - kStep, depth) - 2 * d + measure(t + kStep, depth)));
+    }
+    EXPECT_TRUE(depth > 0 ? least < 0 : least > 0) << least;
+    EXPECT_LE(worst, 5 * kStep * kStep);  // |d²/dt²| of this motion is below 5 m/s²
+  }
+}
+
+TEST(GeometryMotion, AllocatesNothing) {
+  if (!kCountsAllocations) GTEST_SKIP() << "this build's sanitizer owns malloc";
+  Random random(8);
+  std::vector<CompiledShape> shapes;
+  for (int kind = 0; kind < kKinds; ++kind) shapes.push_back(compile_shape(draw_any(random, kind)));
+  double sum = 0;
+  const AllocationCount count;
+  for (const CompiledShape& a : shapes)
+    for (const CompiledShape& b : shapes)
+      for (const double x : {0.0, 0.2, 3.0}) sum += std::fmin(1, calc_distance(a, {}, b, {{x, 0.1, 0.2}}).distance);
+  EXPECT_EQ(count.get(), 0);
+  EXPECT_TRUE(std::isfinite(sum));
+}
+
+TEST(GeometryMotion, BoundsAreBelowTheDistance) {
+  Random random(9);
+  for (int i = 0; i < 2000; ++i) {
+    const std::vector<Shape> parts_a{draw_any(random, random.below(7)), draw_any(random, random.below(7))};
+    const std::vector<Shape> parts_b{draw_any(random, random.below(7))};
+    const geometry::ShapeGroup a = build_group("a", parts_a), b = build_group("b", parts_b);
+    const Placement at_a = draw_placement(random, 3), at_b = draw_placement(random, 3);
+    const geometry::GroupDistance d = calc_distance(a, at_a, b, at_b);
+    const double apart = std::min(calc_distance(a.shapes[0], at_a, b.shapes[0], at_b).distance,
+                                  calc_distance(a.shapes[1], at_a, b.shapes[0], at_b).distance);
+    EXPECT_EQ(d.least.distance, apart);
+    EXPECT_LE(calc_lower_bound(a, at_a, b, at_b), apart);
+    // Moved for 0.1 s at known speeds, the distance is above the advanced bound.
+    const geometry::Motion of_b{.v_WB = draw_direction(random), .turn = 1};
+    const double dt = 0.1;
+    const Vec3 w = draw_direction(random);
+    const double half = std::tan(0.5 * dt * of_b.turn);
+    const Mat3 turn = rotation_matrix(normalized(Quat{1, half * w.x, half * w.y, half * w.z}));
+    const Placement then{at_b.p_WB + dt * of_b.v_WB, turn * at_b.R_WB};
+    EXPECT_LE(calc_advanced_bound(apart, a, {}, b, of_b, dt), calc_distance(a, at_a, b, then).least.distance + 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test

@@ -1,0 +1,34 @@
+// What the tests of distances compare with: supports and membership of shapes, written from their definitions and apart
+// from the kernel's; random shapes and places.
+#pragma once
+
+#include "tests/support/random.h"
+#include "unlatch/geometry.h"
+
+namespace unlatch::test {
+
+inline constexpr geometry::ShapeKind kConvexKinds[] = {geometry::ShapeKind::kSphere,   geometry::ShapeKind::kCapsule,
+                                                       geometry::ShapeKind::kCylinder, geometry::ShapeKind::kCone,
+                                                       geometry::ShapeKind::kFrustum,  geometry::ShapeKind::kBox,
+                                                       geometry::ShapeKind::kHull};
+inline constexpr const char* kConvexNames[] = {"Sphere", "Capsule", "Cylinder", "Cone", "Frustum", "Box", "Hull"};
+
+Vec3 draw_vector(Random& random, double reach);
+Vec3 draw_direction(Random& random);
+Mat3 draw_rotation(Random& random);
+// Sizes of 0.1 to 2 m, near the body's origin.
+geometry::Shape draw_shape(Random& random, geometry::ShapeKind kind);
+geometry::Placement draw_placement(Random& random, double reach);
+
+// m, farthest extent of the shape along the unit vector n of W, from W's origin.
+double calc_extent(const geometry::Shape& shape, const geometry::Placement& at, const Vec3& n);
+
+// m, how far the point of W lies outside the shape, 0 inside: no more than the true distance, and 0 only inside.
+double calc_outside(const geometry::Shape& shape, const geometry::Placement& at, const Vec3& p);
+
+// m, least extent of the two shapes' difference over a dense set of directions, refined by pattern search: depth of
+// an overlap.
+double search_depth(const geometry::Shape& a, const geometry::Placement& at_a, const geometry::Shape& b,
+                    const geometry::Placement& at_b, int directions);
+
+}  // namespace unlatch::test
