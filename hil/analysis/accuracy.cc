@@ -48,6 +48,33 @@ void add_rates(const RunAnalysis& analysis, std::vector<NamedValue>& values) {
   }
 }
 
+void add_separations(const Model& model, const RunAnalysis& analysis, std::vector<NamedValue>& values) {
+  const auto get_name = [&model](int body) {
+    return body == kGround ? std::string("ground") : model.bodies[static_cast<std::size_t>(body)].name;
+  };
+  for (const Separation& pair : analysis.list_separations()) {
+    const std::string of = " of " + get_name(pair.base.body) + " – " + get_name(pair.follower.body);
+    const double speed = std::hypot(pair.along, pair.across);
+    const double rate = std::hypot(pair.relative.axial, pair.relative.transverse);
+    values.push_back({"end of push" + of, "s", Kind::kSeparation, pair.end, pair.end, pair.end});
+    values.push_back({"separation velocity" + of + ", along", "m/s", Kind::kSeparation, pair.along, speed, pair.end});
+    values.push_back({"separation velocity" + of + ", across", "m/s", Kind::kSeparation, pair.across, speed, pair.end});
+    values.push_back(
+        {"relative rate" + of + ", axial", "rad/s", Kind::kSeparation, pair.relative.axial, rate, pair.end});
+    values.push_back(
+        {"relative rate" + of + ", transverse", "rad/s", Kind::kSeparation, pair.relative.transverse, rate, pair.end});
+  }
+}
+
+void add_requirements(const Scenario& scenario, const RunAnalysis& analysis, std::vector<NamedValue>& values) {
+  for (const Verdict& verdict : analysis.judge()) {
+    if (!verdict.evaluated) continue;
+    const Requirement& requirement = scenario.requirements[verdict.requirement];
+    values.push_back({"requirement " + requirement.id, requirement.unit, Kind::kRequirement, verdict.value,
+                      std::max(std::abs(verdict.value), std::abs(verdict.limit)), verdict.time});
+  }
+}
+
 void add_reactions(const Model& model, const RunAnalysis& analysis, std::vector<NamedValue>& values) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     for (int row = 0; row < kRows; ++row) {
@@ -147,9 +174,9 @@ std::string text(const char* pattern, double number, const std::string& name) {
 std::string find_reason(const Scenario& scenario, const Method& method, const AccuracyEntry& entry,
                         const std::vector<AccuracyEntry>& all, double dt) {
   if (!method.stiff.empty()) return "spring '" + method.stiff + "' is stiffer than the step resolves";
-  const bool is_extreme = entry.value.kind == Kind::kClearance || entry.value.kind == Kind::kReaction;
-  if (is_extreme) return "an extreme taken at ticks: its instant, or the event that ends it, lies between two";
-  if (entry.value.kind == Kind::kRate) return "the rate at the end of the release's tick, which moves with the step";
+  if (entry.value.kind == Kind::kReaction)
+    return "an extreme taken at ticks: its instant, or the event that ends it, lies between two";
+  if (entry.value.kind == Kind::kClearance) return "a distance of convex shapes, which is computed to some 1e-6 m only";
   const AccuracyEntry* mover = nullptr;
   for (const AccuracyEntry& other : all) {
     if (other.value.kind != Kind::kTime || other.settles || other.value.time > entry.value.time) continue;
@@ -173,8 +200,10 @@ std::vector<NamedValue> list_values(const Scenario& scenario, const Simulation& 
   add_times(analysis, simulation.get_time(), values);
   add_clearances(scenario.model, analysis, values);
   add_rates(analysis, values);
+  add_separations(scenario.model, analysis, values);
   add_reactions(scenario.model, analysis, values);
   add_poses(scenario.model, simulation, values);
+  add_requirements(scenario, analysis, values);
   return values;
 }
 

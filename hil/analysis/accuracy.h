@@ -18,17 +18,16 @@ namespace unlatch::hil {
 
 // A number that a run ends with. Runs of one scenario at several steps have the same ones, by `what`.
 struct NamedValue {
-  enum class Kind { kTime, kClearance, kRate, kReaction, kPose, kRequirement };
+  enum class Kind { kTime, kClearance, kRate, kSeparation, kReaction, kPose, kRequirement };
   std::string what;  // "time of release booster1", "smallest clearance core – booster1", …
-  const char* unit = "";
+  std::string unit;
   Kind kind = Kind::kTime;
   double value = 0;
   double size = 0;  // what an error is compared with: the run's length, a distance moved, a reaction's largest
   double time = 0;  // s: the instant that it is of
 };
 
-// Event times, smallest clearances, rates at release, peak reactions, final poses. Other results of a run
-// (requirements) join by appending theirs.
+// Event times, smallest clearances, rates at release, separations, peak reactions, final poses, values of requirements.
 std::vector<NamedValue> list_values(const Scenario& scenario, const Simulation& simulation,
                                     const RunAnalysis& analysis);
 

@@ -129,7 +129,7 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
     char order[16] = "–";
     if (entry.order) std::snprintf(order, sizeof order, "%.1f", *entry.order);
     std::fprintf(to, "  %-58s %18.12g %10.2g %6s %s\n", entry.value.what.c_str(), entry.value.value, entry.error, order,
-                 entry.value.unit);
+                 entry.value.unit.c_str());
   }
   const bool all =
       std::all_of(accuracy.entries.begin(), accuracy.entries.end(), [](const auto& e) { return e.settles; });
