@@ -208,7 +208,7 @@ class MistakesTest(ProcessTest):
         self.assertIn("plank24 … plank1 (24) through hinge# into satellite", text)
         self.assertIn("turns          5 rows", text)
         lines = self.run_ok(UNLATCH, "run", planks, "--until", "3").stdout.splitlines()
-        self.assertLess(len(lines), 40)
+        self.assertLess(len(lines), 50)  # the tables alone, not 24 lines of any
         text = "\n".join(lines)
         self.assertIn("hinge1 … hinge24 (24), the largest of each row:", text)
         self.assertIn("of 24 pairs satellite – plank# the one that turns fastest", text)

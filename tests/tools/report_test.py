@@ -37,9 +37,9 @@ class ReportTest(ProcessTest):
     def tearDownClass(cls):
         cls.browser.close()
 
-    def record(self, name, *arguments):
+    def record(self, name, *arguments, code=0):
         log = self.folder / f"{name}.log"
-        self.run_ok(UNLATCH, *arguments, "--log", log)
+        self.run_ok(UNLATCH, *arguments, "--log", log, code=code)
         return log
 
     def build(self, *logs, code=0):
@@ -246,8 +246,8 @@ class ReportTest(ProcessTest):
 
     def test_a_run_in_the_loop_shows_its_timing_and_faults(self):
         faults = SCENARIOS / "boosters/faults/jammed-nozzle.yaml"
-        log = self.record("loop", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", faults, *PATIENT)
-        replayed = self.run_json(UNLATCH, "replay", log)
+        log = self.record("loop", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", faults, *PATIENT, code=1)  # a distance is not kept
+        replayed = self.run_json(UNLATCH, "replay", log, code=1)
         self.open(log)
         text = self.ask("document.querySelector('#timing').innerText")
         for part in ("step", "state out, answer in", "p99.9", "overruns 0"):
@@ -272,7 +272,7 @@ class ReportTest(ProcessTest):
     def test_two_runs_lie_over_each_other_and_their_first_difference_is_named(self):
         log = self.record("good", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", *PATIENT)
         faults = SCENARIOS / "boosters/faults/jammed-nozzle.yaml"
-        other = self.record("bad", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", faults, *PATIENT)
+        other = self.record("bad", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--faults", faults, *PATIENT, code=1)  # a distance is not kept
         diff = self.run_json(UNLATCH, "diff", log, other, code=1)
         self.open(log, other)
         banner = self.ask("document.querySelector('.banner').textContent")

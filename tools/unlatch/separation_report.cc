@@ -18,6 +18,12 @@ std::string get_name(const RunReport& report, int body) {
   return body == kGround ? "ground" : report.scenario.model.bodies[static_cast<std::size_t>(body)].name;
 }
 
+std::vector<std::vector<std::size_t>> fold(const std::vector<std::string>& names) {
+  std::vector<std::string> keys;
+  for (const std::string& name : names) keys.push_back(without_numbers(name));
+  return group_alike(keys);
+}
+
 // The body; of a marker the body that carries it.
 int get_carrier(const RunReport& report, int body) {
   if (body == kGround) return body;
@@ -29,8 +35,10 @@ int get_carrier(const RunReport& report, int body) {
 std::string get_title(const RunReport& report, const hil::SeparatedSide& side) {
   const int main = get_carrier(report, side.body);
   std::string title = get_name(report, main);
+  std::vector<std::string> names;
   for (const int body : side.bodies)
-    if (body != main && get_carrier(report, body) == body) title += " + " + get_name(report, body);
+    if (body != main && get_carrier(report, body) == body) names.push_back(get_name(report, body));
+  for (const std::vector<std::size_t>& group : fold(names)) title += " + " + name_group(group, names);
   return title;
 }
 
@@ -62,9 +70,16 @@ void print_separation(std::FILE* to, const RunReport& report, const hil::Separat
                pair.relative.axial * kDegPerRad, pair.relative.transverse * kDegPerRad);
   print_side(to, report, pair.base);
   print_side(to, report, pair.follower);
-  for (const hil::Push& push : pair.pushers) {
-    std::fprintf(to, "    %-24s impulse %.6g N s, energy %.6g J from the release on\n", push.spring.c_str(),
-                 push.impulse, push.work);
+  std::vector<std::string> springs;
+  for (const hil::Push& push : pair.pushers) springs.push_back(push.spring);
+  for (const std::vector<std::size_t>& group : fold(springs)) {
+    double impulse = 0, work = 0;
+    for (const std::size_t i : group) {
+      impulse += pair.pushers[i].impulse;
+      work += pair.pushers[i].work;
+    }
+    std::fprintf(to, "    %-24s impulse %.6g N s, energy %.6g J from the release on%s\n",
+                 name_group(group, springs).c_str(), impulse, work, group.size() > 1 ? ", all together" : "");
   }
   const hil::Clearance* const clearance = find_clearance(report, pair);
   if (clearance == nullptr) return;

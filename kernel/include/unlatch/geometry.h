@@ -35,7 +35,7 @@ struct ProfilePoint {
 
 // A shape as a user describes it, in body axes.
 struct Shape {
-  ShapeKind kind = ShapeKind::kSphere;
+  ShapeKind kind = ShapeKind::kSphere;  // says which of the members below count
   Vec3 from{0, 0, 0};                   // m
   Vec3 to{0, 0, 0};                     // m
   double radius = 0;                    // m
@@ -115,7 +115,7 @@ ShapeGroup build_group(std::string name, std::span<const Shape> shapes);
 
 // Result of a pair of groups: the least of all pairs of shapes, the first of equals.
 struct GroupDistance {
-  Distance least;
+  Distance least;                // of that pair
   int shape_a = 0, shape_b = 0;  // the pair's indices
 };
 
