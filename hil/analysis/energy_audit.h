@@ -27,7 +27,7 @@ struct EnergyBalance {
   double numerical = 0;                      // lost to the method's own damping while an implicit element is on, ≤ 0
   double unexplained = 0;                    // kinetic less all of these
   double largest = 0, largest_time = 0;      // the unexplained of the largest size so far; s
-  double scale = 0;                          // largest kinetic and stored energy so far, at least that of 1 µm/s: what the rest is judged by
+  double scale = 0;  // largest kinetic and stored energy so far, at least that of 1 µm/s: what the rest is judged by
 };
 
 class EnergyAudit {

@@ -47,8 +47,8 @@ class FaultyConnection final : public Connection {
   bool is_collected_ = false;  // arrivals have been passed to the injector; receive() hands out what comes of them
   std::int64_t collected_ns_ = 0;
   std::optional<Arrival> other_simulator_;  // its latest Hello
-  Message in_, out_;  // scratch
-  Arrival arrival_;   // scratch
+  Message in_, out_;                        // scratch
+  Arrival arrival_;                         // scratch
 };
 
 }  // namespace unlatch::hil

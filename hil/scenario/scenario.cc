@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLanguageVersion = 1;
 constexpr double kMaxTicks = 1e12;
-constexpr double kMaxDelay = 1000;  // ticks
+constexpr double kMaxDelay = 1000;                       // ticks
 constexpr double kMinQueue = 16, kMaxQueue = 1'000'000;  // commands
 
 }  // namespace

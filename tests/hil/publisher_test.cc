@@ -64,7 +64,8 @@ TEST_F(PublisherTest, ANoticeIsOfThisTickAndAnOverrunOfTheStepBefore) {
 TEST_F(PublisherTest, VerdictsAreLimitedWithinATick) {
   const auto publish = [this] { publisher_.publish_verdict(hil::Reject::kLate, 7, 1, 0, 5); };
   for (int i = 0; i < 100; ++i) publish();
-  EXPECT_EQ(connection_.sent.size(), static_cast<std::size_t>(hil::Publisher::kVerdictsPerTick)) << "before the first tick";
+  EXPECT_EQ(connection_.sent.size(), static_cast<std::size_t>(hil::Publisher::kVerdictsPerTick))
+      << "before the first tick";
   connection_.sent.clear();
   publisher_.begin_tick();
   for (int i = 0; i < 100; ++i) publish();

@@ -15,16 +15,16 @@ json summarize(const unlatch::hil::Scenario& s) {
   unlatch::PlanOptions options;
   options.dt = s.dt;
   const auto& fsw = s.flight_software;
-  json out{
-      {"model", unlatch::calc_model_hash(s.model, options)},
-      {"units", json::array()},
-      {"software", {fsw.required, fsw.timeout, fsw.pause_limit, fsw.cutoff, fsw.delay, static_cast<int>(fsw.policy),
-                    fsw.horizon, fsw.queue}},
-      {"timing",
-       {static_cast<int>(s.timing.overruns.kind), s.timing.overruns.max_ticks, s.timing.spin, s.timing.watchdog,
-        s.timing.watchdog_aborts, s.timing.per_tick}},
-      {"states", {s.rates.states.every, s.rates.states.phase}},
-      {"shapes", json::array()}};
+  json out{{"model", unlatch::calc_model_hash(s.model, options)},
+           {"units", json::array()},
+           {"software",
+            {fsw.required, fsw.timeout, fsw.pause_limit, fsw.cutoff, fsw.delay, static_cast<int>(fsw.policy),
+             fsw.horizon, fsw.queue}},
+           {"timing",
+            {static_cast<int>(s.timing.overruns.kind), s.timing.overruns.max_ticks, s.timing.spin, s.timing.watchdog,
+             s.timing.watchdog_aborts, s.timing.per_tick}},
+           {"states", {s.rates.states.every, s.rates.states.phase}},
+           {"shapes", json::array()}};
   for (const auto& channel : s.model.channels) out["units"].push_back(channel.unit);
   for (const auto& group : s.rates.groups)
     out["groups"].push_back({group.rate.every, group.rate.phase, group.sensors, group.channels});
