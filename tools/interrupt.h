@@ -6,8 +6,8 @@
 namespace unlatch::tools {
 
 // From now on both signals set the flag that this returns, for as long as the process lives. After SIGTERM the process
-// ends within a second, whatever hangs: once the main thread does not get on, with exit code 1. A report that is still
-// being computed is finished.
+// ends although something hangs: once the main thread has not got on for 0.6 s, with exit code 1. A report that is
+// being computed is finished first.
 const std::atomic<bool>& catch_interrupts();
 
 // From now on writing to standard error never waits for a reader: what a full pipe does not take is lost. Other
