@@ -68,7 +68,7 @@ class WireTest(ProcessTest):
         self.begin(FSW, "--transport", "dds")
         self.flood(BAD_RTPS, [("127.0.0.1", FIRST_RTPS_PORT + 2 * i) for i in range(4)])
         result = self.run_ok(UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "realtime", "--until", "3", *PATIENT,
-                             "--json", "-")
+                             "--json", "-", code=None)  # late commands may cost a requirement
         report = json.loads(result.stdout)
         self.assertEqual(report["status"], "ok")
         self.assertGreater(report["timing"]["rejected"]["malformed"], 20)
