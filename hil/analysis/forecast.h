@@ -1,4 +1,4 @@
-// What a scenario tells before it runs: its springs as they begin, and what an engineer would not expect of it.
+// Findings about a scenario before it runs: its springs as they begin, and surprises for an engineer.
 #pragma once
 
 #include <string>

@@ -72,7 +72,7 @@ BodyState MotionPiece::calc_body(std::size_t body, double time) const {
           three.place[0] * a.w + three.rate[0] * turn_a.w_rate + three.place[1] * b.w + three.rate[1] * turn_b.w_rate};
 }
 
-// Where neither state nor accelerations jump the motion is smooth: a step begins with its inputs, which may be new.
+// Motion is smooth if neither state nor accelerations jump: a step begins with its inputs, which may be new.
 void MotionWindow::move_on(const MotionKnot& from, const MotionKnot& to) {
   const MotionPiece& before = pieces_[present_];
   const auto same = [](const auto& a, const auto& b) {

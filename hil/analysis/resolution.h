@@ -1,4 +1,4 @@
-// What a step resolves: bounds on h·ω from the theory of Runge–Kutta (kernel/THEORY.md, 8), and how fast each spring
+// Resolution of a step: bounds on h·ω from the theory of Runge–Kutta (kernel/THEORY.md, 9), and how fast each spring
 // swings in the modes that its structure can come to.
 #pragma once
 

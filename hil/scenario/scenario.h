@@ -42,7 +42,7 @@ struct TracedPoint {
   int seen_from = kGround;                         // the path is in the axes of this body; the ground: W
 };
 
-// What reading changed, or the user should know; no mistake. `where`: a key of Scenario::marks.
+// A change made on reading, or a fact that the user should know; no mistake. `where`: a key of Scenario::marks.
 struct Remark {
   std::string where, text;
 };

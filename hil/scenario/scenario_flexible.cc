@@ -13,7 +13,7 @@ namespace {
 // Beyond what lumped masses and printed digits do to modes.
 constexpr double kChanged = 1e-3;
 
-// What conditioning made of the modes; empty if they came as they should.
+// The changes that conditioning made to the modes; empty if there are none.
 std::string describe_changes(const FlexibleReport& report) {
   char line[200];
   const bool is_off = report.found_gram > kChanged || report.found_momentum > kChanged;

@@ -245,7 +245,7 @@ Depth calc_depth(const Core& a, const Core& b) {
   bool room = true;
   for (int step = 0; room && step < kMostPoints; ++step) {
     const Face face = polytope.get_nearest();
-    // What can still be gained; the rest is curvature that more faces would follow.
+    // The depth that can still be gained; the rest is curvature that more faces would follow.
     if (best.depth - face.offset <= tolerance) return best;
     polish(face, kAlike);
     room = polytope.expand(face);

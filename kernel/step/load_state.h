@@ -11,7 +11,7 @@ void load_state(const PlanData& plan, const State& state, Evaluation& ev) noexce
 // The same without the modes.
 void load_motion(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
-// What load_modes() reads of both is the same: modes, offsets and attitudes at which rows hold.
+// Equality of all that load_modes() reads: modes, offsets and attitudes at which rows hold.
 bool has_same_modes(const State& a, const State& b) noexcept;
 
 // The joints' modes alone: masks of freedoms and rows, offsets, carried axes; ev.modes.

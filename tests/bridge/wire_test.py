@@ -74,8 +74,8 @@ class WireTest(ProcessTest):
         self.assertGreater(report["timing"]["rejected"]["malformed"], 20)
         self.assertLess(len(result.stderr), 20_000)
 
-    def begin_unread(self, *arguments):
-        """A program whose standard error nobody reads, full from the beginning."""
+    def open_full_pipe(self):
+        """The writing end of a pipe that is full and that nobody reads."""
         read, write = os.pipe()
         self.addCleanup(os.close, read)
         os.set_blocking(write, False)
@@ -84,6 +84,11 @@ class WireTest(ProcessTest):
                 os.write(write, bytes(4096))
         except BlockingIOError:
             os.set_blocking(write, True)
+        return write
+
+    def begin_unread(self, *arguments):
+        """A program whose standard error nobody reads, full from the beginning."""
+        write = self.open_full_pipe()
         process = subprocess.Popen(list(map(str, arguments)), stdout=subprocess.PIPE, stderr=write, text=True)
         os.close(write)
         self.addCleanup(process.wait)
@@ -115,14 +120,7 @@ class WireTest(ProcessTest):
         self.assertTrue(self.run_json(UNLATCH, "replay", log)["replay"]["agrees"])
 
     def test_sigterm_ends_a_report_that_nobody_reads(self):
-        read, write = os.pipe()
-        self.addCleanup(os.close, read)
-        os.set_blocking(write, False)
-        try:
-            while True:
-                os.write(write, bytes(4096))
-        except BlockingIOError:
-            os.set_blocking(write, True)
+        write = self.open_full_pipe()
         process = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--until", "0.1",
                              stdout=write)
         os.close(write)

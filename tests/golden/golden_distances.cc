@@ -16,17 +16,6 @@ constexpr const char* kNames[] = {"sphere", "capsule", "cylinder",   "cone",  "f
                                   "box",    "hull",    "half-space", "hollow"};
 constexpr int kPairs = 200, kWallPairs = 20;  // walls take longer
 
-Shape draw_any(Random& random, int kind) {
-  if (kind < 7) return draw_shape(random, kConvexKinds[kind]);
-  Shape shape = draw_shape(random, ShapeKind::kCylinder);
-  shape.kind = kind == 7 ? ShapeKind::kHalfSpace : ShapeKind::kHollow;
-  shape.normal = draw_direction(random);
-  shape.profile = {{0, 1.5}, {1, 1.2}, {2.5, 1}};
-  shape.half = random.chance(0.5);
-  shape.side = cross(shape.to - shape.from, shape.normal);
-  return shape;
-}
-
 }  // namespace
 
 void print_distance_hashes() {

@@ -78,7 +78,7 @@ Profile table(std::vector<double> times, std::vector<double> values) {
   return p;
 }
 
-// What a program for design prints of a plate, I_z = I_x + I_y to three digits.
+// The inertia of a plate as a program for design prints it, I_z = I_x + I_y to three digits.
 TEST(Validate, RoundedInertiasOfAPlateAreAccepted) {
   Model model = good_model();
   model.bodies[0].inertia = Eigen::Vector3d(1.001, 2.002, 3.005).asDiagonal();  // 6.7e-4 too much

@@ -13,7 +13,7 @@ from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 DATA = SOURCE / "tests/data"
 STEPS = (0.0005, 0.001, 0.002, 0.005)  # s
 FACTOR, SHARE = 3, 0.95                # what the estimates promise
-# What the references are sure of themselves: rtol 1e-12 to 1e-13 over some seconds; the elastic ones state 4e-11.
+# The references' own accuracy: rtol 1e-12 to 1e-13 over some seconds; the elastic ones state 4e-11.
 SURE = 1e-10
 
 PAIR = """unlatch: 1

@@ -1,4 +1,4 @@
-// What `check` tells of a valid scenario before it runs: its springs as they begin, and surprises.
+// Findings of `check` about a valid scenario: its springs as they begin, and surprises.
 #pragma once
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What `unlatch check` says about requirements.
+// Findings of `unlatch check` about requirements.
 #include <nlohmann/json.hpp>
 
 #include "hil/scenario/requirements_check.h"

@@ -39,7 +39,7 @@ void add_scenario_options(Command command, ScenarioOptions& options);
 
 // Throws hil::ScenarioError.
 hil::Scenario load(const ScenarioOptions& options);
-// What a valid scenario says that cannot come true: an event whose time is after the end.
+// Parts of a valid scenario that cannot come true: an event whose time is after the end.
 std::vector<std::string> list_notes(const hil::Scenario& scenario);
 std::int64_t calc_last_tick(const hil::Scenario& scenario);
 

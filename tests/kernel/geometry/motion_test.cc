@@ -20,18 +20,6 @@ using geometry::ShapeKind;
 
 constexpr int kKinds = 9;
 
-// Of every kind, hollow ones and half-spaces too.
-Shape draw_any(Random& random, int kind) {
-  if (kind < 7) return draw_shape(random, kConvexKinds[kind]);
-  Shape s = draw_shape(random, ShapeKind::kCylinder);
-  s.kind = kind == 7 ? ShapeKind::kHalfSpace : ShapeKind::kHollow;
-  s.normal = draw_direction(random);
-  s.profile = {{0, 1.5}, {1, 1.2}, {2.5, 1}};
-  s.half = random.chance(0.5);
-  s.side = cross(s.to - s.from, s.normal);
-  return s;
-}
-
 bool is_same(double a, double b) {
   return a == b || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }

@@ -45,6 +45,17 @@ Shape draw_shape(Random& random, ShapeKind kind) {
   return s;
 }
 
+Shape draw_any(Random& random, int kind) {
+  if (kind < 7) return draw_shape(random, kConvexKinds[kind]);
+  Shape s = draw_shape(random, ShapeKind::kCylinder);
+  s.kind = kind == 7 ? ShapeKind::kHalfSpace : ShapeKind::kHollow;
+  s.normal = draw_direction(random);
+  s.profile = {{0, 1.5}, {1, 1.2}, {2.5, 1}};
+  s.half = random.chance(0.5);
+  s.side = cross(s.to - s.from, s.normal);
+  return s;
+}
+
 Placement draw_placement(Random& random, double reach) {
   const Vec3 p = draw_vector(random, reach);
   return {p, draw_rotation(random)};

@@ -1,4 +1,4 @@
-// What the tests of distances compare with: supports and membership of shapes, written from their definitions and apart
+// References for the tests of distances: supports and membership of shapes, written from their definitions and apart
 // from the kernel's; random shapes and places.
 #pragma once
 
@@ -18,6 +18,8 @@ Vec3 draw_direction(Random& random);
 Mat3 draw_rotation(Random& random);
 // Sizes of 0.1 to 2 m, near the body's origin.
 geometry::Shape draw_shape(Random& random, geometry::ShapeKind kind);
+// Of the convex kinds by their number, 7 a half-space, 8 a hollow shape.
+geometry::Shape draw_any(Random& random, int kind);
 geometry::Placement draw_placement(Random& random, double reach);
 
 // m, farthest extent of the shape along the unit vector n of W, from W's origin.
