@@ -20,6 +20,7 @@ constexpr const char* kElementFields[] = {"switched_on", "from", "to", "start", 
 constexpr const char* kEventFields[] = {"phase", "due"};
 constexpr const char* kSignalFields[] = {"value"};
 constexpr const char* kAuxiliaryFields[] = {"value"};
+constexpr const char* kEngagedFields[] = {"engaged"};
 
 // Auxiliary states, in the order of State::auxiliary.
 std::vector<std::string> list_auxiliary(const Model& model) {
@@ -68,6 +69,8 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
       make_section(state.signals, kSignalFields, 0, [&](std::size_t i) { return quote("signal", model.signals[i]); }),
       make_section(state.auxiliary, kAuxiliaryFields, 0,
                    [names = list_auxiliary(model)](std::size_t i) { return names[i]; }),
+      make_section(state.engaged, kEngagedFields, 1,
+                   [&](std::size_t i) { return quote("element", model.one_sided[i].name); }),
   };
 }
 

@@ -6,6 +6,7 @@
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
 #include "kernel/compile/loop_paths.h"
+#include "kernel/compile/one_sided.h"
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/compile/topology.h"
 #include "kernel/dynamics/flexible.h"
@@ -284,10 +285,21 @@ void compile_elements(const Model& model, PlanData& plan, Coordinates& coordinat
   for (const JointSpring& s : model.joint_springs)
     plan.joint_springs.push_back({s.joint, s.axis, next(s.on), coordinates.find(s.joint, s.axis), s.effort, s.stiffness,
                                   s.damping, s.rest, compliant[static_cast<std::size_t>(&s - first)]});
+  std::vector<std::int32_t> of_one_sided, of_friction;
+  for (const OneSided& f : model.one_sided)
+    of_one_sided.push_back(f.joint == kNone ? kNone : coordinates.find(f.joint, f.axis));
+  for (const JointFriction& f : model.frictions) of_friction.push_back(coordinates.find(f.joint, f.axis));
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
   for (const PlaneTorsion& s : model.plane_torsions)
     plan.plane_torsions.push_back(
         {s.base, s.follower, next(s.on), to_vec(s.normal_base), to_vec(s.axis_follower), s.stiffness, s.damping});
+  for (std::size_t i = 0; i < model.one_sided.size(); ++i)
+    compile_one_sided(model, model.one_sided[i], next(model.one_sided[i].on), of_one_sided[i], plan);
+  for (std::size_t i = 0; i < model.frictions.size(); ++i) {
+    const JointFriction& f = model.frictions[i];
+    plan.frictions.push_back(
+        {f.joint, f.axis, next(f.on), of_friction[i], f.coefficient, f.axis >= kRotX ? f.radius : 1.0, f.speed});
+  }
 }
 
 // Appends a guard in postfix order; returns how many values its evaluation keeps at once.
@@ -317,7 +329,14 @@ void compile_events(const Model& model, PlanData& plan) {
                   all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
                   event.delay,
                   event.repeat,
+                  kNone,
+                  0,
                   when.kind == Condition::Kind::kTime && !when.below};
+    for (const Action& action : event.then)
+      if (action.kind == Action::Kind::kEngage) {
+        out.engages = action.subject;
+        out.engaged = action.value != 0 ? 1 : 0;
+      }
     const std::int32_t place = static_cast<std::int32_t>(plan.events.size());
     if (event.repeat) plan.repeating_events.push_back(place);
     if (event.delay > 0 || out.by_time) plan.timed_events.push_back(place);
@@ -326,6 +345,12 @@ void compile_events(const Model& model, PlanData& plan) {
     plan.actions.insert(plan.actions.end(), event.then.begin(), event.then.end());
     plan.events.push_back(out);
   }
+}
+
+void compile_impulses(const Model& model, PlanData& plan) {
+  for (const Impulse& i : model.impulses)
+    plan.impulses.push_back(
+        {i.body, i.channel, i.frame == Load::Frame::kWorld, to_vec(i.point), to_vec(i.linear), to_vec(i.angular)});
 }
 
 void compile_sensors(const Model& model, PlanData& plan, Coordinates& coordinates) {
@@ -379,6 +404,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   place_flexible(plan);
   mark_blocks(model, plan);
   compile_events(model, plan);
+  compile_impulses(model, plan);
   for (const Joint& joint : model.joints) {
     plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
     for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
@@ -406,6 +432,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
 }  // namespace
 
 PlanResult compile_plan(const Model& model, const PlanOptions& options) {
+  if (!model.one_sided.empty()) return compile_placed(place_markers(complete_events(model)), options);
   return has_markers(model) ? compile_placed(place_markers(model), options) : compile_placed(model, options);
 }
 

@@ -6,6 +6,7 @@
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/gravity.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
 #include "unlatch/elementary.h"
@@ -41,11 +42,14 @@ double calc_scale_rate(const ElementState& element, double t) {
   return elapsed >= 0 && elapsed < element.duration ? (element.to - element.from) / element.duration : 0;
 }
 
-// A potential ½ k x², times the switch scale.
-void store(Sum& sum, const ElementState& element, double t, double scale, double stiffness, double x) {
-  const double energy = 0.5 * stiffness * x * x;
+// A potential, times the switch scale.
+void store(Sum& sum, const ElementState& element, double t, double scale, double energy) {
   sum.flow.strain += scale * energy;
   sum.add(PowerSource::kSwitching, calc_scale_rate(element, t) * energy);
+}
+// ½ k x²
+void store(Sum& sum, const ElementState& element, double t, double scale, double stiffness, double x) {
+  store(sum, element, t, scale, 0.5 * stiffness * x * x);
 }
 
 // T = ½ m |v_c|² + ½ w·J w with dm/dt, dc/dt and dJ/dt beside the motion that varying.h describes, and the power of its
@@ -180,6 +184,25 @@ void add_plane_torsions(const PlanData& plan, const State& state, double t, cons
   }
 }
 
+// What is stored within reach goes into the force or is lost.
+void add_one_sided(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
+  for (const PlanOneSided& own : plan.one_sided) {
+    const OneSidedMotion m = calc_motion(plan, ev, own);
+    if (m.depth <= 0) continue;
+    const ElementState& element = state.elements[at(own.element)];
+    const double scale = calc_scale(element, t);
+    const OneSidedLaw law = get_law(plan, own);
+    store(sum, element, t, scale, calc_stored_energy(law, m.depth));
+    const double force = calc_force(plan, state, t, own, m);
+    sum.add(PowerSource::kDampers, (scale * calc_elastic_force(law, m.depth) - force) * m.depth_rate);
+  }
+}
+
+void add_frictions(const PlanData& plan, const Evaluation& ev, Sum& sum) {
+  for (std::size_t i = 0; i < plan.frictions.size(); ++i)
+    sum.add(PowerSource::kDampers, ev.friction_sizes[i] * ev.speeds[at(plan.frictions[i].coordinate)]);
+}
+
 // A body is held to the ground, by rows or by an element that is on.
 bool is_grounded(const PlanData& plan, const State& state, double t) {
   const auto pulls = [&](std::int32_t base, std::int32_t element) {
@@ -193,6 +216,10 @@ bool is_grounded(const PlanData& plan, const State& state, double t) {
     if (pulls(plan.joints[at(spring.joint)].base, spring.element)) return true;
   for (const PlanPlaneTorsion& spring : plan.plane_torsions)
     if (pulls(spring.base, spring.element)) return true;
+  for (const PlanOneSided& own : plan.one_sided)
+    if (state.engaged[at(own.number)] != 0 && pulls(own.base, own.element)) return true;
+  for (const PlanFriction& own : plan.frictions)
+    if (pulls(plan.joints[at(own.joint)].base, own.element)) return true;
   return false;
 }
 
@@ -213,6 +240,8 @@ EnergyFlow calc_energy_flow(const PlanData& plan, const State& state, double t, 
   add_point_springs(plan, state, t, ev, sum);
   add_joint_springs(plan, state, t, ev, sum);
   add_plane_torsions(plan, state, t, ev, sum);
+  add_one_sided(plan, state, t, ev, sum);
+  add_frictions(plan, ev, sum);
   return sum.flow;
 }
 

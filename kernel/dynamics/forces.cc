@@ -5,7 +5,9 @@
 
 #include "kernel/dynamics/compliance.h"
 #include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/friction.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/dynamics/varying.h"
 #include "kernel/joints/kinematics.h"
 #include "unlatch/elementary.h"
@@ -140,6 +142,8 @@ void add_forces(const Instant& now, Evaluation& ev) noexcept {
   add_point_springs(now, ev);
   add_joint_springs(now, ev);
   add_plane_torsions(now, ev);
+  add_one_sided_forces(now, ev);
+  add_friction_forces(plan, ev);
   if (plan.rigid) return;
   add_varying_forces(plan, ev);
   add_flexible_forces(plan, now.implicit, ev);

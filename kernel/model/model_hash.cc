@@ -77,6 +77,13 @@ class Hasher {
   void add_one(const PlaneTorsion& s) {
     add(s.base, s.follower, s.normal_base, s.axis_follower, s.stiffness, s.damping, s.on);
   }
+  void add_one(const OneSided& f) {
+    add(f.kind, f.pulls, f.joint, f.axis, f.base, f.follower, f.point_base, f.point_follower, f.guide, f.limit,
+        f.stroke, f.law, f.preload, f.stiffness, f.gas_length, f.exponent, f.travels, f.forces, f.damping, f.friction,
+        f.friction_speed, f.on);
+  }
+  void add_one(const JointFriction& f) { add(f.joint, f.axis, f.coefficient, f.radius, f.speed, f.on); }
+  void add_one(const Impulse& i) { add(i.body, i.frame, i.point, i.linear, i.angular, i.channel); }
   void add_one(const Channel& c) { add(c.initial, c.minimum, c.maximum, c.safe); }
   void add_one(const Sensor& s) { add(s.kind, s.subject, s.axis, s.point); }
   void add_one(const Condition& c) { add(c.kind, c.subject, c.axis, c.threshold, c.below, c.parts); }
@@ -93,6 +100,10 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
   hasher.add(options.dt, options.max_splits, options.root, model.bodies, model.joints, model.gravity, model.loads,
              model.point_springs, model.joint_springs, model.plane_torsions, model.channels,
              static_cast<int>(model.signals.size()), model.sensors, model.events);
+  // Models without these keep the hash that they have always had.
+  if (!model.one_sided.empty()) hasher.add(model.one_sided);
+  if (!model.frictions.empty()) hasher.add(model.frictions);
+  if (!model.impulses.empty()) hasher.add(model.impulses);
   return hasher.get();
 }
 

@@ -14,6 +14,8 @@ namespace unlatch {
 using ModelErrors = std::vector<ModelError>;
 
 void validate_joints(const Model& model, ModelErrors& errors);
+// Of pushers, stops, cords, friction in joints, and impulses.
+void validate_one_sided(const Model& model, ModelErrors& errors);
 void validate_events(const Model& model, ModelErrors& errors);
 
 inline bool is_index(int index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; }
