@@ -11,7 +11,8 @@ import unittest
 
 from processes import BIN, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
 
-LISTEN = SOURCE / "bridge/examples/python/listen.py"
+EXAMPLES = SOURCE / "bridge/examples"
+LISTEN = EXAMPLES / "python/listen.py"
 PYTHON_TYPES = BIN.parent / "bridge/examples/python_types"
 # Thrust of 5000 N on 100 kg from 0.1 to 0.3 s, free until 0.5 s: 1 m + 10 m/s * 0.2 s.
 FLOWN = "x = 3.000000 m"
@@ -77,12 +78,14 @@ class ClientsTest(ProcessTest):
         self.assertEqual(float(end[1]), report["samples"][-1]["bodies"]["probe"]["p"][0], "not the same bits")
         self.assertGreater(int(end[2]), 50)  # a slow listener may miss some
 
-    def test_python_flies_the_tutorials_satellite_to_the_hash_of_cpp(self):
+    def test_python_flies_the_tutorials_satellite_over_lcm_and_udp_to_the_hash_of_cpp(self):
         satellite = SOURCE / "bridge/examples/first/satellite.yaml"
         hashes = set()
-        for pilot in ([BIN / "example_first"], ["/usr/bin/env", "python3", SOURCE / "bridge/examples/python/fsw.py", PYTHON_TYPES]):
+        python = ["/usr/bin/env", "python3"]
+        for transport, pilot in (("lcm", [BIN / "example_first"]), ("lcm", [*python, EXAMPLES / "python/fsw.py", PYTHON_TYPES]),
+                                 ("udp", [*python, EXAMPLES / "udp/fsw.py", PYTHON_TYPES])):
             process = self.begin(*pilot)
-            report = self.run_json(UNLATCH, "hil", satellite, "--transport", "lcm", "--pace", "lockstep")
+            report = self.run_json(UNLATCH, "hil", satellite, "--transport", transport, "--pace", "lockstep")
             self.finish(process)
             self.assertEqual(report["status"], "ok")
             self.assertLess(abs(report["samples"][-1]["bodies"]["satellite"]["w"][2]), 1e-4)  # rad/s: it has stopped
