@@ -16,6 +16,16 @@ OneSidedMotion calc_joint_motion(const PlanData& plan, const Evaluation& ev, con
           own.sign * (own.limit - x), -own.sign * ev.speeds[c]};
 }
 
+// A stiffness by which depths and forces are compared, so that the search for an event meets no corner between them
+// near its crossing: that of the law, or of its force over its stroke. N/m or N m/rad.
+double get_scale(const OneSidedLaw& law) {
+  double scale = law.stiffness;
+  if (law.kind == OneSided::Law::kGas) scale = law.preload / law.gas_length;
+  if (law.kind == OneSided::Law::kTable && law.stroke > 0) scale = law.forces.front() / law.stroke;
+  if (law.kind == OneSided::Law::kLinear && scale == 0 && law.stroke > 0) scale = law.preload / law.stroke;
+  return scale > 0 ? scale : 1;
+}
+
 }  // namespace
 
 OneSidedMotion calc_motion(const PlanData& plan, const Evaluation& ev, const PlanOneSided& own) noexcept {
@@ -58,7 +68,8 @@ double calc_force(const PlanData& plan, const State& state, double t, const Plan
 }
 
 double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept {
-  return std::min(motion.depth, calc_sum(get_law(plan, own), motion.depth, motion.depth_rate));
+  const OneSidedLaw law = get_law(plan, own);
+  return std::min(get_scale(law) * motion.depth, calc_sum(law, motion.depth, motion.depth_rate));
 }
 
 void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept {

@@ -27,7 +27,8 @@ bool is_on(const ElementState& element, double t) noexcept;
 // Its force, N or N m: 0 if it is not engaged.
 double calc_force(const PlanData& plan, const State& state, double t, const PlanOneSided& own,
                   const OneSidedMotion& motion) noexcept;
-// Depth or force, whichever is less: engaged from where it comes to 0 until it falls below.
+// Depth times a stiffness, or the force, whichever is less, N or N m: engaged from where it comes to 0 until it falls
+// below.
 double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept;
 
 // Adds their forces to the bodies'.
