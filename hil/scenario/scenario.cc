@@ -148,6 +148,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_elements(top);
   read_sensors(top);
   read_events(top);
+  append_events();
   read_clearance(top);
   read_points(top);
   read_requirements(top);
