@@ -1,6 +1,8 @@
 #include "kernel/compile/contacts.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernel/math/index.h"
 #include "unlatch/contacts.h"
@@ -44,7 +46,7 @@ double calc_contact_damping(double e, double speed) {
 }
 
 void compile_contacts(const Model& model, PlanData& plan) {
-  for (const ShapeSet& set : model.shapes)
+  for (const Surface& set : model.surfaces)
     plan.shapes.push_back({set.body, geometry::build_group(set.name, set.shapes)});
   for (const Contact& c : model.contacts) {
     const auto place = static_cast<std::int32_t>(plan.contacts.size());
@@ -67,7 +69,9 @@ void compile_contacts(const Model& model, PlanData& plan) {
     for (std::size_t i = 0; i < a.group.shapes.size(); ++i)
       for (std::size_t k = 0; k < b.group.shapes.size(); ++k) {
         const double distance = geometry::calc_distance(a.group.shapes[i], at_a, b.group.shapes[k], at_b).distance;
-        if (!std::isfinite(distance)) continue;  // this pair has none
+        const std::pair pair(static_cast<int>(i), static_cast<int>(k));
+        const bool left_out = std::find(c.except.begin(), c.except.end(), pair) != c.except.end();
+        if (left_out || !std::isfinite(distance)) continue;  // infinite: this pair has none
         plan.contact_pairs.push_back(
             {place, static_cast<std::int32_t>(i), static_cast<std::int32_t>(k), c.on && distance < 0});
         ++out.pairs;

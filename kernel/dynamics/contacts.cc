@@ -39,7 +39,7 @@ bool has_closed_pair(const State& state, const PlanContact& contact) {
   return false;
 }
 
-// Least distance of two shape sets that can be told without computing it; negative infinity if they may come near
+// Least distance of two surfaces that can be told without computing it; negative infinity if they may come near
 // `threshold` within a step.
 double calc_far_bound(const PlanData& plan, const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b,
                       const BodyFrame& at_b, double threshold) {

@@ -32,14 +32,14 @@ void add_contacts(const Instant& now, Evaluation& ev) noexcept;
 // k δⁿ⁺¹/(n + 1) at scale 1, J.
 double calc_stored(const PlanContact& contact, double depth) noexcept;
 
-// Signed distance of two shape sets where a guard could cross `threshold` within a step; farther apart a lower bound,
+// Signed distance of two surfaces where a guard could cross `threshold` within a step; farther apart a lower bound,
 // which is above `threshold`. Needs the bodies' kinematics.
 double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, int b, double threshold) noexcept;
 
 // ev.pair_distances of pairs that are open and on: distances, or lower bounds of those that cannot touch within a step.
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
 
-// Distance of two shape sets. Needs the bodies' kinematics.
+// Distance of two surfaces. Needs the bodies' kinematics.
 double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, int b) noexcept;
 
 }  // namespace unlatch

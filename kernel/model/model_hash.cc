@@ -83,9 +83,11 @@ class Hasher {
     add(s.kind, s.from, s.to, s.radius, s.end_radius, s.size, s.q_BS.w, s.q_BS.x, s.q_BS.y, s.q_BS.z, s.normal,
         s.points, s.profile, s.half, s.side);
   }
-  void add_one(const ShapeSet& s) { add(s.body, s.shapes); }
+  void add_one(const Surface& s) { add(s.body, s.shapes); }
+  void add_one(const std::pair<int, int>& p) { add(p.first, p.second); }
   void add_one(const Contact& c) {
-    add(c.base, c.follower, c.stiffness, c.exponent, c.damping, c.restitution, c.speed, c.friction, c.slip_speed, c.on);
+    add(c.base, c.follower, c.stiffness, c.exponent, c.damping, c.restitution, c.speed, c.friction, c.slip_speed, c.on,
+        c.except);
   }
   void add_one(const Channel& c) { add(c.initial, c.minimum, c.maximum, c.safe); }
   void add_one(const Sensor& s) {
@@ -109,7 +111,7 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
   hasher.add(options.dt, options.max_splits, options.root, model.bodies, model.joints, model.gravity, model.loads,
              model.point_springs, model.joint_springs, model.plane_torsions, model.channels,
              static_cast<int>(model.signals.size()), model.sensors, model.events);
-  if (!model.shapes.empty()) hasher.add(model.shapes, model.contacts, model.contact_substeps);
+  if (!model.surfaces.empty()) hasher.add(model.surfaces, model.contacts, model.contact_substeps);
   return hasher.get();
 }
 

@@ -48,7 +48,7 @@ void check_all_names(const Model& model, ModelErrors& errors) {
   check("channel", model.channels, name_of);
   check("signal", model.signals, itself);
   check("sensor", model.sensors, name_of);
-  check("shapes", model.shapes, name_of);
+  check("surface", model.surfaces, name_of);
 }
 
 void check_finite(const std::string& where, const std::string& key, bool finite, ModelErrors& errors) {

@@ -9,8 +9,8 @@ namespace {
 using geometry::ShapeKind;
 
 void validate_shapes(const Model& model, ModelErrors& errors) {
-  for (const ShapeSet& set : model.shapes) {
-    const std::string where = quoted("shapes", set.name);
+  for (const Surface& set : model.surfaces) {
+    const std::string where = quoted("surface", set.name);
     if (set.body != kGround && !is_index(set.body, model.bodies.size()))
       errors.push_back({where, "the body that carries them does not exist", "a body's index, or kGround", "body"});
     else if (set.body != kGround && model.bodies[static_cast<std::size_t>(set.body)].flexible)
@@ -61,11 +61,12 @@ void validate_contact(const Model& model, const Contact& c, ModelErrors& errors)
 
 void check_shape_pair(const Model& model, const std::string& where, int a, int b, const std::string& key,
                       ModelErrors& errors) {
-  if (!is_index(a, model.shapes.size()) || !is_index(b, model.shapes.size())) {
-    errors.push_back({where, "shapes that it names do not exist", "indices of two shape sets", key});
+  if (!is_index(a, model.surfaces.size()) || !is_index(b, model.surfaces.size())) {
+    errors.push_back({where, "surfaces that it names do not exist", "indices of two surfaces", key});
     return;
   }
-  const ShapeSet &of_a = model.shapes[static_cast<std::size_t>(a)], &of_b = model.shapes[static_cast<std::size_t>(b)];
+  const Surface &of_a = model.surfaces[static_cast<std::size_t>(a)],
+                &of_b = model.surfaces[static_cast<std::size_t>(b)];
   if (find_carrier(model, of_a.body) == find_carrier(model, of_b.body))
     errors.push_back({where, "one body carries both shapes, '" + of_a.name + "' and '" + of_b.name + "'",
                       "name shapes of two bodies", key});

@@ -169,7 +169,7 @@ struct PlanPlaneTorsion {
   double stiffness, damping;
 };
 
-// Shapes of a body, see ShapeSet in unlatch/model.h.
+// Shapes of a body, see Surface in unlatch/model.h.
 struct PlanShapes {
   std::int32_t body;
   geometry::ShapeGroup group;

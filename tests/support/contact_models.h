@@ -42,7 +42,7 @@ inline Model build_dropped_ball(double height) {
   const double J = 0.4 * kBallRadius * kBallRadius;
   model.bodies.push_back(box("ball", 1, J, J, J));
   model.bodies[0].p_WB = {0, 0, kBallRadius + height};
-  model.shapes = {{"floor", kGround, {build_floor()}}, {"ball", 0, {build_sphere(kBallRadius)}}};
+  model.surfaces = {{"floor", kGround, {build_floor()}}, {"ball", 0, {build_sphere(kBallRadius)}}};
   model.contacts = {touch("ball on floor", 0, 1, 1e5)};
   add_contact_events(model);
   return model;
@@ -62,10 +62,10 @@ inline Model build_block_on_feet() {
   model.gravity.uniform = {0, 0, -kGravity};
   model.bodies.push_back(box("block", 2, 0.02, 0.02, 0.03));
   model.bodies[0].p_WB = {0, 0, 0.0625};
-  ShapeSet feet{"feet", 0, {}};
+  Surface feet{"feet", 0, {}};
   for (const double x : {-0.125, 0.125})
     for (const double y : {-0.125, 0.125}) feet.shapes.push_back(build_sphere(0.03125, {x, y, -0.03125}));
-  model.shapes = {{"floor", kGround, {build_floor()}}, feet};
+  model.surfaces = {{"floor", kGround, {build_floor()}}, feet};
   model.contacts = {touch("feet on floor", 0, 1, 2e4)};
   model.contacts[0].damping = 50;
   add_contact_events(model);
@@ -81,7 +81,7 @@ inline Model build_spinning_pair() {
   model.bodies[0].w_WB_B = {1, 8, -3};
   model.bodies[1].p_WB = {0.6, 0.125, 0.0625};
   model.bodies[1].w_WB_B = {-4, 2, 5};
-  model.shapes = {{"a", 0, {build_sphere(0.25)}}, {"b", 1, {build_sphere(0.25)}}};
+  model.surfaces = {{"a", 0, {build_sphere(0.25)}}, {"b", 1, {build_sphere(0.25)}}};
   model.contacts = {touch("a on b", 0, 1, 1e4)};
   model.contacts[0].damping = 0.25;
   model.contacts[0].friction = 0.5;
@@ -95,7 +95,7 @@ inline Model build_heap(int bodies) {
   Model model;
   model.name = "heap";
   model.gravity.uniform = {0, 0, -kGravity};
-  model.shapes.push_back({"floor", kGround, {build_floor()}});
+  model.surfaces.push_back({"floor", kGround, {build_floor()}});
   for (int b = 0; b < bodies; ++b) {
     const std::string name = "body" + std::to_string(b);
     Body body = box(name, 1, 0.01, 0.0125, 0.015);
@@ -121,16 +121,16 @@ inline Model build_heap(int bodies) {
       default:
         break;
     }
-    model.shapes.push_back({name, b, {shape}});
+    model.surfaces.push_back({name, b, {shape}});
   }
   geometry::Shape tube;
   tube.kind = geometry::ShapeKind::kHollow;
   tube.to = {0, 0, 0.5};
   tube.profile = {{0, 0.15625}, {0.5, 0.1875}};
-  model.shapes.push_back({"tube", kGround, {tube}});
+  model.surfaces.push_back({"tube", kGround, {tube}});
   const auto join = [&model](int base, int follower) {
-    Contact contact = touch(model.shapes[static_cast<std::size_t>(follower)].name + " on " +
-                                model.shapes[static_cast<std::size_t>(base)].name,
+    Contact contact = touch(model.surfaces[static_cast<std::size_t>(follower)].name + " on " +
+                                model.surfaces[static_cast<std::size_t>(base)].name,
                             base, follower, 1e4);
     contact.damping = 0.5;
     contact.friction = 0.25;

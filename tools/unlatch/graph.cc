@@ -332,8 +332,8 @@ class Phases {
                                   : name(model_.joints[index].name) + " is " +
                                         model_.joints[index].modes[static_cast<std::size_t>(c.axis)].name;
       case Kind::kDistance:
-        return "distance of " + name(model_.shapes[index].name) + " and " +
-               name(model_.shapes[static_cast<std::size_t>(c.axis)].name) + than;
+        return "distance of " + name(model_.surfaces[index].name) + " and " +
+               name(model_.surfaces[static_cast<std::size_t>(c.axis)].name) + than;
       case Kind::kClosed:
         return "contact " + name(model_.contacts[index].name);
       case Kind::kNot:

@@ -1,4 +1,4 @@
-// Contacts as a state has them, for reports: force, depth and totals since the start; and distances of shape sets. The
+// Contacts as a state has them, for reports: force, depth and totals since the start; and distances of surfaces. The
 // step computes the same by the same formulas. Off the step: some µs a call. World axes.
 #pragma once
 
@@ -30,7 +30,7 @@ struct ContactReading {
 // Of the model's contact `contact` at the state's tick.
 ContactReading calc_contact(const Plan& plan, const State& state, int contact) noexcept;
 
-// Of two shape sets (their numbers in the model) at the state's poses; signed, with witnesses and normal.
+// Of two surfaces (their numbers in the model) at the state's poses; signed, with witnesses and normal.
 geometry::GroupDistance calc_shape_distance(const Plan& plan, const State& state, int a, int b) noexcept;
 
 }  // namespace unlatch

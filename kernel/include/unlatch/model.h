@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "unlatch/geometry.h"
@@ -192,17 +193,16 @@ struct PlaneTorsion {
   bool on = true;                                            // at the start
 };
 
-// --- Shapes and contacts
-// ----------------------------------------------------------------------------------------------
+// --- Shapes and contacts --------------------------------------------------------------------------------------------
 
 // A named union of shapes that a body carries, without mass: for contacts, and for conditions and sensors of distance.
-struct ShapeSet {
-  std::string name;                     // unique among shape sets
+struct Surface {
+  std::string name;                     // unique among surfaces
   int body = kGround;                   // that carries them: rigid, or a marker; kGround: fixed in W
   std::vector<geometry::Shape> shapes;  // at least one, in axes of the body (ground: W), m
 };
 
-// Compliant contact of two shape sets. Each pair of their shapes is closed from the instant at which its signed
+// Compliant contact of two surfaces. Each pair of their shapes is closed from the instant at which its signed
 // distance falls to zero until it rises to zero; with the depth δ = −distance, the rate of δ, and the slip v_t of the
 // two materials at the midpoint of the witnesses, follower against base:
 //
@@ -211,16 +211,17 @@ struct ShapeSet {
 //
 // Pairs that have no distance (two half-spaces, two hollow shapes, a hollow shape and a half-space) do not touch.
 struct Contact {
-  std::string name;                     // unique among elements
-  int base = 0, follower = 0;           // indices of shape sets, of two bodies
-  double stiffness = 0;                 // k, N/m or N/m^1.5, > 0
-  double exponent = 1;                  // n: 1 or 1.5
-  double damping = 0;                   // d, s/m, ≥ 0
-  std::optional<double> restitution{};  // instead of d: the ratio of the speeds after and before, in (0, 1],
-  double speed = 0;                     // m/s, of a blow with this speed, > 0
-  double friction = 0;                  // μ, ≥ 0
-  double slip_speed = 1e-3;             // v_s, m/s, > 0
-  bool on = true;                       // at the start
+  std::string name;                           // unique among elements
+  int base = 0, follower = 0;                 // indices of surfaces, of two bodies
+  double stiffness = 0;                       // k, N/m or N/m^1.5, > 0
+  double exponent = 1;                        // n: 1 or 1.5
+  double damping = 0;                         // d, s/m, ≥ 0
+  std::optional<double> restitution{};        // instead of d: the ratio of the speeds after and before, in (0, 1],
+  double speed = 0;                           // m/s, of a blow with this speed, > 0
+  double friction = 0;                        // μ, ≥ 0
+  double slip_speed = 1e-3;                   // v_s, m/s, > 0
+  bool on = true;                             // at the start
+  std::vector<std::pair<int, int>> except{};  // pairs of shapes that do not touch: indices in base and follower
 };
 
 // Field of gravity: uniform, central, or both.
@@ -254,14 +255,14 @@ struct Sensor {
     kDisplacement,   // 1, of the follower's point along `axis` of the joint frame, m
     kAngle,          // 1, about `axis` of the rotation frame, turns counted, rad
     kSpeed,          // 1, rate of the displacement, m/s, or of the angle, rad/s
-    kDistance,       // 1, signed distance of shape sets `subject` and `other`, m
+    kDistance,       // 1, signed distance of surfaces `subject` and `other`, m
   };
   std::string name;                                 // unique among sensors
   Kind kind = Kind::kRate;                          // measured quantity
-  int subject = 0;                                  // body, joint, signal or shape set
+  int subject = 0;                                  // body, joint, signal or surface
   int axis = kX;                                    // Row
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // body axes, m
-  int other = kNone;                                // kDistance: the other shape set
+  int other = kNone;                                // kDistance: the other surface
 };
 // Number of values of a sensor.
 int sensor_width(Sensor::Kind kind);
@@ -288,12 +289,12 @@ struct Condition {
     kAny,           // at least one part holds
     kNot,           // its one part does not hold
     kBurnt,         // what a body with a mass law has burnt, kg
-    kDistance,      // signed distance of shape sets `subject` and `axis`, m
+    kDistance,      // signed distance of surfaces `subject` and `axis`, m
     kClosed,        // a contact is closed: some pair of its shapes
   };
   Kind kind = Kind::kTime;       // kind
-  int subject = 0;               // index of the joint, body, signal, channel, shape set or contact
-  int axis = 0;                  // Row of a joint; kMode: index of the mode; kDistance: index of the other shape set
+  int subject = 0;               // index of the joint, body, signal, channel, surface or contact
+  int axis = 0;                  // Row of a joint; kMode: index of the mode; kDistance: index of the other surface
   double threshold = 0;          // in the unit of the quantity
   bool below = false;            // holds at and below the threshold instead of at and above it
   std::vector<Condition> parts;  // of kAll, kAny, kNot
@@ -338,7 +339,7 @@ struct Model {
   std::vector<PointSpring> point_springs;    // springs between points
   std::vector<JointSpring> joint_springs;    // springs in joints
   std::vector<PlaneTorsion> plane_torsions;  // torsion springs towards a plane
-  std::vector<ShapeSet> shapes;              // that contacts, conditions and sensors name
+  std::vector<Surface> surfaces;             // that contacts, conditions and sensors name
   std::vector<Contact> contacts;             // between shapes
   int contact_substeps = 1;                  // parts of a step while some contact is closed, 1 … 64
   std::vector<Channel> channels;             // commanded values
