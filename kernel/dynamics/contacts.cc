@@ -137,6 +137,11 @@ void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
   }
 }
 
+std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& state, int contact) noexcept {
+  const PlanContact& own = plan.data().contacts[at(contact)];
+  return state.contacts.subspan(at(own.first_pair), at(own.pairs));
+}
+
 ContactTotals get_contact_totals(const Plan& plan, const State& state, int contact) noexcept {
   const double* totals = state.auxiliary.data() + plan.data().contacts[at(contact)].auxiliary;
   return {totals[0], totals[1], totals[2]};

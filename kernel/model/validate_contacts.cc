@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "kernel/model/validate.h"
+#include "unlatch/geometry.h"
 
 namespace unlatch {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "tests/support/contact_models.h"
 #include "tests/support/malloc_guard.h"
+#include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 #include "unlatch/contacts.h"
 #include "unlatch/energy.h"
@@ -168,6 +169,29 @@ TEST(Contact, ASlidingBallComesToRollAtFiveSeventhsOfItsSpeed) {
   EXPECT_NEAR(s.state.bodies[0].v.x, arm * arm / (arm * arm + 0.4 * kBallRadius * kBallRadius), 1e-9);
   EXPECT_NEAR(s.state.bodies[0].w.y * arm, s.state.bodies[0].v.x, 1e-9);
   EXPECT_NEAR(get_contact_totals(s.plan, s.state, 0).dissipated, 1.0 / 7, 1e-5);  // of ½ m v², 2/7
+}
+
+// tests/support/tube_reference.py: planar, in x and z.
+TEST(Contact, ACapsuleInATubeAgreesWithAnIndependentIntegrationAfterTenBounces) {
+  constexpr double kPlace = 1e-8, kTime = 1e-8;  // m and rad; s
+  const nlohmann::json reference = load_reference("tube");
+  const Model model = build_capsule_in_tube();
+  Simulation s(model);
+  const std::vector<Logged> events = run(s, model, static_cast<int>(std::lround(reference["t"].get<double>() / 1e-3)));
+  ASSERT_EQ(events.size(), reference["events"].size());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].name, reference["events"][i]["name"]) << i;
+    EXPECT_NEAR(events[i].time, reference["events"][i]["t"].get<double>(), kTime) << i;
+  }
+  const std::vector<double> end = reference["state"];
+  const BodyState& body = s.state.bodies[0];
+  EXPECT_NEAR(body.p.x, end[0], kPlace);
+  EXPECT_NEAR(body.p.z, end[1], kPlace);
+  EXPECT_NEAR(2 * std::atan2(body.q.y, body.q.w), end[2], kPlace);
+  EXPECT_NEAR(body.v.x, end[3], kPlace);
+  EXPECT_NEAR(body.v.z, end[4], kPlace);
+  EXPECT_NEAR(body.w.y, end[5], 10 * kPlace);
+  EXPECT_NEAR(body.p.y, 0, 1e-12);
 }
 
 TEST(Contact, OneThatIsClosedAtTheStartHasNoTouchButALift) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tests/support/small_models.h"
+#include "unlatch/elementary.h"
 
 namespace unlatch::test {
 
@@ -87,6 +88,72 @@ inline Model build_spinning_pair() {
   model.contacts[0].friction = 0.5;
   model.contacts[0].slip_speed = 0.0625;
   add_contact_events(model);
+  return model;
+}
+
+// A capsule of 2 kg that bounces in a tube, as tests/support/tube_reference.py has it.
+inline Model build_capsule_in_tube() {
+  Model model;
+  model.name = "tube";
+  model.bodies.push_back(box("capsule", 2, 0.0625, 0.0625, 0.03125));
+  model.bodies[0].p_WB = {0.03125, 0, 0};
+  model.bodies[0].q_WB = Attitude(elementary::cos(0.125), 0, elementary::sin(0.125), 0);  // 0.25 rad about y
+  model.bodies[0].v_WB = {1.5, 0, 1};
+  model.bodies[0].w_WB_B = {0, 0.375, 0};
+  geometry::Shape capsule = build_sphere(0.125, {0, 0, -0.25}), tube;
+  capsule.kind = geometry::ShapeKind::kCapsule;
+  capsule.to = {0, 0, 0.25};
+  tube.kind = geometry::ShapeKind::kHollow;
+  tube.from = {0, 0, -4};
+  tube.to = {0, 0, 12};
+  tube.profile = {{0, 0.5}, {16, 0.5}};
+  model.surfaces = {{"tube", kGround, {tube}}, {"capsule", 0, {capsule}}};
+  model.contacts = {touch("capsule in tube", 0, 1, 5e4)};
+  model.contacts[0].damping = 0.125;
+  model.contacts[0].friction = 0.25;
+  model.contacts[0].slip_speed = 0.125;
+  model.contact_substeps = 16;
+  add_contact_events(model);
+  return model;
+}
+
+// Sixteen pairs of shapes, four of them closed: capsules at rest on the floor beside each other, a cone and a box that
+// fall towards it.
+inline Model build_sixteen_pairs() {
+  Model model;
+  model.name = "pairs";
+  model.gravity.uniform = {0, 0, -kGravity};
+  model.surfaces.push_back({"floor", kGround, {build_floor()}});
+  constexpr double kStiffness = 2e4;
+  const auto add = [&](const std::string& name, const Eigen::Vector3d& place, const geometry::Shape& shape) {
+    model.bodies.push_back(box(name, 1, 0.01, 0.0125, 0.015));
+    model.bodies.back().p_WB = place;
+    model.surfaces.push_back({name, static_cast<int>(model.bodies.size()) - 1, {shape}});
+  };
+  const auto join = [&](int base, int follower) {
+    Contact contact = touch("contact" + std::to_string(model.contacts.size()), base, follower, kStiffness);
+    contact.damping = 0.5;
+    contact.friction = 0.25;
+    contact.slip_speed = 0.0625;
+    model.contacts.push_back(contact);
+  };
+  geometry::Shape capsule = build_sphere(0.0625, {0, -0.25, 0}), cone = build_sphere(0.25, {0, 0, 0}), block;
+  capsule.kind = geometry::ShapeKind::kCapsule;
+  capsule.to = {0, 0.25, 0};
+  cone.kind = geometry::ShapeKind::kCone;
+  cone.to = {0, 0, 0.5};
+  block.kind = geometry::ShapeKind::kBox;
+  block.size = {0.25, 0.25, 0.25};
+  for (int i = 0; i < 4; ++i)
+    add("capsule" + std::to_string(i), {0.1875 * i, 0, 0.0625 - kGravity / kStiffness}, capsule);
+  add("cone", {0.25, 0, 0.25}, cone);
+  add("block", {0.25, 0.75, 0.25}, block);
+  for (int a = 1; a <= 4; ++a) {
+    join(0, a);
+    for (int b = a + 1; b <= 5; ++b) join(a, b);
+  }
+  join(0, 5);
+  join(0, 6);
   return model;
 }
 

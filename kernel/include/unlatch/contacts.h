@@ -2,6 +2,8 @@
 // step computes the same by the same formulas. Off the step: some µs a call. World axes.
 #pragma once
 
+#include <span>
+
 #include "unlatch/geometry.h"
 #include "unlatch/plan.h"
 #include "unlatch/state.h"
@@ -14,6 +16,8 @@ struct ContactTotals {
   double slip = 0;        // path of the slip while it is closed, of several pairs weighted by their F_n, m
   double dissipated = 0;  // what damping and friction took, J
 };
+// Memory of the pairs of shapes of a contact.
+std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& state, int contact) noexcept;
 ContactTotals get_contact_totals(const Plan& plan, const State& state, int contact) noexcept;
 
 // A contact at one instant.

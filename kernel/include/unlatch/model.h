@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "unlatch/geometry.h"
+#include "unlatch/shapes.h"
 
 namespace unlatch {
 
