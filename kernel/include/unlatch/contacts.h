@@ -18,6 +18,7 @@ struct ContactTotals {
 };
 // Memory of the pairs of shapes of a contact.
 std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& state, int contact) noexcept;
+// Of the model's contact `contact`, up to the state's tick.
 ContactTotals get_contact_totals(const Plan& plan, const State& state, int contact) noexcept;
 
 // A contact at one instant.
