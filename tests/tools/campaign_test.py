@@ -117,7 +117,7 @@ class CampaignTest(ProcessTest):
         n = 201
         kinds = {
             "normal: {mean: 5, sigma: 0.5}": ot.Normal(5, 0.5),
-            "normal: {mean: 5, sigma: 10 %, within: 2}": ot.TruncatedDistribution(ot.Normal(5, 0.5), 4, 6),
+            "normal: {mean: 5, sigma: 10 %, within: 2}": ot.TruncatedDistribution(ot.Normal(5, 0.5), 4.0, 6.0),
             "normal: {mean: 5, sigma: 0.5, min: 4.9, max: 7}": ot.TruncatedDistribution(ot.Normal(5, 0.5), 4.9, 7.0),
             "lognormal: {mean: 5, sigma: 1}": ot.ParametrizedDistribution(ot.LogNormalMuSigma(5, 1, 0)),
             "uniform: {min: 2, max: 3}": ot.Uniform(2, 3),
