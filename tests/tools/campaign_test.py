@@ -12,6 +12,7 @@ import signal
 import subprocess
 import time
 
+from browser import Browser
 from processes import SCENARIOS, UNLATCH, ProcessTest, call, main
 
 CAMPAIGN = SCENARIOS / "boosters" / "campaign.yaml"
@@ -46,14 +47,14 @@ class CampaignTest(ProcessTest):
         return json.loads(done.stdout)
 
     def run_boosters(self, out, *options):
-        return self.run_campaign(CAMPAIGN, out, "--set", "step.until=0.4", *options)  # nothing is released by then
+        return self.run_campaign(CAMPAIGN, out, "--set", "step.until=0.4", *options, code=1)  # nothing is released by then
 
     def test_jobs_parts_and_order_give_the_same_table_and_hash(self):
         whole = self.run_boosters("whole", "--samples", "0:24", "--jobs", "3")
         self.run_boosters("late", "--samples", "9:24", "--jobs", "1")
         self.run_boosters("early", "--samples", "0:12", "--jobs", "2")  # overlaps
         merged = json.loads(self.run_ok(UNLATCH, "campaign", "merge", self.folder / "late", self.folder / "early", "--out",
-                                        self.folder / "merged", "--json", "-").stdout)
+                                        self.folder / "merged", "--json", "-", code=1).stdout)
         self.assertEqual(whole["hash"], merged["hash"])
         for name in ("samples.csv", "samples.parquet"):
             self.assertEqual((self.folder / "whole" / name).read_bytes(), (self.folder / "merged" / name).read_bytes())
@@ -171,6 +172,34 @@ class CampaignTest(ProcessTest):
         self.assertIn("results.bin", done.stderr)
         merged = self.run_ok(UNLATCH, "campaign", "merge", self.folder / "full", "--out", self.folder / "read", "--json", "-")
         self.assertGreater(json.loads(merged.stdout)["samples"], 10)
+
+    def test_the_page_shows_the_campaign_in_a_browser_without_a_network(self):
+        hostile = "</script><script>window.struck = 1</script>"
+        path = self.write(f"title: \"{hostile}\"\nsamples: 200\nparameters:\n"
+                          "  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n")
+        summary = self.run_campaign(path, "out", code=1)
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "out", "--out", page)
+        browser = Browser()
+        try:
+            browser.open(page)
+            ask = browser.evaluate
+            self.assertEqual(ask("document.getElementById('title').textContent"), hostile)
+            self.assertEqual(ask("window.struck === undefined"), True)
+            self.assertEqual(ask("document.querySelector('#verdict .bad').textContent"), str(summary["requirements"][0]["failed"]))
+            self.assertGreater(ask("document.querySelectorAll('#histogram .bar').length"), 5)
+            self.assertEqual(ask("document.querySelectorAll('#histogram .limit, #cdf .limit').length"), 2)
+            self.assertEqual(ask("document.querySelectorAll('#scatter .point').length"), 200)
+            self.assertIn(f"--sample {summary['worst'][0]} --log", ask("document.querySelector('#worst code').textContent"))
+            ask("document.querySelector('#scatter .point').dispatchEvent(new Event('click'))")
+            self.assertIn("Sample 0: v", ask("document.getElementById('picked').textContent"))
+            # Another quantity: the input itself, which nothing explains but itself.
+            ask("(() => { const q = document.getElementById('quantity'); q.value = q.options.length - 1; q.dispatchEvent(new Event('change')); })()")
+            self.assertEqual(ask("document.querySelectorAll('#histogram .limit').length"), 0)
+            self.assertEqual(browser.complaints, [])
+            self.assertEqual([url for url in browser.requests if not url.startswith(("file:", "data:"))], [])
+        finally:
+            browser.close()
 
     def test_screening_finds_the_one_parameter_that_matters(self):
         parameters = ("parameters:\n  m: {path: bodies.ball.mass, normal: {mean: 2, sigma: 5 %}}\n"
