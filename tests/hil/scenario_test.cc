@@ -55,6 +55,7 @@ TEST(Scenario, EveryShippedFileLoads) {
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(UNLATCH_SOURCE_DIR "/hil/scenarios")) {
     if (entry.path().extension() != ".yaml" || entry.path().parent_path().filename() == "faults") continue;
+    if (entry.path().filename() == "campaign.yaml") continue;  // many scenarios: campaign_file_test.cc
     ++count;
     EXPECT_NO_THROW(hil::load_scenario(entry.path().string())) << entry.path();
   }

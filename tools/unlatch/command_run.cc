@@ -120,7 +120,18 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
   return end;
 }
 
-int run(const RunOptions& options) {
+// Of a campaign file one sample is run: --sample is its number then.
+RunOptions resolve_sample(RunOptions options) {
+  if (!is_campaign(options.scenario)) return options;
+  if (options.samples.size() != 1 || options.samples[0] != std::floor(options.samples[0]))
+    refuse_option("--sample", "of a campaign one sample is run: --sample I, its number from 0");
+  choose_sample(options.scenario, static_cast<std::int64_t>(options.samples[0]));
+  options.samples.clear();
+  return options;
+}
+
+int run(const RunOptions& given) {
+  const RunOptions options = resolve_sample(given);
   const bool compares = options.accuracy != kNotAsked;
   if (compares) (void)read_tolerance(options.accuracy);
   if (compares && !options.resume.empty())
@@ -171,7 +182,8 @@ void add_run(Command app, int& exit_code) {
   add_scenario_options(command, options->scenario);
   command
       .add_option("--sample", options->samples,
-                  "times at which the JSON has all bodies and reactions, s (default: the end)")
+                  "times at which the JSON has all bodies and reactions, s (default: the end); of a campaign file the "
+                  "number of the sample to run, from 0")
       .delimiter(',')
       .type_name("SECONDS,...")
       .seconds(Seconds::kZeroToo);

@@ -16,6 +16,7 @@ namespace unlatch::tools {
 // main.cc turns them into messages and exit codes.
 void add_check(Command app, int& exit_code);
 void add_run(Command app, int& exit_code);
+void add_campaign(Command app, int& exit_code);
 void add_hil(Command app, int& exit_code);
 void add_replay(Command app, int& exit_code);
 void add_preflight(Command app, int& exit_code);
@@ -36,6 +37,12 @@ struct ScenarioOptions {
   double until = 0, dt = 0;  // s; 0: as the scenario says
 };
 void add_scenario_options(Command command, ScenarioOptions& options);
+
+// If the path is a campaign's, that is replaced by its scenario with the values of one sample. Throws
+// hil::ScenarioError.
+void choose_sample(ScenarioOptions& options, std::int64_t sample);
+// The path is a campaign file's.
+bool is_campaign(const ScenarioOptions& options);
 
 // Throws hil::ScenarioError.
 hil::Scenario load(const ScenarioOptions& options);

@@ -7,6 +7,7 @@ const GROUP = 4096;  // rows
 const TYPES = {
   integer: { type: 'INT64' },
   number: { type: 'DOUBLE' },
+  optional: { type: 'DOUBLE', repetition_type: 'OPTIONAL' },  // null: there is no value
   text: { type: 'BYTE_ARRAY', converted_type: 'UTF8' },
 };
 
