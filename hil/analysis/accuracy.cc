@@ -17,10 +17,6 @@ constexpr double kOrderMissed = 1;  // an observed order this much below the met
 
 using Kind = NamedValue::Kind;
 
-std::string name_body(const Model& model, int body) {
-  return body == kGround ? "ground" : model.bodies[static_cast<std::size_t>(body)].name;
-}
-
 void add_times(const RunAnalysis& analysis, double length, std::vector<NamedValue>& values) {
   std::map<std::string, int> seen;
   for (const TimelineEntry& entry : analysis.timeline) {

@@ -45,6 +45,7 @@ struct TracedPoint {
 // A change made on reading, or a fact that the user should know; no mistake. `where`: a key of Scenario::marks.
 struct Remark {
   std::string where, text;
+  std::string kind = "modes";  // of the finding that `check` tells
 };
 
 struct Scenario {

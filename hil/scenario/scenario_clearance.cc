@@ -33,8 +33,6 @@ bool leave_out(ClearancePair& pair, const ShapeSet& a, const ShapeSet& b) {
   return found;
 }
 
-bool is_empty(const ClearancePair& pair) { return pair.except.size() == pair.a.shapes.size() * pair.b.shapes.size(); }
-
 }  // namespace
 
 ShapeSet ScenarioReader::get_shapes_of(int body) const {
@@ -89,7 +87,35 @@ std::optional<ClearancePair> ScenarioReader::read_shape_pair(const YamlNode& nod
     mistakes_.add(node.mark, "a body and itself", "name two bodies, or shapes of two bodies");
     return {};
   }
-  return ClearancePair{.a = *a, .b = *b, .except = {}};
+  ClearancePair pair{.a = *a, .b = *b, .except = {}};
+  if (count_distances(pair) > 0) return pair;
+  mistakes_.add(node.mark, "no distance is defined between " + a->name + " and " + b->name,
+                "two hollow shapes and two half-spaces have none: make one of them solid, or leave the pair out");
+  return {};
+}
+
+// Pairs of shapes that have a distance and are not left out.
+std::size_t ScenarioReader::count_distances(const ClearancePair& pair) const {
+  const auto kind = [&](int body, int shape) {
+    return scenario_.shapes[static_cast<std::size_t>(body)][static_cast<std::size_t>(shape)].shape.kind;
+  };
+  std::size_t count = 0;
+  for (const int i : pair.a.shapes)
+    for (const int k : pair.b.shapes)
+      if (!is_left_out(pair, i, k) && geometry::has_distance(kind(pair.a.body, i), kind(pair.b.body, k))) ++count;
+  return count;
+}
+
+void ScenarioReader::tell_undefined(const ClearancePair& pair) {
+  const std::size_t all = pair.a.shapes.size() * pair.b.shapes.size() - pair.except.size();
+  const std::size_t count = all - count_distances(pair);
+  if (count == 0) return;
+  scenario_.remarks.push_back({"clearance",
+                               pair.a.name + " – " + pair.b.name + ": " + std::to_string(count) + " of " +
+                                   std::to_string(all) + (all == 1 ? " pair" : " pairs") + " of shapes " +
+                                   (count == 1 ? "does" : "do") +
+                                   " not count: two hollow shapes and two half-spaces have no distance",
+                               "clearance"});
 }
 
 // A pair that was named before is that pair, with what it leaves out.
@@ -98,16 +124,24 @@ int ScenarioReader::watch(const ClearancePair& pair) {
   const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const auto& p) { return is_same_pair(p, pair); });
   if (found != pairs.end()) return static_cast<int>(found - pairs.begin());
   pairs.push_back(pair);
+  tell_undefined(pair);
   return static_cast<int>(pairs.size()) - 1;
 }
 
-std::vector<ClearancePair> ScenarioReader::list_all_pairs() const {
+// Pairs of bodies with shapes; those that have no distance are told.
+std::vector<ClearancePair> ScenarioReader::list_all_pairs() {
   std::vector<ClearancePair> pairs;
   const int count = static_cast<int>(bodies_.size());
   const auto has_shape = [&](int body) { return !scenario_.shapes[static_cast<std::size_t>(body)].empty(); };
   for (int a = 0; a < count; ++a)
-    for (int b = a + 1; b < count; ++b)
-      if (has_shape(a) && has_shape(b)) pairs.push_back({.a = get_shapes_of(a), .b = get_shapes_of(b), .except = {}});
+    for (int b = a + 1; b < count; ++b) {
+      if (!has_shape(a) || !has_shape(b)) continue;
+      const ClearancePair pair{.a = get_shapes_of(a), .b = get_shapes_of(b), .except = {}};
+      if (count_distances(pair) > 0)
+        pairs.push_back(pair);
+      else
+        tell_undefined(pair);
+    }
   return pairs;
 }
 
@@ -141,7 +175,7 @@ std::vector<ClearancePair> ScenarioReader::read_watched_pairs(const YamlNode& no
   }
   map.finish();
   for (const ClearancePair& pair : pairs)
-    if (is_empty(pair))
+    if (count_distances(pair) == 0)
       mistakes_.add(node.mark, "nothing is left of " + pair.a.name + " – " + pair.b.name,
                     "leave out single shapes, by their names, and not all");
   return pairs;
@@ -150,6 +184,7 @@ std::vector<ClearancePair> ScenarioReader::read_watched_pairs(const YamlNode& no
 void ScenarioReader::read_clearance(YamlMap& top) {
   const YamlNode* node = top.find("clearance");
   if (!node) return;
+  scenario_.marks["clearance"] = node->mark;
   if (node->is_scalar() && node->text == "all") {
     for (const ClearancePair& pair : list_all_pairs()) watch(pair);
     return;

@@ -70,7 +70,9 @@ class ScenarioReader {
   [[nodiscard]] ShapeSet get_shapes_of(int body) const;
   std::optional<ShapeSet> read_shape_set(const YamlNode& node);
   std::optional<ClearancePair> read_shape_pair(const YamlNode& node);  // two names: of different bodies
-  [[nodiscard]] std::vector<ClearancePair> list_all_pairs() const;
+  [[nodiscard]] std::size_t count_distances(const ClearancePair& pair) const;
+  void tell_undefined(const ClearancePair& pair);
+  std::vector<ClearancePair> list_all_pairs();
   std::vector<ClearancePair> read_watched_pairs(const YamlNode& node);
   int watch(const ClearancePair& pair);  // its index in Scenario::clearance
 
