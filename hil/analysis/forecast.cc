@@ -355,7 +355,7 @@ std::vector<SpringStart> list_springs(const Scenario& scenario) {
 std::vector<Finding> find_surprises(const Scenario& scenario, const Simulation& simulation) {
   const Model model = place_markers(scenario.model);
   std::vector<Finding> findings;
-  for (const Remark& remark : scenario.remarks) findings.push_back({"modes", remark.where, remark.text});
+  for (const Remark& remark : scenario.remarks) findings.push_back({remark.topic, remark.where, remark.text});
   find_plates(model, findings);
   find_joint_surprises(model, findings);
   find_directionless(model, findings);

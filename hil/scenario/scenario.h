@@ -10,6 +10,7 @@
 #include "hil/language/scenario_error.h"
 #include "hil/language/scenario_sources.h"
 #include "hil/messages/messages.h"
+#include "hil/scenario/outputs.h"
 #include "hil/scenario/rates.h"
 #include "hil/scenario/requirements.h"
 #include "hil/scenario/shapes.h"
@@ -45,6 +46,7 @@ struct TracedPoint {
 // A change made on reading, or a fact that the user should know; no mistake. `where`: a key of Scenario::marks.
 struct Remark {
   std::string where, text;
+  std::string topic = "modes";  // of the warning: "modes", "outputs"
 };
 
 struct Scenario {
@@ -62,6 +64,7 @@ struct Scenario {
   std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
   std::vector<TracedPoint> points;
   std::vector<Requirement> requirements;
+  std::vector<OutputGroup> outputs;  // what runs write down; empty: all, at every tick
   std::vector<Remark> remarks;
   std::vector<std::string> springs_while_free;  // joint springs that are meant to act while their joint is free
   std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"
