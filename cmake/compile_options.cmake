@@ -1,4 +1,4 @@
-# What every room compiles with. Link `unlatch_options` (PRIVATE) to every target.
+# Compile options of every target. Link `unlatch_options` (PRIVATE) to every target.
 #
 # Same bits everywhere: no compiler may fuse a multiply with an add. -ffp-contract=off says so, but g++ 12's SLP vectoriser
 # fuses in spite of it and has been seen to compute wrong physics from -O2 on, so it is off as well; tests/kernel

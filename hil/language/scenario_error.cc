@@ -55,6 +55,11 @@ int Mistakes::add_instance(std::string description) {
   return static_cast<int>(instances_.size()) - 1;
 }
 
+int Mistakes::add_override(std::string text) {
+  overrides_.push_back(std::move(text));
+  return static_cast<int>(overrides_.size()) - 1;
+}
+
 std::string Mistakes::describe(const SourceMark& mark, const SourceMark& from) const {
   const std::string file = mark.file == from.file ? "" : "in " + files_.at(static_cast<std::size_t>(mark.file)) + " ";
   return file + "on line " + std::to_string(mark.line);

@@ -35,6 +35,7 @@ class Mistakes {
   // Numbers for SourceMark::file and SourceMark::instance.
   int add_file(std::string name);
   int add_instance(std::string description);
+  int add_override(std::string text);  // for SourceMark::override_index
 
   void add(const SourceMark& mark, std::string what, std::string mend);
   std::size_t count() const { return list_.size(); }

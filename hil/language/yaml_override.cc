@@ -120,14 +120,19 @@ void replace_value(const std::string& path, const SourceMark& mark, YamlNode val
   *node = std::move(value);
 }
 
-void apply_override(const std::string& text, int override_index, YamlNode& root) {
+std::pair<std::string, YamlNode> split_override(const std::string& text, int override_index) {
   const SourceMark mark{0, 0, override_index};
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw YamlError(mark, "no PATH=VALUE", "write for example bodies.core.mass=98000");
   YamlNode value = parse_yaml(text.substr(equals + 1), override_index);
   if (value.kind == YamlNode::Kind::kNull) throw YamlError(mark, "no value", "write for example step.dt=0.002");
-  replace_value(text.substr(0, equals), mark, std::move(value), root);
+  return {text.substr(0, equals), std::move(value)};
+}
+
+void apply_override(const std::string& text, int override_index, YamlNode& root) {
+  auto [path, value] = split_override(text, override_index);
+  replace_value(path, {0, 0, override_index}, std::move(value), root);
 }
 
 }  // namespace unlatch::hil

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "hil/language/yaml_document.h"
 
 namespace unlatch::hil {
 
-// Throws YamlError with the override's number as its place.
+// Path and value of PATH=VALUE. Throws YamlError with the override's number as its place; so does apply_override().
+std::pair<std::string, YamlNode> split_override(const std::string& text, int override_index);
 void apply_override(const std::string& text, int override_index, YamlNode& root);
 
 // The same of a path and a value that stand in a file. Throws YamlError at `mark`.

@@ -8,6 +8,7 @@
 
 #include "hil/language/scenario_parts.h"
 #include "hil/scenario/scenario_reader.h"
+#include "hil/scenario/scenario_tree.h"
 
 namespace unlatch::hil {
 namespace {
@@ -23,17 +24,22 @@ const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "ab
 
 namespace {
 
-Scenario read_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
+Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::string& file,
+                   std::vector<std::string> overrides, Mistakes& mistakes) {
   Scenario scenario;
   scenario.file = file;
-  scenario.overrides = overrides;
-  Mistakes mistakes(file, overrides);
-  const YamlNode root = build_tree(sources, file, overrides, mistakes);
+  scenario.overrides = std::move(overrides);
   ScenarioReader(scenario, sources, mistakes).read(root);
   mistakes.throw_if_any();
   scenario.text = sources.join();
   scenario.files = mistakes.files();
   return scenario;
+}
+
+Scenario read_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
+  Mistakes mistakes(file, overrides);
+  const YamlNode root = build_tree(sources, file, overrides, mistakes);
+  return read_tree(root, sources, file, overrides, mistakes);
 }
 
 std::set<std::string> list_mistakes(const ScenarioSources& sources, const std::string& file,
@@ -73,17 +79,49 @@ Scenario load_sources(const ScenarioSources& sources, const std::string& file,
   }
 }
 
+ScenarioSources open_sources(const std::string& path) {
+  const std::string folder = is_standard_input(path) ? "" : std::filesystem::path(path).parent_path().string();
+  return {read_text_file(path, "scenario"), folder.empty() ? "." : folder};
+}
+
+std::string get_shown_name(const std::string& path) { return path == "-" ? "<stdin>" : path; }
+
 }  // namespace
 
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
-  const std::string folder = is_standard_input(path) ? "" : std::filesystem::path(path).parent_path().string();
-  const std::string text = read_text_file(path, "scenario");
-  return load_sources(ScenarioSources(text, folder.empty() ? "." : folder), path == "-" ? "<stdin>" : path, overrides);
+  return load_sources(open_sources(path), get_shown_name(path), overrides);
 }
 
 Scenario load_scenario_text(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides) {
   return load_sources(ScenarioSources(text, ""), file, overrides);
+}
+
+ScenarioTree::ScenarioTree(const std::string& path, std::vector<std::string> overrides)
+    : ScenarioTree(open_sources(path), get_shown_name(path), std::move(overrides)) {}
+
+// The first reading tells all mistakes, and takes all files of the scenario into memory.
+ScenarioTree::ScenarioTree(ScenarioSources sources, std::string file, std::vector<std::string> overrides)
+    : nominal_(load_sources(sources, file, overrides)),
+      sources_(nominal_.text, ""),
+      mistakes_(std::move(file), std::move(overrides)),
+      root_(build_tree(sources_, nominal_.file, nominal_.overrides, mistakes_)) {}
+
+Scenario ScenarioTree::read(std::span<const Setting> settings) const {
+  ScenarioSources sources = sources_;
+  Mistakes mistakes = mistakes_;
+  YamlNode root = root_;
+  std::vector<std::string> overrides = nominal_.overrides;
+  for (const Setting& setting : settings) {
+    overrides.push_back(to_text(setting));
+    const int index = mistakes.add_override(overrides.back());
+    try {
+      apply_setting(setting, index, root);
+    } catch (const YamlError& e) {
+      mistakes.add(e.mark, e.what(), e.mend);
+    }
+  }
+  return read_tree(root, sources, nominal_.file, std::move(overrides), mistakes);
 }
 
 // --- The reader's top level -----------------------------------------------------------------------------------------

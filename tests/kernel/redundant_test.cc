@@ -46,18 +46,10 @@ Load push(const std::string& name, int body, Load::Kind kind, const Eigen::Vecto
   return load;
 }
 
-// --- Against a pseudo-inverse
-// ------------------------------------------------------------------------------------------
+// --- Against a pseudo-inverse ---------------------------------------------------------------------------------------
 
-Joint build_closing_joint(const Model& model, int base, int follower, RowSet rows, Random& random) {
-  const Body &b = model.bodies[static_cast<std::size_t>(base)], &f = model.bodies[static_cast<std::size_t>(follower)];
-  Joint joint;
-  joint.name = "loop" + std::to_string(model.joints.size());
-  joint.base = base;
-  joint.follower = follower;
-  joint.point_base = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-  const Eigen::Vector3d world = b.p_WB + b.q_WB.normalized() * joint.point_base;
-  joint.point_follower = f.q_WB.normalized().conjugate() * (world - f.p_WB);
+Joint build_closed_joint(const Model& model, int base, int follower, RowSet rows, Random& random) {
+  Joint joint = build_closing_joint(model, base, follower, random);
   joint.axes = Eigen::Quaterniond(1, random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1))
                    .normalized()
                    .toRotationMatrix();
@@ -75,7 +67,7 @@ Model build_random_mesh(std::uint64_t seed, Random& random) {
   for (int k = 1 + random.below(4); k > 0; --k) {
     const int base = random.below(count), follower = (base + 1 + random.below(count - 1)) % count;
     const RowSet kinds[] = {kPointRows, kRevoluteRows, kWeldRows, static_cast<RowSet>(1 + random.below(kWeldRows))};
-    model.joints.push_back(build_closing_joint(model, base, follower, kinds[random.below(4)], random));
+    model.joints.push_back(build_closed_joint(model, base, follower, kinds[random.below(4)], random));
   }
   for (Joint& joint : model.joints) {
     joint.share = random.uniform(0.2, 5);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -252,6 +253,18 @@ Model build_random_model(std::uint64_t seed, const RandomModelOptions& options) 
     model.bodies[b].w_WB_B = placed[b].C.transpose() * placed[b].w;
   }
   return model;
+}
+
+Joint build_closing_joint(const Model& model, int base, int follower, Random& random) {
+  const Body &b = model.bodies[static_cast<std::size_t>(base)], &f = model.bodies[static_cast<std::size_t>(follower)];
+  Joint joint;
+  joint.name = "loop" + std::to_string(model.joints.size());
+  joint.base = base;
+  joint.follower = follower;
+  joint.point_base = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+  const Eigen::Vector3d world = b.p_WB + b.q_WB.normalized() * joint.point_base;
+  joint.point_follower = f.q_WB.normalized().conjugate() * (world - f.p_WB);
+  return joint;
 }
 
 }  // namespace unlatch::test

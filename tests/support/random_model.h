@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "tests/support/random.h"
 #include "unlatch/model.h"
 
 namespace unlatch::test {
@@ -21,5 +22,9 @@ struct RandomModelOptions {
 // Every joint has several modes: its kind, part of the kind's rows, free, weld. Bases and followers come in both
 // directions, body numbers in no order of depth; frames are arbitrary; half of the joints leave follower_axes out.
 Model build_random_model(std::uint64_t seed, const RandomModelOptions& options = {});
+
+// A joint that closes a loop: from a random point of the base to the place where the follower has it now. It has no
+// modes yet.
+Joint build_closing_joint(const Model& model, int base, int follower, Random& random);
 
 }  // namespace unlatch::test

@@ -14,10 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void print_heading(std::FILE* to, const char* text) {
-  std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
-}
-
 // A run of the same scenario over the same time, at another step.
 struct Comparison {
   hil::Scenario scenario;

@@ -15,10 +15,6 @@ const hil::SourceMark* find_mark(const hil::Scenario& scenario, const std::strin
   return mark == scenario.marks.end() ? nullptr : &mark->second;
 }
 
-void print_heading(std::FILE* to, const char* text) {
-  std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
-}
-
 }  // namespace
 
 std::string get_place(const hil::Scenario& scenario, const std::string& where) {

@@ -16,22 +16,12 @@
 namespace unlatch::tools {
 namespace {
 
-void print_heading(const char* text) { std::printf("\n%s\n", paint(stdout, Colour::kBold, text).c_str()); }
-
 std::string get_body_name(const Model& model, int body) {
   return body == kGround ? "ground" : model.bodies[static_cast<std::size_t>(body)].name;
 }
 
-std::string list_rows(RowSet rows) {
-  std::string text;
-  for (int row = 0; row < kRows; ++row) {
-    if (has_row(rows, row)) text += (text.empty() ? "" : " ") + std::string(kRowNames[row]);
-  }
-  return text.empty() ? "none" : text;
-}
-
 void print_bodies(const Model& model) {
-  print_heading("Bodies");
+  print_heading(stdout, "Bodies");
   FoldedList list;
   for (const Body& body : model.bodies) {
     list.add(body.name, format("mass %.6g kg, inertia %.6g %.6g %.6g kg m2", body.mass, body.inertia(0, 0),
@@ -42,7 +32,7 @@ void print_bodies(const Model& model) {
 
 void print_joints(const Model& model) {
   if (model.joints.empty()) return;
-  print_heading("Joints, their modes and rows (* initial)");
+  print_heading(stdout, "Joints, their modes and rows (* initial)");
   FoldedList list;
   for (const Joint& joint : model.joints) {
     std::string text = ": " + FoldedList::mark(get_body_name(model, joint.base)) + " – " +
@@ -51,7 +41,7 @@ void print_joints(const Model& model) {
       const int count = __builtin_popcount(joint.modes[mode].rows);
       text += format("\n    %c %-14s %d %s: %s", static_cast<int>(mode) == joint.mode ? '*' : ' ',
                      joint.modes[mode].name.c_str(), count, count == 1 ? "row" : "rows",
-                     list_rows(joint.modes[mode].rows).c_str());
+                     list_rows(joint.modes[mode].rows, "none").c_str());
     }
     list.add(joint.name, text);
   }
@@ -60,7 +50,7 @@ void print_joints(const Model& model) {
 
 // Leaves to root, as the factorisation goes: the reverse of the plan's nodes.
 void print_elimination(const Model& model, const Plan& plan) {
-  print_heading("Elimination order, leaves to root");
+  print_heading(stdout, "Elimination order, leaves to root");
   const std::span<const TreeNode> tree = plan.get_tree();
   FoldedList list;
   for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
@@ -85,7 +75,7 @@ void print_elimination(const Model& model, const Plan& plan) {
 
 void print_redundant(const Model& model, const std::vector<RedundantRows>& redundant) {
   if (redundant.empty()) return;
-  print_heading("Redundant rows at the start");
+  print_heading(stdout, "Redundant rows at the start");
   for (const RedundantRows& rows : redundant) std::printf("  %s\n", describe(model, rows).c_str());
 }
 
@@ -104,7 +94,7 @@ void print_elements(const Model& model, const hil::Simulation& simulation) {
   const Plan& plan = simulation.plan();
   const std::vector<hil::SpringResolution> springs = hil::calc_resolutions(simulation);
   if (springs.empty()) return;
-  print_heading("Elastic elements, h = step; the largest of all modes that events can set");
+  print_heading(stdout, "Elastic elements, h = step; the largest of all modes that events can set");
   FoldedList list;
   for (const hil::SpringResolution& spring : springs) {
     const double h_omega = plan.get_options().dt * spring.largest_omega;
@@ -141,7 +131,7 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   print_requirement_checks(scenario);
   print_springs(stdout, hil::list_springs(scenario));
   print_findings(stdout, scenario, hil::find_surprises(scenario, simulation));
-  print_heading("Memory");
+  print_heading(stdout, "Memory");
   std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
 }

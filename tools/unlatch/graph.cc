@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tools/unlatch/alike.h"
+#include "tools/unlatch/redundancy.h"
 
 namespace unlatch::tools {
 namespace {
@@ -45,13 +46,6 @@ std::string small(const std::string& text) {
 }
 
 std::string row(const std::string& text) { return "<tr><td align=\"left\">" + text + "</td></tr>"; }
-
-std::string list_rows(RowSet rows) {
-  std::string text;
-  for (int r = 0; r < kRows; ++r)
-    if (has_row(rows, r)) text += (text.empty() ? "" : " ") + std::string(kRowNames[r]);
-  return text.empty() ? "no rows" : text;
-}
 
 // --- Structure ------------------------------------------------------------------------------------------------------
 
@@ -133,7 +127,7 @@ class Structure {
     for (std::size_t m = 0; m < joint.modes.size(); ++m) {
       const std::string name =
           static_cast<int>(m) == joint.mode ? "<b>" + joint.modes[m].name + "</b>" : joint.modes[m].name;
-      modes += row(name + " " + small(list_rows(joint.modes[m].rows)));
+      modes += row(name + " " + small(list_rows(joint.modes[m].rows, "no rows")));
     }
     return modes;
   }
@@ -276,7 +270,7 @@ class Phases {
     std::string dot = "    @start [shape=point width=0.12]\n    @start -> @" + std::to_string(joint.mode) + "\n";
     for (std::size_t m = 0; m < joint.modes.size(); ++m)
       dot += "    @" + std::to_string(m) + " [shape=ellipse style=filled fillcolor=\"#fdf6e7\" label=<" +
-             joint.modes[m].name + "<br/>" + small(list_rows(joint.modes[m].rows)) + ">]\n";
+             joint.modes[m].name + "<br/>" + small(list_rows(joint.modes[m].rows, "no rows")) + ">]\n";
     for (const Event& event : model_.events)
       for (const Action& action : event.then) {
         if (action.kind != Action::Kind::kSetMode || action.subject != static_cast<int>(index)) continue;

@@ -4,6 +4,14 @@
 
 namespace unlatch::tools {
 
+std::string list_rows(RowSet rows, const char* none) {
+  std::string text;
+  for (int row = 0; row < kRows; ++row) {
+    if (has_row(rows, row)) text += (text.empty() ? "" : " ") + std::string(kRowNames[row]);
+  }
+  return text.empty() ? none : text;
+}
+
 std::string describe(const Model& model, const RedundantRows& rows) {
   constexpr std::size_t kNamed = 8;
   const std::size_t named = rows.joints.size() <= kNamed ? rows.joints.size() : kNamed - 1;

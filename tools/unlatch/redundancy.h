@@ -1,4 +1,4 @@
-// Reactions that are not unique, in words and as JSON.
+// Rows of joints in words; reactions that are not unique, in words and as JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,6 +8,9 @@
 #include "unlatch/redundancy.h"
 
 namespace unlatch::tools {
+
+// "x y rot_z"; `none` if there are none.
+std::string list_rows(RowSet rows, const char* none);
 
 // "5 of 8 rows of bolt1, bolt2, bolt3 are redundant: the split of their reactions is not unique …"; of many joints the
 // first are named.

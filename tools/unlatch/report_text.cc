@@ -11,10 +11,6 @@
 namespace unlatch::tools {
 namespace {
 
-void print_heading(std::FILE* to, const char* text) {
-  std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
-}
-
 std::string to_text(double value, const char* pattern) {
   char text[64];
   std::snprintf(text, sizeof text, pattern, value);

@@ -48,6 +48,10 @@ std::string paint(std::FILE* stream, Colour colour, const std::string& text) {
   return paint(has_colours(stream), colour, text);
 }
 
+void print_heading(std::FILE* to, const std::string& text) {
+  std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, text).c_str());
+}
+
 Progress::Progress(double dt, std::int64_t last_tick)
     : dt_(dt), last_tick_(last_tick), terminal_(is_terminal(stderr)), started_(std::chrono::steady_clock::now()) {}
 

@@ -17,6 +17,8 @@ bool has_colours(std::FILE* stream);
 // `text` in a colour, if there are any; else as it is.
 std::string paint(bool colours, Colour colour, const std::string& text);
 std::string paint(std::FILE* stream, Colour colour, const std::string& text);
+// A heading: bold, after an empty line.
+void print_heading(std::FILE* to, const std::string& text);
 
 // Progress of a run and its remaining time, on standard error: on a terminal one line that is overwritten, elsewhere a
 // line each quarter. Silent for runs that take less than a second.

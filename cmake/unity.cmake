@@ -1,0 +1,20 @@
+# Groups of source files that are compiled as one (CMake's unity build), so that the headers of the standard library and of
+# nlohmann-json, which cost most of such a file's time, are read once for all of them. The files of a group share their unnamed
+# namespace: a name that two of them define is an error. AUTO leaves the groups out where a compiler cache works, since it
+# knows single files better.
+set(UNLATCH_UNITY AUTO CACHE STRING "Groups of source files compiled as one: ON, OFF, or AUTO: unless a compiler launcher such as ccache is set")
+set(unlatch_unity ${UNLATCH_UNITY})
+if(UNLATCH_UNITY STREQUAL "AUTO")
+  set(unlatch_unity ON)
+  if(CMAKE_CXX_COMPILER_LAUNCHER)
+    set(unlatch_unity OFF)
+  endif()
+endif()
+
+# unlatch_unite(TARGET GROUP FILE...): these files of the target are compiled as one.
+function(unlatch_unite target group)
+  if(unlatch_unity)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
+  endif()
+endfunction()

@@ -1,0 +1,149 @@
+#include "hil/campaign/results.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace unlatch::hil {
+namespace {
+
+using Kind = ResultColumn::Kind;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+bool can_be_free(const Joint& joint) {
+  return std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows == 0; });
+}
+
+// Rows that the joint holds in some mode.
+RowSet list_held_rows(const Joint& joint) {
+  RowSet rows = 0;
+  for (const JointMode& mode : joint.modes) rows = static_cast<RowSet>(rows | mode.rows);
+  return rows;
+}
+
+std::string name_pair(const Scenario& scenario, const std::pair<int, int>& pair) {
+  const auto name = [&](int body) { return scenario.model.bodies[static_cast<std::size_t>(body)].name; };
+  return "clearance." + name(pair.first) + "." + name(pair.second);
+}
+
+// Events of one name and subject are one: that which comes first counts.
+std::vector<std::size_t> list_distinct_events(const Model& model) {
+  std::vector<std::size_t> distinct;
+  for (std::size_t i = 0; i < model.events.size(); ++i) {
+    const auto same = [&](std::size_t other) {
+      return get_event_name(model.events[other]) == get_event_name(model.events[i]);
+    };
+    if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(i);
+  }
+  return distinct;
+}
+
+double get_separation(const Separation& separation, std::size_t part) {
+  if (part == 0) return separation.along;
+  return part == 1 ? separation.across : separation.relative.transverse;
+}
+
+// The parts of a run's analysis by the names that columns refer to.
+struct Results {
+  Results(const Scenario& scenario_in, const RunAnalysis& analysis_in)
+      : scenario(scenario_in),
+        analysis(analysis_in),
+        verdicts(analysis_in.judge()),
+        separations(analysis_in.list_separations()) {
+    for (const TimelineEntry& entry : analysis.timeline)
+      events.emplace(entry.subject.empty() ? entry.name : entry.name + ":" + entry.subject, entry.time);
+  }
+
+  [[nodiscard]] double get(const ResultColumn& column) const {
+    switch (column.kind) {
+      case Kind::kRequirement:
+      case Kind::kMargin:
+        for (const Verdict& verdict : verdicts)
+          if (verdict.requirement == column.index && verdict.evaluated)
+            return column.kind == Kind::kMargin ? verdict.margin : verdict.value;
+        return kNone;
+      case Kind::kEvent: {
+        const auto found = events.find(get_event_name(scenario.model.events[column.index]));
+        return found == events.end() ? kNone : found->second;
+      }
+      case Kind::kClearance:
+        return analysis.clearances()[column.index].smallest;
+      case Kind::kClearanceTime:
+        return analysis.clearances()[column.index].time;
+      case Kind::kReleased: {
+        const auto& released = analysis.clearances()[column.index].after_release;
+        return released ? released->smallest : kNone;
+      }
+      case Kind::kTipOff:
+        for (const TipOff& tip_off : analysis.tip_offs)
+          if (tip_off.joint == scenario.model.joints[column.index].name) return norm(tip_off.w);
+        return kNone;
+      case Kind::kSeparation:
+        for (const Separation& separation : separations)
+          if (separation.joint == scenario.model.joints[column.index].name)
+            return get_separation(separation, column.part);
+        return kNone;
+      case Kind::kPeak:
+        return analysis.peaks[column.index][column.part].value;
+    }
+    return kNone;
+  }
+
+  const Scenario& scenario;
+  const RunAnalysis& analysis;
+  const std::vector<Verdict> verdicts;
+  const std::vector<Separation> separations;
+  std::map<std::string, double> events;  // first times
+};
+
+}  // namespace
+
+std::string get_event_name(const Event& event) {
+  return event.subject.empty() ? event.name : event.name + ":" + event.subject;
+}
+
+std::vector<ResultColumn> list_columns(const Scenario& scenario) {
+  std::vector<ResultColumn> columns;
+  const Model& model = scenario.model;
+  for (std::size_t i = 0; i < scenario.requirements.size(); ++i) {
+    const Requirement& requirement = scenario.requirements[i];
+    columns.push_back({Kind::kRequirement, requirement.id, requirement.unit, i, 0});
+    columns.push_back({Kind::kMargin, requirement.id + ".margin", requirement.unit, i, 0});
+  }
+  for (const std::size_t i : list_distinct_events(model))
+    columns.push_back({Kind::kEvent, "event." + get_event_name(model.events[i]), "s", i, 0});
+  for (std::size_t i = 0; i < scenario.clearance.size(); ++i) {
+    const std::string name = name_pair(scenario, scenario.clearance[i]);
+    columns.push_back({Kind::kClearance, name, "m", i, 0});
+    columns.push_back({Kind::kClearanceTime, name + ".t", "s", i, 0});
+    columns.push_back({Kind::kReleased, name + ".released", "m", i, 0});
+  }
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    if (!can_be_free(model.joints[i])) continue;
+    const std::string& joint = model.joints[i].name;
+    columns.push_back({Kind::kTipOff, "tip_off." + joint, "rad/s", i, 0});
+    columns.push_back({Kind::kSeparation, "separation." + joint + ".along", "m/s", i, 0});
+    columns.push_back({Kind::kSeparation, "separation." + joint + ".across", "m/s", i, 1});
+    columns.push_back({Kind::kSeparation, "separation." + joint + ".rate", "rad/s", i, 2});
+  }
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    const RowSet rows = list_held_rows(model.joints[i]);
+    for (int row = 0; row < kRows; ++row)
+      if (has_row(rows, row))
+        columns.push_back({Kind::kPeak, "peak." + model.joints[i].name + "." + kRowNames[row], row < 3 ? "N" : "N m", i,
+                           static_cast<std::size_t>(row)});
+  }
+  return columns;
+}
+
+std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
+                                    const RunAnalysis& analysis) {
+  const Results results(scenario, analysis);
+  std::vector<double> values;
+  values.reserve(columns.size());
+  for (const ResultColumn& column : columns) values.push_back(results.get(column));
+  return values;
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,35 @@
+// A scenario's files, read and parsed once, for many scenarios that differ in some values: in memory alone.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hil/language/scenario_sources.h"
+#include "hil/language/setting.h"
+#include "hil/scenario/scenario.h"
+
+namespace unlatch::hil {
+
+// Immutable: threads may share it.
+class ScenarioTree {
+ public:
+  // Throws ScenarioError, as load_scenario().
+  explicit ScenarioTree(const std::string& path, std::vector<std::string> overrides = {});
+  ScenarioTree(ScenarioSources sources, std::string file, std::vector<std::string> overrides = {});
+
+  // The scenario without settings.
+  const Scenario& get_nominal() const { return nominal_; }
+  const YamlNode& get_root() const { return root_; }  // files, templates and overrides put together
+  // To the last bit what load_scenario() gives with the settings, as PATH=VALUE, after the overrides. Throws
+  // ScenarioError. The same reader reads the same tree, so this holds by construction.
+  Scenario read(std::span<const Setting> settings) const;
+
+ private:
+  Scenario nominal_;
+  ScenarioSources sources_;
+  Mistakes mistakes_;
+  YamlNode root_;
+};
+
+}  // namespace unlatch::hil

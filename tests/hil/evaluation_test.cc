@@ -1,0 +1,164 @@
+// Facts about one sample of a scenario: it has the bits of a run of its own, whoever evaluates it and after whatever.
+#include "hil/campaign/evaluation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "hil/run/run.h"
+#include "tests/hil/scenario_support.h"
+
+namespace unlatch::test {
+namespace {
+
+using hil::make_setting;
+using hil::SampleEvaluator;
+using hil::SampleResult;
+using hil::SampleStatus;
+using hil::ScenarioTree;
+using hil::Setting;
+
+ScenarioTree make_tree(const std::string& text = kGoodScenario) {
+  return ScenarioTree(hil::ScenarioSources(text, ""), "s.yaml");
+}
+
+const std::string kBoosters = std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/boosters/reference.yaml";
+
+// Values with all their digits, a list, an entry by its name, and one that is missing in the file.
+std::vector<Setting> vary(int k) {
+  const double x = 1 + k / 30.0;
+  const std::vector<double> direction{std::cos(0.01 * x), std::sin(0.01 * x), 0};
+  return {make_setting("bodies.core.mass", 98500 * x), make_setting("elements.core_thrust.direction", direction),
+          make_setting("events.nozzle:booster1.delay", 0.001 * x),
+          make_setting("elements.main2.profile.exponential.tau", 0.35 * x), hil::parse_setting("step.until=0.9")};
+}
+
+struct Hashes {
+  std::int64_t model, state;
+  bool operator==(const Hashes&) const = default;
+};
+
+Hashes run_anew(const std::vector<Setting>& settings) {
+  std::vector<std::string> overrides;
+  for (const Setting& setting : settings) overrides.push_back(to_text(setting));
+  const hil::Scenario scenario = hil::load_scenario(kBoosters, overrides);
+  const auto simulation = hil::build_simulation(scenario);
+  hil::RunAnalysis analysis(scenario, *simulation, {});
+  const std::atomic<bool> stop{false};
+  const hil::LogEnd end =
+      hil::run_fast(*simulation, analysis, nullptr, hil::calc_nearest_tick(scenario.until, scenario.dt), stop, [] {});
+  return {simulation->get_model_hash(), end.hash};
+}
+
+Hashes evaluate(const SampleEvaluator& evaluator, const std::vector<Setting>& settings) {
+  const SampleResult result = evaluator.evaluate(settings);
+  EXPECT_EQ(result.status, SampleStatus::kDone) << result.message;
+  return {result.model_hash, result.hash};
+}
+
+TEST(SampleEvaluator, GivesTheBitsOfLoadingTheFileAnew) {
+  const ScenarioTree tree(kBoosters);
+  const SampleEvaluator evaluator(tree);
+  std::vector<Hashes> seen;
+  for (int k = 0; k < 5; ++k) {
+    const Hashes hashes = evaluate(evaluator, vary(k));
+    EXPECT_EQ(hashes, run_anew(vary(k))) << k;
+    EXPECT_THAT(seen, testing::Not(testing::Contains(hashes))) << k;
+    seen.push_back(hashes);
+  }
+}
+
+TEST(SampleEvaluator, KeepsNothingFromOneSampleToTheNext) {
+  const ScenarioTree tree(kBoosters);
+  const SampleEvaluator evaluator(tree);
+  const std::vector<Setting> plain{hil::parse_setting("step.until=0.3")};
+  const SampleResult before = evaluator.evaluate(plain);
+  evaluate(evaluator, vary(3));
+  const std::vector<Setting> wrong{make_setting("bodies.core.mass", -1.0)};
+  EXPECT_EQ(evaluator.evaluate(wrong).status, SampleStatus::kInvalid);
+  const SampleResult after = evaluator.evaluate(plain);
+  EXPECT_EQ(before.hash, after.hash);
+  EXPECT_EQ(before.model_hash, after.model_hash);
+}
+
+TEST(SampleEvaluator, ServesThreadsAtOnce) {
+  const ScenarioTree tree(kBoosters);
+  const SampleEvaluator evaluator(tree);
+  constexpr int kThreads = 4;
+  std::vector<Hashes> found(kThreads);
+  {
+    std::vector<std::jthread> threads;
+    for (int k = 0; k < kThreads; ++k)
+      threads.emplace_back([&, k] { found[static_cast<std::size_t>(k)] = evaluate(evaluator, vary(k)); });
+  }
+  for (int k = 0; k < kThreads; ++k) EXPECT_EQ(found[static_cast<std::size_t>(k)], evaluate(evaluator, vary(k)));
+}
+
+TEST(SampleEvaluator, TellsRequirementsEventsClearancesAndSeparations) {
+  const ScenarioTree tree(kBoosters);
+  const SampleEvaluator evaluator(tree);
+  const SampleResult result = evaluator.evaluate({});
+  ASSERT_EQ(result.values.size(), evaluator.columns().size());
+  const auto get = [&](const std::string& name) {
+    const auto column = evaluator.find(name);
+    EXPECT_TRUE(column) << name;
+    return column ? result.values[*column] : 0;
+  };
+  constexpr double kSixDigits = 5e-7;
+  EXPECT_NEAR(get("event.release:booster1"), 0.665807, kSixDigits);  // interface of the reference case
+  EXPECT_GT(get("event.liftoff:booster1"), get("event.contact:booster1"));
+  EXPECT_EQ(get("distance1"), get("clearance.core.booster1"));
+  EXPECT_EQ(get("distance1.margin"), get("distance1") - 1.0);
+  EXPECT_GT(get("separation.nose1.along"), 1.0);
+  EXPECT_EQ(get("tip_off.nose1"), get("separation.nose1.rate"));  // nothing pushes after the release
+  EXPECT_LT(get("peak.nose1.x"), -1e5);
+}
+
+TEST(SampleEvaluator, AnEventThatNeverCameHasNoTime) {
+  const ScenarioTree tree(kBoosters);
+  const SampleEvaluator evaluator(tree);
+  const std::vector<Setting> early{hil::parse_setting("step.until=0.1")};
+  const SampleResult result = evaluator.evaluate(early);
+  EXPECT_TRUE(std::isnan(result.values[*evaluator.find("event.release:booster1")]));
+  EXPECT_TRUE(std::isnan(result.values[*evaluator.find("tip_off.nose1")]));
+}
+
+TEST(SampleEvaluator, ColumnsKeepTheirMeaningWhenAnEventIsLeftOut) {
+  const ScenarioTree tree(kBoosters);
+  const SampleEvaluator evaluator(tree);
+  const std::vector<Setting> dead{hil::parse_setting("events.contact:booster1.enabled=false")};
+  const SampleResult result = evaluator.evaluate(dead);
+  ASSERT_EQ(result.values.size(), evaluator.columns().size());
+  EXPECT_TRUE(std::isnan(result.values[*evaluator.find("event.contact:booster1")]));
+  EXPECT_NEAR(result.values[*evaluator.find("event.contact:booster2")], 0.77, 0.01);
+}
+
+TEST(SampleEvaluator, SettingsThatMakeNoScenarioAreAResultWithAllMistakes) {
+  const ScenarioTree tree = make_tree();
+  const SampleEvaluator evaluator(tree);
+  const std::vector<Setting> wrong{make_setting("bodies.core.mass", -1.0), make_setting("bodies.booster.mass", 0.0)};
+  const SampleResult result = evaluator.evaluate(wrong);
+  EXPECT_EQ(result.status, SampleStatus::kInvalid);
+  EXPECT_THAT(result.message, testing::HasSubstr("--set bodies.core.mass=-1"));
+  EXPECT_THAT(result.message, testing::HasSubstr("--set bodies.booster.mass=0"));
+}
+
+TEST(Setting, TextReadsAsTheSameValue) {
+  for (const char* text : {"bodies.core.mass=98000", "a.b[2]=-0.1", "e.direction=[1, -2e-05, 3.0000000000000004]",
+                           "e.enabled=false", "e.profile={exponential: {initial: 3 kN, tau: 2*pi/3 rad}}",
+                           "title=\"a \\\"b\\\": c, [d]\"", "x=- 1", "y=.5"}) {
+    const Setting setting = hil::parse_setting(text);
+    const std::string written = to_text(setting);
+    EXPECT_EQ(to_text(hil::parse_setting(written)), written) << text;
+    hil::YamlNode once = hil::parse_yaml("{}"), twice = once;
+    apply_setting(setting, 0, once);
+    apply_setting(hil::parse_setting(written), 0, twice);
+    EXPECT_EQ(to_text(Setting{"x", once}), to_text(Setting{"x", twice})) << text;
+  }
+  EXPECT_EQ(to_text(make_setting("bodies.core.mass", 0.1)), "bodies.core.mass=0.1");
+}
+
+}  // namespace
+}  // namespace unlatch::test
