@@ -22,7 +22,7 @@ void RunOutputs::look() {
   for (; next_sample_ < sample_ticks_.size() && sample_ticks_[next_sample_] <= tick; ++next_sample_) {
     if (sample_ticks_[next_sample_] != tick) continue;
     reader_.read(values_);
-    samples_.push_back(values_);
+    samples_.push_back({simulation_.get_time(), values_});
   }
   for (Series& series : series_)
     if (first || series.selected.rate.is_due(tick)) add_row(series);

@@ -11,13 +11,18 @@ namespace unlatch::hil {
 
 class RunOutputs {
  public:
+  struct Sample {
+    double time = 0;             // s
+    std::vector<double> values;  // of all outputs
+  };
   struct Series {
     SelectedOutputs selected;
     std::vector<double> times;   // s, one for each row
     std::vector<double> values;  // row after row, the columns of the selected outputs
   };
 
-  // `samples`: ticks, in any order; `groups`: none, and there is no series. All must outlive it.
+  // `samples`: ticks, in any order; `groups`: none, and there is no series. Scenario and simulation must
+  // outlive it.
   RunOutputs(const Scenario& scenario, const Simulation& simulation, std::vector<std::int64_t> samples,
              const std::vector<OutputGroup>& groups);
 
@@ -27,8 +32,8 @@ class RunOutputs {
   void finish();
 
   [[nodiscard]] const OutputReader& reader() const { return reader_; }
-  // All values, by sample, in the order of their ticks.
-  [[nodiscard]] const std::vector<std::vector<double>>& get_samples() const { return samples_; }
+  // In the order of their ticks.
+  [[nodiscard]] const std::vector<Sample>& get_samples() const { return samples_; }
   [[nodiscard]] const std::vector<Series>& get_series() const { return series_; }
 
  private:
@@ -39,7 +44,7 @@ class RunOutputs {
   std::vector<std::int64_t> sample_ticks_;  // ascending
   std::size_t next_sample_ = 0;
   std::int64_t last_tick_ = -1;  // looked at
-  std::vector<std::vector<double>> samples_;
+  std::vector<Sample> samples_;
   std::vector<Series> series_;
   std::vector<std::int64_t> last_rows_;  // tick of the latest row, by series
   std::vector<double> values_;           // scratch

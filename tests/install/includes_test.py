@@ -11,8 +11,7 @@ MODULES = ("kernel", "hil", "bridge", "tools")  # from below
 KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dynamics", "compile", "solver", "dispatch",
           "step")  # from below
 HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "analysis", "outputs",
-       "run", "campaign",
-       "session", "faults", "executive")  # from below
+       "run", "campaign", "session", "faults", "executive")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 

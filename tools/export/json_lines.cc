@@ -96,9 +96,8 @@ class JsonSink final : public Sink {
     for (const hil::TimelineEntry& event : selection.events()) {
       put({{"kind", "event"}, {"t", event.time}, {"name", event.name}, {"subject", event.subject}});
     }
-    Json tick = {{"kind", "tick"},
-                 {"tick", selection.simulation().get_tick()},
-                 {"t", selection.simulation().get_time()}};
+    Json tick = {
+        {"kind", "tick"}, {"tick", selection.simulation().get_tick()}, {"t", selection.simulation().get_time()}};
     tick.update(
         build_outputs_json(selection.reader(), selection.scenario().model, selection.due(), selection.values()));
     put(tick);

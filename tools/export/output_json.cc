@@ -66,8 +66,10 @@ Json build_outputs_json(const hil::OutputReader& reader, const Model& model, std
           json["bodies"][output.of]["modal"] = Json::array();
         break;
       default:
-        json[output.group == "body" ? "bodies" : output.group == "joint" ? "joints" : "elements"][output.of]
-            [output.key] = output.columns.size() == 1 && output.group == "element" ? Json(own[0]) : to_json(own);
+        json[output.group == "body"    ? "bodies"
+             : output.group == "joint" ? "joints"
+                                       : "elements"][output.of][output.key] =
+            output.columns.size() == 1 && output.group == "element" ? Json(own[0]) : to_json(own);
     }
   }
   return json;

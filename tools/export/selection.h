@@ -22,10 +22,9 @@ std::vector<hil::SelectedOutputs> keep_bodies(std::vector<hil::SelectedOutputs> 
 
 class Selection {
  public:
-  // A group goes out at its ticks; the first and the last tick of the run have every group. Scenario and simulation must
-  // outlive it.
-  Selection(const hil::Scenario& scenario, const hil::Simulation& simulation,
-            std::vector<hil::SelectedOutputs> groups);
+  // A group goes out at its ticks; the first and the last tick of the run have every group. Scenario and simulation
+  // must outlive it.
+  Selection(const hil::Scenario& scenario, const hil::Simulation& simulation, std::vector<hil::SelectedOutputs> groups);
 
   // At every state, with what the step that led there reported: whether this tick goes out.
   bool look(const StepReport& report);
@@ -41,6 +40,8 @@ class Selection {
   [[nodiscard]] const std::vector<std::size_t>& outputs() const { return outputs_; }
   [[nodiscard]] const std::vector<std::size_t>& due() const { return due_; }
   [[nodiscard]] bool is_due(std::size_t output) const { return is_due_[output]; }
+  // Some ticks that go out have only some outputs.
+  [[nodiscard]] bool has_gaps() const { return groups_.size() > 1; }
   // Of all outputs; those that are not due have older values.
   [[nodiscard]] std::span<const double> values() const { return values_; }
 

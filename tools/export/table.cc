@@ -14,6 +14,10 @@ using Json = nlohmann::ordered_json;
 struct Column {
   std::string name, unit;
   const char* type = "number";  // or integer, text
+  bool may_miss = false;        // cells may be empty
+
+  // With its unit.
+  [[nodiscard]] std::string get_title() const { return name + (unit == "1" ? "" : " [" + unit + "]"); }
 };
 
 // The columns, and the cells of a row in the same order: tick, time, outputs, events. Cells of outputs that are not due
@@ -25,7 +29,7 @@ class Table {
     for (const std::size_t i : selection.outputs()) {
       const hil::Output& output = selection.reader().list()[i];
       for (const hil::Output::Column& column : output.columns)
-        columns_.push_back({column.name, column.unit, is_text(output) ? "text" : "number"});
+        columns_.push_back({column.name, column.unit, is_text(output) ? "text" : "number", selection.has_gaps()});
     }
     columns_.push_back({"events", "1", "text"});
   }
@@ -112,14 +116,15 @@ class JsonLine {
 };
 
 void put_head(const std::vector<Column>& columns, const hil::LogHeader&, std::FILE* file, CsvLine line) {
-  for (const Column& column : columns) line.text(column.name + (column.unit == "1" ? "" : " [" + column.unit + "]"));
+  for (const Column& column : columns) line.text(column.get_title());
   line.put(file);
 }
 
 void put_head(const std::vector<Column>& columns, const hil::LogHeader& header, std::FILE* file, const JsonLine&) {
   Json head = {{"scenario", header.scenario_name}, {"columns", Json::array()}};
   for (const Column& column : columns) {
-    head["columns"].push_back({{"name", column.name}, {"unit", column.unit}, {"type", column.type}});
+    head["columns"].push_back(
+        {{"name", column.get_title()}, {"unit", column.unit}, {"type", column.type}, {"optional", column.may_miss}});
   }
   const std::string line = head.dump() + "\n";
   std::fwrite(line.data(), 1, line.size(), file);
