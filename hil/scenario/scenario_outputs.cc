@@ -19,10 +19,8 @@ void ScenarioReader::read_output_group(const YamlNode& node, const std::vector<O
   const std::string where = "outputs " + std::to_string(scenario_.outputs.size() + 1);
   scenario_.marks[where] = node.mark;
   if (const YamlNode* select = map.require("select")) {
-    if (select->is_sequence())
-      for (const YamlNode& item : select->items) read_output_pattern(item, known, where, group);
-    else
-      read_output_pattern(*select, known, where, group);
+    if (!select->is_sequence()) mistakes_.add(select->mark, "select is not a list", "write [core.*, \"*.force\"]");
+    for (const YamlNode& item : select->items) read_output_pattern(item, known, where, group);
   }
   if (const YamlNode* rate = map.find("rate")) {
     const double hertz = map.number("rate", "Hz");

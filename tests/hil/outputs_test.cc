@@ -133,7 +133,9 @@ TEST_F(OutputsTest, ForcesOfElementsAreThoseThatMoveTheBodies) {
 }
 
 TEST_F(OutputsTest, GroupsHaveRatesOfTheirOwn) {
-  load("outputs:\n  - {select: [ball.velocity, \"*.force\"], every: 100}\n  - {select: spring.length, rate: 200 Hz}\n");
+  load(
+      "outputs:\n  - {select: [ball.velocity, \"*.force\"], every: 100}\n  - {select: [spring.length], rate: 200 "
+      "Hz}\n");
   hil::RunOutputs outputs(scenario, *simulation, {7}, scenario.outputs);
   outputs.look();
   for (int i = 0; i < 250; ++i) {
@@ -153,14 +155,14 @@ TEST_F(OutputsTest, GroupsHaveRatesOfTheirOwn) {
 
 TEST_F(OutputsTest, AMistypedNameIsRefusedWithAGuess) {
   try {
-    load("outputs: [{select: ball.velocty}]\n");
+    load("outputs: [{select: [ball.velocty]}]\n");
     FAIL();
   } catch (const hil::ScenarioError& error) {
     EXPECT_THAT(error.what(), HasSubstr("'ball.velocty' is no output"));
     EXPECT_THAT(error.what(), HasSubstr("did you mean 'ball.velocity'?"));
   }
   try {
-    load("outputs: [{select: ball.vx}]\n");
+    load("outputs: [{select: [ball.vx]}]\n");
     FAIL();
   } catch (const hil::ScenarioError& error) {
     EXPECT_THAT(error.what(), HasSubstr("that is a column of 'body.ball.velocity'"));
@@ -168,9 +170,9 @@ TEST_F(OutputsTest, AMistypedNameIsRefusedWithAGuess) {
 }
 
 TEST_F(OutputsTest, ARateThatDoesNotDivideTheStepsIsRefused) {
-  EXPECT_THROW(load("outputs: [{select: \"*\", rate: 300 Hz}]\n"), hil::ScenarioError);
-  EXPECT_THROW(load("outputs: [{select: \"*\", rate: 100 Hz, every: 10}]\n"), hil::ScenarioError);
-  EXPECT_NO_THROW(load("outputs: [{select: \"*\", rate: 250 Hz}]\n"));
+  EXPECT_THROW(load("outputs: [{select: [\"*\"], rate: 300 Hz}]\n"), hil::ScenarioError);
+  EXPECT_THROW(load("outputs: [{select: [\"*\"], rate: 100 Hz, every: 10}]\n"), hil::ScenarioError);
+  EXPECT_NO_THROW(load("outputs: [{select: [\"*\"], rate: 250 Hz}]\n"));
 }
 
 TEST_F(OutputsTest, APatternThatSelectsNothingIsARemark) {

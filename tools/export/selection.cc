@@ -21,11 +21,12 @@ std::vector<hil::SelectedOutputs> keep_bodies(std::vector<hil::SelectedOutputs> 
 }
 
 Selection::Selection(const hil::Scenario& scenario, const hil::Simulation& simulation,
-                     std::vector<hil::SelectedOutputs> groups)
+                     std::vector<hil::SelectedOutputs> groups, std::int64_t last_tick)
     : scenario_(scenario),
       simulation_(simulation),
       reader_(scenario, simulation),
       groups_(std::move(groups)),
+      last_tick_(last_tick),
       is_due_(reader_.list().size()),
       values_(reader_.count_values()) {
   std::set<std::size_t> all;
@@ -40,7 +41,7 @@ bool Selection::look(const StepReport& report) {
     const unlatch::Event& event = scenario_.model.events[static_cast<std::size_t>(fired.event)];
     events_.push_back({fired.time, event.name, event.subject});
   }
-  return begin_tick(out_tick_ < 0);
+  return begin_tick(out_tick_ < 0 || simulation_.get_tick() == last_tick_);
 }
 
 bool Selection::look_at_end() { return out_tick_ != simulation_.get_tick() && begin_tick(true); }

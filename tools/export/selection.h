@@ -22,13 +22,14 @@ std::vector<hil::SelectedOutputs> keep_bodies(std::vector<hil::SelectedOutputs> 
 
 class Selection {
  public:
-  // A group goes out at its ticks; the first and the last tick of the run have every group. Scenario and simulation
+  // A group goes out at its ticks; the first tick and `last_tick` have every group. Scenario and simulation
   // must outlive it.
-  Selection(const hil::Scenario& scenario, const hil::Simulation& simulation, std::vector<hil::SelectedOutputs> groups);
+  Selection(const hil::Scenario& scenario, const hil::Simulation& simulation, std::vector<hil::SelectedOutputs> groups,
+            std::int64_t last_tick);
 
   // At every state, with what the step that led there reported: whether this tick goes out.
   bool look(const StepReport& report);
-  // The last state goes out with every group: false if it has gone out so already.
+  // The last state of a run that ended early goes out with every group: false if it has gone out already.
   bool look_at_end();
 
   [[nodiscard]] const hil::Scenario& scenario() const { return scenario_; }
@@ -52,6 +53,7 @@ class Selection {
   const hil::Simulation& simulation_;
   hil::OutputReader reader_;
   const std::vector<hil::SelectedOutputs> groups_;
+  const std::int64_t last_tick_;
   std::vector<std::size_t> outputs_, due_;
   std::vector<bool> is_due_;
   std::vector<double> values_;

@@ -92,7 +92,7 @@ int run(const ExportOptions& options) {
   hil::Simulation& simulation = *opened.simulation;
   std::optional<Selection> selection;
   try {
-    selection.emplace(opened.scenario, simulation, choose_groups(options, opened.scenario));
+    selection.emplace(opened.scenario, simulation, choose_groups(options, opened.scenario), recording.header.last_tick);
   } catch (const std::invalid_argument& error) {
     refuse_option("--bodies", error.what());
   }
