@@ -8,7 +8,9 @@
 #include <memory>
 
 #include "hil/analysis/clearance.h"
+#include "hil/analysis/notices.h"
 #include "hil/analysis/resolution.h"
+#include "hil/scenario/requirements_check.h"
 
 namespace unlatch::hil {
 namespace {
@@ -89,7 +91,6 @@ SpringStart start_torsion(const Model& model, const PlaneTorsion& s) {
 }
 
 void find_directionless(const Model& model, std::vector<Finding>& findings) {
-  constexpr double kCoincident = 1e-9;  // m: rounding of places decides where such a line points
   for (const PointSpring& s : model.point_springs) {
     const double length = start_point_spring(model, s).length, force = s.stiffness * s.free_length;
     if (length > kCoincident || force == 0) continue;
@@ -364,6 +365,9 @@ std::vector<Finding> find_surprises(const Scenario& scenario, const Simulation& 
   find_overlaps(scenario, findings);
   find_event_surprises(scenario, findings);
   find_step_surprises(scenario, simulation, findings);
+  for (const RequirementProblem& problem : find_trivial(scenario))
+    findings.push_back({"trivial", quoted("requirement", scenario.requirements[problem.requirement].id),
+                        problem.what + "; " + problem.mend});
   return findings;
 }
 

@@ -151,6 +151,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_clearance(top);
   read_points(top);
   read_requirements(top);
+  read_outputs(top);
   read_flight_software(top);
   read_timing(top);
   for (const char* worked_out : {"include", "set", "templates", "instances"}) top.find(worked_out);

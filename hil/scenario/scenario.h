@@ -10,6 +10,7 @@
 #include "hil/language/scenario_error.h"
 #include "hil/language/scenario_sources.h"
 #include "hil/messages/messages.h"
+#include "hil/scenario/outputs.h"
 #include "hil/scenario/rates.h"
 #include "hil/scenario/requirements.h"
 #include "hil/scenario/shapes.h"
@@ -63,6 +64,7 @@ struct Scenario {
   std::vector<ClearancePair> clearance;        // pairs whose distance is watched
   std::vector<TracedPoint> points;
   std::vector<Requirement> requirements;
+  std::vector<OutputGroup> outputs;  // what runs write down; empty: all, at every tick
   std::vector<Remark> remarks;
   std::vector<std::string> springs_while_free;  // joint springs that are meant to act while their joint is free
   std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"

@@ -1,6 +1,6 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
 // scenario_bodies.cc, scenario_clearance.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc,
-// scenario_flexible.cc, scenario_requirements.cc and scenario_shapes.cc.
+// scenario_flexible.cc, scenario_outputs.cc, scenario_requirements.cc and scenario_shapes.cc.
 #pragma once
 
 #include <functional>
@@ -44,6 +44,7 @@ class ScenarioReader {
   void read_clearance(YamlMap& top);
   void read_points(YamlMap& top);
   void read_requirements(YamlMap& top);
+  void read_outputs(YamlMap& top);
 
   // Bodies.
   struct Placement {
@@ -121,6 +122,11 @@ class ScenarioReader {
   void read_requirement_interval(YamlMap& map, Requirement& to);
   void read_requirement_limit(YamlMap& map, Requirement& to);
   EventName read_event_name(const YamlNode& node);
+
+  // Outputs.
+  void read_output_group(const YamlNode& node, const std::vector<Output>& known);
+  void read_output_pattern(const YamlNode& node, const std::vector<Output>& known, const std::string& where,
+                           OutputGroup& group);
 
   // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and remembers its place.
   void for_each_named(YamlMap& top, const std::string& section, const std::string& kind,

@@ -173,7 +173,17 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
 }
 
 // With JSON on standard output the text is left out.
-int run(const ScenarioOptions& options, const std::string& graph, const std::string& json) {
+void print_outputs(const hil::Scenario& scenario) {
+  std::printf("%-44s %-11s %s\n", "outputs", "frame", "columns");
+  for (const hil::Output& output : hil::list_outputs(scenario)) {
+    std::printf("  %-42s %-11s", output.name.c_str(), output.frame.c_str());
+    for (const hil::Output::Column& column : output.columns)
+      std::printf(" %s [%s]", column.name.c_str(), column.unit.c_str());
+    std::printf("\n");
+  }
+}
+
+int run(const ScenarioOptions& options, const std::string& graph, const std::string& json, bool outputs) {
   check_output(json);
   try {
     if (is_campaign(options)) return check_campaign(options, json);
@@ -186,6 +196,7 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
     const std::vector<RedundantRows> redundant =
         list_redundant_rows(simulation->plan(), simulation->state(), simulation->workspace());
     if (json != "-") print_plan(scenario, *simulation, redundant);
+    if (json != "-" && outputs) print_outputs(scenario);
     if (!json.empty()) write_plan_json(scenario, *simulation, redundant, json);
   } catch (const hil::ScenarioError& error) {
     if (!json.empty()) write_mistakes_json(error, json);
@@ -199,6 +210,7 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
 void add_check(Command app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
   auto graph = std::make_shared<std::string>();
+  auto outputs = std::make_shared<bool>(false);
   auto json = std::make_shared<std::string>();
   Command command =
       app.add_verb("check", "Validates a scenario and prints its plan, or every mistake with file, line and column.",
@@ -206,8 +218,9 @@ void add_check(Command app, int& exit_code) {
   add_scenario_options(command, *options);
   command.add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
       .type_name("FILE");
+  command.add_flag("--outputs", *outputs, "lists the quantities that runs can write: names, frames, columns, units");
   command.add_json_option(*json, "for an invalid scenario its mistakes");
-  command.callback([options, graph, json, &exit_code] { exit_code = run(*options, *graph, *json); });
+  command.callback([options, graph, json, outputs, &exit_code] { exit_code = run(*options, *graph, *json, *outputs); });
 }
 
 }  // namespace unlatch::tools

@@ -15,7 +15,7 @@ namespace unlatch::tools {
 namespace {
 
 struct ExportOptions {
-  std::string log, format, out;
+  std::string log, format, out, outputs;
   std::vector<std::string> bodies;
   std::int64_t every = 1;
 };
@@ -74,6 +74,17 @@ std::unique_ptr<Sink> build_sink(const std::string& format, std::FILE* stream) {
   return format == "parquet" ? build_table_sink(stream) : build_json_sink(stream);
 }
 
+// Groups that state no rate go out at --every.
+std::vector<hil::SelectedOutputs> choose_groups(const ExportOptions& options, const hil::Scenario& scenario) {
+  const std::vector<hil::Output> list = hil::list_outputs(scenario);
+  std::vector<hil::OutputGroup> groups = choose_outputs(scenario, options.outputs);
+  for (hil::OutputGroup& group : groups)
+    if (group.rate.every == 1) group.rate.every = options.every;
+  std::vector<hil::SelectedOutputs> selected =
+      groups.empty() ? hil::select_all(list, {options.every, 0}) : hil::select(list, groups);
+  return keep_bodies(std::move(selected), scenario, list, options.bodies);
+}
+
 int run(const ExportOptions& options) {
   check_output(options);
   OpenedLog opened(options.log);
@@ -81,7 +92,7 @@ int run(const ExportOptions& options) {
   hil::Simulation& simulation = *opened.simulation;
   std::optional<Selection> selection;
   try {
-    selection.emplace(opened.scenario, simulation, options.bodies, options.every);
+    selection.emplace(opened.scenario, simulation, choose_groups(options, opened.scenario), recording.header.last_tick);
   } catch (const std::invalid_argument& error) {
     refuse_option("--bodies", error.what());
   }
@@ -116,12 +127,17 @@ void add_export(Command app, int& exit_code) {
   auto options = std::make_shared<ExportOptions>();
   Command command = app.add_verb(
       "export",
-      "Replays a recording and converts it. csv: one line for each tick, units in the header. json: one object on each "
-      "line: the run, its ticks and events. mcap: for Foxglove, with the 3D scene, transforms, reactions, events. "
-      "parquet: the table of csv. mcap and parquet need Node.js. SI units, angles in rad; reactions act on the "
-      "follower. Exit code 1: the file was written, but the replay differs from the recording.",
+      "Replays a recording and converts it. csv: a table, one line for each time, units in the header; cells of "
+      "outputs "
+      "that are not due are empty. json: one object on each line: the run, its ticks and events. mcap: for Foxglove, "
+      "with the 3D scene, transforms, reactions, elements, sensors, events. parquet: the table of csv. mcap and "
+      "parquet "
+      "need Node.js. SI units, angles in rad; reactions act on the follower. Exit code 1: the file was written, but "
+      "the "
+      "replay differs from the recording.",
       "unlatch export run.log --format csv --every 10 --out run.csv\n"
-      "unlatch export run.log --format mcap --bodies core,booster1 --out run.mcap");
+      "unlatch export run.log --format mcap --bodies core,booster1 --out run.mcap\n"
+      "unlatch export run.log --format parquet --outputs 'core.*,*.force@10' --out run.parquet");
   command.add_option("LOG", options->log, "recording made by --log").required();
   command.add_option("--format", options->format, "output format")
       .required()
@@ -129,13 +145,16 @@ void add_export(Command app, int& exit_code) {
   command.add_option("--out", options->out, "file to write; - for standard output (csv, json)")
       .required()
       .type_name("FILE");
-  command.add_option("--every", options->every, "only ticks that are multiples of it, and the first and last")
+  command
+      .add_option("--every", options->every,
+                  "ticks from one row to the next, for outputs without a rate of their own; first and last always")
       .type_name("TICKS")
       .within(std::int64_t{1}, std::int64_t{1'000'000'000})
       .default_shown();
   command.add_option("--bodies", options->bodies, "only these bodies (default: all)")
       .delimiter(',')
       .type_name("NAME,...");
+  add_outputs_option(command, options->outputs);
   command.callback([options, &exit_code] {
     try {
       exit_code = run(*options);

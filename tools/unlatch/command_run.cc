@@ -31,6 +31,7 @@ struct RunOptions {
   std::vector<double> samples;                              // s
   std::vector<std::pair<double, std::string>> checkpoints;  // s, file
   std::string resume;                                       // file
+  std::string outputs;                                      // patterns; empty: the scenario's
   std::string accuracy = kNotAsked;                         // tolerance, or empty for the usual one
   OutputOptions output;
 };
@@ -96,7 +97,7 @@ class Checkpoints {
 };
 
 hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& analysis, hil::Recorder* recorder,
-                              Checkpoints& checkpoints, std::int64_t last_tick) {
+                              Checkpoints& checkpoints, hil::RunOutputs& outputs, std::int64_t last_tick) {
   std::atomic<std::int64_t> tick{simulation.get_tick()};
   Progress progress(simulation.plan().get_options().dt, last_tick);
   std::mutex mutex;
@@ -112,6 +113,7 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
   });
   hil::LogEnd end = hil::run_fast(simulation, analysis, recorder, last_tick, catch_interrupts(), [&] {
     checkpoints.look();
+    outputs.look();
     tick.store(simulation.get_tick(), std::memory_order_relaxed);
   });
   watcher.request_stop();
@@ -148,18 +150,23 @@ int run(const RunOptions& given) {
   if (span.first > span.last) {
     refuse_option("--resume", options.resume + ": is of a time after the end of this run");
   }
-  hil::RunAnalysis analysis(scenario, simulation, calc_sample_ticks(options, span));
+  hil::RunAnalysis analysis(scenario, simulation, {});
+  hil::RunOutputs outputs(scenario, simulation, calc_sample_ticks(options, span),
+                          choose_outputs(scenario, options.outputs));
   Checkpoints checkpoints(options, scenario, simulation, span);
 
   std::optional<hil::Recorder> recorder;
   if (!options.output.log.empty()) {
     recorder.emplace(options.output.log, hil::build_log_header(scenario, simulation, hil::Pace::kFast, 0, last_tick));
   }
-  hil::LogEnd end = run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, checkpoints, last_tick);
+  hil::LogEnd end =
+      run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, checkpoints, outputs, last_tick);
+  outputs.finish();
   if (recorder) recorder->close(end);
 
   RunReport report{scenario,   simulation, analysis,    get_status_name(end.status), end.message, end.tick, end.hash,
                    end.timing, {},         std::nullopt};
+  report.outputs = &outputs;
   if (compares && end.status == hil::RunStatus::kDone)
     report.accuracy =
         measure_accuracy(options.scenario, scenario, simulation, analysis, read_tolerance(options.accuracy));
@@ -202,6 +209,7 @@ void add_run(Command app, int& exit_code) {
       .type_name("TOLERANCE")
       .expected(0, 1);
   add_output_options(command, options->output);
+  add_outputs_option(command, options->outputs);
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -61,5 +61,9 @@ struct OutputOptions {
 };
 void add_output_options(Command command, OutputOptions& options);
 void add_junit_option(Command command, std::string& junit);
+// --outputs. `text`: empty for those of the scenario.
+void add_outputs_option(Command command, std::string& text);
+// The groups of --outputs, else the scenario's. Refuses names that are none.
+std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text);
 
 }  // namespace unlatch::tools

@@ -114,6 +114,24 @@ void add_output_options(Command command, OutputOptions& options) {
   });
 }
 
+void add_outputs_option(Command command, std::string& text) {
+  command
+      .add_option("--outputs", text,
+                  "outputs to write, by patterns of their names (`unlatch check SCENARIO --outputs` lists them), each "
+                  "with the ticks from one row to the next or a rate: 'core.*,*.force@10,sensor.*@100Hz' (default: "
+                  "those of the scenario)")
+      .type_name("PATTERN,...");
+}
+
+std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text) {
+  if (text.empty()) return scenario.outputs;
+  try {
+    return hil::parse_outputs(text, scenario.dt, hil::list_outputs(scenario));
+  } catch (const std::invalid_argument& error) {
+    refuse_option("--outputs", error.what());
+  }
+}
+
 std::int64_t calc_last_tick(const hil::Scenario& scenario) { return std::llround(scenario.until / scenario.dt); }
 
 }  // namespace unlatch::tools
