@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "hil/analysis/contact_resolution.h"
 #include "hil/analysis/resolution.h"
 
 namespace unlatch::hil {
@@ -38,6 +39,7 @@ AccuracyWatch::AccuracyWatch(const Scenario& scenario, const Simulation& simulat
       denormal_(scenario.model.bodies.size()),
       stiff_(static_cast<std::size_t>(scenario.model.element_count())),
       restless_(scenario.model.channels.size()),
+      unresolved_(scenario.model.contacts.size()),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
@@ -66,6 +68,7 @@ void AccuracyWatch::update(const StepReport& report) {
     }
   }
   if (!begun_ || !report.events.empty()) watch_springs();
+  watch_contacts();
   watch_commands();
   watch_drift();
   watch_energy();
@@ -104,6 +107,21 @@ void AccuracyWatch::watch_springs() {
         e.implicit ? format("%s %.3g: integrated implicitly, of second order; damps what the step does not resolve",
                             what, size)
                    : describe_size(what, size));
+  }
+}
+
+void AccuracyWatch::watch_contacts() {
+  const double h = dt_ / scenario_.model.contact_substeps;
+  for (std::size_t i = 0; i < unresolved_.size(); ++i) {
+    const Contact& contact = scenario_.model.contacts[i];
+    if (unresolved_[i] && begun_) continue;
+    const ContactReading reading = calc_contact(simulation_.plan(), simulation_.state(), static_cast<int>(i));
+    if (!begun_ && reading.closed)
+      add("contact", contact.name, format("it is closed at the start, %.3g m deep", reading.depth));
+    const std::string text = describe_unresolved(calc_rates(scenario_.model, simulation_.state(), contact, reading), h);
+    if (text.empty()) continue;
+    unresolved_[i] = true;
+    add("contact", contact.name, text);
   }
 }
 
