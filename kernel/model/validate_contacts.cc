@@ -33,7 +33,7 @@ int find_carrier(const Model& model, int body) {
   return marker ? marker->body : body;
 }
 
-bool has_distance(ShapeKind a, ShapeKind b) {
+bool have_distance(ShapeKind a, ShapeKind b) {
   const auto is_solid = [](ShapeKind kind) { return kind != ShapeKind::kHollow && kind != ShapeKind::kHalfSpace; };
   return is_solid(a) || is_solid(b);
 }
@@ -73,7 +73,7 @@ void check_shape_pair(const Model& model, const std::string& where, int a, int b
                       "name shapes of two bodies", key});
   for (const geometry::Shape& i : of_a.shapes)
     for (const geometry::Shape& k : of_b.shapes)
-      if (has_distance(i.kind, k.kind)) return;
+      if (have_distance(i.kind, k.kind)) return;
   if (!of_a.shapes.empty() && !of_b.shapes.empty())
     errors.push_back({where, "'" + of_a.name + "' and '" + of_b.name + "' have no distance",
                       "at least one of them a solid: not two half-spaces or hollow shapes", key});
