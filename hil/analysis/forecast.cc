@@ -176,17 +176,18 @@ void find_plates(const Model& model, std::vector<Finding>& findings) {
 // Pairs that are watched, and neighbours that are not joined.
 void find_overlaps(const Scenario& scenario, std::vector<Finding>& findings) {
   const Model& model = scenario.model;
-  std::vector<std::pair<int, int>> pairs = scenario.clearance;
-  if (pairs.empty()) return;
+  if (scenario.clearance.empty()) return;
   std::vector<Pose> poses;
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) poses.push_back(get_pose(model, b));
-  ClearanceMonitor monitor(pairs, scenario.shapes);
+  ClearanceMonitor monitor(scenario.clearance, scenario.shapes);
   monitor.update(0, poses);
   for (const Clearance& c : monitor.get()) {
     if (c.now > 0) continue;
-    findings.push_back({"overlap", quoted("body", model.bodies[at(c.b)].name),
-                        "touches or overlaps " + model.bodies[at(c.a)].name +
-                            " at the start: their smallest clearance will be 0 from then on"});
+    findings.push_back(
+        {"overlap", quoted("body", model.bodies[at(c.b)].name),
+         c.name_b + format(" touches or overlaps %s at the start, by %.4g m: their smallest clearance is that "
+                           "or less. Leave out faces that mate by `except`",
+                           c.name_a.c_str(), -c.now)});
   }
 }
 
@@ -368,7 +369,7 @@ std::vector<SpringStart> list_springs(const Scenario& scenario) {
 std::vector<Finding> find_surprises(const Scenario& scenario, const Simulation& simulation) {
   const Model model = place_markers(scenario.model);
   std::vector<Finding> findings;
-  for (const Remark& remark : scenario.remarks) findings.push_back({"modes", remark.where, remark.text});
+  for (const Remark& remark : scenario.remarks) findings.push_back({remark.kind, remark.where, remark.text});
   find_plates(model, findings);
   find_joint_surprises(model, findings);
   find_directionless(model, findings);

@@ -70,7 +70,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Clearance
     track.requirement = &requirement;
     const Measure quantity = requirement.quantity;
     if (quantity == Measure::kClearance) {
-      track.pair = clearances.find(requirement.a, requirement.b);
+      track.pair = requirement.pair;
       track.low = track.high = Smallest(clearances.get_resolution(track.pair));
     }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)

@@ -75,6 +75,8 @@ class RunAnalysis {
   std::vector<std::array<PeakReaction, kRows>> peaks;  // per joint
   std::vector<SharedReactions> shared;                 // in the order in which they began
   const std::vector<Clearance>& clearances() const { return clearance_.get(); }
+  // Witnesses and nearest shapes of clearance number `pair` when it was smallest.
+  [[nodiscard]] PairDistance calc_witnesses(int pair) const { return clearance_.calc_witnesses(pair); }
   // Of the run so far.
   [[nodiscard]] std::vector<Verdict> judge() const { return requirements_.judge(window_); }
   [[nodiscard]] std::vector<Separation> list_separations() const { return separations_.list(clearance_); }

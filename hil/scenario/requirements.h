@@ -46,6 +46,8 @@ struct Requirement {
   std::string id, text;
   Measure quantity = Measure::kClearance;
   int a = 0, b = kGround;  // bodies, joint or sensor
+  int pair = -1;           // of kClearance: index in Scenario::clearance
+  std::string pair_name;   // its names: "core – booster1"
   int axis = kSize;        // row, axis or number of the value
   Eigen::Vector3d direction = Eigen::Vector3d::Zero(), other = Eigen::Vector3d::Zero();  // unit; zero: the size
   std::vector<EventName> events;                                                         // of kTime, kOrder

@@ -45,6 +45,7 @@ struct TracedPoint {
 // A change made on reading, or a fact that the user should know; no mistake. `where`: a key of Scenario::marks.
 struct Remark {
   std::string where, text;
+  std::string kind = "modes";  // of the finding that `check` tells
 };
 
 struct Scenario {
@@ -58,8 +59,8 @@ struct Scenario {
   FlightSoftware flight_software;
   Rates rates;
   TimingOptions timing;
-  std::vector<std::vector<Shape>> shapes;      // of each body
-  std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
+  std::vector<std::vector<BodyShape>> shapes;  // of each body
+  std::vector<ClearancePair> clearance;        // pairs whose distance is watched
   std::vector<TracedPoint> points;
   std::vector<Requirement> requirements;
   std::vector<Remark> remarks;

@@ -1,10 +1,11 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
-// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc, scenario_flexible.cc,
-// scenario_requirements.cc and scenario_shapes.cc.
+// scenario_bodies.cc, scenario_clearance.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc,
+// scenario_flexible.cc, scenario_requirements.cc and scenario_shapes.cc.
 #pragma once
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -59,8 +60,21 @@ class ScenarioReader {
   void place_bodies();
   void report_circles();
   Eigen::Quaterniond read_attitude(const YamlNode& node);
-  std::vector<Shape> read_shapes(const YamlNode& node);
-  Shape read_shape(const YamlNode& node);
+  std::vector<BodyShape> read_shapes(const YamlNode& node);
+  BodyShape read_body_shape(const YamlNode& node);
+  geometry::Shape read_shape(const std::string& key, const YamlNode& node);
+  void read_hollow(const std::string& key, YamlMap& map, geometry::Shape& shape);
+  void report_shape(const geometry::Shape& shape, const YamlNode& node);
+
+  // Pairs of shapes. Those that return nothing have noted a mistake.
+  [[nodiscard]] ShapeSet get_shapes_of(int body) const;
+  std::optional<ShapeSet> read_shape_set(const YamlNode& node);
+  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);  // two names: of different bodies
+  [[nodiscard]] std::size_t count_distances(const ClearancePair& pair) const;
+  void tell_undefined(const ClearancePair& pair);
+  std::vector<ClearancePair> list_all_pairs();
+  std::vector<ClearancePair> read_watched_pairs(const YamlNode& node);
+  int watch(const ClearancePair& pair);  // its index in Scenario::clearance
 
   // Joints.
   void read_joint(const std::string& name, const YamlNode& node);

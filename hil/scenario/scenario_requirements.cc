@@ -94,21 +94,11 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
 
 void ScenarioReader::read_requirement_clearance(const YamlNode& node, Requirement& to) {
   to.unit = "m";
-  if (!node.is_sequence() || node.items.size() != 2)
-    return mistakes_.add(node.mark, "not a pair of bodies", "write [core, booster1]");
-  to.a = read_choice(node.items[0], "body", bodies_, mistakes_);
-  to.b = read_choice(node.items[1], "body", bodies_, mistakes_);
-  if (to.a < 0 || to.b < 0) return;
-  if (to.a == to.b) mistakes_.add(node.mark, "a body and itself", "name two bodies");
-  for (const int body : {to.a, to.b})
-    if (scenario_.shapes[static_cast<std::size_t>(body)].empty())
-      mistakes_.add(node.mark, "body '" + bodies_[static_cast<std::size_t>(body)] + "' has no shape",
-                    "give it one; a clearance is between shapes");
-  auto& pairs = scenario_.clearance;  // which is then watched and reported as well
-  const std::pair pair(to.a, to.b), turned(to.b, to.a);
-  if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end() &&
-      std::find(pairs.begin(), pairs.end(), turned) == pairs.end())
-    pairs.push_back(pair);
+  const std::optional<ClearancePair> pair = read_shape_pair(node);
+  if (!pair) return;
+  to.a = pair->a.body, to.b = pair->b.body;
+  to.pair = watch(*pair);  // which is then watched and reported as well
+  to.pair_name = pair->a.name + " – " + pair->b.name;
 }
 
 void ScenarioReader::read_requirement_of_bodies(YamlMap& map, Requirement& to) {
@@ -256,7 +246,7 @@ std::string describe_quantity(const Requirement& r, const Model& model) {
   std::string text = kind;
   switch (r.quantity) {
     case Measure::kClearance:
-      text += " " + body(r.a) + " – " + body(r.b);
+      text += " " + r.pair_name;
       break;
     case Measure::kRate:
     case Measure::kVelocity:

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/export/sink.h"
+#include "tools/shape_json.h"
 
 namespace unlatch::tools {
 namespace {
@@ -10,37 +11,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
-Json to_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
-
-// As scenarios write it.
-Json build_shape(const hil::Shape& shape) {
-  const Json from = to_json(shape.from), to = to_json(shape.to);
-  switch (shape.kind) {
-    case hil::Shape::Kind::kSphere:
-      return {{"kind", "sphere"}, {"centre", from}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kCapsule:
-      return {{"kind", "capsule"}, {"from", from}, {"to", to}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kCylinder:
-      return {{"kind", "cylinder"}, {"from", from}, {"to", to}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kCone:
-      return {{"kind", "cone"}, {"from", from}, {"to", to}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kBox:
-      return {{"kind", "box"},
-              {"centre", from},
-              {"size", to_json(shape.size)},
-              {"attitude", Json::array({shape.q_BS.w(), shape.q_BS.x(), shape.q_BS.y(), shape.q_BS.z()})}};
-    case hil::Shape::Kind::kHull: {
-      Json points = Json::array();
-      for (const Eigen::Vector3d& point : shape.points) points.push_back(to_json(point));
-      return {{"kind", "hull"}, {"points", points}};
-    }
-  }
-  return {};
-}
-
 Json build_body(const hil::Scenario& scenario, std::size_t body) {
   Json shapes = Json::array();
-  for (const hil::Shape& shape : scenario.shapes[body]) shapes.push_back(build_shape(shape));
+  for (const hil::BodyShape& part : scenario.shapes[body]) {
+    Json json = build_shape_json(part.shape);
+    if (!part.name.empty()) json["name"] = part.name;
+    if (!part.group.empty()) json["group"] = part.group;
+    shapes.push_back(std::move(json));
+  }
   return {{"name", scenario.model.bodies[body].name}, {"mass", scenario.model.bodies[body].mass}, {"shapes", shapes}};
 }
 
@@ -76,10 +54,7 @@ class JsonSink final : public Sink {
       run["channels"].push_back({{"name", channel.name}, {"unit", channel.unit}});
     }
     run["clearance"] = Json::array();
-    for (const auto& [a, b] : scenario.clearance) {
-      run["clearance"].push_back({scenario.model.bodies[static_cast<std::size_t>(a)].name,
-                                  scenario.model.bodies[static_cast<std::size_t>(b)].name});
-    }
+    for (const hil::ClearancePair& pair : scenario.clearance) run["clearance"].push_back({pair.a.name, pair.b.name});
     run["scenario_text"] = header.scenario_text;
     run["overrides"] = header.overrides;
     put(run);

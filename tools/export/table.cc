@@ -28,9 +28,8 @@ class Table {
       }
     }
     for (const Joint& joint : model.joints) add_joint(joint.name);
-    for (const auto& [a, b] : selection.scenario().clearance) {
-      columns_.push_back({"clearance." + get_body(model, a) + "." + get_body(model, b), "m"});
-    }
+    for (const hil::ClearancePair& pair : selection.scenario().clearance)
+      columns_.push_back({"clearance." + pair.a.name + "." + pair.b.name, "m"});
     for (const Channel& channel : model.channels) columns_.push_back({"channel." + channel.name, channel.unit});
     columns_.push_back({"events", "1", "text"});
   }

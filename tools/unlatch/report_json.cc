@@ -37,12 +37,15 @@ Json build_sample(const hil::Sample& sample, const Model& model) {
   return {{"t", sample.time}, {"bodies", bodies}, {"reactions", reactions}};
 }
 
-Json build_clearance(const hil::Clearance& clearance, const Model& model) {
-  const auto name = [&model](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
-  Json json = {{"pair", Json::array({name(clearance.a), name(clearance.b)})},
+Json build_clearance(const hil::Clearance& clearance, const hil::PairDistance& at) {
+  Json json = {{"pair", Json::array({clearance.name_a, clearance.name_b})},
                {"min", clearance.smallest},
                {"t", clearance.time},
-               {"tie", {clearance.tie.from, clearance.tie.to}}};
+               {"tie", {clearance.tie.from, clearance.tie.to}},
+               {"witnesses", {to_json(at.least.on_a), to_json(at.least.on_b)}},
+               {"normal", to_json(at.least.normal)},
+               {"shapes", {at.shape_a, at.shape_b}},
+               {"touch", clearance.touch ? Json(*clearance.touch) : Json(nullptr)}};
   if (clearance.after_release) {
     json["after_release"] = {{"from", clearance.after_release->from},
                              {"min", clearance.after_release->smallest},
@@ -190,8 +193,9 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   json["samples"] = Json::array();
   for (const hil::Sample& sample : report.analysis.samples) json["samples"].push_back(build_sample(sample, model));
   json["clearance"] = Json::array();
-  for (const auto& clearance : report.analysis.clearances()) {
-    json["clearance"].push_back(build_clearance(clearance, model));
+  for (std::size_t i = 0; i < report.analysis.clearances().size(); ++i) {
+    json["clearance"].push_back(
+        build_clearance(report.analysis.clearances()[i], report.analysis.calc_witnesses(static_cast<int>(i))));
   }
   json["contacts"] = Json::array();
   for (const hil::ContactRecord& contact : report.analysis.list_contacts())

@@ -56,15 +56,21 @@ std::string describe_time(const hil::Clearance& clearance) {
   return text;
 }
 
+std::string describe_touch(const hil::Clearance& clearance) {
+  char text[64];
+  std::snprintf(text, sizeof text,
+                clearance.smallest < 0 ? "  they overlap, touch at %.4f s" : "  they touch at %.4f s",
+                clearance.touch.value_or(clearance.time));
+  return text;
+}
+
 void print_clearances(std::FILE* to, const RunReport& report) {
   if (report.analysis.clearances().empty()) return;
   print_heading(to, "Smallest clearances");
-  const auto& bodies = report.scenario.model.bodies;
   const auto& clearances = report.analysis.clearances();
   std::vector<std::string> keys, pairs;
   for (const hil::Clearance& clearance : clearances) {
-    pairs.push_back(bodies[static_cast<std::size_t>(clearance.a)].name + " – " +
-                    bodies[static_cast<std::size_t>(clearance.b)].name);
+    pairs.push_back(clearance.name_a + " – " + clearance.name_b);
     keys.push_back(without_numbers(pairs.back()));
   }
   for (const std::vector<std::size_t>& group : group_alike(keys)) {
@@ -75,7 +81,7 @@ void print_clearances(std::FILE* to, const RunReport& report) {
     const std::string of_group = "  the smallest of " + std::to_string(group.size()) + " pairs " + keys[least];
     std::fprintf(to, "  %-28s %9.4f m %s%s%s\n", pairs[least].c_str(), clearance.smallest,
                  describe_time(clearance).c_str(),
-                 clearance.smallest > 0 ? "" : paint(to, Colour::kRed, "  they touch").c_str(),
+                 clearance.smallest > 0 ? "" : paint(to, Colour::kRed, describe_touch(clearance)).c_str(),
                  group.size() == 1 ? "" : of_group.c_str());
     if (!clearance.after_release || clearance.after_release->smallest == clearance.smallest) continue;
     std::fprintf(to, "  %-28s %9.4f m at %9.4f s, from the release at %.4f s on\n", "",
