@@ -51,6 +51,24 @@ ContactReading ContactHistory::calc(const State& state, int contact) const {
   return calc_contact(simulation_.plan(), state, contact);
 }
 
+double ContactHistory::calc(const State& state, int contact, Requirement::ContactValue value) const {
+  using Value = Requirement::ContactValue;
+  const ContactTotals totals = get_contact_totals(simulation_.plan(), state, contact);
+  switch (value) {
+    case Value::kForce:
+      return calc(state, contact).normal;
+    case Value::kDepth:
+      return calc(state, contact).depth;
+    case Value::kSlip:
+      return totals.slip;
+    case Value::kImpulse:
+      return totals.impulse;
+    case Value::kDissipated:
+      return totals.dissipated;
+  }
+  return 0;
+}
+
 ContactReading ContactHistory::calc(const MotionWindow& window, int contact, double time) const {
   for (std::size_t b = 0; b < scratch_.bodies.size(); ++b)
     scratch_.bodies[b] = window.calc_body(static_cast<int>(b), time);

@@ -41,6 +41,7 @@ class ContactHistory {
   // of its beginning.
   [[nodiscard]] ContactReading calc(const MotionWindow& window, int contact, double time) const;
   [[nodiscard]] ContactReading calc(const State& state, int contact) const;
+  [[nodiscard]] double calc(const State& state, int contact, Requirement::ContactValue value) const;
 
  private:
   struct Track {

@@ -12,7 +12,7 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, std::
       sample_ticks_(std::move(samples_in)),
       clearance_(scenario),
       contacts_(scenario, simulation),
-      requirements_(scenario, clearance_),
+      requirements_(scenario, clearance_, contacts_),
       separations_(scenario),
       accuracy_(scenario, simulation) {
   std::sort(sample_ticks_.begin(), sample_ticks_.end());

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kLocated = 1e-6;  // s, and of a peak: located inside the step
 
-// A ball of 2 kg flies with 3 m/s at a wall of 10^9 kg: k = 2e5 N/m without damping is 316 rad/s, half a period 9.93 ms.
+// A ball of 2 kg flies with 3 m/s at a wall of 10^9 kg: k = 2e5 N/m without damping is 316 rad/s, half a period 9.93
+// ms.
 std::string build_blow(const std::string& law, const std::string& rest = "", double gap = 0.3) {
   return R"(unlatch: 1
 name: blow
@@ -30,11 +31,12 @@ const hil::RunNotice* find_notice(const AnalysedRun& run, const std::string& nam
 }
 
 TEST(Contacts, ABlowHasItsForceImpulseAndTimes) {
-  const AnalysedRun run(build_blow("stiffness: 0.2 MN/m",
-                                   "requirements:\n"
-                                   "  - {id: force, contact: {name: blow}, at_most: 1 kN}\n"
-                                   "  - {id: impulse, contact: {name: blow, value: impulse}, take: final, at_most: 20 N s}\n"
-                                   "  - {id: touch, time: {event: lift:blow, after: touch:blow}, at_most: 1 s}\n"));
+  const AnalysedRun run(
+      build_blow("stiffness: 0.2 MN/m",
+                 "requirements:\n"
+                 "  - {id: force, contact: {name: blow}, at_most: 1 kN}\n"
+                 "  - {id: impulse, contact: {name: blow, value: impulse}, take: final, at_most: 20 N s}\n"
+                 "  - {id: touch, time: {event: lift:blow, after: touch:blow}, at_most: 1 s}\n"));
   const double omega = std::sqrt(2e5 / 2), half = std::acos(-1.0) / omega;
   const std::vector<hil::ContactRecord> contacts = run.analysis.list_contacts();
   ASSERT_EQ(contacts.size(), 1u);
@@ -82,10 +84,11 @@ TEST(Contacts, AStepThatDoesNotResolveABlowIsTold) {
 }
 
 TEST(Contacts, EventsWaitForContactsAndClearances) {
-  const AnalysedRun run(build_blow("stiffness: 0.2 MN/m",
-                                   "events:\n"
-                                   "  - {name: near, when: {clearance: {between: [wall, ball]}, below: 15 cm}}\n"
-                                   "  - {name: hit, when: {contact: blow}, then: [{switch: {element: blow, to: false}}]}\n"));
+  const AnalysedRun run(
+      build_blow("stiffness: 0.2 MN/m",
+                 "events:\n"
+                 "  - {name: near, when: {clearance: {between: [wall, ball]}, below: 15 cm}}\n"
+                 "  - {name: hit, when: {contact: blow}, then: [{switch: {element: blow, to: false}}]}\n"));
   ASSERT_GE(run.analysis.timeline.size(), 3u);
   EXPECT_EQ(run.analysis.timeline[0].name, "near");
   EXPECT_NEAR(run.analysis.timeline[0].time, 0.05, 1e-9);
