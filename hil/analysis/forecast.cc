@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "hil/analysis/clearance.h"
+#include "hil/analysis/contact_resolution.h"
 #include "hil/analysis/notices.h"
 #include "hil/analysis/resolution.h"
 #include "hil/scenario/requirements_check.h"
@@ -334,6 +335,18 @@ void find_step_surprises(const Scenario& scenario, const Simulation& simulation,
       findings.push_back(
           {"step", quoted("element", load.name),
            format("its time constant, %.4g s, is less than five steps of %.4g s", load.profile.tau, dt)});
+  }
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    const Contact& contact = model.contacts[i];
+    const std::string where = quoted("contact", contact.name);
+    const ContactReading reading = calc_contact(simulation.plan(), simulation.state(), static_cast<int>(i));
+    if (reading.closed)
+      findings.push_back(
+          {"contact", where, format("is closed at the start, %.4g m deep: that is no touch", reading.depth)});
+    const std::string text = describe_unresolved(
+        reading.closed ? calc_rates(model, simulation.state(), contact, reading) : estimate_rates(model, contact),
+        dt / model.contact_substeps);
+    if (!text.empty()) findings.push_back({"contact", where, text});
   }
   for (const Body& body : model.bodies) {
     const double size = body.w_WB_B.norm() * dt;

@@ -3,6 +3,7 @@
 //
 //   rotation   |w|·dt of a body beyond kAccurate
 //   spring     dt·ω or dt·decay of a spring that is on, in the modes that hold, beyond kAccurate
+//   contact    sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
 //   mode       dt·ω of a mode of a flexible body beyond kAccurate
 //   command    a commanded value that turns back and forth faster than dt·ω = kAccurate: a loop that its delay of a
 //   tick
@@ -53,6 +54,7 @@ class AccuracyWatch {
   void watch_bodies();
   void watch_springs();
   void watch_directions();
+  void watch_contacts();
   void watch_commands();
   void watch_drift();
   void watch_energy();
@@ -64,6 +66,7 @@ class AccuracyWatch {
   std::vector<RunNotice> notices_;
   std::vector<bool> turning_, denormal_, stiff_, restless_;  // bodies, bodies, elements, channels that were told
   std::vector<bool> pointless_;                              // point springs that were told to have no direction
+  std::vector<bool> unresolved_;                             // contacts that were told
   std::vector<Course> courses_;
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;

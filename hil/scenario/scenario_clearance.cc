@@ -160,25 +160,27 @@ std::vector<ClearancePair> ScenarioReader::read_watched_pairs(const YamlNode& no
   }
   YamlMap map(node, "a watched pair", mistakes_);
   if (const YamlNode* between = map.require("between")) read_between(*between);
-  if (const YamlNode* except = map.find("except")) {
-    if (!except->is_sequence())
-      mistakes_.add(except->mark, "except is not a list of pairs", "write [[core.socket, booster1.nose]]");
-    for (const YamlNode& item : except->items) {
-      const std::optional<ClearancePair> out = read_shape_pair(item);
-      if (!out || pairs.empty()) continue;
-      bool found = false;
-      for (ClearancePair& pair : pairs)
-        if (leave_out(pair, out->a, out->b)) found = true;
-      if (!found)
-        mistakes_.add(item.mark, "no watched pair has these shapes", "name shapes of the bodies in `between`");
-    }
-  }
+  if (const YamlNode* except = map.find("except")) read_exceptions(*except, pairs);
   map.finish();
+  return pairs;
+}
+
+// Pairs of shapes or groups that `pairs` leave out.
+void ScenarioReader::read_exceptions(const YamlNode& node, std::vector<ClearancePair>& pairs) {
+  if (!node.is_sequence())
+    mistakes_.add(node.mark, "except is not a list of pairs", "write [[core.socket, booster1.nose]]");
+  for (const YamlNode& item : node.items) {
+    const std::optional<ClearancePair> out = read_shape_pair(item);
+    if (!out || pairs.empty()) continue;
+    bool found = false;
+    for (ClearancePair& pair : pairs)
+      if (leave_out(pair, out->a, out->b)) found = true;
+    if (!found) mistakes_.add(item.mark, "no watched pair has these shapes", "name shapes of the bodies in `between`");
+  }
   for (const ClearancePair& pair : pairs)
     if (count_distances(pair) == 0)
       mistakes_.add(node.mark, "nothing is left of " + pair.a.name + " – " + pair.b.name,
                     "leave out single shapes, by their names, and not all");
-  return pairs;
 }
 
 void ScenarioReader::read_clearance(YamlMap& top) {

@@ -1,6 +1,6 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
-// scenario_bodies.cc, scenario_clearance.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc,
-// scenario_flexible.cc, scenario_outputs.cc, scenario_requirements.cc and scenario_shapes.cc.
+// scenario_bodies.cc, scenario_clearance.cc, scenario_contacts.cc, scenario_joints.cc, scenario_elements.cc,
+// scenario_events.cc, scenario_flexible.cc, scenario_outputs.cc, scenario_requirements.cc and scenario_shapes.cc.
 #pragma once
 
 #include <functional>
@@ -39,6 +39,7 @@ class ScenarioReader {
   void read_signals(YamlMap& top);
   void read_joints(YamlMap& top);
   void read_elements(YamlMap& top);
+  void read_contacts(YamlMap& top);
   void read_sensors(YamlMap& top);
   void read_events(YamlMap& top);
   void read_clearance(YamlMap& top);
@@ -75,6 +76,7 @@ class ScenarioReader {
   void tell_undefined(const ClearancePair& pair);
   std::vector<ClearancePair> list_all_pairs();
   std::vector<ClearancePair> read_watched_pairs(const YamlNode& node);
+  void read_exceptions(const YamlNode& node, std::vector<ClearancePair>& pairs);
   int watch(const ClearancePair& pair);  // its index in Scenario::clearance
 
   // Joints.
@@ -92,6 +94,11 @@ class ScenarioReader {
   void read_joint_spring(YamlMap& map, JointSpring spring);
   void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
   Profile read_profile(const YamlNode& node, const std::string& unit);
+
+  // Contacts.
+  void read_contact(const std::string& name, const YamlNode& node);
+  void add_touches();
+  int find_surface(const ShapeSet& set);  // in the model, which has it from then on
 
   // Timing.
   void read_overruns(const YamlNode& node);
@@ -118,6 +125,7 @@ class ScenarioReader {
   void read_requirement_quantity(const YamlNode& node, const std::string& kind, Requirement& to);
   void read_requirement_clearance(const YamlNode& node, Requirement& to);
   void read_requirement_of_bodies(YamlMap& map, Requirement& to);
+  void read_requirement_contact(YamlMap& map, Requirement& to);
   void read_requirement_sensor(YamlMap& map, Requirement& to);
   void read_requirement_interval(YamlMap& map, Requirement& to);
   void read_requirement_limit(YamlMap& map, Requirement& to);

@@ -10,8 +10,11 @@ namespace {
 using Measure = Requirement::Measure;
 using Take = Requirement::Take;
 
-const std::vector<std::string> kQuantities{"clearance", "rate",         "time",  "order", "reaction", "velocity",
-                                           "position",  "displacement", "angle", "speed", "axes",     "sensor"};
+const std::vector<std::string> kQuantities{"clearance", "rate",     "time",         "order", "reaction",
+                                           "velocity",  "position", "displacement", "angle", "speed",
+                                           "axes",      "sensor",   "contact"};
+
+const std::vector<std::string> kContactValues{"force", "depth", "slip", "impulse", "dissipated"};
 
 bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
 
@@ -84,6 +87,8 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
     const bool turns = to.axis == kRows + 1 || (to.axis >= kRotX && to.axis < kRows);
     if (to.axis >= kRows) to.axis = to.axis == kRows ? Requirement::kForce : Requirement::kMoment;
     to.unit = turns ? "N m" : "N";
+  } else if (to.quantity == Measure::kContact) {
+    read_requirement_contact(map, to);
   } else if (to.quantity == Measure::kSensor) {
     read_requirement_sensor(map, to);
   } else {
@@ -135,6 +140,15 @@ void ScenarioReader::read_requirement_of_bodies(YamlMap& map, Requirement& to) {
       to.other = read_direction("other", true);
       break;
   }
+}
+
+void ScenarioReader::read_requirement_contact(YamlMap& map, Requirement& to) {
+  static const char* const kUnits[] = {"N", "m", "m", "N s", "J"};
+  std::vector<std::string> contacts;
+  for (const Contact& contact : model_.contacts) contacts.push_back(contact.name);
+  to.a = map.choice("name", "contact", contacts);
+  to.axis = std::max(0, map.choice("value", "value", kContactValues, 0));
+  to.unit = kUnits[to.axis];
 }
 
 void ScenarioReader::read_requirement_sensor(YamlMap& map, Requirement& to) {
@@ -259,6 +273,10 @@ std::string describe_quantity(const Requirement& r, const Model& model) {
       break;
     case Measure::kOrder:
       for (const EventName& event : r.events) text += " " + event.text;
+      break;
+    case Measure::kContact:
+      text = kContactValues[static_cast<std::size_t>(r.axis)] + " of contact " +
+             model.contacts[static_cast<std::size_t>(r.a)].name;
       break;
     case Measure::kSensor:
       text += " " + model.sensors[static_cast<std::size_t>(r.a)].name;

@@ -68,6 +68,23 @@ Json build_clearance(const hil::Clearance& clearance, const hil::PairDistance& a
   return json;
 }
 
+Json build_contact(const hil::ContactRecord& contact) {
+  const auto time = [](const std::optional<double>& t) { return t ? Json(*t) : Json(nullptr); };
+  return {{"name", contact.name},
+          {"touch", time(contact.touch)},
+          {"lift", time(contact.lift)},
+          {"touches", contact.touches},
+          {"closed_at_start", contact.closed_at_start},
+          {"closed", contact.closed},
+          {"duration", contact.duration},
+          {"peak_force", contact.peak_force},
+          {"t", contact.peak_time},
+          {"depth", contact.depth},
+          {"impulse", contact.totals.impulse},
+          {"slip", contact.totals.slip},
+          {"dissipated", contact.totals.dissipated}};
+}
+
 Json build_audit(const EventAudit& audit) {
   return {{"t", audit.time},
           {"before",
@@ -197,6 +214,9 @@ nlohmann::ordered_json build_json(const RunReport& report) {
     json["clearance"].push_back(
         build_clearance(report.analysis.clearances()[i], report.analysis.calc_witnesses(static_cast<int>(i))));
   }
+  json["contacts"] = Json::array();
+  for (const hil::ContactRecord& contact : report.analysis.list_contacts())
+    json["contacts"].push_back(build_contact(contact));
   json["verdict"] = build_requirements_json(report);
   json["separations"] = build_separations_json(report);
   json["tip_off"] = Json::array();

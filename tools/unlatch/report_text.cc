@@ -89,6 +89,25 @@ void print_clearances(std::FILE* to, const RunReport& report) {
   }
 }
 
+void print_contacts(std::FILE* to, const RunReport& report) {
+  const std::vector<hil::ContactRecord> contacts = report.analysis.list_contacts();
+  if (contacts.empty()) return;
+  print_heading(to, "Contacts (F_n in N, impulse in N s, slip and depth in m, loss in J)");
+  for (const hil::ContactRecord& c : contacts) {
+    if (c.touches == 0 && !c.closed_at_start) {
+      std::fprintf(to, "  %-20s no touch\n", c.name.c_str());
+      continue;
+    }
+    const std::string begin = c.closed_at_start ? "closed at the start"
+                                                : to_text(*c.touch, "touch at %.6f s") +
+                                                      (c.touches > 1 ? to_text(c.touches, ", %.0f touches") : "");
+    const std::string end = c.closed || !c.lift ? "closed at the end" : to_text(*c.lift, "lift at %.6f s");
+    std::fprintf(to, "  %-20s %s, %s, closed for %.4g s\n", c.name.c_str(), begin.c_str(), end.c_str(), c.duration);
+    std::fprintf(to, "  %-20s peak %.5g at %.6f s, impulse %.5g, depth %.3g, slip %.3g, loss %.5g\n", "", c.peak_force,
+                 c.peak_time, c.totals.impulse, c.depth, c.totals.slip, c.totals.dissipated);
+  }
+}
+
 void print_reactions(std::FILE* to, const RunReport& report) {
   const auto& joints = report.scenario.model.joints;
   if (joints.empty()) return;
@@ -239,6 +258,7 @@ void print_report(std::FILE* to, const RunReport& report) {
   const double dt = report.simulation.plan().get_options().dt;
   print_timeline(to, report);
   print_clearances(to, report);
+  print_contacts(to, report);
   print_separations(to, report);
   print_reactions(to, report);
   print_audit(to, report.analysis.audits);
