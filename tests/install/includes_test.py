@@ -12,7 +12,7 @@ KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dyn
           "step")  # from below
 HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "analysis", "outputs",
        "run", "campaign", "session", "faults", "executive")  # from below
-LIBRARY = ("include", "c", "python")  # from below
+LIBRARY = ("include", "c", "python", "fmi")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 
