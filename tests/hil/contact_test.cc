@@ -8,6 +8,7 @@ namespace unlatch::test {
 namespace {
 
 constexpr double kLocated = 1e-6;  // s, and of a peak: located inside the step
+constexpr double kAudited = 1e-6;  // of the energy that a blow takes: RK4 with eight sub-steps a millisecond
 
 // A ball of 2 kg flies with 3 m/s at a wall of 10^9 kg: k = 2e5 N/m without damping is 316 rad/s, half a period 9.93
 // ms.
@@ -61,7 +62,7 @@ TEST(Contacts, TheAuditExplainsTheEnergyThatABlowTakes) {
   const AnalysedRun run(build_blow("stiffness: 0.2 MN/m, restitution: {coefficient: 0.5, speed: 3 m/s}"));
   const hil::EnergyBalance& energy = run.analysis.accuracy().get_energy();
   EXPECT_NEAR(energy.contacts, -0.5 * 2 * 9 * 0.75, 1e-4);
-  EXPECT_LT(std::abs(energy.unexplained), 1e-6);
+  EXPECT_LT(std::abs(energy.unexplained), kAudited * 6.75);
 }
 
 TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
@@ -71,14 +72,15 @@ TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
   EXPECT_FALSE(run.analysis.list_contacts()[0].touch.has_value());
   ASSERT_NE(find_notice(run, "contact"), nullptr);
   EXPECT_NE(find_notice(run, "contact")->text.find("closed at the start"), std::string::npos);
+  const auto at_start = hil::build_simulation(run.scenario);
   bool found = false;
-  for (const hil::Finding& finding : hil::find_surprises(run.scenario, *run.simulation))
+  for (const hil::Finding& finding : hil::find_surprises(run.scenario, *at_start))
     found = found || (finding.name == "contact" && finding.where == "contact 'blow'");
   EXPECT_TRUE(found);
 }
 
 TEST(Contacts, AStepThatDoesNotResolveABlowIsTold) {
-  const AnalysedRun run(build_blow("stiffness: 2 GN/m"));  // √(k/m)·h = 3.95
+  const AnalysedRun run(build_blow("stiffness: 2000 MN/m"));  // √(k/m)·h = 3.95
   ASSERT_NE(find_notice(run, "contact"), nullptr);
   EXPECT_NE(find_notice(run, "contact")->text.find("sqrt(k/m)·h"), std::string::npos);
 }

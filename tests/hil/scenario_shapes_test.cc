@@ -191,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(
                                 "[{between: [core.skirt, booster], except: [[core.tank, booster]]}]",
                                 "55: ", "no watched pair has these shapes"},
                       WrongPair{"NothingLeft", "[{between: [core.tank, booster.nose], except: [[core, booster]]}]",
-                                "13: ", "nothing is left"},
+                                "58: ", "nothing is left"},
                       WrongPair{"TwiceAndDifferent",
                                 "[[core, booster], {between: [core, booster], except: [[core.tank, booster.nose]]}]",
                                 "30: ", "watched twice"}),

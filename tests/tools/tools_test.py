@@ -84,7 +84,7 @@ class ToolsTest(ProcessTest):
         self.assertEqual((nose["mode"], nose["rows"]), ("hinge", ["x", "y", "z", "rot_x", "rot_z"]))
         self.assertEqual(len(nose["lambda"]), 5)
         self.assertEqual(last["reactions"]["nose1"], {"mode": "free", "rows": [], "lambda": []})
-        self.assertEqual(sorted(last["bodies"]["core"]), ["modal", "p", "q", "v", "w"])
+        self.assertEqual(sorted(last["bodies"]["core"]), ["a", "alpha", "modal", "p", "q", "v", "w"])
         self.assertEqual(len([e for e in report["events"] if e["name"] == "liftoff"]), 4)
         self.assertEqual(len(report["clearance"]), 4)
         self.assertTrue(report["audit"])
