@@ -185,6 +185,7 @@ class List {
       case Sensor::Kind::kSpecificForce:
         return "body";
       case Sensor::Kind::kContact:
+      case Sensor::Kind::kDistance:
         return "";
       default:
         return "joint";
