@@ -29,7 +29,7 @@ std::string trim(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
 }
 
-// What * stands for in `text`; nothing if the pattern, with one *, does not fit.
+// The part of `text` that * stands for; nothing if the pattern, with one *, does not fit.
 std::optional<std::string> match(const std::string& pattern, const std::string& text) {
   const std::size_t star = pattern.find('*'), after = pattern.size() - star - 1;
   if (text.size() < star + after || text.compare(0, star, pattern, 0, star) != 0) return std::nullopt;

@@ -1,4 +1,4 @@
-// What a parameter's value is drawn from. A probability in (0, 1) gives a value by the quantile function, with the same
+// Distribution of a parameter's value. A probability in (0, 1) gives a value by the quantile function, with the same
 // bits on every machine.
 #pragma once
 

@@ -1,4 +1,5 @@
-// What a campaign may draw must make valid scenarios: tried at the ends of each parameter, and at corners of all.
+// Values that a campaign may draw must make valid scenarios: tried at the ends of each parameter, and at corners of
+// all.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -173,7 +173,7 @@ void add_plane_torsions(const PlanData& plan, const State& state, double t, cons
   }
 }
 
-// What closed pairs store, and all that contacts have lost.
+// Energy that closed pairs store, and all that contacts have lost.
 void add_contacts(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
   for (const PlanContact& contact : plan.contacts) {
     sum.flow.dissipated +=

@@ -24,7 +24,7 @@ void validate_shapes(const Model& model, ModelErrors& errors) {
   }
 }
 
-// What a set moves with: markers of one flexible body move together but for its deformation.
+// The body that a set moves with: markers of one flexible body move together but for its deformation.
 int find_carrier(const Model& model, int body) {
   if (!is_index(body, model.bodies.size())) return body;
   const std::optional<Marker>& marker = model.bodies[static_cast<std::size_t>(body)].marker;

@@ -150,7 +150,7 @@ Json list_orders(const CampaignData& data) {
   return json;
 }
 
-// Where the blocks of a design are whole: one number of each sample of a block, for all blocks. Empty if one is
+// Complete blocks of a design: one number of each sample of a block, for all blocks. Empty if one is
 // missing.
 std::vector<std::vector<double>> get_blocks(const CampaignData& data, const std::vector<double>& values,
                                             std::size_t block) {
