@@ -2,6 +2,7 @@
 #include <map>
 
 #include "kernel/compile/constants.h"
+#include "kernel/compile/contacts.h"
 #include "kernel/compile/instruction_set.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
@@ -285,21 +286,26 @@ void compile_elements(const Model& model, PlanData& plan, Coordinates& coordinat
   for (const JointSpring& s : model.joint_springs)
     plan.joint_springs.push_back({s.joint, s.axis, next(s.on), coordinates.find(s.joint, s.axis), s.effort, s.stiffness,
                                   s.damping, s.rest, compliant[static_cast<std::size_t>(&s - first)]});
-  std::vector<std::int32_t> of_one_sided, of_friction;
   for (const OneSided& f : model.one_sided)
-    of_one_sided.push_back(f.joint == kNone ? kNone : coordinates.find(f.joint, f.axis));
-  for (const JointFriction& f : model.frictions) of_friction.push_back(coordinates.find(f.joint, f.axis));
+    if (f.joint != kNone) coordinates.find(f.joint, f.axis);
+  for (const JointFriction& f : model.frictions) coordinates.find(f.joint, f.axis);
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
   for (const PlaneTorsion& s : model.plane_torsions)
     plan.plane_torsions.push_back(
         {s.base, s.follower, next(s.on), to_vec(s.normal_base), to_vec(s.axis_follower), s.stiffness, s.damping});
-  for (std::size_t i = 0; i < model.one_sided.size(); ++i)
-    compile_one_sided(model, model.one_sided[i], next(model.one_sided[i].on), of_one_sided[i], plan);
-  for (std::size_t i = 0; i < model.frictions.size(); ++i) {
-    const JointFriction& f = model.frictions[i];
-    plan.frictions.push_back(
-        {f.joint, f.axis, next(f.on), of_friction[i], f.coefficient, f.axis >= kRotX ? f.radius : 1.0, f.speed});
-  }
+}
+
+// After the contacts, in the numbering of elements too. compile_elements() has made their coordinates.
+void compile_one_sided_and_frictions(const Model& model, PlanData& plan, Coordinates& coordinates) {
+  const auto next = [&](bool on) {
+    plan.element_scales.push_back(on ? 1 : 0);
+    return static_cast<std::int32_t>(plan.element_scales.size()) - 1;
+  };
+  for (const OneSided& f : model.one_sided)
+    compile_one_sided(model, f, next(f.on), f.joint == kNone ? kNone : coordinates.find(f.joint, f.axis), plan);
+  for (const JointFriction& f : model.frictions)
+    plan.frictions.push_back({f.joint, f.axis, next(f.on), coordinates.find(f.joint, f.axis), f.coefficient,
+                              f.axis >= kRotX ? f.radius : 1.0, f.speed});
 }
 
 // Appends a guard in postfix order; returns how many values its evaluation keeps at once.
@@ -314,7 +320,9 @@ std::int32_t compile_condition(const Condition& c, PlanData& plan) {
 
 bool is_command(const PlanCondition& c) { return c.kind == Condition::Kind::kCommand; }
 bool is_elementary(const Condition& c) { return c.parts.empty(); }
-bool is_switch(const Condition& c) { return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal; }
+bool is_switch(const Condition& c) {
+  return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal || c.kind == Condition::Kind::kClosed;
+}
 
 void compile_events(const Model& model, PlanData& plan) {
   for (const Event& event : model.events) {
@@ -331,7 +339,8 @@ void compile_events(const Model& model, PlanData& plan) {
                   event.repeat,
                   kNone,
                   0,
-                  when.kind == Condition::Kind::kTime && !when.below};
+                  when.kind == Condition::Kind::kTime && !when.below,
+                  event.crossing};
     for (const Action& action : event.then)
       if (action.kind == Action::Kind::kEngage) {
         out.engages = action.subject;
@@ -358,7 +367,7 @@ void compile_sensors(const Model& model, PlanData& plan, Coordinates& coordinate
     const bool reads =
         s.kind == Sensor::Kind::kAngle || s.kind == Sensor::Kind::kDisplacement || s.kind == Sensor::Kind::kSpeed;
     const std::int32_t subject = reads ? coordinates.find(s.subject, s.axis) : s.subject;
-    plan.sensors.push_back({s.kind, subject, plan.sensor_count, to_vec(s.point)});
+    plan.sensors.push_back({s.kind, subject, plan.sensor_count, to_vec(s.point), s.other});
     plan.sensor_count += sensor_width(s.kind);
   }
 }
@@ -411,6 +420,8 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   }
   Coordinates coordinates(plan);
   compile_elements(model, plan, coordinates);
+  compile_contacts(model, plan);
+  compile_one_sided_and_frictions(model, plan, coordinates);
   link_conditions(plan, coordinates);
   plan.commanded_events =
       plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);

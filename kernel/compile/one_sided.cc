@@ -2,7 +2,7 @@
 
 #include "kernel/model/from_eigen.h"
 #include "unlatch/motion.h"
-#include "unlatch/springs.h"
+#include "unlatch/readings.h"
 
 namespace unlatch {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "kernel/joints/kinematics.h"
-#include "unlatch/springs.h"
+#include "unlatch/readings.h"
 
 namespace unlatch {
 namespace {

@@ -22,6 +22,7 @@ int sensor_width(Sensor::Kind kind) {
     case Sensor::Kind::kDisplacement:
     case Sensor::Kind::kAngle:
     case Sensor::Kind::kSpeed:
+    case Sensor::Kind::kDistance:
       return 1;
   }
   return 0;
@@ -32,6 +33,7 @@ const char* sensor_unit(Sensor::Kind kind) {
   switch (kind) {
     case Sensor::Kind::kPosition:
     case Sensor::Kind::kDisplacement:
+    case Sensor::Kind::kDistance:
       return "m";
     case Sensor::Kind::kVelocity:
       return "m/s";
@@ -55,7 +57,7 @@ const char* sensor_unit(Sensor::Kind kind) {
 
 int Model::element_count() const {
   return static_cast<int>(loads.size() + point_springs.size() + joint_springs.size() + plane_torsions.size() +
-                          one_sided.size() + frictions.size());
+                          contacts.size() + one_sided.size() + frictions.size());
 }
 
 const std::string& Model::element_name(int element) const {
@@ -68,8 +70,28 @@ const std::string& Model::element_name(int element) const {
   index -= joint_springs.size();
   if (index < plane_torsions.size()) return plane_torsions[index].name;
   index -= plane_torsions.size();
+  if (index < contacts.size()) return contacts[index].name;
+  index -= contacts.size();
   if (index < one_sided.size()) return one_sided[index].name;
   return frictions.at(index - one_sided.size()).name;
+}
+
+void add_contact_events(Model& model) {
+  for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
+    Condition closed, open;
+    closed.kind = Condition::Kind::kClosed;
+    closed.subject = i;
+    open.kind = Condition::Kind::kNot;
+    open.parts = {closed};
+    const std::string& name = model.contacts[static_cast<std::size_t>(i)].name;
+    for (const auto& [event, when] : {std::pair("touch", closed), std::pair("lift", open)}) {
+      Event& added = model.events.emplace_back();
+      added.name = event;
+      added.subject = name;
+      added.when = when;
+      added.repeat = added.crossing = true;
+    }
+  }
 }
 
 bool has_markers(const Model& model) {

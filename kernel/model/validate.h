@@ -17,6 +17,10 @@ void validate_joints(const Model& model, ModelErrors& errors);
 // Of pushers, stops, cords, friction in joints, and impulses.
 void validate_one_sided(const Model& model, ModelErrors& errors);
 void validate_events(const Model& model, ModelErrors& errors);
+void validate_contacts(const Model& model, ModelErrors& errors);
+// Shape sets a and b exist, are of two bodies, and have a distance.
+void check_shape_pair(const Model& model, const std::string& where, int a, int b, const std::string& key,
+                      ModelErrors& errors);
 
 inline bool is_index(int index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; }
 

@@ -8,7 +8,7 @@
 #include "tests/support/small_models.h"
 #include "unlatch/elementary.h"
 #include "unlatch/energy.h"
-#include "unlatch/springs.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::test {
 namespace {
