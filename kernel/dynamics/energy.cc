@@ -1,5 +1,6 @@
 #include "kernel/dynamics/energy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -194,15 +195,16 @@ void add_contacts(const PlanData& plan, const State& state, double t, const Eval
   }
 }
 
-// What is stored within reach goes into the force or is lost.
+// What is stored within reach goes into the force or is lost. At the event that ends a push the depth is 0 but for
+// rounding, and the force still acts: the power before the event.
 void add_one_sided(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
   for (const PlanOneSided& own : plan.one_sided) {
     const OneSidedMotion m = calc_motion(plan, ev, own);
-    if (m.depth <= 0) continue;
+    if (m.depth <= 0 && state.engaged[at(own.number)] == 0) continue;
     const ElementState& element = state.elements[at(own.element)];
     const double scale = calc_scale(element, t);
     const OneSidedLaw law = get_law(plan, own);
-    store(sum, element, t, scale, calc_stored_energy(law, m.depth));
+    store(sum, element, t, scale, calc_stored_energy(law, std::max(0.0, m.depth)));
     const double force = calc_force(plan, state, t, own, m);
     sum.add(PowerSource::kDampers, (scale * calc_elastic_force(law, m.depth) - force) * m.depth_rate);
   }

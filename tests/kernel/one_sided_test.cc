@@ -47,6 +47,7 @@ OneSided push(double preload, double stroke) {
 struct Seen {
   std::vector<std::pair<std::string, double>> events;  // name, time
   double unexplained = 0;                              // largest |d(T + U) − ∫ P dt| without resistance, J
+  std::vector<EventAudit> audits;
 };
 
 // Runs, and tells the events. Of a model without resistance, energies at each tick.
@@ -59,6 +60,7 @@ Seen run(Simulation& s, const Model& model, int ticks) {
     EXPECT_EQ(report.status, StepStatus::kOk);
     for (const FiredEvent& e : report.events)
       seen.events.emplace_back(whole.events[static_cast<std::size_t>(e.event)].name, e.time);
+    seen.audits.insert(seen.audits.end(), report.audits.begin(), report.audits.end());
     const EnergyFlow flow = calc_energy_flow(s.plan, s.state, s.workspace, {0, 0, 0});
     if (i == 0) start = flow.kinetic + flow.strain;
     seen.unexplained = std::max(seen.unexplained, std::abs(flow.kinetic + flow.strain - start));
@@ -142,8 +144,13 @@ TEST(OneSided, FrictionTakesItsPartOfTheWork) {
   f.friction_speed = 1e-6;  // regularised away within 1e-6 m/s of rest
   model.one_sided = {f};
   Simulation s(model);
-  run(s, model, 300);
+  const Seen seen = run(s, model, 300);
   EXPECT_NEAR(get_speed(s), std::sqrt(2 * (100 - 20) * 0.05 / kReduced), 1e-3);
+  // To the end of the stroke, where rounding decides on which side of its limit the depth is.
+  constexpr auto kDampers = static_cast<std::size_t>(PowerSource::kDampers);
+  ASSERT_EQ(seen.audits.size(), 1u);
+  EXPECT_NEAR(seen.audits[0].flow_before.power[kDampers], -20 * get_speed(s), 1e-6);
+  EXPECT_EQ(seen.audits[0].flow_after.power[kDampers], 0);
 }
 
 TEST(OneSided, AGuidedPusherHasNoLateralForce) {
