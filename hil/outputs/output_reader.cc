@@ -34,7 +34,6 @@ OutputReader::OutputReader(const Scenario& scenario, const Simulation& simulatio
     first_sensor_value_.push_back(first);
     first += at(sensor_width(sensor.kind));
   }
-  for (const PointSpring& spring : model.point_springs) free_lengths_.push_back(spring.free_length);
 }
 
 void OutputReader::read(std::span<double> to) {
@@ -135,7 +134,7 @@ void OutputReader::read_element(const Output& output, std::span<double> to) cons
       to[0] = reading.force;
       break;
     case Kind::kElementStroke:
-      to[0] = free_lengths_[at(output.subject) - scenario_.model.loads.size()] - reading.length;
+      to[0] = reading.stroke;
       break;
     case Kind::kElementRate:
       to[0] = reading.rate;

@@ -40,7 +40,6 @@ class OutputReader {
   const std::vector<Output> list_;
   std::vector<JointGeometry> joints_;
   std::vector<std::size_t> first_sensor_value_;  // by sensor
-  std::vector<double> free_lengths_;             // by point spring
   ClearanceMonitor clearances_;
   std::vector<Pose> poses_;
 };

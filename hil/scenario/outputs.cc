@@ -155,6 +155,21 @@ class List {
       add_coordinate(of, true);
       finish(of);
     }
+    number += model_.contacts.size();
+    for (const OneSided& force : model_.one_sided) {
+      const Subject of{"element", force.name, number++};
+      const bool angular = force.joint != kNone && force.axis >= kRotX;
+      add_force(of, angular);
+      add_coordinate(of, angular);
+      add(Kind::kElementStroke, of, "stroke", "stroke", "", angular ? "rad" : "m", {"stroke"});
+      finish(of);
+    }
+    for (const JointFriction& friction : model_.frictions) {
+      const Subject of{"element", friction.name, number++};
+      add_force(of, friction.axis >= kRotX);
+      add_coordinate(of, friction.axis >= kRotX);
+      finish(of);
+    }
   }
 
   void add_sensor(std::size_t number) {

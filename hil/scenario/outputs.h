@@ -35,8 +35,8 @@ struct Output {
     kAngleRate,            // angular velocity about the axes of the rotation frame, rad/s
     kElementForce,         // of an element (unlatch/readings.h), N or N m
     kElementLength,        // of a point spring, m
-    kElementStroke,        // its free length less its length, m
-    kElementCoordinate,    // of a joint spring or plane torsion, m or rad
+    kElementStroke,        // what is left of the stroke of a point spring or one-sided force, m or rad
+    kElementCoordinate,    // of a joint spring, plane torsion, one-sided force or friction, m or rad
     kElementRate,          // rate of the length or coordinate, m/s or rad/s
     kElementScale,         // of an element's switch, 0 to 1
     kSensor,               // values of a sensor, as measured at this tick, without the rates of groups

@@ -1,5 +1,6 @@
 #include "unlatch/readings.h"
 
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/dynamics/springs.h"
 
 namespace unlatch {
@@ -55,7 +56,7 @@ ElementReading calc_element(const Plan& owner, const State& state, const Workspa
   } else if (const PlanPointSpring* const spring = find(plan.point_springs, element)) {
     const PointSpringForce f =
         calc_force(*spring, get_frame(state, spring->base), get_frame(state, spring->follower), out.scale);
-    out = {f.size, f.length, f.rate, out.scale};
+    out = {f.size, f.length, f.rate, out.scale, spring->free_length - f.length};
   } else if (const PlanJointSpring* const joint = find(plan.joint_springs, element)) {
     out.length = ev.coordinates[at(joint->coordinate)];
     out.rate = ev.speeds[at(joint->coordinate)];
@@ -64,6 +65,13 @@ ElementReading calc_element(const Plan& owner, const State& state, const Workspa
     const PlaneTorsionForce f =
         calc_force(*torsion, get_frame(state, torsion->base), get_frame(state, torsion->follower), out.scale);
     out = {f.size, f.angle, f.rate, out.scale};
+  } else if (const PlanOneSided* const force = find(plan.one_sided, element)) {
+    const OneSidedReading f = calc_one_sided(owner, state, workspace, force->number);
+    out = {force->sign * f.force, f.coordinate, -force->sign * f.depth_rate, out.scale, f.depth};
+  } else if (const PlanFriction* const friction = find(plan.frictions, element)) {
+    out.length = ev.coordinates[at(friction->coordinate)];
+    out.rate = ev.speeds[at(friction->coordinate)];
+    out.force = ev.friction_sizes[at(element) - at(plan.frictions[0].element)];
   }
   return out;
 }

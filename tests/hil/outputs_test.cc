@@ -132,6 +132,40 @@ TEST_F(OutputsTest, ForcesOfElementsAreThoseThatMoveTheBodies) {
   EXPECT_THAT(read("sensor.gyro"), ElementsAre(ball.w.x, ball.w.y, ball.w.z));
 }
 
+TEST_F(OutputsTest, PushersTellTheirForceAndWhatIsLeftOfTheirStroke) {
+  constexpr double kRounding = 1e-9;
+  scenario = hil::load_scenario_text(R"(unlatch: 1
+name: pushed
+step: {dt: 0.001, until: 1}
+bodies:
+  lower: {mass: 3, inertia: [1, 1, 1]}
+  upper: {mass: 2, inertia: [1, 1, 1], position: [1, 0, 0]}
+joints:
+  rail: {between: [lower, upper], point: [1, 0, 0], modes: {slides: {kind: prismatic, axis: x}}, mode: slides}
+elements:
+  pusher: {type: pusher, joint: rail, axis: x, stroke: 5 cm, preload: 100 N, stiffness: 1 kN/m}
+  rub: {type: joint_friction, joint: rail, axis: x, coefficient: 0.5}
+  cord: {type: cord, between: [lower, upper], length: 1.2, stiffness: 5 kN/m}
+)",
+                                     "pushed.yaml");
+  simulation = hil::build_simulation(scenario);
+  step(20);
+  const double x = read("joint.rail.displacement")[0], speed = read("joint.rail.speed")[0];
+  EXPECT_NEAR(read("element.pusher.force")[0], 100 - 1000 * x, kRounding);
+  EXPECT_NEAR(read("element.pusher.stroke")[0], 0.05 - x, kRounding);
+  EXPECT_NEAR(read("element.pusher.displacement")[0], x, kRounding);
+  EXPECT_NEAR(read("element.pusher.rate")[0], speed, kRounding);
+  EXPECT_EQ(read("element.rub.force")[0], 0);  // the rail carries nothing
+  EXPECT_NEAR(read("element.rub.displacement")[0], x, kRounding);
+  EXPECT_NEAR(read("element.cord.stroke")[0], x - 0.2, kRounding);  // slack
+  EXPECT_EQ(read("element.cord.force")[0], 0);
+  for (int tick = 0; tick < 200 && read("joint.rail.displacement")[0] <= 0.2; ++tick) step(1);
+  const double longer = read("joint.rail.displacement")[0] - 0.2;
+  ASSERT_GT(longer, 0);
+  EXPECT_NEAR(read("element.cord.force")[0], -5000 * longer, 1e-6);
+  EXPECT_EQ(read("element.pusher.force")[0], 0);
+}
+
 TEST_F(OutputsTest, GroupsHaveRatesOfTheirOwn) {
   load(
       "outputs:\n  - {select: [ball.velocity, \"*.force\"], every: 100}\n  - {select: [spring.length], rate: 200 "

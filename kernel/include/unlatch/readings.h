@@ -46,13 +46,15 @@ inline double calc_joint_spring(const Spring& spring, double x, double rate, dou
 // An element at the end of the latest step.
 struct ElementReading {
   // On the follower, N or N m. Of a load: its size along its direction; of a point spring: a push is positive; of a
-  // joint spring: along or about its axis; of a plane torsion: the moment that turns its axis back is positive
-  // where its angle is.
+  // joint spring and of friction: along or about its axis; of a plane torsion: the moment that turns its axis back is
+  // positive where its angle is; of a one-sided force: along its coordinate.
   double force = 0;
-  double length = 0;  // point spring: between its ends, m; joint spring: its joint's coordinate, m or rad; plane
-                      // torsion: its angle, rad; load: 0
+  double length = 0;  // point spring: between its ends, m; joint spring and friction: its joint's coordinate, m or rad;
+                      // plane torsion: its angle, rad; one-sided force: its coordinate, m or rad; load: 0
   double rate = 0;    // of `length`, per s
   double scale = 0;   // of its switch: 0 while it is off
+  double stroke = 0;  // that is left: point spring: its free length less its length, m; one-sided force: its depth, m
+                      // or rad
 };
 
 // `element`: as in State::elements. The state must be that of the workspace's latest step() or update_outputs().
