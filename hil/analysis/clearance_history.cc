@@ -153,6 +153,8 @@ void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
     const double value = monitor_.calc(i, track.at_a, track.at_b).least.distance;
     track.whole.add(time, value);
     track.value = value;
+    track.moved = 0;
+    track.idle = track.stale = false;
     const Spatial none{{0, 0, 0}, {0, 0, 0}};
     track.reference = calc_relative(i, get_place(bodies[static_cast<std::size_t>(now_[i].a)], none),
                                     get_place(bodies[static_cast<std::size_t>(now_[i].b)], none));
