@@ -58,9 +58,6 @@ struct NumberTable {
 // Throws YamlError at `mark`.
 NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
 
-// Of a dimension, as SI units that an expression takes after a number: "m2 kg/s2".
-std::string describe_unit(const Dimension& dimension);
-
 // Adds a mistake for each parameter whose values, at the ends of what the generator gives, make no valid scenario, with
 // the probability of such values; and for joint ones at corners.
 void check_draws(const Campaign& campaign, Mistakes& mistakes);

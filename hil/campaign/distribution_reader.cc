@@ -17,23 +17,6 @@ bool is_text(const YamlNode& node, const std::string& text) { return node.is_sca
 
 }  // namespace
 
-std::string describe_unit(const Dimension& dimension) {
-  for (const char* derived : {"N", "N m", "N/m", "Pa", "N m/rad"})
-    if (dimension == dimension_of(derived)) return derived;
-  static const char* const kNames[] = {"m", "kg", "s", "rad", "Hz"};
-  std::array<int, 5> exponents = dimension.exponents;
-  exponents[Dimension::kTime] += exponents[Dimension::kCycle];
-  std::string text;
-  for (const bool below : {false, true})
-    for (std::size_t i = 0; i < exponents.size(); ++i) {
-      const int exponent = below ? -exponents[i] : exponents[i];
-      if (exponent <= 0) continue;
-      text += (below ? "/" : text.empty() ? "" : " ") + std::string(kNames[i]);
-      if (exponent > 1) text += std::to_string(exponent);
-    }
-  return text;
-}
-
 // A number with its unit, or the word `nominal`: what stands in the scenario.
 double CampaignReader::read_value(YamlMap& map, const std::string& key, Reading& reading,
                                   std::optional<double> fallback) {

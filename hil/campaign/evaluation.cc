@@ -32,21 +32,27 @@ std::vector<double> SampleEvaluator::collect(const Scenario& scenario, const Run
   return by_name;
 }
 
-SampleResult SampleEvaluator::evaluate(std::span<const Setting> settings, const std::atomic<bool>& stop) const {
+SampleResult SampleEvaluator::evaluate(std::span<const Setting> settings, const std::atomic<bool>& stop,
+                                       const SampleRun& run) const {
   SampleResult result;
   try {
     const Scenario scenario = tree_.read(settings);
     const auto simulation = build_simulation(scenario);
-    RunAnalysis analysis(scenario, *simulation, {});
+    std::optional<RunAnalysis> analysis;
+    if (run.judges) analysis.emplace(scenario, *simulation, std::vector<std::int64_t>{});
+    const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario.until, scenario.dt);
     const LogEnd end =
-        run_fast(*simulation, analysis, nullptr, calc_nearest_tick(scenario.until, scenario.dt), stop, [] {});
+        run_fast(*simulation, analysis ? &*analysis : nullptr, nullptr, last, stop, [&](const StepReport& report) {
+          if (run.look) run.look(scenario, *simulation, report);
+        });
+    if (run.end) run.end(*simulation);
     if (end.status == RunStatus::kAborted) result.status = SampleStatus::kInterrupted;
     if (end.status == RunStatus::kFaulted) result.status = SampleStatus::kFaulted;
     result.message = end.message;
     result.ticks = end.tick;
     result.hash = end.hash;
     result.model_hash = simulation->get_model_hash();
-    result.values = collect(scenario, analysis);
+    result.values = analysis ? collect(scenario, *analysis) : std::vector<double>(columns_.size(), kNothing);
   } catch (const ScenarioError& error) {
     result.status = SampleStatus::kInvalid;
     result.message = error.what();

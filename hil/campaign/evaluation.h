@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,6 +42,16 @@ struct SampleResult {
   std::vector<double> values;   // one for each column
 };
 
+// How a sample is run, where that is not as the scenario says.
+struct SampleRun {
+  double until = 0;    // s; 0: the scenario's end
+  bool judges = true;  // false: no values, and a run at the speed of the step
+  // Called at every tick, the first included, with what its step reported; and at the end, with the last good state.
+  // A ScenarioError that they throw makes the sample invalid. They may be empty.
+  std::function<void(const Scenario&, const Simulation&, const StepReport&)> look;
+  std::function<void(const Simulation&)> end;
+};
+
 class SampleEvaluator {
  public:
   // Refers to the tree.
@@ -51,7 +62,8 @@ class SampleEvaluator {
   std::optional<std::size_t> find(const std::string& column) const;
 
   // Another thread may set `stop`.
-  SampleResult evaluate(std::span<const Setting> settings, const std::atomic<bool>& stop) const;
+  SampleResult evaluate(std::span<const Setting> settings, const std::atomic<bool>& stop,
+                        const SampleRun& run = {}) const;
   SampleResult evaluate(std::span<const Setting> settings) const;
 
  private:

@@ -120,6 +120,23 @@ std::string describe_dimension(const Dimension& dimension) {
   return describe_dimension(without_cycles);
 }
 
+std::string describe_unit(const Dimension& dimension) {
+  for (const char* derived : {"N", "N m", "N/m", "Pa", "N m/rad"})
+    if (dimension == dimension_of(derived)) return derived;
+  static const char* const kNames[] = {"m", "kg", "s", "rad", "Hz"};
+  std::array<int, 5> exponents = dimension.exponents;
+  exponents[Dimension::kTime] += exponents[Dimension::kCycle];
+  std::string text;
+  for (const bool below : {false, true})
+    for (std::size_t i = 0; i < exponents.size(); ++i) {
+      const int exponent = below ? -exponents[i] : exponents[i];
+      if (exponent <= 0) continue;
+      text += (below ? "/" : text.empty() ? "" : " ") + std::string(kNames[i]);
+      if (exponent > 1) text += std::to_string(exponent);
+    }
+  return text;
+}
+
 Dimension dimension_of(std::string_view si) {
   return si.empty() ? Dimension{} : evaluate_expression("1 " + std::string(si), {}).dimension;
 }

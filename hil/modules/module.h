@@ -13,7 +13,7 @@ class ModuleError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The address of an extern "C" function of a module ("unlatch-fcl"). Throws ModuleError. Thread-safe; takes
+// The address of an extern "C" function of a module ("unlatch-import"). Throws ModuleError. Thread-safe; takes
 // milliseconds the first time.
 void* find_in_module(const char* module, const char* function);
 

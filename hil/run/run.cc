@@ -53,12 +53,17 @@ LogHeader build_log_header(const Scenario& scenario, const Simulation& simulatio
 
 LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
                 const std::atomic<bool>& stop, const std::function<void()>& look) {
+  return run_fast(simulation, &analysis, recorder, last_tick, stop, [&look](const StepReport&) { look(); });
+}
+
+LogEnd run_fast(Simulation& simulation, RunAnalysis* analysis, Recorder* recorder, std::int64_t last_tick,
+                const std::atomic<bool>& stop, const std::function<void(const StepReport&)>& look) {
   LogEnd end;
   Timing timing;
   RunRecord record(simulation, recorder);
-  analysis.update(StepReport{});
+  if (analysis != nullptr) analysis->update(StepReport{});
   record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
-  look();
+  look(StepReport{});
   while (simulation.get_tick() < last_tick && end.status == RunStatus::kDone) {
     if (stop.load(std::memory_order_relaxed)) {
       end.status = RunStatus::kAborted;
@@ -75,10 +80,10 @@ LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorde
       end.joint = report.joint;
       break;
     }
-    analysis.update(report);
+    if (analysis != nullptr) analysis->update(report);
     record.events(report);
     record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
-    look();
+    look(report);
   }
   end.tick = simulation.get_tick();
   end.hash = simulation.calc_hash();

@@ -28,6 +28,10 @@ LogHeader build_log_header(const Scenario& scenario, const Simulation& simulatio
 // may set `stop`, which ends it as aborted. `look` is called at every tick, the first and the last included.
 LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
                 const std::atomic<bool>& stop, const std::function<void()>& look);
+// The same, analysing if `analysis` is not null; `look` gets what the step reported, and at the first tick a default
+// report.
+LogEnd run_fast(Simulation& simulation, RunAnalysis* analysis, Recorder* recorder, std::int64_t last_tick,
+                const std::atomic<bool>& stop, const std::function<void(const StepReport&)>& look);
 
 // "singular pivot at joint 'nose1', tick 412 (t = 0.412 s)", of a step that failed.
 std::string describe_fault(const LogEnd& end, const Model& model, double dt);

@@ -169,7 +169,10 @@ void ScenarioReader::read_constants(YamlMap& top) {
       return mistakes_.add(node.mark, "'" + name + "' cannot be the name of a constant",
                            name.find('-') != std::string::npos ? "in an expression - is minus: use _"
                                                                : "it is a unit, function or constant of the language");
-    if (const auto value = read_quantity(node, mistakes_)) mistakes_.add_constant(name, *value);
+    const auto value = read_quantity(node, mistakes_);
+    if (!value) return;
+    mistakes_.add_constant(name, *value);
+    scenario_.constants.push_back({name, *value});
   });
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "hil/language/quantity.h"
 #include "hil/language/scenario_error.h"
 #include "hil/language/scenario_sources.h"
 #include "hil/messages/messages.h"
@@ -49,13 +50,20 @@ struct Remark {
   std::string kind = "modes";  // of the finding that `check` tells
 };
 
+// A name for a number in expressions.
+struct NamedConstant {
+  std::string name;
+  Quantity value;
+};
+
 struct Scenario {
   std::string file;                    // as given to the loader, for messages
   std::string text;                    // of the file and those that it includes: with `overrides` it makes this again
   std::vector<std::string> files;      // those, by SourceMark::file
   std::vector<std::string> overrides;  // PATH=VALUE, in the order in which they were applied
   std::string name, title;
-  double dt = 0, until = 0;  // s; until is a whole number of steps
+  double dt = 0, until = 0;              // s; until is a whole number of steps
+  std::vector<NamedConstant> constants;  // in the order of the file, overrides applied
   Model model;
   FlightSoftware flight_software;
   Rates rates;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/measurable.h"
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
@@ -41,6 +42,7 @@ void ScenarioReader::read_requirement(const YamlNode& node) {
       requirement.quantity = static_cast<Measure>(std::find(kQuantities.begin(), kQuantities.end(), kind) -
                                                   kQuantities.begin());  // the same order
       read_requirement_quantity(*map.find(kind), kind, requirement);
+      requirement.unit = get_unit(requirement, model_);
     }
     read_requirement_interval(map, requirement);
     read_requirement_limit(map, requirement);
@@ -56,7 +58,6 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
     case Measure::kClearance:
       return read_requirement_clearance(node, to);
     case Measure::kOrder:
-      to.unit = "s";
       if (!node.is_sequence()) return mistakes_.add(node.mark, "order is not a list", "write [latch1, latch2]");
       for (const YamlNode& item : node.items) to.events.push_back(read_event_name(item));
       if (to.events.size() < 2) mistakes_.add(node.mark, "an order of fewer than two events", "write [latch1, latch2]");
@@ -68,7 +69,6 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
       read_joint_condition(node, kind, joint);
       to.a = joint.subject;
       to.axis = joint.axis;
-      to.unit = std::string(joint.axis >= kRotX ? "rad" : "m") + (to.quantity == Measure::kSpeed ? "/s" : "");
       return;
     }
     default:
@@ -76,7 +76,6 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
   }
   YamlMap map(node, kind, mistakes_);
   if (to.quantity == Measure::kTime) {
-    to.unit = "s";
     if (const YamlNode* event = map.require("event")) to.events.push_back(read_event_name(*event));
     if (const YamlNode* after = map.find("after")) to.events.push_back(read_event_name(*after));
   } else if (to.quantity == Measure::kReaction) {
@@ -84,9 +83,7 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
     rows.insert(rows.end(), {"force", "moment"});
     to.a = map.choice("joint", "joint", joints_);
     to.axis = map.choice("row", "row", rows);
-    const bool turns = to.axis == kRows + 1 || (to.axis >= kRotX && to.axis < kRows);
     if (to.axis >= kRows) to.axis = to.axis == kRows ? Requirement::kForce : Requirement::kMoment;
-    to.unit = turns ? "N m" : "N";
   } else if (to.quantity == Measure::kContact) {
     read_requirement_contact(map, to);
   } else if (to.quantity == Measure::kSensor) {
@@ -98,7 +95,6 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
 }
 
 void ScenarioReader::read_requirement_clearance(const YamlNode& node, Requirement& to) {
-  to.unit = "m";
   const std::optional<ClearancePair> pair = read_shape_pair(node);
   if (!pair) return;
   to.a = pair->a.body, to.b = pair->b.body;
@@ -126,16 +122,13 @@ void ScenarioReader::read_requirement_of_bodies(YamlMap& map, Requirement& to) {
   };
   switch (to.quantity) {
     case Measure::kRate:
-      to.unit = "rad/s";
       to.direction = read_direction("about", false);
       break;
     case Measure::kVelocity:
     case Measure::kPosition:
-      to.unit = to.quantity == Measure::kVelocity ? "m/s" : "m";
       to.direction = read_direction("along", false);
       break;
     default:
-      to.unit = "rad";
       to.direction = read_direction("axis", true);
       to.other = read_direction("other", true);
       break;
@@ -143,12 +136,10 @@ void ScenarioReader::read_requirement_of_bodies(YamlMap& map, Requirement& to) {
 }
 
 void ScenarioReader::read_requirement_contact(YamlMap& map, Requirement& to) {
-  static const char* const kUnits[] = {"N", "m", "m", "N s", "J"};
   std::vector<std::string> contacts;
   for (const Contact& contact : model_.contacts) contacts.push_back(contact.name);
   to.a = map.choice("name", "contact", contacts);
   to.axis = std::max(0, map.choice("value", "value", kContactValues, 0));
-  to.unit = kUnits[to.axis];
 }
 
 void ScenarioReader::read_requirement_sensor(YamlMap& map, Requirement& to) {
@@ -160,7 +151,6 @@ void ScenarioReader::read_requirement_sensor(YamlMap& map, Requirement& to) {
   if (to.a < 0 || value < 0) return;
   const Sensor& sensor = model_.sensors[static_cast<std::size_t>(to.a)];
   const int width = sensor_width(sensor.kind);
-  to.unit = width == 4 || sensor.kind == Sensor::Kind::kContact ? "" : sensor_unit(sensor.kind);
   if (value < 7 && width > 1) {
     if (width == 4)
       to.axis = value == 3 ? 0 : value + 1;  // w x y z
@@ -173,15 +163,8 @@ void ScenarioReader::read_requirement_sensor(YamlMap& map, Requirement& to) {
   } else if (value < 7 || width == 1) {
     to.axis = 0;
   }
-  if (sensor.kind == Sensor::Kind::kReaction) {
-    to.unit = to.axis >= kRotX ? "N m" : "N";
-    if (value == 7)
-      mistakes_.add(map.node().mark, "forces and moments have no size together", "value: x … rot_z, or a reaction");
-  } else if (sensor.kind == Sensor::Kind::kAngle || (sensor.kind == Sensor::Kind::kSpeed && sensor.axis >= kRotX)) {
-    to.unit = sensor.kind == Sensor::Kind::kAngle ? "rad" : "rad/s";
-  } else if (sensor.kind == Sensor::Kind::kSpeed) {
-    to.unit = "m/s";
-  }
+  if (sensor.kind == Sensor::Kind::kReaction && value == 7)
+    mistakes_.add(map.node().mark, "forces and moments have no size together", "value: x … rot_z, or a reaction");
 }
 
 // --- The interval and the limit -------------------------------------------------------------------------------------

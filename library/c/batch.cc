@@ -18,13 +18,14 @@ constexpr std::size_t kBodyNumbers = sizeof(BodyState) / sizeof(double);
 }  // namespace
 
 Batch::Batch(const std::string& path, const LoadOptions& options)
-    : scenario_(hil::load_scenario(path, options.overrides)),
-      catalogue_(scenario_),
+    : tree_(path, options.overrides),
+      evaluator_(tree_),
+      catalogue_(tree_.get_nominal()),
       judges_((options.flags & UNLATCH_JUDGE) != 0),
-      bodies_(scenario_.model.bodies.size()),
-      events_(scenario_.model.events.size()),
-      requirements_(scenario_.requirements.size()) {
-  (void)hil::build_simulation(scenario_);  // its mistakes are those of every sample
+      bodies_(tree_.get_nominal().model.bodies.size()),
+      events_(tree_.get_nominal().model.events.size()),
+      requirements_(tree_.get_nominal().requirements.size()) {
+  (void)hil::build_simulation(tree_.get_nominal());  // its mistakes are those of every sample
 }
 
 void Batch::add(std::vector<std::string> overrides) {
@@ -46,8 +47,8 @@ unlatch_status Batch::run(double until, std::size_t threads, std::atomic<bool>& 
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t i = next++; i < size() && !interrupted.load(std::memory_order_relaxed); i = next++) {
-      std::int64_t& status = integers_[UNLATCH_SAMPLE_STATUS][i];
-      if (status == UNLATCH_INTERRUPTED) (void)run_sample(i, until, interrupted);
+      const std::int64_t status = integers_[UNLATCH_SAMPLE_STATUS][i];
+      if (status == UNLATCH_INTERRUPTED) run_sample(i, until, interrupted);
     }
   };
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
@@ -61,69 +62,75 @@ unlatch_status Batch::run(double until, std::size_t threads, std::atomic<bool>& 
                                                                                        : UNLATCH_OK;
 }
 
-bool Batch::run_sample(std::size_t sample, double until, const std::atomic<bool>& stop) {
-  std::int64_t& status = integers_[UNLATCH_SAMPLE_STATUS][sample];
-  try {
-    std::vector<std::string> overrides = scenario_.overrides;
-    overrides.insert(overrides.end(), overrides_[sample].begin(), overrides_[sample].end());
-    return step_sample(sample, until, hil::load_scenario_text(scenario_.text, scenario_.file, overrides), stop);
-  } catch (const hil::ScenarioError& error) {
-    status = UNLATCH_ERROR_SCENARIO;
-    texts_[sample] = error.what();
-  } catch (const std::exception& error) {
-    status = UNLATCH_ERROR_INTERNAL;
-    texts_[sample] = error.what();
+// Its columns are found by name: a sample's overrides may leave some requirements out.
+void Batch::keep(std::size_t sample, const hil::SampleResult& result) {
+  using enum hil::SampleStatus;
+  constexpr auto get_status = [](hil::SampleStatus status) {
+    switch (status) {
+      case kDone:
+        return UNLATCH_OK;
+      case kFaulted:
+        return UNLATCH_ERROR_FAULT;
+      case kInvalid:
+        return UNLATCH_ERROR_SCENARIO;
+      default:
+        return UNLATCH_INTERRUPTED;
+    }
+  };
+  integers_[UNLATCH_SAMPLE_STATUS][sample] = get_status(result.status);
+  if (result.status == kInterrupted) {
+    std::fill_n(&last_bodies_[sample * bodies_ * kBodyNumbers], bodies_ * kBodyNumbers, kNever);
+    return;
   }
-  return true;
+  texts_[sample] = result.message;
+  integers_[UNLATCH_SAMPLE_TICKS][sample] = result.ticks;
+  integers_[UNLATCH_SAMPLE_HASHES][sample] = result.hash;
+  if (result.values.empty()) return;
+  for (std::size_t i = 0; i < requirements_; ++i) {
+    const std::string id = catalogue_.get(UNLATCH_REQUIREMENT)[i].name;
+    values_[sample * requirements_ + i] = result.values[*evaluator_.find(id)];
+    margins_[sample * requirements_ + i] = result.values[*evaluator_.find(id + ".margin")];
+  }
 }
 
-bool Batch::step_sample(std::size_t sample, double until, const hil::Scenario& scenario,
-                        const std::atomic<bool>& stop) {
-  if (scenario.model.events.size() != events_ || scenario.model.bodies.size() != bodies_) {
-    integers_[UNLATCH_SAMPLE_STATUS][sample] = UNLATCH_ERROR_SCENARIO;
-    texts_[sample] = scenario.file + ": with the overrides of this sample it has another number of bodies or events";
-    return true;
-  }
-  const auto simulation = hil::build_simulation(scenario);
-  std::unique_ptr<hil::RunAnalysis> analysis;
-  if (judges_) {
-    analysis = std::make_unique<hil::RunAnalysis>(scenario, *simulation, std::vector<std::int64_t>{});
-    analysis->update(StepReport{});
-  }
-  const std::int64_t last = std::llround((until > 0 ? until : scenario.until) / scenario.dt);
-  hil::LogEnd end;
-  while (simulation->get_tick() < last && end.step_status == 0) {
-    if (stop.load(std::memory_order_relaxed)) return false;
-    const StepReport report = simulation->step();
-    end.step_status = static_cast<std::int32_t>(report.status);
-    end.joint = report.joint;
-    if (report.status != StepStatus::kOk) break;
-    if (analysis) analysis->update(report);
+void Batch::run_sample(std::size_t sample, double until, const std::atomic<bool>& stop) {
+  double* const first_events = &first_events_[sample * events_];
+  std::fill_n(first_events, events_, kNever);  // of a run that was interrupted
+  hil::SampleRun run;
+  run.until = until;
+  run.judges = judges_;
+  run.look = [&](const hil::Scenario& scenario, const hil::Simulation& simulation, const StepReport& report) {
+    if (simulation.get_tick() == 0) check_lists(scenario);
     for (const FiredEvent& fired : report.events) {
-      double& first = first_events_[sample * events_ + static_cast<std::size_t>(fired.event)];
+      double& first = first_events[static_cast<std::size_t>(fired.event)];
       if (std::isnan(first)) first = fired.time;
     }
+  };
+  run.end = [&](const hil::Simulation& simulation) {
+    const std::span<const BodyState> bodies = simulation.state().bodies;
+    std::memcpy(&last_bodies_[sample * bodies_ * kBodyNumbers], bodies.data(), bodies.size_bytes());
+  };
+  try {
+    std::vector<hil::Setting> settings;
+    for (const std::string& text : overrides_[sample]) settings.push_back(hil::parse_setting(text));
+    keep(sample, evaluator_.evaluate(settings, stop, run));
+  } catch (const hil::YamlError& error) {
+    integers_[UNLATCH_SAMPLE_STATUS][sample] = UNLATCH_ERROR_SCENARIO;
+    texts_[sample] = std::string("an override: ") + error.what() + "; " + error.mend;
+  } catch (const std::exception& error) {
+    integers_[UNLATCH_SAMPLE_STATUS][sample] = UNLATCH_ERROR_INTERNAL;
+    texts_[sample] = error.what();
   }
-  end.tick = simulation->get_tick();
-  const std::span<const BodyState> bodies = simulation->state().bodies;
-  std::memcpy(&last_bodies_[sample * bodies_ * kBodyNumbers], bodies.data(), bodies.size_bytes());
-  if (analysis) keep_verdicts(sample, scenario, analysis->judge());
-  integers_[UNLATCH_SAMPLE_TICKS][sample] = end.tick;
-  integers_[UNLATCH_SAMPLE_HASHES][sample] = simulation->calc_hash();
-  integers_[UNLATCH_SAMPLE_STATUS][sample] = end.step_status == 0 ? UNLATCH_OK : UNLATCH_ERROR_FAULT;
-  if (end.step_status != 0) texts_[sample] = hil::describe_fault(end, scenario.model, scenario.dt);
-  return true;
 }
 
-// Requirements are known by their names: a sample's overrides may leave some out.
-void Batch::keep_verdicts(std::size_t sample, const hil::Scenario& scenario,
-                          const std::vector<hil::Verdict>& verdicts) {
-  for (const hil::Verdict& verdict : verdicts) {
-    const int at = catalogue_.find(UNLATCH_REQUIREMENT, scenario.requirements[verdict.requirement].id);
-    if (at < 0 || !verdict.evaluated) continue;
-    values_[sample * requirements_ + static_cast<std::size_t>(at)] = verdict.value;
-    margins_[sample * requirements_ + static_cast<std::size_t>(at)] = verdict.margin;
-  }
+// Results are tables: every sample has the bodies and events of the scenario.
+void Batch::check_lists(const hil::Scenario& scenario) const {
+  if (scenario.model.events.size() == events_ && scenario.model.bodies.size() == bodies_) return;
+  throw hil::ScenarioError({{scenario.file,
+                             {},
+                             "",
+                             "with the overrides of this sample it has another number of bodies or events",
+                             "a batch has one list of them; add what is missing, or run it in a batch of its own"}});
 }
 
 unlatch_status Batch::get_array(std::int32_t which, unlatch_array& array) const {

@@ -1,4 +1,4 @@
-// Many samples of one scenario, each with overrides of its own, run by threads.
+// Many samples of one scenario, each with overrides of its own, run by threads with the evaluator of campaigns.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/scenario/scenario.h"
+#include "hil/campaign/evaluation.h"
 #include "library/c/catalogue.h"
 #include "library/c/engine.h"
 #include "library/include/unlatch.h"
@@ -29,12 +29,12 @@ class Batch {
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
 
  private:
-  // The result of one sample's run; `false` where it was interrupted.
-  bool run_sample(std::size_t sample, double until, const std::atomic<bool>& stop);
-  bool step_sample(std::size_t sample, double until, const hil::Scenario& scenario, const std::atomic<bool>& stop);
-  void keep_verdicts(std::size_t sample, const hil::Scenario& scenario, const std::vector<hil::Verdict>& verdicts);
+  void run_sample(std::size_t sample, double until, const std::atomic<bool>& stop);
+  void check_lists(const hil::Scenario& scenario) const;  // throws ScenarioError
+  void keep(std::size_t sample, const hil::SampleResult& result);
 
-  const hil::Scenario scenario_;  // without the samples' overrides
+  const hil::ScenarioTree tree_;  // without the samples' overrides
+  const hil::SampleEvaluator evaluator_;
   const Catalogue catalogue_;
   const bool judges_;
   const std::size_t bodies_, events_, requirements_;

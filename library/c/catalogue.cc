@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "hil/scenario/measurable.h"
 #include "library/c/errors.h"
 
 namespace unlatch::library {
@@ -48,6 +49,11 @@ Catalogue::Catalogue(const hil::Scenario& scenario) {
     item.a = pair.a.body;
     item.b = pair.b.body;
   }
+  for (const hil::Measurable& quantity : hil::list_measurables(scenario))
+    add(UNLATCH_QUANTITY, quantity.name, quantity.unit, quantity.text);
+  for (const hil::NamedConstant& constant : scenario.constants)
+    add(UNLATCH_CONSTANT, constant.name, hil::describe_unit(constant.value.dimension), "constants." + constant.name)
+        .initial = constant.value.value;
 }
 
 unlatch_item& Catalogue::add(std::int32_t kind, std::string name, std::string unit, std::string text) {

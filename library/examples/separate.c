@@ -30,7 +30,7 @@ static unlatch_status command(unlatch_simulation* sim, const char* name, double 
 }
 
 int main(int argc, char** argv) {
-  /* What is commanded at which tick of 1 ms; the nozzles follow 12 ms after the contact of their booster. */
+  /* Commands by ticks of 1 ms; the nozzles follow 12 ms after the contact of their booster. */
   static const struct {
     int64_t tick;
     const char* channel;

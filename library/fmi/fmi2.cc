@@ -1,19 +1,21 @@
 // The functions of FMI 2.0 for co-simulation, by the standard's text.
 #include <cstddef>
-#include <cstring>
 #include <exception>
 #include <string>
 
-#include "library/fmi/instance.h"
+#include "library/fmi/calls.h"
 
-using unlatch::fmi::find_instance;
+using unlatch::fmi::access_none;
 using unlatch::fmi::Instance;
+using unlatch::fmi::kError;
+using unlatch::fmi::move;
+using unlatch::fmi::refuse;
+using unlatch::fmi::Status;
+using unlatch::fmi::with;
 using Phase = Instance::Phase;
 
 namespace {
 
-using Status = int;
-constexpr Status kOk = 0, kError = 3;
 constexpr int kCoSimulation = 1;
 using References = const unsigned int*;
 
@@ -24,28 +26,6 @@ struct Callbacks {
   void (*step_finished)(void*, Status);
   void* environment;
 };
-using State = std::vector<std::byte>;
-
-template <class Function>
-Status with(void* pointer, const Function& function) noexcept {
-  Instance* const instance = find_instance(pointer);
-  if (instance == nullptr) return kError;
-  try {
-    return function(*instance) ? kOk : kError;
-  } catch (const std::exception& error) {
-    instance->refuse(error.what());
-    return kError;
-  }
-}
-
-Status refuse(void* pointer, const char* what) noexcept {
-  return with(pointer, [&](Instance& instance) { return instance.refuse(std::string(what) + " is not offered"); });
-}
-Status access_none(void* pointer, std::size_t count) noexcept {
-  return with(pointer, [&](Instance& instance) {
-    return count == 0 || instance.refuse("all variables of this FMU are of type Real");
-  });
-}
 
 }  // namespace
 
@@ -81,21 +61,13 @@ Status fmi2SetupExperiment(void* pointer, int, double, double start, int, double
   });
 }
 Status fmi2EnterInitializationMode(void* pointer) {
-  return with(pointer, [](Instance& instance) {
-    return instance.move(Phase::kInstantiated, Phase::kInitialization, "entering initialization mode");
-  });
+  return move(pointer, Phase::kInstantiated, Phase::kInitialization, "entering initialization mode");
 }
 Status fmi2ExitInitializationMode(void* pointer) {
-  return with(pointer, [](Instance& instance) {
-    return instance.move(Phase::kInitialization, Phase::kStep, "leaving initialization mode");
-  });
+  return move(pointer, Phase::kInitialization, Phase::kStep, "leaving initialization mode");
 }
-Status fmi2Terminate(void* pointer) {
-  return with(pointer, [](Instance& instance) { return instance.terminate(); });
-}
-Status fmi2Reset(void* pointer) {
-  return with(pointer, [](Instance& instance) { return instance.reset(); });
-}
+Status fmi2Terminate(void* pointer) { return unlatch::fmi::terminate(pointer); }
+Status fmi2Reset(void* pointer) { return unlatch::fmi::reset(pointer); }
 
 Status fmi2GetReal(void* pointer, References references, std::size_t count, double* values) {
   return with(pointer, [&](Instance& instance) { return instance.get(references, count, values, count); });
@@ -119,53 +91,17 @@ Status fmi2DoStep(void* pointer, double time, double size, int) {
   });
 }
 
-Status fmi2GetFMUstate(void* pointer, void** state) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr) return instance.refuse("fmi2GetFMUstate: null");
-    auto saved = *state != nullptr ? nullptr : std::make_unique<State>();
-    if (!instance.save(saved ? *saved : *static_cast<State*>(*state))) return false;
-    if (saved) *state = saved.release();
-    return true;
-  });
-}
-Status fmi2SetFMUstate(void* pointer, void* state) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr) return instance.refuse("fmi2SetFMUstate: null");
-    const State& saved = *static_cast<State*>(state);
-    return instance.restore(saved.data(), saved.size());
-  });
-}
-Status fmi2FreeFMUstate(void* pointer, void** state) {
-  return with(pointer, [&](Instance&) {
-    if (state == nullptr) return true;
-    delete static_cast<State*>(*state);
-    *state = nullptr;
-    return true;
-  });
-}
+Status fmi2GetFMUstate(void* pointer, void** state) { return unlatch::fmi::get_state(pointer, state); }
+Status fmi2SetFMUstate(void* pointer, void* state) { return unlatch::fmi::set_state(pointer, state); }
+Status fmi2FreeFMUstate(void* pointer, void** state) { return unlatch::fmi::free_state(pointer, state); }
 Status fmi2SerializedFMUstateSize(void* pointer, void* state, std::size_t* size) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr || size == nullptr) return instance.refuse("fmi2SerializedFMUstateSize: null");
-    *size = static_cast<State*>(state)->size();
-    return true;
-  });
+  return unlatch::fmi::get_state_size(pointer, state, size);
 }
 Status fmi2SerializeFMUstate(void* pointer, void* state, char* bytes, std::size_t size) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr || bytes == nullptr || size != static_cast<State*>(state)->size())
-      return instance.refuse("fmi2SerializeFMUstate: null, or another size than that of the state");
-    std::memcpy(bytes, static_cast<State*>(state)->data(), size);
-    return true;
-  });
+  return unlatch::fmi::serialize_state(pointer, state, bytes, size);
 }
 Status fmi2DeSerializeFMUstate(void* pointer, const char* bytes, std::size_t size, void** state) {
-  return with(pointer, [&](Instance& instance) {
-    if (bytes == nullptr || state == nullptr) return instance.refuse("fmi2DeSerializeFMUstate: null");
-    const auto* const begin = reinterpret_cast<const std::byte*>(bytes);
-    if (*state == nullptr) *state = new State;
-    static_cast<State*>(*state)->assign(begin, begin + size);
-    return true;
-  });
+  return unlatch::fmi::deserialize_state(pointer, bytes, size, state);
 }
 
 #define UNLATCH_FMI2_REFUSED(Name, ...) \

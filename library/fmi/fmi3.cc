@@ -2,46 +2,23 @@
 // reading or writing no variables of another type gives fmi3OK.
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <exception>
 
-#include "library/fmi/instance.h"
+#include "library/fmi/calls.h"
 
-using unlatch::fmi::find_instance;
+using unlatch::fmi::access_none;
 using unlatch::fmi::Instance;
+using unlatch::fmi::kError;
+using unlatch::fmi::move;
+using unlatch::fmi::refuse;
+using unlatch::fmi::Status;
+using unlatch::fmi::with;
 using Phase = Instance::Phase;
 
 namespace {
 
-using Status = int;
-constexpr Status kOk = 0, kError = 3;
 using Log = void (*)(void* environment, Status status, const char* category, const char* message);
 using References = const std::uint32_t*;
-
-// Calls a function of a living instance that gives true or false.
-template <class Function>
-Status with(void* pointer, const Function& function) noexcept {
-  Instance* const instance = find_instance(pointer);
-  if (instance == nullptr) return kError;
-  try {
-    return function(*instance) ? kOk : kError;
-  } catch (const std::exception& error) {
-    instance->refuse(error.what());
-    return kError;
-  }
-}
-
-Status refuse(void* pointer, const char* what) noexcept {
-  return with(pointer, [&](Instance& instance) { return instance.refuse(std::string(what) + " is not offered"); });
-}
-
-Status access_none(void* pointer, std::size_t count) noexcept {
-  return with(pointer, [&](Instance& instance) {
-    return count == 0 || instance.refuse("all variables of this FMU are of type Float64");
-  });
-}
-
-using State = std::vector<std::byte>;
 
 }  // namespace
 
@@ -92,10 +69,7 @@ Status fmi3EnterEventMode(void* pointer) {
     return instance.move(Phase::kStep, Phase::kEvent, "entering event mode");
   });
 }
-Status fmi3EnterStepMode(void* pointer) {
-  return with(pointer,
-              [](Instance& instance) { return instance.move(Phase::kEvent, Phase::kStep, "entering step mode"); });
-}
+Status fmi3EnterStepMode(void* pointer) { return move(pointer, Phase::kEvent, Phase::kStep, "entering step mode"); }
 Status fmi3UpdateDiscreteStates(void* pointer, bool* update, bool* terminate, bool* nominals, bool* values,
                                 bool* next_defined, double* next) {
   return with(pointer, [&](Instance& instance) {
@@ -109,12 +83,8 @@ Status fmi3UpdateDiscreteStates(void* pointer, bool* update, bool* terminate, bo
 Status fmi3EvaluateDiscreteStates(void* pointer) {
   return with(pointer, [](Instance&) { return true; });
 }
-Status fmi3Terminate(void* pointer) {
-  return with(pointer, [](Instance& instance) { return instance.terminate(); });
-}
-Status fmi3Reset(void* pointer) {
-  return with(pointer, [](Instance& instance) { return instance.reset(); });
-}
+Status fmi3Terminate(void* pointer) { return unlatch::fmi::terminate(pointer); }
+Status fmi3Reset(void* pointer) { return unlatch::fmi::reset(pointer); }
 
 Status fmi3DoStep(void* pointer, double time, double size, bool, bool* event_needed, bool* terminate, bool* early,
                   double* last) {
@@ -172,53 +142,17 @@ Status fmi3SetClock(void* pointer, References, std::size_t count, const bool*) {
 
 // --- States
 
-Status fmi3GetFMUState(void* pointer, void** state) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr) return instance.refuse("fmi3GetFMUState: null");
-    auto saved = *state != nullptr ? nullptr : std::make_unique<State>();
-    if (!instance.save(saved ? *saved : *static_cast<State*>(*state))) return false;
-    if (saved) *state = saved.release();
-    return true;
-  });
-}
-Status fmi3SetFMUState(void* pointer, void* state) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr) return instance.refuse("fmi3SetFMUState: null");
-    const State& saved = *static_cast<State*>(state);
-    return instance.restore(saved.data(), saved.size());
-  });
-}
-Status fmi3FreeFMUState(void* pointer, void** state) {
-  return with(pointer, [&](Instance&) {
-    if (state == nullptr) return true;
-    delete static_cast<State*>(*state);
-    *state = nullptr;
-    return true;
-  });
-}
+Status fmi3GetFMUState(void* pointer, void** state) { return unlatch::fmi::get_state(pointer, state); }
+Status fmi3SetFMUState(void* pointer, void* state) { return unlatch::fmi::set_state(pointer, state); }
+Status fmi3FreeFMUState(void* pointer, void** state) { return unlatch::fmi::free_state(pointer, state); }
 Status fmi3SerializedFMUStateSize(void* pointer, void* state, std::size_t* size) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr || size == nullptr) return instance.refuse("fmi3SerializedFMUStateSize: null");
-    *size = static_cast<State*>(state)->size();
-    return true;
-  });
+  return unlatch::fmi::get_state_size(pointer, state, size);
 }
 Status fmi3SerializeFMUState(void* pointer, void* state, std::uint8_t* bytes, std::size_t size) {
-  return with(pointer, [&](Instance& instance) {
-    if (state == nullptr || bytes == nullptr || size != static_cast<State*>(state)->size())
-      return instance.refuse("fmi3SerializeFMUState: null, or another size than that of the state");
-    std::memcpy(bytes, static_cast<State*>(state)->data(), size);
-    return true;
-  });
+  return unlatch::fmi::serialize_state(pointer, state, bytes, size);
 }
 Status fmi3DeserializeFMUState(void* pointer, const std::uint8_t* bytes, std::size_t size, void** state) {
-  return with(pointer, [&](Instance& instance) {
-    if (bytes == nullptr || state == nullptr) return instance.refuse("fmi3DeserializeFMUState: null");
-    const auto* const begin = reinterpret_cast<const std::byte*>(bytes);
-    if (*state == nullptr) *state = new State;
-    static_cast<State*>(*state)->assign(begin, begin + size);
-    return true;
-  });
+  return unlatch::fmi::deserialize_state(pointer, bytes, size, state);
 }
 
 // --- What is not offered

@@ -27,33 +27,58 @@ std::map<void*, std::unique_ptr<Instance>>& get_table() {
 
 std::unique_ptr<Instance> Instance::create(const std::string& resources, const char* token, Log log) {
   std::unique_ptr<Instance> made(new Instance(std::move(log)));
-  const std::string text = read_file(resources + "/scenario.yaml");
-  if (text.empty()) return made->refuse(resources + "/scenario.yaml cannot be read"), nullptr;
-  std::vector<std::string> overrides;
+  made->text_ = read_file(resources + "/scenario.yaml");
+  if (made->text_.empty()) return made->refuse(resources + "/scenario.yaml cannot be read"), nullptr;
   std::istringstream lines(read_file(resources + "/overrides.txt"));
-  for (std::string line; std::getline(lines, line);) overrides.push_back(line);
-  if (token == nullptr || calc_token(text, overrides) != token)
+  for (std::string line; std::getline(lines, line);) made->overrides_.push_back(line);
+  if (token == nullptr || calc_token(made->text_, made->overrides_) != token)
     return made->refuse("the instantiation token is not that of this FMU's description"), nullptr;
+  if (!made->load({})) return nullptr;
+  for (const Variable& variable : made->variables_)
+    if (variable.causality == Variable::Causality::kParameter) made->starts_.push_back(variable.start);
+  made->parameters_ = made->starts_;
+  made->first_parameter_ = made->variables_.size() - made->starts_.size();
+  return made;
+}
+
+bool Instance::load(const std::vector<double>& parameters) {
+  std::vector<std::string> lines = overrides_;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const Variable& variable = variables_[first_parameter_ + i];
+    char number[32];
+    std::snprintf(number, sizeof number, "=%.17g ", parameters[i]);
+    if (!(parameters[i] == starts_[i])) lines.push_back(variable.name + number + variable.unit);
+  }
   std::vector<const char*> pointers;
-  for (const std::string& line : overrides) pointers.push_back(line.c_str());
+  for (const std::string& line : lines) pointers.push_back(line.c_str());
   unlatch_options options{};
   options.size = sizeof options;
   options.overrides = pointers.data();
   options.override_count = pointers.size();
+  unlatch_simulation* made = nullptr;
   std::size_t pairs = 0;
   // Clearances are computed where the scenario watches some.
   for (const bool judges : {false, true}) {
     options.flags = judges ? UNLATCH_JUDGE : 0;
-    if (made->simulation_ != nullptr) (void)unlatch_close(made->simulation_);
-    made->simulation_ = nullptr;
-    if (unlatch_load_text(text.data(), text.size(), "scenario.yaml", &options, &made->simulation_) != UNLATCH_OK)
-      return made->refuse_of_library("loading the scenario"), nullptr;
-    if (unlatch_count(made->simulation_, UNLATCH_CLEARANCE, &pairs) != UNLATCH_OK || pairs == 0) break;
+    if (made != nullptr) (void)unlatch_close(made);
+    if (unlatch_load_text(text_.data(), text_.size(), "scenario.yaml", &options, &made) != UNLATCH_OK)
+      return refuse_of_library("loading the scenario");
+    if (unlatch_count(made, UNLATCH_CLEARANCE, &pairs) != UNLATCH_OK || pairs == 0) break;
   }
-  made->variables_ = list_variables(made->simulation_);
-  if (made->variables_.empty()) return made->refuse_of_library("listing the variables"), nullptr;
-  (void)unlatch_get_scenario(made->simulation_, nullptr, &made->dt_, nullptr);
-  return made;
+  std::vector<Variable> variables = list_variables(made);
+  bool good = !variables.empty() || refuse_of_library("listing the variables");
+  if (good && !variables_.empty() && variables.size() != variables_.size())
+    good = refuse("with these parameters the scenario has another number of variables");
+  for (const auto& [reference, value] : inputs_set_)
+    if (good && unlatch_set_channel(made, reference - 1, value) != UNLATCH_OK)
+      good = refuse_of_library("setting an input again");
+  if (!good) return (void)unlatch_close(made), false;
+  if (simulation_ != nullptr) (void)unlatch_close(simulation_);
+  simulation_ = made;
+  variables_ = std::move(variables);
+  parameters_ = parameters;
+  (void)unlatch_get_scenario(simulation_, nullptr, &dt_, nullptr);
+  return true;
 }
 
 Instance::~Instance() {
@@ -83,7 +108,12 @@ bool Instance::terminate() {
 }
 
 bool Instance::reset() {
-  if (unlatch_reset(simulation_) != UNLATCH_OK) return refuse_of_library("resetting");
+  inputs_set_.clear();
+  if (parameters_ != starts_) {
+    if (!load(starts_)) return false;
+  } else if (unlatch_reset(simulation_) != UNLATCH_OK) {
+    return refuse_of_library("resetting");
+  }
   phase_ = Phase::kInstantiated;
   return true;
 }
@@ -95,7 +125,8 @@ bool Instance::get(const std::uint32_t* references, std::size_t count, double* v
     if (references[i] >= variables_.size())
       return refuse("value reference " + std::to_string(references[i]) + " is unknown");
     const double* const data = variables_[references[i]].data;
-    values[i] = data != nullptr ? *data : get_time();
+    const bool is_parameter = references[i] >= first_parameter_;
+    values[i] = data != nullptr ? *data : is_parameter ? parameters_[references[i] - first_parameter_] : get_time();
   }
   return true;
 }
@@ -105,14 +136,30 @@ bool Instance::set(const std::uint32_t* references, std::size_t count, const dou
     return refuse("setting values: null, or another number of values than of references");
   if (phase_ == Phase::kTerminated) return refuse("setting values is not allowed after termination");
   for (std::size_t i = 0; i < count; ++i) {
-    if (references[i] >= variables_.size() || !variables_[references[i]].input)
-      return refuse("value reference " + std::to_string(references[i]) + " is no input");
+    if (!may_set(references[i])) return false;
   }
+  std::vector<double> parameters = parameters_;
+  for (std::size_t i = 0; i < count; ++i)
+    if (references[i] >= first_parameter_) parameters[references[i] - first_parameter_] = values[i];
+  if (parameters != parameters_ && !load(parameters)) return false;
   for (std::size_t i = 0; i < count; ++i) {
+    if (references[i] >= first_parameter_) continue;
     if (unlatch_set_channel(simulation_, references[i] - 1, values[i]) != UNLATCH_OK)
       return refuse_of_library("setting an input");
+    inputs_set_[references[i]] = values[i];
   }
   return true;
+}
+
+bool Instance::may_set(std::uint32_t reference) const {
+  using enum Variable::Causality;
+  const auto causality = reference < variables_.size() ? variables_[reference].causality : kOutput;
+  if (causality == kInput) return true;
+  const bool is_early = phase_ == Phase::kInstantiated || phase_ == Phase::kInitialization;
+  if (causality == kParameter && is_early) return true;
+  return refuse(
+      "value reference " + std::to_string(reference) +
+      (causality == kParameter ? " is a parameter: it is set before the run alone" : " is no input and no parameter"));
 }
 
 double Instance::get_time() const {
@@ -140,18 +187,30 @@ bool Instance::step(double time, double size, bool stops, bool& stopped) {
   return true;
 }
 
+// A state: that of the library, the parameters, the phase.
 bool Instance::save(std::vector<std::byte>& state) {
   std::size_t needed = 0;
   if (unlatch_save(simulation_, nullptr, 0, &needed) != UNLATCH_OK) return refuse_of_library("saving");
-  state.resize(needed + 1);
-  state[needed] = static_cast<std::byte>(phase_);
+  const std::size_t length = parameters_.size() * sizeof(double);
+  state.resize(needed + length + 1);
+  if (length > 0) std::memcpy(&state[needed], parameters_.data(), length);
+  state.back() = static_cast<std::byte>(phase_);
   return unlatch_save(simulation_, state.data(), needed, &needed) == UNLATCH_OK || refuse_of_library("saving");
 }
 
 bool Instance::restore(const std::byte* state, std::size_t size) {
-  if (state == nullptr || size == 0 || state[size - 1] > static_cast<std::byte>(Phase::kTerminated))
+  const std::size_t length = starts_.size() * sizeof(double);
+  if (state == nullptr || size < length + 1 || state[size - 1] > static_cast<std::byte>(Phase::kTerminated))
     return refuse("restoring: this is no state of this FMU");
-  if (unlatch_restore(simulation_, state, size - 1) != UNLATCH_OK) return refuse_of_library("restoring");
+  std::vector<double> parameters(starts_.size());
+  if (length > 0) std::memcpy(parameters.data(), state + size - 1 - length, length);
+  const std::vector<double> before = parameters_;
+  if (parameters != before && !load(parameters)) return false;
+  if (unlatch_restore(simulation_, state, size - 1 - length) != UNLATCH_OK) {
+    refuse_of_library("restoring");
+    if (parameters != before) (void)load(before);
+    return false;
+  }
   phase_ = static_cast<Phase>(state[size - 1]);
   return true;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -45,12 +46,21 @@ class Instance {
 
  private:
   explicit Instance(Log log) : log_(std::move(log)) {}
+  // The scenario with these values of its parameters, at its start; the inputs that were set are set again. After an
+  // error the simulation is what it was.
+  bool load(const std::vector<double>& parameters);
+  [[nodiscard]] bool may_set(std::uint32_t reference) const;
   bool refuse_of_library(const char* call) const;
 
   Log log_;
   unlatch_simulation* simulation_ = nullptr;
-  std::vector<Variable> variables_;
-  double dt_ = 0;  // s
+  std::string text_;                            // of the scenario
+  std::vector<std::string> overrides_;          // PATH=VALUE
+  std::vector<Variable> variables_;             // parameters last
+  std::size_t first_parameter_ = 0;             // value reference
+  std::vector<double> starts_, parameters_;     // of the parameters: as exported, and as they are
+  std::map<std::uint32_t, double> inputs_set_;  // by value reference
+  double dt_ = 0;                               // s
   Phase phase_ = Phase::kInstantiated;
 };
 

@@ -13,12 +13,13 @@ class Lister {
   explicit Lister(unlatch_simulation* simulation) : simulation_(simulation) {}
 
   std::vector<Variable> list() {
-    variables_.push_back({"time", "s", "simulated time", false, 0, 0, 0, nullptr});
+    variables_.push_back({"time", "s", "simulated time", Variable::Causality::kIndependent, 0, 0, 0, nullptr});
     add_channels();
     add_sensors();
     add_reactions();
     add_bodies();
     add_clearances();
+    add_constants();
     return good_ ? std::move(variables_) : std::vector<Variable>{};
   }
 
@@ -51,8 +52,8 @@ class Lister {
     const unlatch_array values = get_array(UNLATCH_CHANNELS);
     for (std::size_t i = 0, n = count(UNLATCH_CHANNEL); i < n && good_; ++i) {
       const unlatch_item item = describe(UNLATCH_CHANNEL, i);
-      variables_.push_back({std::string("channels.") + item.name, item.unit, "command", true, item.initial,
-                            item.minimum, item.maximum, at(values, i, 0)});
+      variables_.push_back({std::string("channels.") + item.name, item.unit, "command", Variable::Causality::kInput,
+                            item.initial, item.minimum, item.maximum, at(values, i, 0)});
     }
   }
   void add_sensors() {
@@ -106,8 +107,15 @@ class Lister {
       add("clearances." + name(item.a) + "." + name(item.b), "m", "distance of the two bodies", at(values, i, 0));
     }
   }
+  void add_constants() {
+    for (std::size_t i = 0, n = count(UNLATCH_CONSTANT); i < n && good_; ++i) {
+      const unlatch_item item = describe(UNLATCH_CONSTANT, i);
+      variables_.push_back({item.text, item.unit, "constant of the scenario", Variable::Causality::kParameter,
+                            item.initial, 0, 0, nullptr});
+    }
+  }
   void add(std::string name, std::string unit, const char* description, const double* data) {
-    variables_.push_back({std::move(name), std::move(unit), description, false, 0, 0, 0, data});
+    variables_.push_back({std::move(name), std::move(unit), description, Variable::Causality::kOutput, 0, 0, 0, data});
   }
 
   unlatch_simulation* const simulation_;

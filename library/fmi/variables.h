@@ -1,7 +1,9 @@
-// The variables of an FMU: the channels of a scenario as inputs; sensors, reactions, bodies and clearances as outputs.
+// The variables of an FMU: the channels of a scenario as inputs; sensors, reactions, bodies and clearances as outputs;
+// its constants as parameters.
 // The description and the running FMU make the same list from the same scenario.
 //
-//   value reference   0: time; 1 + i: channel i; then sensors, reactions, bodies, clearances, numbered on
+//   value reference   0: time; 1 + i: channel i; then sensors, reactions, bodies, clearances, constants, numbered
+//                     on
 #pragma once
 
 #include <cstdint>
@@ -13,11 +15,13 @@
 namespace unlatch::fmi {
 
 struct Variable {
-  std::string name, unit;                      // "sensors.gyro.x", "rad/s"
-  std::string description;                     // for people
-  bool input = false;                          // else an output
-  double start = 0, minimum = 0, maximum = 0;  // of inputs
-  const double* data = nullptr;                // present value; null for time
+  std::string name, unit;   // "sensors.gyro.x", "rad/s"
+  std::string description;  // for people
+  enum class Causality { kIndependent, kInput, kParameter, kOutput };
+  Causality causality = Causality::kOutput;
+  double start = 0;                 // of inputs and parameters
+  double minimum = 0, maximum = 0;  // of inputs
+  const double* data = nullptr;     // present value; null for time and parameters
 };
 
 // The first is the independent variable `time`. Empty after an error of the library.

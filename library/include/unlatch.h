@@ -114,17 +114,20 @@ enum {
   UNLATCH_SIGNAL = 4,
   UNLATCH_EVENT_KIND = 5, /* events that the scenario describes */
   UNLATCH_REQUIREMENT = 6,
-  UNLATCH_CLEARANCE = 7   /* watched pairs of bodies */
+  UNLATCH_CLEARANCE = 7,  /* watched pairs of bodies */
+  UNLATCH_QUANTITY = 8,   /* what requirements can be about: "reaction.nose1.x" */
+  UNLATCH_CONSTANT = 9    /* the scenario's own constants; "constants.NAME=VALUE" overrides one */
 };
 
 typedef struct unlatch_item {
   size_t size;           /* of this struct */
   const char* name;      /* unique in its list; clearances: "core – booster1" */
   const char* unit;      /* of its values, SI; "" if it has none, or several */
-  const char* text;      /* events: their subject; requirements: their text; joints: "core – nose"; else "" */
+  const char* text;      /* events: their subject; requirements: their text; joints: "core – nose"; quantities: as
+                           a requirement writes them; constants: their path, "constants.NAME"; else "" */
   int32_t first, width;  /* sensors: place of its first value, number of values; joints: 0, number of modes */
   int32_t a, b;          /* joints: base and follower; clearances: the bodies; -1: the ground; else -1 */
-  double initial;        /* channels */
+  double initial;        /* channels; constants: the value */
   double minimum, maximum; /* channels: their range; requirements: the limits, infinite where there is none */
   double safe;           /* channels */
 } unlatch_item;

@@ -5,10 +5,13 @@
 """
 import ctypes
 import math
+import os
 import re
+import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_uint8, c_void_p
 from pathlib import Path
 
@@ -21,6 +24,17 @@ sys.path.insert(0, str(BIN.parent / "python"))
 import unlatch  # noqa: E402
 
 OK, ERROR = 0, 3
+PROBE = """unlatch: 1
+name: probe
+step: {dt: 0.001, until: 0.5}
+constants: {load: 100 kg, push: 5 kN}
+bodies:
+  probe: {mass: load, inertia: [10, 20, 25]}
+channels:
+  throttle: {initial: 0, range: [0, 1], safe: 0}
+elements:
+  engine: {type: thrust, body: probe, direction: [1, 0, 0], profile: push, channel: throttle}
+"""
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 SEQUENCE = {100: ("throttle", 0.84), 250: ("verniers", 0), 300: ("rudder", 0), 450: ("cut_ties", 1), 500: ("cutoff", 1)}
 TYPES = "Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String Binary"
@@ -126,7 +140,7 @@ class Fmu:
 
 class FmuTest(ProcessTest):
     def unpack(self, version, scenario=BOOSTERS, *more):
-        folder = self.folder / f"fmu {version}"  # a blank in the path, as on people's desks
+        folder = self.folder / f"fmu {version} {Path(scenario).stem}"  # a blank in the path, as on people's desks
         if not folder.exists():
             file = self.folder / f"{version}.fmu"
             self.run_ok(UNLATCH, "export", scenario, "--fmu", file, "--fmi", version, *more)
@@ -141,11 +155,12 @@ class FmuTest(ProcessTest):
         return fmu
 
     def read_hash(self, fmu, scenario):
-        """A state of an FMU is one of the C library, and its mode."""
+        """A state of an FMU is one of the C library, its parameters, its mode; `scenario` has them all."""
         state, data = fmu.save()
         self.assertEqual(fmu.call(fmu.state_name("FreeFMUState"), byref(state)), OK)
+        parameters = [name for name in fmu.references if name.startswith("constants.")]
         with unlatch.load(scenario) as sim:
-            sim.restore(data[:-1])
+            sim.restore(data[:len(data) - 1 - 8 * len(parameters)])
             return sim.hash
 
     def separate(self, version):
@@ -295,15 +310,17 @@ class FmuTest(ProcessTest):
                 number = variable if version == 3 else variable[0]
                 self.assertEqual(number.tag, "Float64" if version == 3 else "Real")
                 self.assertIn(number.get("unit", "m"), units, variable.get("name"))
-                self.assertEqual(variable.get("variability"), "continuous")
+                self.assertEqual(variable.get("variability"), "fixed" if variable.get("causality") == "parameter" else "continuous")
                 kinds.setdefault(variable.get("causality"), []).append((place, variable))
                 if variable.get("causality") == "input":  # has a start in its range
                     self.assertTrue(float(number.get("min")) <= float(number.get("start")) <= float(number.get("max")))
+                elif variable.get("causality") == "parameter":
+                    self.assertTrue(math.isfinite(float(number.get("start"))))
                 else:
                     self.assertIsNone(number.get("start"))
             self.assertEqual([variable.get("name") for _, variable in kinds["independent"]], ["time"])
             self.assertEqual(len(kinds["input"]), 21)
-            self.assertEqual(set(kinds), {"independent", "input", "output"})
+            self.assertEqual(set(kinds), {"independent", "input", "output", "parameter"})
             structure = root.find("ModelStructure")
             for kind in ("Output", "InitialUnknown"):
                 if version == 3:
@@ -312,6 +329,93 @@ class FmuTest(ProcessTest):
                 else:
                     listed = [int(unknown.get("index")) for unknown in structure.find(f"{kind}s")]
                     self.assertEqual(listed, [place + 1 for place, _ in kinds["output"]])
+
+    def test_the_constants_of_the_scenario_are_parameters_with_units(self):
+        for version in (3, 2):
+            fmu = self.open(version)
+            listed = {variable.get("name"): variable if version == 3 else variable[0] for variable in fmu.description.find("ModelVariables")
+                      if variable.get("causality") == "parameter"}
+            with unlatch.load(BOOSTERS) as sim:
+                self.assertEqual({name: (float(v.get("start")), v.get("unit", "")) for name, v in listed.items()},
+                                 {f"constants.{name}": (constant.value, constant.unit) for name, constant in sim.constants.items()})
+            self.assertEqual(fmu.get("constants.node_radius"), 1.32)
+            self.assertEqual(fmu.set("constants.node_radius", 1.4), ERROR)  # the joints would be apart
+            self.assertEqual(fmu.get("constants.node_radius"), 1.32)
+
+    def test_parameters_are_set_before_the_run_and_belong_to_the_state(self):
+        scenario = self.folder / "probe.yaml"
+        scenario.write_text(PROBE, encoding="utf-8")
+        with unlatch.load(scenario, {"constants.load": "125 kg"}) as sim:
+            sim.channels["throttle"] = 0.5
+            sim.run(until=0.4)
+            wanted = sim.bodies["probe"].position[0]
+        for version in (3, 2):
+            fmu, other = self.open(version, scenario), self.open(version, scenario)
+            self.assertEqual(fmu.set("channels.throttle", 0.5), OK)
+            self.assertEqual(fmu.set("constants.load", 125), OK, fmu.messages)
+            self.assertEqual((fmu.get("constants.load"), fmu.get("constants.push"), fmu.get("channels.throttle")), (125, 5000, 0.5))
+            for value in (math.nan, math.inf, -1.0):
+                self.assertEqual(fmu.set("constants.load", value), ERROR)
+            self.assertEqual(fmu.begin(), OK, fmu.messages)
+            self.assertEqual(fmu.set("constants.load", 130), ERROR)  # in the run
+            self.assertEqual(fmu.step(0.0, 0.4)[0], OK)
+            self.assertEqual((fmu.get("constants.load"), fmu.get("bodies.probe.position.x")), (125, wanted))
+            state, data = fmu.save()
+            again = c_void_p()
+            self.assertEqual(fmu.call("Reset"), OK)
+            self.assertEqual((fmu.get("constants.load"), fmu.get("channels.throttle"), fmu.get("time")), (100, 0, 0))
+            self.assertEqual(other.call(fmu.state_name("DeserializeFMUState"), data, c_size_t(len(data)), byref(again)), OK)
+            for at, one in ((other, again), (fmu, state)):
+                self.assertEqual(at.call(fmu.state_name("SetFMUState"), one), OK, at.messages)
+                self.assertEqual((at.get("constants.load"), at.get("time"), at.get("bodies.probe.position.x")), (125, 0.4, wanted))
+                self.assertEqual(at.call(fmu.state_name("FreeFMUState"), byref(one)), OK)
+
+    def test_the_sources_and_how_to_build_them_are_inside(self):
+        for version in (3, 2):
+            folder = self.unpack(version)
+            root = ElementTree.parse(folder / "sources/buildDescription.xml").getroot()
+            self.assertEqual((root.tag, root.get("fmiVersion")), ("fmiBuildDescription", "3.0"))
+            identifier = self.open(version).description.find("CoSimulation").get("modelIdentifier")
+            every = {str(path.relative_to(folder / "sources")) for path in (folder / "sources").rglob("*.cc")}
+            for configuration in root:
+                self.assertEqual((configuration.tag, configuration.get("modelIdentifier")), ("BuildConfiguration", identifier))
+                named = [file.get("name") for file in configuration.iter("SourceFile")]
+                self.assertEqual(len(named), len(set(named)))
+                wide = {"kernel/dispatch/avx2.cc", "kernel/dispatch/avx512.cc"} if configuration.get("platform") == "aarch64-linux" else set()
+                self.assertEqual(set(named) | wide, every)
+                self.assertEqual([part.tag for part in configuration], sorted((part.tag for part in configuration), reverse=True))
+            if version == 2:
+                files = [file.get("name") for file in self.open(2).description.find("CoSimulation/SourceFiles")]
+                self.assertTrue(set(files) <= every)
+            # Every header of ours that one includes is there.
+            for path in (folder / "sources").rglob("*.[ch]*"):
+                for included in re.findall(r'^#include "([^"]+)"', path.read_text(encoding="utf-8"), re.M):
+                    found = [folder / "sources" / place / included for place in (".", "kernel/include", "library/include")]
+                    self.assertTrue(any(file.exists() for file in found), f"{path}: {included}")
+
+    def test_the_sources_make_the_binary_again(self):
+        """Built with the options of the build description: the same hash. Takes minutes."""
+        folder = self.unpack(3, REFERENCE)
+        platform = next((folder / "binaries").iterdir())
+        root = ElementTree.parse(folder / "sources/buildDescription.xml").getroot()
+        configuration = next(found for found in root if found.get("platform") == platform.name)
+        jobs = []
+        for place, files in enumerate(configuration.iter("SourceFileSet")):
+            flags = files.get("compilerOptions").split() + ["-isystem", "/usr/include/eigen3"]
+            flags += [f"-D{one.get('name')}" + (f"={one.get('value')}" if one.get("value") else "") for one in files.iter("PreprocessorDefinition")]
+            flags += [f"-I{one.get('name')}" for one in files.iter("IncludeDirectory")]
+            for number, file in enumerate(files.iter("SourceFile")):
+                jobs.append((["g++", *flags, "-c", file.get("name"), "-o"], self.folder / f"{place}-{number}.o"))
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(lambda job: subprocess.run([*job[0], job[1]], cwd=folder / "sources", check=True, capture_output=True), jobs))
+        binary = platform / f"{configuration.get('modelIdentifier')}.so"
+        wanted = self.run_json(UNLATCH, "run", REFERENCE, "--until", "0.9", code=None)["hash"]
+        binary.unlink()
+        subprocess.run(["g++", "-shared", "-o", binary, *(job[1] for job in jobs), "-lyaml-cpp", "-ldl", "-pthread"], check=True)
+        fmu = self.open(3, REFERENCE)
+        self.assertEqual(fmu.begin(), OK, fmu.messages)
+        self.assertEqual(fmu.step(0.0, 0.9)[0], OK)
+        self.assertEqual(self.read_hash(fmu, REFERENCE), wanted)
 
     def test_overrides_are_inside_and_mistakes_are_told(self):
         file = self.folder / "heavy.fmu"

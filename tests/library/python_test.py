@@ -63,6 +63,67 @@ class PythonTest(ProcessTest):
             with self.assertRaises(unlatch.OrderError):
                 recorded.channels["throttle1"] = 1
 
+    def test_a_recording_is_tabulated(self):
+        log, _ = self.record_session()
+        exported = self.folder / "session.csv"
+        self.run_ok(BIN / "unlatch", "export", log, "--format", "csv", "--every", 100, "--out", exported)
+        table, wanted = unlatch.read_recording(log, every=100), unlatch.read_table(exported)
+        self.assertEqual((table.rows, wanted.rows), (21, 21))
+        for column in ("tick", "t", "core.x", "core.qw", "booster1.vz", "booster4.wy", "channel.throttle1"):
+            np.testing.assert_array_equal(table[column], wanted[column], column)
+            self.assertEqual(table.units[column].replace("1", ""), wanted.units[column], column)  # CSV names no unit of plain numbers
+        self.assertEqual((table["tick"].dtype, table["core.x"].dtype), (np.int64, np.float64))
+        self.assertRaises(ValueError, unlatch.read_recording, log, every=0)
+        self.assertRaises(unlatch.FileError, unlatch.read_recording, BOOSTERS)
+
+    def test_the_table_of_a_campaign_is_numpy_and_pandas(self):
+        campaign, folder = SOURCE / "hil/scenarios/boosters/campaign.yaml", self.folder / "campaign"
+        self.run_ok(BIN / "unlatch", "campaign", campaign, "--out", folder, "--samples", "0:6", "--set", "step.until=0.8", code=None)
+        table = unlatch.read_table(folder)
+        self.assertEqual((table.rows, table.manifest["campaign"]), (6, "boosters-dispersion"))
+        self.assertEqual(list(table["sample"]), [0, 1, 2, 3, 4, 5])
+        self.assertEqual(set(table["status"]), {"done"})
+        self.assertEqual((table.units["nozzle:1"], table.units["distance1.margin"], table.units["mass:1"]), ("N", "m", ""))
+        np.testing.assert_array_equal(table["distance1.margin"], table["distance1"] - 1)
+        self.assertTrue(np.isnan(table["leaves1"]).any() or (table["leaves1"] > 0).all())
+        # A sample is what the library computes from its overrides.
+        with unlatch.load(SOURCE / "hil/scenarios/boosters/reference.yaml") as sim:
+            self.assertTrue(all(len(digits) == len(sim.hash) for digits in table["hash"]))
+        frame = table.to_pandas()
+        self.assertEqual((frame.shape, frame.attrs["units"]["distance1"]), ((6, len(table)), "m"))
+        self.assertEqual(frame["thrust:1"].mean(), table["thrust:1"].mean())
+        np.testing.assert_array_equal(unlatch.read_table(folder / "samples.csv")["distance2"], table["distance2"])
+        with self.assertRaisesRegex(KeyError, "known: .*distance1"):
+            table["distance9"]
+        try:
+            parquet = unlatch.read_table(folder / "samples.parquet")
+        except unlatch.FileError as error:  # pandas without a reader
+            self.assertIn("samples.csv", str(error))
+        else:
+            np.testing.assert_array_equal(parquet["distance1"], table["distance1"])
+        for path, why in ((self.folder, "no folder of a campaign"), (self.folder / "none.csv", "cannot be read")):
+            with self.assertRaisesRegex(unlatch.FileError, why):
+                unlatch.read_table(path)
+        wrong = self.folder / "wrong.csv"
+        wrong.write_text("a,b\n1,2\n3\n", encoding="utf-8")
+        with self.assertRaisesRegex(unlatch.FileError, "no table"):
+            unlatch.read_table(wrong)
+
+    def test_quantities_and_constants_have_units(self):
+        with unlatch.load(BOOSTERS) as sim:
+            units = {name: sim.quantities[name].unit for name in ("rate.core", "reaction.nose1.x", "reaction.nose1.rot_x", "reaction.nose1.moment",
+                                                                  "time.release:booster1", "position.booster2", "sensor.kr1", "order")}
+            self.assertEqual(list(units.values()), ["rad/s", "N", "N m", "N m", "s", "m", "", "s"])
+            self.assertEqual(sim.quantities["reaction.nose1.x"].text, "reaction: {joint: nose1, row: x}")
+            self.assertEqual((sim.constants["slope"].value, sim.constants["slope"].unit), (0.06, "rad"))
+            self.assertEqual(sim.get_unit("constant", "node_radius"), "m")
+        # What the list writes is what the language reads.
+        for name in ("rate.core", "clearance.core.booster1", "displacement.nose1.x", "sensor.kr1", "time.liftoff:booster3"):
+            with unlatch.load(BOOSTERS) as sim:
+                requirement = f"[{{id: one, {sim.quantities[name].text}, at_least: 0}}]"
+            with unlatch.load(BOOSTERS, {"requirements": requirement}) as sim:
+                self.assertEqual(sim.get_unit("requirement", "one"), sim.quantities[name].unit)
+
     def test_arrays_are_read_only_views_of_the_present_state(self):
         with unlatch.load(REFERENCE) as sim:
             core = sim.bodies["core"]

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <vector>
 
 #include "hil/analysis/run_analysis.h"
@@ -118,6 +119,22 @@ TEST(CLibrary, ListsNamesAndUnits) {
   const char* mode = nullptr;
   ASSERT_EQ(unlatch_get_mode_name(sim.get(), 0, 1, &mode), UNLATCH_OK);
   EXPECT_STREQ(mode, "hinge");
+}
+
+TEST(CLibrary, ListsWhatRequirementsCanBeAboutAndTheConstantsWithUnits) {
+  const Loaded sim(kScenario);
+  const unlatch_item force = sim.describe(UNLATCH_QUANTITY, sim.find(UNLATCH_QUANTITY, "reaction.nose1.x"));
+  EXPECT_STREQ(force.unit, "N");
+  EXPECT_STREQ(force.text, "reaction: {joint: nose1, row: x}");
+  EXPECT_STREQ(sim.describe(UNLATCH_QUANTITY, sim.find(UNLATCH_QUANTITY, "rate.core")).unit, "rad/s");
+  EXPECT_STREQ(sim.describe(UNLATCH_QUANTITY, sim.find(UNLATCH_QUANTITY, "time.release:booster4")).unit, "s");
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < sim.count(UNLATCH_QUANTITY); ++i) names.insert(sim.describe(UNLATCH_QUANTITY, i).name);
+  EXPECT_EQ(names.size(), sim.count(UNLATCH_QUANTITY));
+  const unlatch_item radius = sim.describe(UNLATCH_CONSTANT, sim.find(UNLATCH_CONSTANT, "node_radius"));
+  EXPECT_STREQ(radius.unit, "m");
+  EXPECT_STREQ(radius.text, "constants.node_radius");
+  EXPECT_EQ(radius.initial, 1.32);
 }
 
 TEST(CLibrary, StopsAtEventsAndKeepsThem) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hil/language/xml_text.h"
 #include "tools/unlatch/terminal.h"
 
 namespace unlatch::tools {
@@ -70,29 +71,6 @@ std::string pad(const std::string& text, std::size_t width) {
   return text + std::string(width > length ? width - length : 0, ' ');
 }
 
-std::string escape_xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n') out += c;  // XML has no other control characters
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 bool is_met(const RunReport& report) {
@@ -156,25 +134,26 @@ void write_junit(const RunReport& report, const std::string& target) {
   const auto failed = static_cast<std::size_t>(
       std::count_if(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) { return !verdict.is_met(); }));
   const bool ok = report.status == "ok";
-  const std::string name = escape_xml(report.scenario.name);
+  const std::string name = hil::escape_xml(report.scenario.name);
   const std::string counts = "tests=\"" + std::to_string(verdicts.size() + 1) + "\" failures=\"" +
                              std::to_string(failed) + "\" errors=\"" + std::to_string(ok ? 0 : 1) + "\"";
   std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites " + counts + ">\n <testsuite name=\"" +
                     name + "\" " + counts + " skipped=\"0\" time=\"0\">\n  <testcase classname=\"" + name +
                     "\" name=\"run\" time=\"0\">\n";
   if (!ok)
-    xml += "   <error type=\"" + escape_xml(report.status) + "\" message=\"" + escape_xml(report.message) + "\"/>\n";
+    xml += "   <error type=\"" + hil::escape_xml(report.status) + "\" message=\"" + hil::escape_xml(report.message) +
+           "\"/>\n";
   xml += "  </testcase>\n";
   for (const hil::Verdict& verdict : verdicts) {
     const hil::Requirement& requirement = get(report, verdict);
-    const std::string value = escape_xml(describe_value(requirement, verdict));
+    const std::string value = hil::escape_xml(describe_value(requirement, verdict));
     const std::string what = hil::describe_quantity(requirement, report.scenario.model);
-    xml += "  <testcase classname=\"" + name + "\" name=\"" + escape_xml(requirement.id) + "\" time=\"0\">\n";
+    xml += "  <testcase classname=\"" + name + "\" name=\"" + hil::escape_xml(requirement.id) + "\" time=\"0\">\n";
     if (!verdict.is_met()) {
       xml += "   <failure type=\"" + std::string(verdict.evaluated ? "not met" : "not evaluated") + "\" message=\"" +
              value + "\"/>\n";
     }
-    xml += "   <system-out>" + escape_xml(requirement.text.empty() ? what : requirement.text + " (" + what + ")") +
+    xml += "   <system-out>" + hil::escape_xml(requirement.text.empty() ? what : requirement.text + " (" + what + ")") +
            ": " + value + "</system-out>\n  </testcase>\n";
   }
   write_text(xml + " </testsuite>\n</testsuites>\n", target);

@@ -18,7 +18,8 @@ Numbers = npt.NDArray[np.float64]
 Value = TypeVar("Value")
 
 # Kinds of items and arrays of unlatch.h.
-_BODY, _JOINT, _CHANNEL, _SENSOR, _SIGNAL, _EVENT, _REQUIREMENT, _CLEARANCE = range(8)
+_BODY, _JOINT, _CHANNEL, _SENSOR, _SIGNAL, _EVENT, _REQUIREMENT, _CLEARANCE, _QUANTITY, _CONSTANT = range(10)
+_KINDS = ("body", "joint", "channel", "sensor", "signal", "event", "requirement", "clearance", "quantity", "constant")
 (_POSITIONS, _ATTITUDES, _VELOCITIES, _ANGULAR_VELOCITIES, _MODAL, _JOINT_MODES, _REACTIONS, _SENSORS, _SIGNALS, _CHANNELS,
  _CLEARANCES) = range(11)
 _STATUS_END = 2
@@ -48,6 +49,20 @@ class Event(NamedTuple):
     name: str
     subject: str
     tick: int
+
+
+class Quantity(NamedTuple):
+    """What a requirement can be about. unit: SI, "" for a plain number; text: as a requirement writes it."""
+
+    unit: str
+    text: str
+
+
+class Constant(NamedTuple):
+    """A constant of the scenario, in SI; unit "" for a plain number. The override constants.NAME sets it."""
+
+    value: float
+    unit: str
 
 
 class Verdict(NamedTuple):
@@ -167,7 +182,7 @@ class Simulation:
         self.step: Callable[[], None] = native.step
         #: name of the scenario; its step and the end of its run, s
         self.name, self.dt, self.until = native.get_scenario()
-        self._items = [[Item(*item) for item in native.list(kind)] for kind in range(_CLEARANCE + 1)]
+        self._items = [[Item(*item) for item in native.list(kind)] for kind in range(_CONSTANT + 1)]
         bodies, joints = self._items[_BODY], self._items[_JOINT]
         #: bodies by name
         self.bodies = Named([b.name for b in bodies], [Body(native, b.name, i) for i, b in enumerate(bodies)], "body")
@@ -182,6 +197,17 @@ class Simulation:
         signals = native.get_array(_SIGNALS, 0)
         #: signals by name: views of one value
         self.signals = Named([s.name for s in self._items[_SIGNAL]], [signals[i:i + 1] for i in range(len(signals))], "signal")
+
+        quantities, constants = self._items[_QUANTITY], self._items[_CONSTANT]
+        #: what requirements can be about, by name: "reaction.nose1.x"
+        self.quantities = Named([q.name for q in quantities], [Quantity(q.unit, q.text) for q in quantities], "quantity")
+        #: the scenario's own constants by name
+        self.constants = Named([c.name for c in constants], [Constant(c.initial, c.unit) for c in constants], "constant")
+
+    def get_unit(self, kind: str, name: str) -> str:
+        """Unit of the values of "channel", "sensor", "requirement", "clearance", "quantity" or "constant" `name`; "" if it has none."""
+        items = self._items[_KINDS.index(kind)]
+        return Named([item.name for item in items], [item.unit for item in items], kind)[name]
 
     def __enter__(self) -> Simulation:
         return self

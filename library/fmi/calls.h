@@ -1,0 +1,48 @@
+// The calls of both versions of FMI on an instance: statuses, types that no variable has, states.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "library/fmi/instance.h"
+
+namespace unlatch::fmi {
+
+using Status = int;
+inline constexpr Status kOk = 0, kError = 3;
+
+// Calls a function of a living instance that gives true or false.
+template <class Function>
+Status with(void* pointer, const Function& function) noexcept {
+  Instance* const instance = find_instance(pointer);
+  if (instance == nullptr) return kError;
+  try {
+    return function(*instance) ? kOk : kError;
+  } catch (const std::exception& error) {
+    instance->refuse(error.what());
+    return kError;
+  }
+}
+
+// A function that is not offered.
+Status refuse(void* pointer, const char* function) noexcept;
+// Access to `count` variables of another type than Float64 (Real).
+Status access_none(void* pointer, std::size_t count) noexcept;
+// Leaving a phase for another; terminating; beginning anew.
+Status move(void* pointer, Instance::Phase from, Instance::Phase to, const char* call) noexcept;
+Status terminate(void* pointer) noexcept;
+Status reset(void* pointer) noexcept;
+
+// States, by the standards' rules: a state that is there is used again.
+Status get_state(void* pointer, void** state) noexcept;
+Status set_state(void* pointer, const void* state) noexcept;
+Status free_state(void* pointer, void** state) noexcept;
+Status get_state_size(void* pointer, const void* state, std::size_t* size) noexcept;
+Status serialize_state(void* pointer, const void* state, void* bytes, std::size_t size) noexcept;
+Status deserialize_state(void* pointer, const void* bytes, std::size_t size, void** state) noexcept;
+
+}  // namespace unlatch::fmi

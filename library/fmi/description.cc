@@ -1,0 +1,103 @@
+#include "library/fmi/description.h"
+
+#include <cstdio>
+#include <exception>
+#include <set>
+
+#include "hil/language/quantity.h"
+#include "hil/language/xml_text.h"
+
+namespace unlatch::fmi {
+namespace {
+
+using hil::escape_xml;
+
+std::string write(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", number);
+  return text;
+}
+
+// <BaseUnit .../> of a unit, by its exponents; "" for one that a scenario's author made up.
+std::string describe_base(const std::string& unit) {
+  hil::Dimension dimension;
+  try {
+    if (unit != "1") dimension = hil::dimension_of(unit);
+  } catch (const std::exception&) {
+    return "";
+  }
+  constexpr const char* kNames[] = {"m", "kg", "s", "rad"};  // as Dimension::Base
+  std::string xml = "<BaseUnit";
+  for (const std::size_t i : {1u, 0u, 2u, 3u})
+    if (dimension.exponents[i] != 0)
+      xml += std::string(" ") + kNames[i] + "=\"" + std::to_string(dimension.exponents[i]) + "\"";
+  return xml + "/>";
+}
+
+std::string describe_units(const std::vector<Variable>& variables) {
+  std::set<std::string> used;
+  for (const Variable& variable : variables) used.insert(variable.unit);
+  used.erase("");
+  std::string xml = "  <UnitDefinitions>\n";
+  for (const std::string& unit : used)
+    xml += "    <Unit name=\"" + escape_xml(unit) + "\">" + describe_base(unit) + "</Unit>\n";
+  return xml + "  </UnitDefinitions>\n";
+}
+
+std::string describe_variable(const Variable& variable, std::size_t reference, int version) {
+  using enum Variable::Causality;
+  static constexpr const char* kNames[] = {"independent", "input", "parameter", "output"};  // as Causality
+  const std::string common = " name=\"" + escape_xml(variable.name) + "\" valueReference=\"" +
+                             std::to_string(reference) + "\" description=\"" + escape_xml(variable.description) +
+                             "\" causality=\"" + kNames[static_cast<std::size_t>(variable.causality)] +
+                             "\" variability=\"" + (variable.causality == kParameter ? "fixed" : "continuous") + "\"";
+  std::string real = variable.unit.empty() ? "" : " unit=\"" + escape_xml(variable.unit) + "\"";
+  if (variable.causality == kInput)
+    real += " min=\"" + write(variable.minimum) + "\" max=\"" + write(variable.maximum) + "\"";
+  if (variable.causality == kInput || variable.causality == kParameter)
+    real += " start=\"" + write(variable.start) + "\"";
+  if (version == 3) return "    <Float64" + common + real + "/>\n";
+  return "    <ScalarVariable" + common + "><Real" + real + "/></ScalarVariable>\n";
+}
+
+}  // namespace
+
+std::string describe(const Description& model, const std::vector<Variable>& variables, int version) {
+  const std::string v3 =
+      "hasEventMode=\"true\" canReturnEarlyAfterIntermediateUpdate=\"true\" fixedInternalStepSize=\"" +
+      write(model.dt) + "\" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"";
+  const std::string v2 = "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"";
+  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"" +
+                    std::string(version == 3 ? "3.0" : "2.0") + "\" modelName=\"" + escape_xml(model.name) + "\" " +
+                    (version == 3 ? "instantiationToken" : "guid") + "=\"" + model.token +
+                    "\" generationTool=\"unlatch\"" + (version == 3 ? "" : " variableNamingConvention=\"structured\"") +
+                    ">\n";
+  xml += "  <CoSimulation modelIdentifier=\"" + model.identifier +
+         "\" canHandleVariableCommunicationStepSize=\"true\" " + (version == 3 ? v3 : v2);
+  if (version == 2 && !model.sources.empty()) {
+    xml += ">\n    <SourceFiles>\n";
+    for (const std::string& file : model.sources) xml += "      <File name=\"" + escape_xml(file) + "\"/>\n";
+    xml += "    </SourceFiles>\n  </CoSimulation>\n";
+  } else {
+    xml += "/>\n";
+  }
+  xml += describe_units(variables);
+  xml += "  <DefaultExperiment startTime=\"0\" stopTime=\"" + write(model.until) + "\" stepSize=\"" + write(model.dt) +
+         "\"/>\n";
+  xml += "  <ModelVariables>\n";
+  for (std::size_t i = 0; i < variables.size(); ++i) xml += describe_variable(variables[i], i, version);
+  xml += "  </ModelVariables>\n  <ModelStructure>\n";
+  // All outputs; and the same as what initialization mode computes.
+  for (const char* const list : {"Output", "InitialUnknown"}) {
+    if (version == 2) xml += std::string("    <") + list + "s>\n";
+    for (std::size_t i = 1; i < variables.size(); ++i) {
+      if (variables[i].causality != Variable::Causality::kOutput) continue;
+      xml += version == 3 ? std::string("    <") + list + " valueReference=\"" + std::to_string(i) + "\"/>\n"
+                          : "      <Unknown index=\"" + std::to_string(i + 1) + "\"/>\n";
+    }
+    if (version == 2) xml += std::string("    </") + list + "s>\n";
+  }
+  return xml + "  </ModelStructure>\n</fmiModelDescription>\n";
+}
+
+}  // namespace unlatch::fmi
