@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "hil/analysis/resolution.h"
+#include "hil/notices/resolution.h"
 
 namespace unlatch::hil {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/clearance_history.h"
-#include "hil/analysis/contact_history.h"
-#include "hil/analysis/extreme.h"
-#include "hil/analysis/joint_frame.h"
-#include "hil/analysis/motion_window.h"
+#include "hil/motion/clearance_history.h"
+#include "hil/motion/contact_history.h"
+#include "hil/motion/extreme.h"
+#include "hil/motion/joint_frame.h"
+#include "hil/motion/motion_window.h"
 #include "hil/scenario/scenario.h"
 #include "unlatch/step.h"
 

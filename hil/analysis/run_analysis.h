@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/clearance_history.h"
-#include "hil/analysis/contact_history.h"
-#include "hil/analysis/motion_window.h"
-#include "hil/analysis/notices.h"
 #include "hil/analysis/requirements.h"
-#include "hil/analysis/separations.h"
+#include "hil/motion/clearance_history.h"
+#include "hil/motion/contact_history.h"
+#include "hil/motion/motion_window.h"
+#include "hil/notices/notices.h"
 #include "hil/scenario/scenario.h"
+#include "hil/separations/separations.h"
 #include "hil/simulation/simulation.h"
 #include "unlatch/redundancy.h"
 

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "hil/analysis/motion_window.h"
+#include "hil/motion/motion_window.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "hil/analysis/clearance.h"
-#include "hil/analysis/joint_frame.h"
+#include "hil/motion/clearance.h"
+#include "hil/motion/joint_frame.h"
 #include "hil/scenario/outputs.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"

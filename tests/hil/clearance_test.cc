@@ -1,5 +1,5 @@
 // Distances between shapes, against closed-form geometry.
-#include "hil/analysis/clearance.h"
+#include "hil/motion/clearance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Contacts of the language, and what a run tells of them, against closed forms.
 #include <cmath>
 
-#include "hil/analysis/forecast.h"
+#include "hil/notices/forecast.h"
 #include "tests/hil/analysed_run.h"
 
 namespace unlatch::test {

@@ -1,5 +1,5 @@
 // The audit of energy and the notices of a run, against closed forms.
-#include "hil/analysis/energy_audit.h"
+#include "hil/notices/energy_audit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "hil/analysis/notices.h"
+#include "hil/notices/notices.h"
 #include "hil/run/run.h"
 #include "hil/scenario/scenario.h"
 #include "tests/hil/scenario_support.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/forecast.h"
+#include "hil/notices/forecast.h"
 
 namespace unlatch::tools {
 

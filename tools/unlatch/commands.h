@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/resolution.h"
+#include "hil/notices/resolution.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
 #include "tools/command_line.h"

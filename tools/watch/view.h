@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bridge/port.h"
-#include "hil/analysis/clearance.h"
 #include "hil/messages/messages.h"
+#include "hil/motion/clearance.h"
 
 namespace unlatch::tools {
 

@@ -1,4 +1,4 @@
-#include "hil/analysis/extreme.h"
+#include "hil/motion/extreme.h"
 
 #include <algorithm>
 #include <cmath>

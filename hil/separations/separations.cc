@@ -1,4 +1,4 @@
-#include "hil/analysis/separations.h"
+#include "hil/separations/separations.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,7 @@ SplitRate split(const Vec3& w, const Vec3& axis) {
 
 }  // namespace
 
-SeparationMonitor::SeparationMonitor(const Scenario& scenario)
-    : model_(place_markers(scenario.model)) {
+SeparationMonitor::SeparationMonitor(const Scenario& scenario) : model_(place_markers(scenario.model)) {
   for (int i = 0; i < model_.element_count(); ++i)
     if (auto spring = SpringWork::make(model_, i)) springs_.push_back(std::move(*spring));
 }

@@ -1,4 +1,4 @@
-#include "hil/analysis/clearance.h"
+#include "hil/motion/clearance.h"
 
 #include <algorithm>
 #include <cmath>

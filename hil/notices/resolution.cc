@@ -1,4 +1,4 @@
-#include "hil/analysis/resolution.h"
+#include "hil/notices/resolution.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "hil/analysis/joint_frame.h"
+#include "hil/motion/joint_frame.h"
 
 namespace unlatch::hil {
 namespace {

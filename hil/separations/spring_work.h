@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/joint_frame.h"
-#include "hil/analysis/motion_window.h"
+#include "hil/motion/joint_frame.h"
+#include "hil/motion/motion_window.h"
 
 namespace unlatch::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/analysis/spring_work.h"
+#include "hil/separations/spring_work.h"
 
 #include "unlatch/readings.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/extreme.h"
-#include "hil/analysis/motion_window.h"
+#include "hil/motion/extreme.h"
+#include "hil/motion/motion_window.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
 #include "unlatch/contacts.h"

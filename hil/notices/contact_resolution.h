@@ -2,7 +2,7 @@
 // their greatest mobility.
 #pragma once
 
-#include "hil/analysis/resolution.h"
+#include "hil/notices/resolution.h"
 #include "unlatch/contacts.h"
 #include "unlatch/model.h"
 

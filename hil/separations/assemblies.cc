@@ -1,4 +1,4 @@
-#include "hil/analysis/assemblies.h"
+#include "hil/separations/assemblies.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

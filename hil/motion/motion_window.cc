@@ -1,4 +1,4 @@
-#include "hil/analysis/motion_window.h"
+#include "hil/motion/motion_window.h"
 
 #include <cstring>
 

@@ -1,4 +1,4 @@
-#include "hil/analysis/energy_audit.h"
+#include "hil/notices/energy_audit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hil/analysis/contact_resolution.h"
+#include "hil/notices/contact_resolution.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,9 +6,9 @@
 
 #include <vector>
 
-#include "hil/analysis/clearance.h"
-#include "hil/analysis/extreme.h"
-#include "hil/analysis/motion_window.h"
+#include "hil/motion/clearance.h"
+#include "hil/motion/extreme.h"
+#include "hil/motion/motion_window.h"
 #include "hil/scenario/scenario.h"
 
 namespace unlatch::hil {

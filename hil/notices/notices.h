@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/energy_audit.h"
+#include "hil/notices/energy_audit.h"
 #include "hil/scenario/scenario.h"
 
 namespace unlatch::hil {

@@ -1,4 +1,4 @@
-#include "hil/analysis/forecast.h"
+#include "hil/notices/forecast.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -7,10 +7,10 @@
 #include <limits>
 #include <memory>
 
-#include "hil/analysis/clearance.h"
-#include "hil/analysis/contact_resolution.h"
-#include "hil/analysis/notices.h"
-#include "hil/analysis/resolution.h"
+#include "hil/motion/clearance.h"
+#include "hil/notices/contact_resolution.h"
+#include "hil/notices/notices.h"
+#include "hil/notices/resolution.h"
 #include "hil/scenario/requirements_check.h"
 #include "unlatch/readings.h"
 

@@ -1,4 +1,4 @@
-#include "hil/analysis/contact_history.h"
+#include "hil/motion/contact_history.h"
 
 #include <algorithm>
 #include <cstring>

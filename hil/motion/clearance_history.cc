@@ -1,4 +1,4 @@
-#include "hil/analysis/clearance_history.h"
+#include "hil/motion/clearance_history.h"
 
 #include <algorithm>
 #include <cmath>

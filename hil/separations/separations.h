@@ -9,16 +9,16 @@
 //                  the two centres of mass at the end of push, with its sign
 //
 // All rates and velocities are those of the end of push. Rates are of the two bodies that the last joint connected,
-// their axial part is that about the separation axis. Coning: hil/analysis/assemblies.h.
+// their axial part is that about the separation axis. Coning: hil/separations/assemblies.h.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "hil/analysis/assemblies.h"
-#include "hil/analysis/clearance_history.h"
-#include "hil/analysis/spring_work.h"
+#include "hil/motion/clearance_history.h"
+#include "hil/separations/assemblies.h"
+#include "hil/separations/spring_work.h"
 
 namespace unlatch::hil {
 

@@ -1,4 +1,4 @@
-#include "hil/analysis/notices.h"
+#include "hil/notices/notices.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <memory>
 
-#include "hil/analysis/contact_resolution.h"
-#include "hil/analysis/resolution.h"
+#include "hil/notices/contact_resolution.h"
+#include "hil/notices/resolution.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
