@@ -1,0 +1,53 @@
+#include "hil/synthesis/problem.h"
+
+#include <cmath>
+
+#include "hil/language/expression.h"
+
+namespace unlatch::hil {
+namespace {
+
+YamlNode make_scalar(std::string text) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::kScalar;
+  node.text = std::move(text);
+  return node;
+}
+
+double get_number(const DesignVariable& variable, double value) {
+  if (!variable.is_catalogue()) return value;
+  return variable.numbers.empty() ? value : variable.numbers.at(static_cast<std::size_t>(value));
+}
+
+}  // namespace
+
+const std::vector<std::string> kSearchMethodNames{"auto", "local", "global", "pareto"};
+
+std::string write_value(const DesignVariable& variable, double value) {
+  if (variable.is_catalogue())
+    return to_text(Setting{"", variable.catalogue.at(static_cast<std::size_t>(value))}).substr(1);
+  return to_text(value) + (variable.unit.empty() ? "" : " " + variable.unit);
+}
+
+std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point) {
+  std::vector<Setting> settings;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const DesignVariable& variable = problem.variables[i];
+    const YamlNode value = variable.is_catalogue() ? variable.catalogue.at(static_cast<std::size_t>(point[i]))
+                                                   : make_scalar(write_value(variable, point[i]));
+    for (const std::string& path : variable.paths) settings.push_back({path, value});
+  }
+  return settings;
+}
+
+Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point) {
+  Constants constants;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const DesignVariable& variable = problem.variables[i];
+    if (!variable.is_catalogue() || !variable.numbers.empty())
+      constants[variable.name] = {get_number(variable, point[i]), variable.dimension};
+  }
+  return evaluate_expression(objective.text, constants);
+}
+
+}  // namespace unlatch::hil

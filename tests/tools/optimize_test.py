@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""`unlatch optimize` against optima in closed form. Run by ctest:
+
+    optimize_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import json
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from processes import UNLATCH, ProcessTest, main
+
+MODULE = UNLATCH.parent.parent / "lib"
+SCENARIO = """unlatch: 1
+name: push
+step: {dt: 10 ms, until: 1 s}
+bodies: {block: {mass: 1 kg, inertia: [1, 1, 1]}}
+elements:
+  px: {type: force, body: block, direction: [1, 0, 0], profile: 1 N}
+  py: {type: force, body: block, direction: [0, 1, 0], profile: 1 N}
+requirements:
+  - {id: far, position: {body: block, along: [1, 1, 0]}, take: final, at_least: 1 m}
+"""
+# The block comes to (a/2, b/2) m, so (a + b) / sqrt(8) >= L: the optimum has a = 4 b, value 6.4 L^2, shadow 12.8 L.
+PROBLEM = """synthesis: 1
+name: least-push
+scenario: s.yaml
+variables:
+  a: {path: elements.px.profile, between: [0 N, 5 N]}
+  b: {path: elements.py.profile, between: [0 N, 5 N]}
+objectives: [{minimise: a^2 + 4*b^2}]
+"""
+CATALOGUE = PROBLEM.replace("between: [0 N, 5 N]", "values: [0 N, 1 N, 2 N, 3 N]")
+FRONT = PROBLEM.replace("[{minimise: a^2 + 4*b^2}]", "[{minimise: a}, {minimise: b}]") + "budget: {runs: 2000}\n"
+
+VALUE = 1e-5   # relative: constraints are kept by 1e-6 of their limit
+SHADOW = 1e-2  # relative: the limit is moved by 1 %
+
+
+class OptimizeTest(ProcessTest):
+    def setUp(self):
+        if not list(MODULE.rglob("libunlatch-optimizers.so")):
+            self.skipTest("built without NLopt or pagmo")
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "s.yaml").write_text(SCENARIO)
+
+    def start(self, text, out, *options):
+        (self.folder / "p.yaml").write_text(text)
+        return subprocess.Popen([UNLATCH, "optimize", self.folder / "p.yaml", "--out", self.folder / out, *options],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def optimize(self, text, out, *options, code=0):
+        process = self.start(text, out, *options)
+        printed, errors = process.communicate(timeout=250)
+        self.assertEqual(process.returncode, code, printed + errors)
+        return json.loads((self.folder / out / "result.json").read_text())
+
+    def test_finds_the_optimum_in_closed_form_and_its_shadow(self):
+        result = self.optimize(PROBLEM, "o")
+        self.assertEqual(result["status"], "optimal")
+        self.assertAlmostEqual(result["objectives"][0]["value"] / 6.4, 1, delta=VALUE)
+        self.assertAlmostEqual(result["variables"]["a"]["value"] / (4 * result["variables"]["b"]["value"]), 1, delta=1e-2)
+        self.assertAlmostEqual(result["constraints"][0]["shadow"] / 12.8, 1, delta=SHADOW)
+        self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
+
+    def test_patch_runs_as_it_is(self):
+        self.optimize(PROBLEM, "o")
+        (self.folder / "s.yaml").unlink()
+        subprocess.run([UNLATCH, "run", self.folder / "o/patch.yaml"], check=True, capture_output=True)
+
+    def test_global_search_finds_the_same_optimum(self):
+        result = self.optimize(PROBLEM + "method: global\n", "o")
+        self.assertEqual(result["method"], "global")
+        self.assertAlmostEqual(result["objectives"][0]["value"] / 6.4, 1, delta=VALUE)
+
+    def test_catalogues_are_tried_in_all_combinations(self):
+        result = self.optimize(CATALOGUE, "o")
+        best = min(a * a + 4 * b * b for a in range(4) for b in range(4) if a + b >= 8 ** 0.5)
+        self.assertTrue(result["exhaustive"])
+        self.assertEqual(result["objectives"][0]["value"], best)
+
+    def test_pareto_front_lies_on_the_line_of_the_constraint(self):
+        front = self.optimize(FRONT, "o")["front"]
+        self.assertGreater(len(front), 20)
+        for point in front:
+            self.assertGreaterEqual(sum(point["objectives"]), 8 ** 0.5)
+        excess = sorted(sum(point["objectives"]) - 8 ** 0.5 for point in front)
+        self.assertLess(excess[len(excess) // 2], 0.1)  # of 2.8 N, at the median of 2000 runs
+
+    def test_same_result_with_one_job_and_with_eight(self):
+        for name, text in ("local", PROBLEM), ("global", PROBLEM + "method: global\n"), ("pareto", FRONT):
+            self.optimize(text, name + "1", "--jobs", "1")
+            self.optimize(text, name + "8", "--jobs", "8")
+            for file in "result.json", "history.csv", "patch.yaml":
+                self.assertEqual((self.folder / (name + "1") / file).read_bytes(),
+                                 (self.folder / (name + "8") / file).read_bytes(), name + file)
+
+    def test_resume_gives_the_same_from_any_part_of_the_history(self):
+        text = PROBLEM + "method: global\n"
+        self.optimize(text, "whole")
+        whole = (self.folder / "whole/history.csv").read_bytes()
+        for part in 0, 30, len(whole) // 2, len(whole) - 7:
+            out = self.folder / f"part{part}"
+            out.mkdir()
+            if part > 30:
+                (out / "history.csv").write_bytes(whole[:part])
+            self.optimize(text, out.name, "--resume")
+            for file in "result.json", "history.csv", "patch.yaml":
+                self.assertEqual((out / file).read_bytes(), (self.folder / "whole" / file).read_bytes())
+
+    def test_resume_after_a_kill_gives_the_same(self):
+        text = PROBLEM + "method: global\n"
+        self.optimize(text, "whole")
+        process = self.start(text, "killed")
+        process.stderr.readline()  # the first tenth is done, or more
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        self.optimize(text, "killed", "--resume")
+        self.assertEqual((self.folder / "killed/history.csv").read_bytes(), (self.folder / "whole/history.csv").read_bytes())
+
+    def test_infeasible_problem_is_told_with_its_cause(self):
+        result = self.optimize(PROBLEM.replace("5 N", "1 N"), "o", code=1)
+        self.assertEqual(result["status"], "infeasible")
+        self.assertEqual(result["violation"]["constraint"], "far")
+        self.assertAlmostEqual(result["violation"]["size"], 1 - 2 / 8 ** 0.5, delta=VALUE)
+
+    def test_all_mistakes_are_told_at_once(self):
+        wrong = PROBLEM.replace("a: {path: elements.px.profile", "a: {path: elements.nothing.profile").replace(
+            "b: {path: elements.py.profile, between: [0 N, 5 N]", "b: {path: elements.py.profile, between: [0 m, 5 m]")
+        (self.folder / "p.yaml").write_text(wrong + "constraints: [fra]\n")
+        done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        for place in "p.yaml:5:", "p.yaml:6:", "p.yaml:8:", "did you mean 'far'":
+            self.assertIn(place, done.stderr)
+
+
+if __name__ == "__main__":
+    main()
