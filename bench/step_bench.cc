@@ -9,6 +9,7 @@
 #include "bench/least.h"
 #include "bench/panel_array.h"
 #include "bench/solve_model.h"
+#include "tests/support/contact_models.h"
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 
@@ -73,6 +74,18 @@ BENCHMARK_CAPTURE(repeat_steps, latched, build_array(), 9500, kWindow)
     ->Name("step/array/latched")
     ->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(run_whole, array, build_array(), 20000)->Name("step/array")->Apply(bench::keep_least);
+
+// Sixteen pairs of shapes of which four are closed, and the same while the step is cut into four; 1 kHz, so that 50 µs
+// are 5 % of the period.
+Simulation build_pairs(int parts) {
+  Model model = build_sixteen_pairs();
+  model.contact_substeps = parts;
+  return Simulation(model);
+}
+BENCHMARK_CAPTURE(repeat_steps, pairs, build_pairs(1), 1, kWindow)->Name("step/contacts/16")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_steps, pairs_in_parts, build_pairs(4), 1, kWindow)
+    ->Name("step/contacts/16/substeps4")
+    ->Apply(bench::keep_least);
 
 // 64 panels unfold on springs, a guard at each hinge that closes its elastic latch.
 BENCHMARK_CAPTURE(repeat_steps, drive, Simulation(bench::build_panel_array(64)), 100, kWindow)

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <thread>
 
+#include "bridge/datagram_receiver.h"
 #include "bridge/lcm_packets.h"
 #include "bridge/lcm_route.h"
 #include "bridge/message_ring.h"
@@ -18,9 +18,6 @@ class LcmSocket {
  public:
   // Messages that `role` receives, through `interface` alone. Throws PortError.
   LcmSocket(Role role, const LcmRoute& route, const std::string& interface);
-  ~LcmSocket();
-  LcmSocket(const LcmSocket&) = delete;
-  LcmSocket& operator=(const LcmSocket&) = delete;
 
   // As MessageRing::pop.
   bool pop(hil::Message& message, bool& readable, std::chrono::nanoseconds wait) {
@@ -29,32 +26,17 @@ class LcmSocket {
   // Datagrams that were none of LCM's.
   [[nodiscard]] std::int64_t get_malformed() const noexcept { return malformed_.load(std::memory_order_relaxed); }
   // Messages that found the ring full, and datagrams that found the socket's buffer full.
-  [[nodiscard]] std::int64_t get_lost() const { return ring_.get_lost() + overflowed_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::int64_t get_lost() const { return ring_.get_lost() + receiver_.get_overflowed(); }
 
  private:
-  class Descriptor {
-   public:
-    explicit Descriptor(int file) : file_(file) {}
-    ~Descriptor();
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    [[nodiscard]] int get() const { return file_; }
-
-   private:
-    const int file_;
-  };
-
-  void join_group(const LcmRoute& route, const std::string& interface) const;
-  void run();
-  void receive();
+  void accept(const sockaddr_in& from, std::span<const std::uint8_t> datagram);
 
   const Role role_;
-  const Descriptor socket_, stop_;
+  const Descriptor socket_;
   MessageRing ring_;
-  LcmPackets packets_;                  // of the thread
-  std::vector<std::uint8_t> datagram_;  // "
-  std::atomic<std::int64_t> malformed_{0}, overflowed_{0};
-  std::jthread thread_;
+  LcmPackets packets_;  // of the receiver's thread
+  std::atomic<std::int64_t> malformed_{0};
+  DatagramReceiver receiver_;  // the last: it uses all others
 };
 
 }  // namespace unlatch::bridge

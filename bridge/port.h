@@ -1,4 +1,4 @@
-// A port: the endpoint of a transport. Three transports make ports: in-process, Cyclone DDS, LCM.
+// A port: the endpoint of a transport. Four transports make ports: in-process, Cyclone DDS, LCM, plain UDP.
 //
 // A Port is a datagram service: messages of one kind from one sender arrive in order, messages of different kinds may
 // overtake one another, and any may be lost. The protocol above (sequence numbers, StepAck, Hello again until answered)
@@ -124,8 +124,16 @@ struct LcmOptions {
 };
 [[nodiscard]] std::unique_ptr<Port> open_lcm_port(Role role, const LcmOptions& options = {});
 
+// Plain UDP, without middleware (bridge/UDP.md): the simulator is bound to the address, all others send to it and
+// receive from it. It passes what participants send on to observers. Throws PortError.
+struct UdpOptions {
+  std::string address = "127.0.0.1:7670";  // IPv4 and port
+};
+[[nodiscard]] std::unique_ptr<Port> open_udp_port(Role role, const UdpOptions& options = {});
+
 // A sentence for people: the interface used, and who else may use it.
 [[nodiscard]] std::string describe(const DdsOptions& options);
 [[nodiscard]] std::string describe(const LcmOptions& options);
+[[nodiscard]] std::string describe(const UdpOptions& options);
 
 }  // namespace unlatch::bridge

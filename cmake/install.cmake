@@ -1,5 +1,5 @@
 # cmake --install: the kernel as a library that find_package(unlatch) finds, in component `kernel`; and, in a full build,
-# the executables, in component `tools`. Headers keep their spelling: #include "unlatch/model.h".
+# the C library, in component `library` (library/CMakeLists.txt), and the executables, in component `tools`. Headers keep their spelling: #include "unlatch/model.h".
 include(CMakePackageConfigHelpers)
 
 set_target_properties(unlatch_kernel PROPERTIES EXPORT_NAME kernel)
@@ -10,8 +10,10 @@ install(DIRECTORY kernel/include/unlatch DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/unlatch)
 install(EXPORT unlatch NAMESPACE unlatch:: FILE unlatch-targets.cmake DESTINATION ${package_dir} COMPONENT kernel)
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/unlatch-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES cmake/unlatch-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/unlatch-config-version.cmake
-  DESTINATION ${package_dir} COMPONENT kernel)
+foreach(component kernel library)
+  install(FILES cmake/unlatch-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/unlatch-config-version.cmake
+    DESTINATION ${package_dir} COMPONENT ${component})
+endforeach()
 
 if(NOT UNLATCH_KERNEL_ONLY)
   install(TARGETS unlatch unlatch-fsw COMPONENT tools RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

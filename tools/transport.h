@@ -13,12 +13,13 @@ struct TransportOptions {
   std::string name;
   bridge::DdsOptions dds;  // its interface is LCM's as well
   std::string lcm_url = bridge::LcmOptions{}.url;
+  bridge::UdpOptions udp;
 };
 
-// Adds --transport (required; inproc only where it makes sense), --domain, --interface, --security, --lcm-url.
+// Adds --transport (required; inproc only where it makes sense), --domain, --interface, --security, --lcm-url, --udp.
 void add_transport_options(Command command, TransportOptions& options, bool with_inproc);
 
-// dds or lcm; says on standard error where messages will go. Throws bridge::PortError.
+// dds, lcm or udp; says on standard error where messages will go. Throws bridge::PortError.
 std::unique_ptr<bridge::Port> open_port(const TransportOptions& options, bridge::Role role);
 
 }  // namespace unlatch::tools

@@ -1,4 +1,4 @@
-// Module unlatch-transports: the middleware, Cyclone DDS and LCM.
+// Module unlatch-transports: the middleware, Cyclone DDS and LCM, and plain UDP.
 #include <cstdio>
 
 #include "tools/transport.h"
@@ -12,6 +12,16 @@ std::unique_ptr<bridge::Port> open(const TransportOptions& options, bridge::Role
     const bridge::LcmOptions lcm{options.lcm_url, options.dds.interface};
     auto port = bridge::open_lcm_port(role, lcm);
     std::fprintf(stderr, "%s\n", describe(lcm).c_str());  // what is true only once it is open
+    return port;
+  }
+  if (options.name == "udp") {
+    if (!options.dds.security.empty()) throw bridge::PortError("UDP has no security: use --transport dds");
+    if (options.dds.interface != bridge::DdsOptions{}.interface) {
+      throw bridge::PortError(
+          "UDP uses the interface that its address belongs to: --udp ADDRESS:PORT, without --interface");
+    }
+    auto port = bridge::open_udp_port(role, options.udp);
+    std::fprintf(stderr, "%s\n", describe(options.udp).c_str());
     return port;
   }
   auto port = bridge::open_dds_port(role, options.dds);

@@ -10,6 +10,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True  # a check leaves nothing behind
 
+import emit_c
 import emit_cpp
 import emit_docs
 import emit_idl
@@ -34,6 +35,7 @@ def main(arguments):
         ROOT / "hil/messages/messages.h": emit_cpp.header(definition),
         ROOT / "hil/messages/messages.cc": emit_cpp.source(definition),
         HERE / "unlatch.idl": emit_idl.idl(definition),
+        HERE / "unlatch_wire.h": emit_c.header(definition),
         HERE / "dds_layout.h": emit_layout.header(definition),
         HERE / "README.md": emit_docs.readme(definition),
         **{HERE / "lcm" / f"{s.snake()}.lcm": emit_lcm.lcm(definition, s) for s in definition.structs},

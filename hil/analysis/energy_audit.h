@@ -22,7 +22,8 @@ namespace unlatch::hil {
 struct EnergyBalance {
   std::array<double, kPowerSources> work{};  // by PowerSource
   double impulses = 0;                       // what closing rows took from the motion, ≤ 0
-  double strain = 0;                         // what springs and modes gave back to the motion
+  double strain = 0;                         // what springs, modes and contacts gave back to the motion
+  double contacts = 0;                       // what contacts took from the motion and did not store, ≤ 0
   double kinetic = 0;                        // gained
   double numerical = 0;                      // lost to the method's own damping while an implicit element is on, ≤ 0
   double unexplained = 0;                    // kinetic less all of these
@@ -46,6 +47,7 @@ class EnergyAudit {
   // Of the start of the last tick with the commands that it was stepped with, which may be new.
   EnergyFlow calc_start();
   void add_work(const EnergyFlow& from, const EnergyFlow& to, double h);
+  void add_stored(const EnergyFlow& from, const EnergyFlow& to);
   void add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h);
   [[nodiscard]] bool is_implicit() const;
   void keep(const EnergyFlow& flow, const Vec3& frame);

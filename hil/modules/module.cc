@@ -1,17 +1,42 @@
 #include "hil/modules/module.h"
 
 #include <dlfcn.h>
+#include <link.h>
 
 #include <filesystem>
 #include <string>
 
 namespace unlatch::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The shared library that holds this code; empty: it is the program itself.
+fs::path find_own_library() {
+  Dl_info info{};
+  void* own = nullptr;
+  if (dladdr1(reinterpret_cast<const void*>(&find_in_module), &info, &own, RTLD_DL_LINKMAP) == 0) return {};
+  return static_cast<const link_map*>(own)->l_name;  // the program's has no name
+}
+
+// The module's file: beside the program as UNLATCH_MODULES says, or in the folder `unlatch` beside the shared library,
+// or, as in a module, beside it.
+fs::path find_file(const std::string& file) {
+  std::error_code unreadable;
+  const fs::path library = find_own_library();
+  if (library.empty()) {
+    const fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
+    return (program.parent_path() / UNLATCH_MODULES / file).lexically_normal();
+  }
+  const fs::path folder = fs::weakly_canonical(library, unreadable).parent_path();
+  const fs::path below = folder / "unlatch" / file;
+  return fs::exists(below, unreadable) ? below : folder / file;
+}
+
+}  // namespace
 
 void* find_in_module(const char* module, const char* function) {
-  std::error_code unreadable;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unreadable);
-  const std::string path =
-      (program.parent_path() / UNLATCH_MODULES / (std::string("lib") + module + ".so")).lexically_normal().string();
+  const std::string path = find_file(std::string("lib") + module + ".so").string();
   // Names of the program and of other modules stay apart: each has its own copy of the static libraries that it needs.
   void* const handle = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
   void* const found = handle != nullptr ? dlsym(handle, function) : nullptr;

@@ -1,6 +1,6 @@
 // Modules: shared libraries with parts that few runs need and that are slow to load (collision geometry, middleware,
 // readers of others' files). Each is loaded when it is first used, from the folder UNLATCH_MODULES relative to the
-// program's own, and stays.
+// program's own, and stays. Where this code is in a shared library, from the folder `unlatch` beside that.
 #pragma once
 
 #include <stdexcept>

@@ -6,57 +6,9 @@
 
 #include "hil/realtime/clock.h"
 #include "hil/realtime/executive_timing.h"
+#include "hil/run/run_record.h"
 
 namespace unlatch::hil {
-namespace {
-
-// The recording of a run: a State now and then, events, and the hash of every tick.
-class RunRecord {
- public:
-  RunRecord(const Simulation& simulation, Recorder* recorder)
-      : simulation_(simulation),
-        recorder_(recorder),
-        dt_ns_(std::llround(simulation.plan().get_options().dt * 1e9)),
-        events_(build_event_messages(simulation.model())) {}
-
-  void state(RunStatus status) {
-    if (recorder_ == nullptr || (!recorder_->wants_state(simulation_.get_tick()) && status == RunStatus::kRunning))
-      return;
-    StateMessage message;
-    message.sequence = sequence_++;
-    message.hash = simulation_.calc_hash();
-    message.status = static_cast<std::int32_t>(status);
-    for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) {
-      simulation_.fill_state(part, dt_ns_, message);
-      recorder_->state(message);
-    }
-  }
-
-  void tick() {
-    if (recorder_ != nullptr) recorder_->tick(simulation_.get_tick(), simulation_.calc_hash());
-  }
-
-  void events(const StepReport& report) {
-    if (recorder_ == nullptr) return;
-    for (const FiredEvent& fired : report.events) {
-      EventMessage message = events_[static_cast<std::size_t>(fired.event)];
-      message.sequence = event_sequence_++;
-      message.tick = simulation_.get_tick() - 1;
-      message.time = fired.time;
-      message.time_ns = std::llround(fired.time * 1e9);
-      recorder_->event(message);
-    }
-  }
-
- private:
-  const Simulation& simulation_;
-  Recorder* recorder_;
-  const std::int64_t dt_ns_;
-  const std::vector<EventMessage> events_;
-  std::int64_t sequence_ = 0, event_sequence_ = 0;
-};
-
-}  // namespace
 
 std::unique_ptr<Simulation> build_simulation(const Scenario& scenario) {
   PlanOptions options;

@@ -65,6 +65,10 @@ SampleAndHold::SampleAndHold(const Model& model, const Rates& rates, std::span<c
 
 void SampleAndHold::renew(const std::vector<Part>& parts, std::int64_t tick, std::span<const double> from,
                           std::span<double> to) noexcept {
+  if (parts.size() == 1) {  // no groups: the rest is all of them
+    std::copy(from.begin(), from.end(), to.begin());
+    return;
+  }
   for (const Part& part : parts) {
     if (!part.rate.is_due(tick)) continue;
     for (const std::int32_t place : part.places) {

@@ -60,6 +60,8 @@ class Simulation {
 
   // The value of each channel that the last step read, and the next reads unless it latches another.
   std::span<const double> get_inputs() const noexcept { return held_.get_channels(); }
+  // The value of each sensor component as last sampled, in the order of the model's sensors.
+  std::span<const double> get_sensors() const noexcept { return held_.get_sensors(); }
 
   // h·ω and so on of the springs at the present state; overwrites the workspace.
   std::vector<ElementFrequency> calc_frequencies() { return unlatch::calc_frequencies(plan_, state_, workspace_); }

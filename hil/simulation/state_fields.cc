@@ -20,6 +20,7 @@ constexpr const char* kElementFields[] = {"switched_on", "from", "to", "start", 
 constexpr const char* kEventFields[] = {"phase", "due"};
 constexpr const char* kSignalFields[] = {"value"};
 constexpr const char* kAuxiliaryFields[] = {"value"};
+constexpr const char* kContactFields[] = {"closed", "edge"};
 
 // Auxiliary states, in the order of State::auxiliary.
 std::vector<std::string> list_auxiliary(const Model& model) {
@@ -32,6 +33,9 @@ std::vector<std::string> list_auxiliary(const Model& model) {
       for (Eigen::Index k = 1; k <= body.flexible->frequencies.size(); ++k)
         names.push_back("body '" + body.name + "'" + what + std::to_string(k));
   }
+  for (const Contact& contact : model.contacts)
+    for (const char* what : {" impulse", " slip", " dissipated"})
+      names.push_back("contact '" + contact.name + "'" + what);
   return names;
 }
 
@@ -68,6 +72,8 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
       make_section(state.signals, kSignalFields, 0, [&](std::size_t i) { return quote("signal", model.signals[i]); }),
       make_section(state.auxiliary, kAuxiliaryFields, 0,
                    [names = list_auxiliary(model)](std::size_t i) { return names[i]; }),
+      make_section(state.contacts, kContactFields, 1,
+                   [](std::size_t i) { return "pair " + std::to_string(i + 1) + " of shapes in contact"; }),
   };
 }
 

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "kernel/compile/constants.h"
+#include "kernel/compile/contacts.h"
 #include "kernel/compile/instruction_set.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
@@ -302,7 +303,9 @@ std::int32_t compile_condition(const Condition& c, PlanData& plan) {
 
 bool is_command(const PlanCondition& c) { return c.kind == Condition::Kind::kCommand; }
 bool is_elementary(const Condition& c) { return c.parts.empty(); }
-bool is_switch(const Condition& c) { return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal; }
+bool is_switch(const Condition& c) {
+  return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal || c.kind == Condition::Kind::kClosed;
+}
 
 void compile_events(const Model& model, PlanData& plan) {
   for (const Event& event : model.events) {
@@ -317,7 +320,8 @@ void compile_events(const Model& model, PlanData& plan) {
                   all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
                   event.delay,
                   event.repeat,
-                  when.kind == Condition::Kind::kTime && !when.below};
+                  when.kind == Condition::Kind::kTime && !when.below,
+                  event.crossing};
     const std::int32_t place = static_cast<std::int32_t>(plan.events.size());
     if (event.repeat) plan.repeating_events.push_back(place);
     if (event.delay > 0 || out.by_time) plan.timed_events.push_back(place);
@@ -333,7 +337,7 @@ void compile_sensors(const Model& model, PlanData& plan, Coordinates& coordinate
     const bool reads =
         s.kind == Sensor::Kind::kAngle || s.kind == Sensor::Kind::kDisplacement || s.kind == Sensor::Kind::kSpeed;
     const std::int32_t subject = reads ? coordinates.find(s.subject, s.axis) : s.subject;
-    plan.sensors.push_back({s.kind, subject, plan.sensor_count, to_vec(s.point)});
+    plan.sensors.push_back({s.kind, subject, plan.sensor_count, to_vec(s.point), s.other});
     plan.sensor_count += sensor_width(s.kind);
   }
 }
@@ -385,6 +389,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   }
   Coordinates coordinates(plan);
   compile_elements(model, plan, coordinates);
+  compile_contacts(model, plan);
   link_conditions(plan, coordinates);
   plan.commanded_events =
       plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);

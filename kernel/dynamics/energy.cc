@@ -1,8 +1,10 @@
 #include "kernel/dynamics/energy.h"
 
 #include <cmath>
+#include <cstddef>
 
 #include "kernel/dynamics/balance.h"
+#include "kernel/dynamics/contacts.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/gravity.h"
 #include "kernel/dynamics/loads.h"
@@ -180,6 +182,23 @@ void add_plane_torsions(const PlanData& plan, const State& state, double t, cons
   }
 }
 
+// What closed pairs store, and all that contacts have lost.
+void add_contacts(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
+  for (const PlanContact& contact : plan.contacts) {
+    sum.flow.dissipated +=
+        state.auxiliary[at(contact.auxiliary) + offsetof(ContactTotals, dissipated) / sizeof(double)];
+    const ElementState& element = state.elements[at(contact.element)];
+    const double scale = calc_scale(element, t);
+    if (scale == 0) continue;
+    for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
+      if (state.contacts[i].closed == 0) continue;
+      const double energy = calc_stored(contact, -ev.pair_distances[i]);
+      sum.flow.strain += scale * energy;
+      sum.add(PowerSource::kSwitching, calc_scale_rate(element, t) * energy);
+    }
+  }
+}
+
 // A body is held to the ground, by rows or by an element that is on.
 bool is_grounded(const PlanData& plan, const State& state, double t) {
   const auto pulls = [&](std::int32_t base, std::int32_t element) {
@@ -193,6 +212,9 @@ bool is_grounded(const PlanData& plan, const State& state, double t) {
     if (pulls(plan.joints[at(spring.joint)].base, spring.element)) return true;
   for (const PlanPlaneTorsion& spring : plan.plane_torsions)
     if (pulls(spring.base, spring.element)) return true;
+  for (const PlanContact& contact : plan.contacts)
+    for (const std::int32_t shapes : {contact.base, contact.follower})
+      if (pulls(plan.shapes[at(shapes)].body, contact.element)) return true;
   return false;
 }
 
@@ -213,6 +235,7 @@ EnergyFlow calc_energy_flow(const PlanData& plan, const State& state, double t, 
   add_point_springs(plan, state, t, ev, sum);
   add_joint_springs(plan, state, t, ev, sum);
   add_plane_torsions(plan, state, t, ev, sum);
+  add_contacts(plan, state, t, ev, sum);
   return sum.flow;
 }
 

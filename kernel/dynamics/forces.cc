@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernel/dynamics/compliance.h"
+#include "kernel/dynamics/contacts.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/loads.h"
 #include "kernel/dynamics/varying.h"
@@ -140,6 +141,7 @@ void add_forces(const Instant& now, Evaluation& ev) noexcept {
   add_point_springs(now, ev);
   add_joint_springs(now, ev);
   add_plane_torsions(now, ev);
+  if (!plan.contacts.empty()) add_contacts(now, ev);
   if (plan.rigid) return;
   add_varying_forces(plan, ev);
   add_flexible_forces(plan, now.implicit, ev);

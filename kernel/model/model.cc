@@ -22,6 +22,7 @@ int sensor_width(Sensor::Kind kind) {
     case Sensor::Kind::kDisplacement:
     case Sensor::Kind::kAngle:
     case Sensor::Kind::kSpeed:
+    case Sensor::Kind::kDistance:
       return 1;
   }
   return 0;
@@ -32,6 +33,7 @@ const char* sensor_unit(Sensor::Kind kind) {
   switch (kind) {
     case Sensor::Kind::kPosition:
     case Sensor::Kind::kDisplacement:
+    case Sensor::Kind::kDistance:
       return "m";
     case Sensor::Kind::kVelocity:
       return "m/s";
@@ -54,7 +56,8 @@ const char* sensor_unit(Sensor::Kind kind) {
 }
 
 int Model::element_count() const {
-  return static_cast<int>(loads.size() + point_springs.size() + joint_springs.size() + plane_torsions.size());
+  return static_cast<int>(loads.size() + point_springs.size() + joint_springs.size() + plane_torsions.size() +
+                          contacts.size());
 }
 
 const std::string& Model::element_name(int element) const {
@@ -64,7 +67,27 @@ const std::string& Model::element_name(int element) const {
   if (index < point_springs.size()) return point_springs[index].name;
   index -= point_springs.size();
   if (index < joint_springs.size()) return joint_springs[index].name;
-  return plane_torsions.at(index - joint_springs.size()).name;
+  index -= joint_springs.size();
+  if (index < plane_torsions.size()) return plane_torsions[index].name;
+  return contacts.at(index - plane_torsions.size()).name;
+}
+
+void add_contact_events(Model& model) {
+  for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
+    Condition closed, open;
+    closed.kind = Condition::Kind::kClosed;
+    closed.subject = i;
+    open.kind = Condition::Kind::kNot;
+    open.parts = {closed};
+    const std::string& name = model.contacts[static_cast<std::size_t>(i)].name;
+    for (const auto& [event, when] : {std::pair("touch", closed), std::pair("lift", open)}) {
+      Event& added = model.events.emplace_back();
+      added.name = event;
+      added.subject = name;
+      added.when = when;
+      added.repeat = added.crossing = true;
+    }
+  }
 }
 
 bool has_markers(const Model& model) {

@@ -77,11 +77,29 @@ class Hasher {
   void add_one(const PlaneTorsion& s) {
     add(s.base, s.follower, s.normal_base, s.axis_follower, s.stiffness, s.damping, s.on);
   }
+  void add_one(const Vec3& v) { add(v.x, v.y, v.z); }
+  void add_one(const geometry::ProfilePoint& p) { add(p.z, p.r); }
+  void add_one(const geometry::Shape& s) {
+    add(s.kind, s.from, s.to, s.radius, s.end_radius, s.size, s.q_BS.w, s.q_BS.x, s.q_BS.y, s.q_BS.z, s.normal,
+        s.points, s.profile, s.half, s.side);
+  }
+  void add_one(const Surface& s) { add(s.body, s.shapes); }
+  void add_one(const std::pair<int, int>& p) { add(p.first, p.second); }
+  void add_one(const Contact& c) {
+    add(c.base, c.follower, c.stiffness, c.exponent, c.damping, c.restitution, c.speed, c.friction, c.slip_speed, c.on,
+        c.except);
+  }
   void add_one(const Channel& c) { add(c.initial, c.minimum, c.maximum, c.safe); }
-  void add_one(const Sensor& s) { add(s.kind, s.subject, s.axis, s.point); }
+  void add_one(const Sensor& s) {
+    add(s.kind, s.subject, s.axis, s.point);
+    if (s.other != kNone) add(s.other);
+  }
   void add_one(const Condition& c) { add(c.kind, c.subject, c.axis, c.threshold, c.below, c.parts); }
   void add_one(const Action& a) { add(a.kind, a.subject, a.mode, a.value, a.duration); }
-  void add_one(const Event& e) { add(e.when, e.delay, e.then, e.repeat); }
+  void add_one(const Event& e) {
+    add(e.when, e.delay, e.then, e.repeat);
+    if (e.crossing) add(e.crossing);
+  }
 
   std::uint64_t hash_ = 0xCBF29CE484222325ull;
 };
@@ -93,6 +111,7 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
   hasher.add(options.dt, options.max_splits, options.root, model.bodies, model.joints, model.gravity, model.loads,
              model.point_springs, model.joint_springs, model.plane_torsions, model.channels,
              static_cast<int>(model.signals.size()), model.sensors, model.events);
+  if (!model.surfaces.empty()) hasher.add(model.surfaces, model.contacts, model.contact_substeps);
   return hasher.get();
 }
 

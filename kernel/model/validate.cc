@@ -48,6 +48,7 @@ void check_all_names(const Model& model, ModelErrors& errors) {
   check("channel", model.channels, name_of);
   check("signal", model.signals, itself);
   check("sensor", model.sensors, name_of);
+  check("surface", model.surfaces, name_of);
 }
 
 void check_finite(const std::string& where, const std::string& key, bool finite, ModelErrors& errors) {
@@ -336,6 +337,11 @@ void validate_sensors(const Model& model, ModelErrors& errors) {
   using Kind = Sensor::Kind;
   for (const Sensor& sensor : model.sensors) {
     const std::string where = quoted("sensor", sensor.name);
+    check_finite(where, "point", sensor.point.allFinite(), errors);
+    if (sensor.kind == Kind::kDistance) {
+      check_shape_pair(model, where, sensor.subject, sensor.other, "between", errors);
+      continue;
+    }
     const bool of_body = sensor.kind <= Kind::kSpecificForce, of_signal = sensor.kind == Kind::kContact;
     const std::size_t subjects =
         of_body ? model.bodies.size() : (of_signal ? model.signals.size() : model.joints.size());
@@ -347,7 +353,6 @@ void validate_sensors(const Model& model, ModelErrors& errors) {
     if (sensor.kind >= Kind::kDisplacement && (sensor.axis < first || sensor.axis > last))
       errors.push_back(
           {where, "its axis is not one of this kind", std::string(kRowNames[first]) + " … " + kRowNames[last], "axis"});
-    check_finite(where, "point", sensor.point.allFinite(), errors);
   }
 }
 
@@ -368,6 +373,7 @@ ModelErrors validate_placed(const Model& model) {
   validate_springs(model, errors);
   validate_attachments(model, errors);
   validate_sensors(model, errors);
+  validate_contacts(model, errors);
   validate_events(model, errors);
   return errors;
 }

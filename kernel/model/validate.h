@@ -15,6 +15,10 @@ using ModelErrors = std::vector<ModelError>;
 
 void validate_joints(const Model& model, ModelErrors& errors);
 void validate_events(const Model& model, ModelErrors& errors);
+void validate_contacts(const Model& model, ModelErrors& errors);
+// Shape sets a and b exist, are of two bodies, and have a distance.
+void check_shape_pair(const Model& model, const std::string& where, int a, int b, const std::string& key,
+                      ModelErrors& errors);
 
 inline bool is_index(int index, std::size_t size) { return index >= 0 && static_cast<std::size_t>(index) < size; }
 

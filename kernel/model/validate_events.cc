@@ -78,6 +78,12 @@ struct EventCheck {
       case Kind::kCommand:
         check_subject("channel", condition.subject, model.channels.size(), "when");
         break;
+      case Kind::kDistance:
+        check_shape_pair(model, where, condition.subject, condition.axis, "when", errors);
+        break;
+      case Kind::kClosed:
+        check_subject("contact", condition.subject, model.contacts.size(), "when");
+        break;
       case Kind::kAll:
       case Kind::kAny:
         if (condition.parts.empty()) report("an all or any without parts", "give at least one condition", "when");
@@ -117,6 +123,8 @@ void validate_events(const Model& model, ModelErrors& errors) {
     check.check_condition(event.when);
     if (!(event.delay >= 0) || !std::isfinite(event.delay))
       check.report("its delay is " + show(event.delay) + " s", "0 or more, and finite", "delay");
+    if (event.crossing && !event.repeat)
+      check.report("it acts once, and not where its guard holds at the start", "let it repeat, or act there", "repeat");
     for (const Action& action : event.then) check.check_action(action);
   }
 }

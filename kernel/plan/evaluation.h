@@ -117,8 +117,10 @@ struct Evaluation {
   std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
   SplitScratch split;
 
+  std::span<double> pair_distances;  // per pair of shapes of contacts: of those that are closed and on, m
+
   // outputs
-  std::span<double> guards;   // per event
+  std::span<double> guards;   // per event, then per pair of shapes of contacts
   std::span<double> sensors;  // in the order of the model's sensors, each with its width
 
   Spatial get_acceleration(int body) const {
@@ -141,15 +143,16 @@ struct FinalEvaluation {
 
 // Scratch of one step: nothing of it outlives the step.
 struct EventSearch {
-  // per event
+  // per event, then per pair of shapes of contacts
   std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located
   std::span<double> guards_middle;            // at its first iterate
   std::span<double> tolerances;               // how far below zero a guard may stand and still count as reached
-  std::span<std::int64_t> acting;             // 1: acts in this round
+  std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // evaluates one guard
   std::span<FiredEvent> fired;
   std::span<EventAudit> audits;
   std::int32_t fired_count = 0, audit_count = 0;
+  std::int32_t change_count = 0;  // pairs that closed or opened in this step
 };
 
 struct WorkspaceData {

@@ -11,6 +11,7 @@
 
 #include "kernel/math/index.h"
 #include "kernel/plan/blocks.h"
+#include "unlatch/geometry.h"
 #include "unlatch/plan.h"
 #include "unlatch/state.h"
 #include "unlatch/workspace.h"
@@ -168,6 +169,25 @@ struct PlanPlaneTorsion {
   double stiffness, damping;
 };
 
+// Shapes of a body, see Surface in unlatch/model.h.
+struct PlanShapes {
+  std::int32_t body;
+  geometry::ShapeGroup group;
+};
+
+// A contact, see kernel/dynamics/contacts.h.
+struct PlanContact {
+  std::int32_t base, follower, element;  // into PlanData::shapes; into State::elements
+  std::int32_t first_pair, pairs;        // into PlanData::contact_pairs
+  std::int32_t auxiliary;                // into State::auxiliary: ContactTotals
+  bool hertzian;                         // n = 1.5, otherwise 1
+  double stiffness, damping, friction, slip_speed;
+};
+struct ContactPair {
+  std::int32_t contact, base_shape, follower_shape;  // into PlanData::contacts; into the groups' shapes
+  bool closed;                                       // at the start
+};
+
 struct Knot {
   double time, value;
 };
@@ -189,7 +209,8 @@ struct PlanEvent {
   std::int32_t flat_parts;  // the first conditions that must all hold, where the guard is nothing else; otherwise 0
   double delay;
   bool repeat;
-  bool by_time;  // the whole guard is "t ≥ T", which needs no search
+  bool by_time;   // the whole guard is "t ≥ T", which needs no search
+  bool crossing;  // what holds at the start is no event
 };
 
 struct PlanSensor {
@@ -197,6 +218,7 @@ struct PlanSensor {
   std::int32_t subject;  // of one that reads a coordinate, into PlanData::coordinates
   std::int32_t first;    // into Workspace::sensors
   Vec3 point;
+  std::int32_t other;  // of a distance: into PlanData::shapes
 };
 
 // --- The whole -------------------------------------------------------------------------------------------------------
@@ -255,7 +277,7 @@ struct PlanData {
   std::vector<PlanMarker> markers;  // those of one flexible body together
   std::vector<double> modal;
   std::int32_t modal_work = 0;            // size of Evaluation::modal
-  std::vector<double> initial_auxiliary;  // auxiliary states: burnt by each of `varying`, then modal ones
+  std::vector<double> initial_auxiliary;  // auxiliary states: burnt by each of `varying`, modal ones, contacts
   bool rigid = true;                      // no body bends or changes its mass: all of the above is empty
 
   // elements
@@ -271,6 +293,10 @@ struct PlanData {
   std::vector<PlanCompliant> compliant;
   std::vector<RowSet> compliant_axes;  // per joint: axes with implicit springs
   std::vector<PlanPlaneTorsion> plane_torsions;
+  std::vector<PlanShapes> shapes;
+  std::vector<PlanContact> contacts;
+  std::vector<ContactPair> contact_pairs;  // those of one contact together
+  std::int32_t contact_substeps = 1;
   std::vector<PlanProfile> profiles;
   std::vector<Knot> knots;
   std::vector<Profile::Harmonic> harmonics;

@@ -29,6 +29,7 @@ State::State(const Plan& owner, std::span<std::byte> memory) noexcept {
   events = take<EventState>(cursor, plan.events.size());
   signals = take<double>(cursor, static_cast<std::size_t>(plan.signal_count));
   auxiliary = take<double>(cursor, plan.initial_auxiliary.size());
+  contacts = take<ContactState>(cursor, plan.contact_pairs.size());
   bytes_ = memory.first(static_cast<std::size_t>(cursor - memory.data()));
 }
 
@@ -42,7 +43,8 @@ std::size_t Plan::get_state_bytes() const noexcept {
   const PlanData& plan = *data_;
   return sizeof(StateHeader) + plan.bodies.size() * sizeof(BodyState) + plan.joints.size() * sizeof(JointState) +
          plan.element_scales.size() * sizeof(ElementState) + plan.events.size() * sizeof(EventState) +
-         (static_cast<std::size_t>(plan.signal_count) + plan.initial_auxiliary.size()) * sizeof(double);
+         (static_cast<std::size_t>(plan.signal_count) + plan.initial_auxiliary.size()) * sizeof(double) +
+         plan.contact_pairs.size() * sizeof(ContactState);
 }
 
 void init_state(const Plan& owner, State& state) noexcept {
@@ -58,9 +60,12 @@ void init_state(const Plan& owner, State& state) noexcept {
     const double scale = plan.element_scales[e];
     state.elements[e] = {0, scale, scale, 0, 0};
   }
-  for (EventState& event : state.events) event = {EventPhase::kArmed, 0};
+  for (std::size_t e = 0; e < plan.events.size(); ++e)
+    state.events[e] = {plan.events[e].crossing ? EventPhase::kSpent : EventPhase::kArmed, 0};
   for (double& signal : state.signals) signal = 0;
   std::copy(plan.initial_auxiliary.begin(), plan.initial_auxiliary.end(), state.auxiliary.begin());
+  for (std::size_t i = 0; i < plan.contact_pairs.size(); ++i)
+    state.contacts[i] = {plan.contact_pairs[i].closed ? 1 : 0, 0};
 }
 
 std::span<const double> get_modal_coordinates(const Plan& owner, const State& state, int body) noexcept {

@@ -29,7 +29,27 @@ bool is_any_due(const PlanData& plan, double now, const State& state, const Eval
     if (is_due(plan, at(e), now, state, ev, search)) return true;
   for (std::size_t e = 0; e < plan.events.size(); ++e)
     if (guards[e] >= -tolerances[e] && is_due(plan, e, now, state, ev, search)) return true;
+  for (std::size_t i = plan.events.size(); i < ev.guards.size(); ++i)
+    if (guards[i] >= -tolerances[i]) return true;
   return false;
+}
+
+// Lets pairs of shapes close and open that are due; returns how many. The distance at which a pair changes back is on
+// the other side of the present one, which location leaves next to zero.
+int change_pairs(const PlanData& plan, State& state, const Evaluation& ev, const EventSearch& search) {
+  constexpr double kApart = 1e-12;  // m
+  int count = 0;
+  for (std::size_t i = 0; i < state.contacts.size(); ++i) {
+    const std::size_t e = plan.events.size() + i;
+    if (!(ev.guards[e] >= -search.tolerances[e])) continue;
+    ContactState& pair = state.contacts[i];
+    if (pair.closed != 0)
+      pair = {0, std::min(0.0, (pair.edge + ev.guards[e]) - kApart)};
+    else
+      pair = {1, std::max(0.0, (pair.edge - ev.guards[e]) + kApart)};
+    ++count;
+  }
+  return count;
 }
 
 // Rows that the new mode adds hold from now on where they are.
@@ -68,9 +88,11 @@ RowSet apply(const PlanData& plan, const Action& action, double now, State& stat
   return 0;
 }
 
-// One round: marks the events that are due, then lets them act. Returns how many acted.
+// One round: pairs of shapes close and open; marks the events that are due, then lets them act. Returns how many acted.
 int act_once(const PlanData& plan, double now, State& state, const Evaluation& ev, EventSearch& search, RowSet& added) {
-  int count = 0;
+  const int changes = change_pairs(plan, state, ev, search);
+  search.change_count += changes;
+  int count = changes;
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
     search.acting[e] = 0;
     if (!is_due(plan, e, now, state, ev, search)) continue;
@@ -116,8 +138,9 @@ double calc_next_due(const PlanData& plan, const State& state, double now) noexc
 
 StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& state, Evaluation& ev,
                EventSearch& search, int& node) noexcept {
-  // Every event acts or becomes pending at most once, so there are at most twice as many rounds as events.
-  for (std::size_t round = 0; round <= 2 * plan.events.size(); ++round) {
+  // Every event acts or becomes pending at most once, and a pair of shapes changes for itself, or because its contact
+  // was switched: at most twice as many rounds as events and pairs.
+  for (std::size_t round = 0; round <= 2 * ev.guards.size(); ++round) {
     if (!is_any_due(plan, now, state, ev, search)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
     const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
@@ -144,10 +167,18 @@ StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& st
   return StepStatus::kTooManyEvents;
 }
 
-void rearm(const PlanData& plan, State& state, const Evaluation& ev) noexcept {
+void rearm(const PlanData& plan, State& state, Evaluation& ev) noexcept {
   for (const std::int32_t e : plan.repeating_events)
     if (state.events[at(e)].phase == EventPhase::kSpent && ev.guards[at(e)] < 0)
       state.events[at(e)].phase = EventPhase::kArmed;
+  double* guards = ev.guards.data() + plan.events.size();
+  for (std::size_t i = 0; i < state.contacts.size(); ++i) {
+    ContactState& pair = state.contacts[i];
+    const double distance = ev.pair_distances[i];
+    if (pair.edge == 0 || !(guards[i] < 0) || !(pair.closed != 0 ? distance < 0 : distance > 0)) continue;
+    pair.edge = 0;
+    guards[i] = pair.closed != 0 ? distance : -distance;
+  }
 }
 
 }  // namespace unlatch

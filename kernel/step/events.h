@@ -19,7 +19,8 @@ double calc_next_due(const PlanData& plan, const State& state, double now) noexc
 StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& state, Evaluation& ev,
                EventSearch& search, int& node) noexcept;
 
-// Arms repeating events again whose guards have gone negative.
-void rearm(const PlanData& plan, State& state, const Evaluation& ev) noexcept;
+// Arms repeating events again whose guards have gone negative; pairs of shapes that have gone beyond the edge of their
+// last change have it at zero again.
+void rearm(const PlanData& plan, State& state, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kernel/dynamics/contacts.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {
@@ -45,6 +46,15 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
       return state.signals[subject] != 0 ? kYes : kNo;
     case Condition::Kind::kMode:
       return state.joints[subject].mode == c.axis ? kYes : kNo;
+    case Condition::Kind::kDistance:
+      value = calc_guarded_distance(plan, ev, c.subject, c.axis, c.threshold);
+      break;
+    case Condition::Kind::kClosed: {
+      const PlanContact& contact = plan.contacts[subject];
+      for (std::int32_t i = 0; i < contact.pairs; ++i)
+        if (state.contacts[at(contact.first_pair + i)].closed != 0) return kYes;
+      return kNo;
+    }
     case Condition::Kind::kAll:
     case Condition::Kind::kAny:
     case Condition::Kind::kNot:
@@ -82,11 +92,26 @@ double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> s
   return stack[0];
 }
 
+// Touch of open pairs, lift of closed ones; a contact that is off is apart.
+void update_pair_guards(const Instant& now, Evaluation& ev) {
+  update_open_pairs(now, ev);
+  double* guards = ev.guards.data() + now.plan.events.size();
+  for (std::size_t i = 0; i < ev.pair_distances.size(); ++i) {
+    const ContactState& pair = now.state.contacts[i];
+    const std::int32_t element = now.plan.contacts[at(now.plan.contact_pairs[i].contact)].element;
+    const bool off = calc_scale(now.state.elements[at(element)], now.t) == 0;
+    if (pair.closed != 0)
+      guards[i] = off ? kYes : ev.pair_distances[i] - pair.edge;
+    else
+      guards[i] = off ? kNo : pair.edge - ev.pair_distances[i];
+  }
+}
+
 }  // namespace
 
 void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept {
   const EventState* states = now.state.events.data();
-  for (std::size_t e = 0; e < ev.guards.size(); ++e) {
+  for (std::size_t e = 0; e < now.plan.events.size(); ++e) {
     const PlanEvent& event = now.plan.events[e];
     const EventPhase phase = states[e].phase;
     const bool asleep = phase == EventPhase::kPending || (phase == EventPhase::kSpent && !event.repeat);
@@ -98,6 +123,7 @@ void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) 
     else
       ev.guards[e] = calc_nested(now, ev, stack, {first, at(event.condition_count)});
   }
+  if (!ev.pair_distances.empty()) update_pair_guards(now, ev);
 }
 
 }  // namespace unlatch

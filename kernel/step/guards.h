@@ -8,8 +8,8 @@
 
 namespace unlatch {
 
-// ev.guards of every armed event; negative for the others. Needs the evaluation of this instant. `stack`: as long as
-// PlanData::guard_depth.
+// ev.guards of every armed event, negative for the others; and of pairs of shapes, that touch or part at zero. Needs
+// the evaluation of this instant. `stack`: as long as PlanData::guard_depth.
 void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept;
 
 }  // namespace unlatch

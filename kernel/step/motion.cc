@@ -8,8 +8,12 @@
 namespace unlatch {
 namespace {
 
-// Beginning and end of the step; before and after of each instant, of which a step has its splits and its beginning.
-std::size_t count_knots(const PlanData& plan) { return 2 * (at(plan.options.max_splits) + 1) + 2; }
+// Beginning and end of the step; before and after of each instant, of which a step has its splits and its beginning,
+// and of the parts into which closed contacts cut it.
+std::size_t count_knots(const PlanData& plan) {
+  const std::size_t parts = plan.contacts.empty() ? 1 : at(plan.contact_substeps);
+  return 2 * (at(plan.options.max_splits) + parts) + 2;
+}
 
 std::size_t count_numbers(const Plan& owner) {
   const PlanData& plan = owner.data();

@@ -1,5 +1,6 @@
 #include "kernel/step/sensors.h"
 
+#include "kernel/dynamics/contacts.h"
 #include "kernel/dynamics/gravity.h"
 #include "kernel/joints/kinematics.h"
 
@@ -62,6 +63,9 @@ void update_sensors(const PlanData& plan, const State& state, Evaluation& ev) no
         break;
       case Sensor::Kind::kSpeed:
         out[0] = ev.speeds[subject];
+        break;
+      case Sensor::Kind::kDistance:
+        out[0] = calc_shape_distance(plan, ev, sensor.subject, sensor.other);
         break;
     }
   }

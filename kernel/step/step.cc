@@ -22,6 +22,8 @@ namespace {
 // Of the guard's change over the sub-step: events that would cross within this part of it are taken as simultaneous.
 constexpr double kSimultaneous = 1e-6;
 
+double get_time(const PlanData& plan, std::int64_t tick) { return static_cast<double>(tick) * plan.options.dt; }
+
 // False if what the factorisation takes in at a node, masses and arms, is not finite.
 bool has_finite_block(const PlanData& plan, const Evaluation& ev, int node) {
   const TreeNode& n = plan.nodes[at(node)];
@@ -68,8 +70,8 @@ struct Run {
 };
 
 bool crosses(const Run& run, std::size_t e) {
-  return run.state.events[e].phase == EventPhase::kArmed && run.search.guards_low[e] < 0 &&
-         run.search.guards_high[e] >= 0;
+  return (e >= run.state.events.size() || run.state.events[e].phase == EventPhase::kArmed) &&
+         run.search.guards_low[e] < 0 && run.search.guards_high[e] >= 0;
 }
 
 int count_crossings(const Run& run) {
@@ -171,9 +173,10 @@ void log_motion(Run& run, double now, bool begins) {
 // `begins`: of the knot before the events.
 bool act_at(Run& run, double now, bool begins) {
   log_motion(run, now, begins);
-  const std::int32_t fired = run.search.fired_count;
+  const auto count = [&] { return run.search.fired_count + run.search.change_count; };
+  const std::int32_t acted = count();
   const StepStatus status = act(run.plan, run.inputs, now, run.state, run.ev, run.search, run.node);
-  if (status == StepStatus::kOk && run.search.fired_count != fired)
+  if (status == StepStatus::kOk && count() != acted)
     log_motion(run, now, true);
   else if (run.log != nullptr && !begins)
     run.log->remove();  // no event acted: the motion goes on smoothly
@@ -181,18 +184,33 @@ bool act_at(Run& run, double now, bool begins) {
          run.fail(status == StepStatus::kSingular ? get_pivot_status(run.plan, run.ev, run.node) : status);
 }
 
-// From `now` to the end of the step, or to the first event before it. Returns the time that it got to.
-double advance(Run& run, double now, double end, int& splits) {
+// The end of the step; while a contact is closed, of the part of it that begins at `now`.
+double calc_next_stop(const Run& run, double now, double end) {
+  const auto is_closed = [](const ContactState& pair) { return pair.closed != 0; };
+  const int parts = run.plan.contact_substeps;
+  if (parts == 1 || std::none_of(run.state.contacts.begin(), run.state.contacts.end(), is_closed)) return end;
+  const double slack = kSameInstant * run.plan.options.dt, begin = get_time(run.plan, run.state.header->tick);
+  for (int i = 1; i < parts; ++i) {
+    const double stop = begin + (end - begin) * (static_cast<double>(i) / parts);
+    if (stop > now + slack) return stop;
+  }
+  return end;
+}
+
+// From `now` to the end of the step or of its present part, or to the first event before it. Returns the time that it
+// got to.
+double advance(Run& run, double now, double step_end, int& splits) {
   EventSearch& search = run.search;
   const bool may_split = splits < run.plan.options.max_splits;
   const double slack = kSameInstant * run.plan.options.dt;
+  const double end = calc_next_stop(run, now, step_end);
   const double due = calc_next_due(run.plan, run.state, now);
   const bool reaches_due = may_split && due <= end + slack;
   const double target = reaches_due && due < end - slack ? due : end;
   std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_low.begin());
   std::fill(search.tolerances.begin(), search.tolerances.end(), 0.0);
   const SubstepStart start = begin_substep(run.plan, now, run.ev);
-  if (!try_substep(run, start, target)) return end;
+  if (!try_substep(run, start, target)) return step_end;
 
   double reached = target;
   std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_high.begin());
@@ -200,7 +218,7 @@ double advance(Run& run, double now, double end, int& splits) {
   if (crossings > 0 && may_split) {
     std::size_t first = run.ev.guards.size();
     reached = locate(run, start, target, first);
-    if (reached < 0) return end;
+    if (reached < 0) return step_end;
     update_tolerances(run, first);
   } else {
     run.report.postponed += crossings;
@@ -209,6 +227,9 @@ double advance(Run& run, double now, double end, int& splits) {
   if (may_split && (crossings > 0 || reaches_due)) {
     ++splits;
     act_at(run, reached, false);
+  } else if (reached < step_end) {
+    log_motion(run, reached, false);
+    log_motion(run, reached, true);
   }
   return reached;
 }
@@ -254,8 +275,6 @@ StepReport finish(const Run& run) {
   return report;
 }
 
-double get_time(const PlanData& plan, std::int64_t tick) { return static_cast<double>(tick) * plan.options.dt; }
-
 }  // namespace
 
 StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace& workspace, MotionLog* log) noexcept {
@@ -267,7 +286,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   Run run{plan, inputs, kept.evaluation, kept.state, data.search, log};
   if (log != nullptr) log->clear();
   const double begin = get_time(plan, state.header->tick), end = get_time(plan, state.header->tick + 1);
-  run.search.fired_count = run.search.audit_count = 0;
+  run.search.fired_count = run.search.audit_count = run.search.change_count = 0;
   std::fill(run.search.tolerances.begin(), run.search.tolerances.end(), 0.0);
 
   // Events that the new inputs bring about, and those that the last step postponed, act at once.

@@ -11,7 +11,9 @@ import unittest
 
 from processes import BIN, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
 
-LISTEN = SOURCE / "bridge/examples/python/listen.py"
+EXAMPLES = SOURCE / "bridge/examples"
+LOSSY = SOURCE / "hil/scenarios/boosters/faults/lossy-line.yaml"
+LISTEN = EXAMPLES / "python/listen.py"
 PYTHON_TYPES = BIN.parent / "bridge/examples/python_types"
 # Thrust of 5000 N on 100 kg from 0.1 to 0.3 s, free until 0.5 s: 1 m + 10 m/s * 0.2 s.
 FLOWN = "x = 3.000000 m"
@@ -37,10 +39,30 @@ class ClientsTest(ProcessTest):
         self.assertAlmostEqual(report["samples"][-1]["bodies"]["probe"]["p"][0], 3, places=9)  # rounding of 500 steps
         return report
 
-    def test_the_c99_and_the_cpp_pilot_fly_the_same_bits(self):
-        over_dds = self.fly("dds", [BIN / "example_pilot_c"])
-        over_lcm = self.fly("lcm", [BIN / "example_pilot_cpp"])
-        self.assertEqual(over_dds["hash"], over_lcm["hash"])
+    def test_pilots_over_dds_lcm_and_udp_fly_the_same_bits(self):
+        reports = [self.fly("dds", [BIN / "example_pilot_c"]), self.fly("lcm", [BIN / "example_pilot_cpp"]),
+                   self.fly("udp", [BIN / "example_pilot_udp"])]
+        self.assertEqual(len({report["hash"] for report in reports}), 1)
+
+    def test_the_s_function_flies_the_pilots_bits_and_names_what_it_does_not_find(self):
+        wanted = self.fly("udp", [BIN / "example_pilot_udp"])["hash"]
+        # It commands the throttle at each tick, the pilot when it changes: the same values in the same ticks.
+        host = self.begin(BIN / "sfunction_host")
+        report = self.run_json(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep")
+        self.assertIn("stopped at 0.500 s", self.finish(host))
+        self.assertEqual(report["hash"], wanted)
+        host = self.begin(BIN / "sfunction_host", "throtle")
+        self.begin(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep")
+        self.assertEqual(host.wait(30), 1)
+
+    def test_the_udp_participant_answers_states_that_are_resent(self):
+        """A line that loses and repeats states, commands and answers changes no bit."""
+        clean = self.fly("udp", [BIN / "example_pilot_udp"])
+        pilot = self.begin(BIN / "example_pilot_udp")
+        lossy = self.run_json(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep", "--faults", LOSSY)
+        self.assertIn(FLOWN, self.finish(pilot))
+        self.assertEqual(lossy["hash"], clean["hash"])
+        self.assertGreater(lossy["timing"]["resent"], 20)
 
     def test_the_c99_pilot_leaves_in_order_with_security(self):
         """Again and again: what Cyclone's plugins still do when the process ends decides."""
@@ -77,12 +99,14 @@ class ClientsTest(ProcessTest):
         self.assertEqual(float(end[1]), report["samples"][-1]["bodies"]["probe"]["p"][0], "not the same bits")
         self.assertGreater(int(end[2]), 50)  # a slow listener may miss some
 
-    def test_python_flies_the_tutorials_satellite_to_the_hash_of_cpp(self):
+    def test_python_flies_the_tutorials_satellite_over_lcm_and_udp_to_the_hash_of_cpp(self):
         satellite = SOURCE / "bridge/examples/first/satellite.yaml"
         hashes = set()
-        for pilot in ([BIN / "example_first"], ["/usr/bin/env", "python3", SOURCE / "bridge/examples/python/fsw.py", PYTHON_TYPES]):
+        python = ["/usr/bin/env", "python3"]
+        for transport, pilot in (("lcm", [BIN / "example_first"]), ("lcm", [*python, EXAMPLES / "python/fsw.py", PYTHON_TYPES]),
+                                 ("udp", [*python, EXAMPLES / "udp/fsw.py", PYTHON_TYPES])):
             process = self.begin(*pilot)
-            report = self.run_json(UNLATCH, "hil", satellite, "--transport", "lcm", "--pace", "lockstep")
+            report = self.run_json(UNLATCH, "hil", satellite, "--transport", transport, "--pace", "lockstep")
             self.finish(process)
             self.assertEqual(report["status"], "ok")
             self.assertLess(abs(report["samples"][-1]["bodies"]["satellite"]["w"][2]), 1e-4)  # rad/s: it has stopped

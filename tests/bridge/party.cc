@@ -1,15 +1,17 @@
 // A second process for the transport tests, started by them.
-//   bridge_party dds|lcm record   observes; writes each kind's first message to standard output as it lies in memory;
-//   ends when
-//                                 it has seen all kinds
-//   bridge_party dds|lcm answer   participates; answers everything with a command and an acknowledgement, Hello with
-//                                 a HelloAck before; ends at the first Health
-//   bridge_party dds|lcm watch N  N observers; writes a line when all have heard a State; ends at the first Health
-//   bridge_party dds|lcm stunt    sends three commands whose bytes are too few
+//   bridge_party TRANSPORT record   observes; writes each kind's first message to standard output as it lies in
+//                                   memory; ends when it has seen all kinds
+//   bridge_party TRANSPORT answer   participates; answers everything with a command and an acknowledgement, Hello with
+//                                   a HelloAck before; ends at the first Health
+//   bridge_party TRANSPORT watch N  N observers; writes a line when all have heard a State; ends at the first Health
+//   bridge_party TRANSPORT stunt    sends three commands whose bytes are too few
+// TRANSPORT: dds, lcm or udp.
 // Exit code 0; 1 if ten seconds pass without a message; 3 with the reason on standard error if the port cannot be
 // opened.
+#include <arpa/inet.h>
 #include <dds/dds.h>
 #include <lcm/lcm.h>
+#include <sys/socket.h>
 
 #include <array>
 #include <atomic>
@@ -21,7 +23,9 @@
 #include <thread>
 #include <vector>
 
+#include "bridge/datagram_receiver.h"
 #include "bridge/port.h"
+#include "bridge/udp_packet.h"
 #include "unlatch.h"
 
 namespace {
@@ -144,17 +148,42 @@ int publish_stunted_commands() {
   return 0;
 }
 
+// A participant of UDP whose commands are too short, in datagrams that are right.
+int send_stunted_commands() {
+  const bridge::Descriptor socket(bridge::open_datagram_socket("UDP"));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(7670);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return 1;
+  std::array<std::uint8_t, bridge::kMaxUdpBytes> datagram{};
+  const auto send = [&](std::size_t length) { (void)!::send(socket.get(), datagram.data(), length, 0); };
+  send(bridge::build_udp_join({.run = 1, .sequence = 0}, bridge::Role::kParticipant, datagram));
+  for (std::uint32_t i = 1; i <= kStunted; ++i) {
+    send(bridge::seal_udp_message({.run = 1, .sequence = i}, hil::MessageKind::kCommand, datagram,
+                                  hil::kCommandWireBytes - 1));
+  }
+  std::this_thread::sleep_for(100ms);
+  return 0;
+}
+
+OpenPort find_transport(std::string_view name) {
+  if (name == "dds") return [](bridge::Role role) { return bridge::open_dds_port(role); };
+  if (name == "udp") return [](bridge::Role role) { return bridge::open_udp_port(role); };
+  return [](bridge::Role role) { return bridge::open_lcm_port(role); };
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   if (count < 3) return 2;
   const std::string_view what = arguments[2];
   if (what == "stunt") {
-    return arguments[1] == std::string_view("dds") ? write_stunted_commands() : publish_stunted_commands();
+    const std::string_view transport = arguments[1];
+    if (transport == "udp") return send_stunted_commands();
+    return transport == "dds" ? write_stunted_commands() : publish_stunted_commands();
   }
-  const OpenPort open = arguments[1] == std::string_view("dds")
-                            ? [](bridge::Role role) { return bridge::open_dds_port(role); }
-                            : [](bridge::Role role) { return bridge::open_lcm_port(role); };
+  const OpenPort open = find_transport(arguments[1]);
   try {
     if (what == "watch") return count == 4 ? watch(open, std::atoi(arguments[3])) : 2;
     if (what == "record") return record(*open(bridge::Role::kObserver));

@@ -39,6 +39,7 @@ class Sessions : public testing::TestWithParam<std::string> {
   std::unique_ptr<Port> open(Role role) {
     if (GetParam() == "dds") return bridge::open_dds_port(role);
     if (GetParam() == "lcm") return bridge::open_lcm_port(role);
+    if (GetParam() == "udp") return bridge::open_udp_port(role);
     return hub_.open(role);
   }
 
@@ -296,7 +297,7 @@ TEST_P(Sessions, RealtimeFlagsACommandBehindTheCutOff) {
   EXPECT_TRUE(replay_log(log).result.agrees());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Sessions, testing::Values("inproc", "dds", "lcm"),
+INSTANTIATE_TEST_SUITE_P(All, Sessions, testing::Values("inproc", "dds", "lcm", "udp"),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The three transports, DDS and LCM over real sockets. Run through tests/support/netns.sh, because LCM needs a
+// The transports; DDS, LCM and UDP over real sockets. Run through tests/support/netns.sh, because LCM needs a
 // multicast route.
 #include <dds/dds.h>
 #include <fcntl.h>
@@ -40,6 +40,7 @@ class Transport {
   std::unique_ptr<Port> open(Role role) {
     if (name_ == "dds") return bridge::open_dds_port(role);
     if (name_ == "lcm") return bridge::open_lcm_port(role);
+    if (name_ == "udp") return bridge::open_udp_port(role);
     return hub_.open(role);
   }
 
@@ -169,7 +170,7 @@ TEST_P(Transports, CountsOutOfRangeAreMalformed) {
   EXPECT_EQ(participant_->get_counts().malformed, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Transports, testing::Values("inproc", "dds", "lcm"),
+INSTANTIATE_TEST_SUITE_P(All, Transports, testing::Values("inproc", "dds", "lcm", "udp"),
                          [](const auto& test) { return test.param; });
 
 // A property: whatever bits a message has, a gateway from DDS to LCM and another one back to DDS leave them as they
@@ -267,7 +268,7 @@ TEST_P(Processes, HearEveryMessageBitForBit) {
   EXPECT_EQ(at, recorder.get_output().data() + recorder.get_output().size());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Processes, testing::Values("dds", "lcm"), [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(All, Processes, testing::Values("dds", "lcm", "udp"), [](const auto& test) { return test.param; });
 
 // Every topic finds its readers separately and at its own time. Hello and State are said again until they are answered,
 // as the protocol demands; of what the participant says after its HelloAck, nothing is lost.

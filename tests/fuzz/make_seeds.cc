@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "bridge/udp_packet.h"
 #include "hil/flexible/flexible_body.h"
 #include "hil/flexible/modes_file.h"
 #include "hil/run/checkpoint.h"
@@ -72,6 +73,23 @@ void write_datagrams(const fs::path& folder) {
   }
 }
 
+// Each message as the UDP transport carries it, behind a join.
+void write_udp(const fs::path& folder) {
+  test::Random random(kSeed);
+  for (const hil::MessageKind kind : test::list_kinds()) {
+    std::array<std::uint8_t, bridge::kMaxUdpBytes> datagram{};
+    std::string all;
+    const auto add = [&](std::size_t size) {
+      all += to_bytes(static_cast<std::uint16_t>(size)) + to_bytes(datagram, size);
+    };
+    add(bridge::build_udp_join({.run = 1, .sequence = 0}, bridge::Role::kParticipant, datagram));
+    const std::size_t length =
+        hil::encode(test::make_random_message(kind, random), std::span(datagram).subspan(bridge::kUdpHeaderBytes));
+    add(bridge::seal_udp_message({.run = 1, .sequence = 1}, kind, datagram, length));
+    write(folder / std::string(hil::get_kind_name(kind)), all);
+  }
+}
+
 // A recording of the small scenario, its first half, and checkpoints.
 void write_logs(const fs::path& folder) {
   const hil::Scenario scenario = hil::load_scenario_text(fuzz::kSmallScenario, "small.yaml");
@@ -133,12 +151,13 @@ int main(int count, char** arguments) {
   }
   const fs::path folder(arguments[1]);
   for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults",
-                             "modes", "calculix", "lcm"}) {
+                             "modes", "calculix", "lcm", "udp"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }
   write_messages(folder);
   write_datagrams(folder / "lcm");
+  write_udp(folder / "udp");
   write_logs(folder);
   write_sessions(folder);
   write_modes(folder);

@@ -7,11 +7,12 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-MODULES = ("kernel", "hil", "bridge", "tools")  # from below
+MODULES = ("kernel", "hil", "library", "bridge", "tools")  # from below
 KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dynamics", "compile", "solver", "dispatch",
           "step")  # from below
 HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "analysis", "run", "campaign", "synthesis",
        "session", "faults", "executive")  # from below
+LIBRARY = ("include", "c", "python")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 
@@ -45,6 +46,13 @@ class IncludesTest(unittest.TestCase):
 
     def test_folders_of_hil_include_only_what_is_below_them(self):
         self.check_folders("hil", HIL)
+
+    def test_folders_of_the_library_include_only_what_is_below_them(self):
+        self.check_folders("library", LIBRARY)
+
+    def test_the_library_knows_nothing_of_the_bus(self):
+        for path, ours, _ in list_includes("library"):
+            self.assertNotEqual(ours.split("/")[0], "bridge", f"{path} includes {ours}")
 
     def test_the_kernel_includes_nothing_but_eigen_and_the_standard_library(self):
         standard = re.compile(r"[a-z_]+")  # <vector>: no folder, no ending

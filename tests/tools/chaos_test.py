@@ -32,7 +32,7 @@ class Session:
     def __init__(self, test, number, draw):
         self.test, self.folder = test, test.folder / str(number)
         self.folder.mkdir()
-        self.transport = ["--transport", draw.choice(("dds", "lcm"))]
+        self.transport = ["--transport", draw.choice(("dds", "lcm", "udp"))]
         self.pace, self.policy = draw.choice(("lockstep", "realtime")), draw.choice(POLICIES)
         self.until = draw.randrange(1, 6)
         self.starts = collections.Counter()

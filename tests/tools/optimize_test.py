@@ -12,7 +12,7 @@ from pathlib import Path
 
 from processes import UNLATCH, ProcessTest, main
 
-MODULE = UNLATCH.parent.parent / "lib"
+MODULE = Path(UNLATCH).parent.parent / "lib"
 SCENARIO = """unlatch: 1
 name: push
 step: {dt: 10 ms, until: 1 s}

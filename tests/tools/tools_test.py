@@ -112,7 +112,7 @@ class ToolsTest(ProcessTest):
 
     def test_lockstep_gives_the_same_bits_over_every_transport(self):
         reports = [self.run_over(transport, "--pace", "lockstep", "--until", "1.5", *PATIENT)
-                   for transport in ("inproc", "dds", "lcm")]
+                   for transport in ("inproc", "dds", "lcm", "udp")]
         self.assertEqual(len({report["hash"] for report in reports}), 1)
         for report in reports:
             self.assertTrue(report["replay"]["agrees"])
@@ -161,7 +161,7 @@ class ToolsTest(ProcessTest):
 
     def test_a_lossy_line_changes_no_bit_over_any_transport(self):
         good = self.run_over("inproc", "--pace", "lockstep", "--until", "1", *PATIENT)
-        for transport in ("inproc", "dds", "lcm"):
+        for transport in ("inproc", "dds", "lcm", "udp"):
             report = self.run_with_faults(transport, "lossy-line", *PATIENT, until="1")
             self.assertEqual(report["hash"], good["hash"])
             self.assertGreater(report["timing"]["resent"], 50)

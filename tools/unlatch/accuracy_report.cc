@@ -110,6 +110,7 @@ void print_energy(std::FILE* to, const hil::EnergyBalance& energy) {
                energy.impulses);
   for (std::size_t i = 0; i < energy.work.size(); ++i)
     if (energy.work[i] != 0) std::fprintf(to, ", %s %.6g", kPowerSourceNames[i], energy.work[i]);
+  if (energy.contacts != 0) std::fprintf(to, ", contacts %.6g", energy.contacts);
   if (energy.numerical != 0) std::fprintf(to, ", damping of the implicit method %.3g", energy.numerical);
   std::fprintf(to, "\n  unexplained %.3g, at most %.3g at %.6g s; largest energy %.6g\n", energy.unexplained,
                energy.largest, energy.largest_time, energy.scale);
@@ -147,15 +148,11 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
 Json build_energy_json(const hil::EnergyBalance& energy) {
   Json work = Json::object();
   for (std::size_t i = 0; i < energy.work.size(); ++i) work[kPowerSourceNames[i]] = energy.work[i];
-  return {{"gained", energy.kinetic},
-          {"work", work},
-          {"springs_and_modes", energy.strain},
-          {"impulses", energy.impulses},
-          {"implicit_damping", energy.numerical},
-          {"unexplained", energy.unexplained},
-          {"largest_unexplained", energy.largest},
-          {"t", energy.largest_time},
-          {"scale", energy.scale}};
+  return {{"gained", energy.kinetic},           {"work", work},
+          {"springs_and_modes", energy.strain}, {"impulses", energy.impulses},
+          {"contacts", energy.contacts},        {"implicit_damping", energy.numerical},
+          {"unexplained", energy.unexplained},  {"largest_unexplained", energy.largest},
+          {"t", energy.largest_time},           {"scale", energy.scale}};
 }
 
 Json build_accuracy_json(const hil::AccuracyReport& accuracy) {

@@ -331,6 +331,11 @@ class Phases {
         return c.subject == joint ? ""
                                   : name(model_.joints[index].name) + " is " +
                                         model_.joints[index].modes[static_cast<std::size_t>(c.axis)].name;
+      case Kind::kDistance:
+        return "distance of " + name(model_.surfaces[index].name) + " and " +
+               name(model_.surfaces[static_cast<std::size_t>(c.axis)].name) + than;
+      case Kind::kClosed:
+        return "contact " + name(model_.contacts[index].name);
       case Kind::kNot:
         return "not (" + describe(c.parts.at(0), joint) + ")";
       default:

@@ -1,6 +1,6 @@
 // Energies and powers of a state, for the audit of a run: between two instants without events,
 //
-//   change of (kinetic + strain) = ∫ Σ powers dt,
+//   change of (kinetic + strain + dissipated) = ∫ Σ powers dt,
 //
 // whatever the method that moved the bodies. Kinetic energy, momentum, and powers that are not conservative; springs
 // and modes count by what they store. O(n), off the step: an observer calls these, the step does not.

@@ -10,7 +10,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "unlatch/shapes.h"
 
 namespace unlatch {
 
@@ -190,6 +193,37 @@ struct PlaneTorsion {
   bool on = true;                                            // at the start
 };
 
+// --- Shapes and contacts --------------------------------------------------------------------------------------------
+
+// A named union of shapes that a body carries, without mass: for contacts, and for conditions and sensors of distance.
+struct Surface {
+  std::string name;                     // unique among surfaces
+  int body = kGround;                   // that carries them: rigid, or a marker; kGround: fixed in W
+  std::vector<geometry::Shape> shapes;  // at least one, in axes of the body (ground: W), m
+};
+
+// Compliant contact of two surfaces. Each pair of their shapes is closed from the instant at which its signed
+// distance falls to zero until it rises to zero; with the depth δ = −distance, the rate of δ, and the slip v_t of the
+// two materials at the midpoint of the witnesses, follower against base:
+//
+//   F_n = max(0, k δⁿ (1 + d dδ/dt))        on the follower away from the base, along the witnesses
+//   F_t = −μ F_n v_t / √(|v_t|² + v_s²)     on the follower; on the base the opposite, both at that midpoint
+//
+// Pairs that have no distance (two half-spaces, two hollow shapes, a hollow shape and a half-space) do not touch.
+struct Contact {
+  std::string name;                           // unique among elements
+  int base = 0, follower = 0;                 // indices of surfaces, of two bodies
+  double stiffness = 0;                       // k, N/m or N/m^1.5, > 0
+  double exponent = 1;                        // n: 1 or 1.5
+  double damping = 0;                         // d, s/m, ≥ 0
+  std::optional<double> restitution{};        // instead of d: the ratio of the speeds after and before, in (0, 1],
+  double speed = 0;                           // m/s, of a blow with this speed, > 0
+  double friction = 0;                        // μ, ≥ 0
+  double slip_speed = 1e-3;                   // v_s, m/s, > 0
+  bool on = true;                             // at the start
+  std::vector<std::pair<int, int>> except{};  // pairs of shapes that do not touch: indices in base and follower
+};
+
 // Field of gravity: uniform, central, or both.
 struct Gravity {
   Eigen::Vector3d uniform = Eigen::Vector3d::Zero();  // m/s²
@@ -221,12 +255,14 @@ struct Sensor {
     kDisplacement,   // 1, of the follower's point along `axis` of the joint frame, m
     kAngle,          // 1, about `axis` of the rotation frame, turns counted, rad
     kSpeed,          // 1, rate of the displacement, m/s, or of the angle, rad/s
+    kDistance,       // 1, signed distance of surfaces `subject` and `other`, m
   };
   std::string name;                                 // unique among sensors
   Kind kind = Kind::kRate;                          // measured quantity
-  int subject = 0;                                  // body, joint or signal
+  int subject = 0;                                  // body, joint, signal or surface
   int axis = kX;                                    // Row
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // body axes, m
+  int other = kNone;                                // kDistance: the other surface
 };
 // Number of values of a sensor.
 int sensor_width(Sensor::Kind kind);
@@ -253,10 +289,12 @@ struct Condition {
     kAny,           // at least one part holds
     kNot,           // its one part does not hold
     kBurnt,         // what a body with a mass law has burnt, kg
+    kDistance,      // signed distance of surfaces `subject` and `axis`, m
+    kClosed,        // a contact is closed: some pair of its shapes
   };
   Kind kind = Kind::kTime;       // kind
-  int subject = 0;               // index of the joint, body, signal or channel
-  int axis = 0;                  // Row of a joint; kMode: index of the mode
+  int subject = 0;               // index of the joint, body, signal, channel, surface or contact
+  int axis = 0;                  // Row of a joint; kMode: index of the mode; kDistance: index of the other surface
   double threshold = 0;          // in the unit of the quantity
   bool below = false;            // holds at and below the threshold instead of at and above it
   std::vector<Condition> parts;  // of kAll, kAny, kNot
@@ -286,6 +324,7 @@ struct Event {
   double delay = 0;          // s between the guard's crossing and the actions
   std::vector<Action> then;  // actions, in order
   bool repeat = false;       // fires again each time the guard crosses upwards; otherwise once
+  bool crossing = false;     // of a repeating event: a guard that holds at the start is no event
 };
 
 // --- The whole ------------------------------------------------------------------------------------------------------
@@ -300,12 +339,15 @@ struct Model {
   std::vector<PointSpring> point_springs;    // springs between points
   std::vector<JointSpring> joint_springs;    // springs in joints
   std::vector<PlaneTorsion> plane_torsions;  // torsion springs towards a plane
+  std::vector<Surface> surfaces;             // that contacts, conditions and sensors name
+  std::vector<Contact> contacts;             // between shapes
+  int contact_substeps = 1;                  // parts of a step while some contact is closed, 1 … 64
   std::vector<Channel> channels;             // commanded values
   std::vector<std::string> signals;          // names
   std::vector<Sensor> sensors;               // measured values
   std::vector<Event> events;                 // in the order in which they act at one instant
 
-  // Elements share one numbering: loads, point springs, joint springs, plane torsions.
+  // Elements share one numbering: loads, point springs, joint springs, plane torsions, contacts.
   int element_count() const;
   const std::string& element_name(int element) const;
 };
@@ -317,6 +359,12 @@ struct ModelError {
   std::string mend;   // what would be right
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
+
+inline constexpr int kMaxContactSubsteps = 64;  // of Model::contact_substeps
+
+// Appends the events "touch" and "lift" of each contact, with its name as subject: repeating, without actions. A
+// contact that is closed at the start has no touch then.
+void add_contact_events(Model& model);
 
 // a body of the model is a marker.
 bool has_markers(const Model& model);

@@ -2,7 +2,7 @@
 // it, move it: the step gives the same bits. Every field is 8 bytes wide, so the block has no padding.
 //
 //   [StateHeader][BodyState × bodies][JointState × joints][ElementState × elements][EventState ×
-//   events][signals][auxiliary]
+//   events][signals][auxiliary][ContactState × pairs]
 #pragma once
 
 #include <cstddef>
@@ -64,8 +64,14 @@ struct EventState {
   double due;        // kPending: s
 };
 
-static_assert(sizeof(StateHeader) == 16 && sizeof(BodyState) == 104 && sizeof(JointState) == 88 &&
-              sizeof(ElementState) == 40 && sizeof(EventState) == 16);
+// Memory of one pair of shapes of a contact.
+struct ContactState {
+  std::int64_t closed;  // 1: from touch to lift
+  double edge;          // m, distance at which that changes next: 0, but for the rounding of the last change
+};
+
+static_assert(sizeof(ContactState) == 16 && sizeof(StateHeader) == 16 && sizeof(BodyState) == 104 &&
+              sizeof(JointState) == 88 && sizeof(ElementState) == 40 && sizeof(EventState) == 16);
 
 // A view of one state block. Copying the view does not copy the state.
 class State {
@@ -81,7 +87,9 @@ class State {
   std::span<EventState> events;      // in the model's order
   std::span<double> signals;         // values, in the model's order
   std::span<double> auxiliary;  // kg burnt by each body with a mass law; then per flexible body its modal coordinates,
-                                // and their rates, 1/s
+                                // and their rates, 1/s; then the ContactTotals of each contact
+  std::span<ContactState> contacts;  // of each contact in the model's order, each pair of its shapes: those of the
+                                     // base, with each of them those of the follower
 
   // The whole block.
   std::span<std::byte> get_bytes() const { return bytes_; }

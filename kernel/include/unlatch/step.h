@@ -60,7 +60,8 @@ extern const char* const kPowerSourceNames[kPowerSources];  // "loads" …
 struct EnergyFlow {
   double mass, mass_rate;       // kg, kg/s
   Vec3 momentum;                // kg m/s
-  double kinetic, strain;       // J; strain: stored in springs and modes, at their switch scales
+  double kinetic, strain;       // J; strain: stored in springs, modes and contacts, at their switch scales
+  double dissipated;            // J lost in contacts since the start
   double power[kPowerSources];  // W, by PowerSource
   Vec3 force[kPowerSources];    // N: how much an observer who moves with v sees less of each power, per v
 };

@@ -1,0 +1,72 @@
+/* A participant in C99 over plain UDP, without any library: copy this file, participant.c and schema/unlatch_wire.h
+ * into your flight software (cFS, F´, an RTOS with BSD sockets, a Simulink S-function). It introduces itself, finds
+ * numbers of channels and sensors by name, and answers States as hil/PROTOCOL.md demands, also those that are resent.
+ *
+ *   unlatch_participant p;
+ *   if (unlatch_participant_open(&p, "pilot", "127.0.0.1", 7670) != 0) return 1;
+ *   for (;;) switch (unlatch_participant_poll(&p, 1000)) {
+ *     case UNLATCH_PARTICIPANT_STATE:            // a new tick: p.state
+ *       unlatch_participant_command(&p, unlatch_participant_find(&p, UNLATCH_CATALOG_KIND_CHANNEL, "throttle"), 1.0);
+ *       unlatch_participant_answer(&p);          // once for each State
+ *       break;
+ *     case UNLATCH_PARTICIPANT_END: unlatch_participant_close(&p); return 0;
+ *   }
+ *
+ * Nothing allocates; one thread. Of systems with more than 64 sensor values or 16 bodies it reads the first part of a
+ * State. */
+#ifndef UNLATCH_PARTICIPANT_H_
+#define UNLATCH_PARTICIPANT_H_
+
+#include "unlatch_wire.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { UNLATCH_PARTICIPANT_ITEMS = 1024 };   /* channels, sensor values and signals that are kept, at most */
+enum { UNLATCH_PARTICIPANT_COMMANDS = 256 }; /* of one tick, at most */
+
+typedef enum unlatch_participant_event {
+  UNLATCH_PARTICIPANT_NOTHING, /* the time is over, or what came needs no answer of yours */
+  UNLATCH_PARTICIPANT_STATE,   /* a new tick: decide, command, answer */
+  UNLATCH_PARTICIPANT_END,     /* the session is over: p->state.status says how */
+  UNLATCH_PARTICIPANT_REFUSED  /* p->verdict: one of our messages was refused, and why */
+} unlatch_participant_event;
+
+typedef struct unlatch_participant {
+  /* To read. */
+  unlatch_wire_hello hello;
+  unlatch_wire_state state;
+  unlatch_wire_verdict verdict;
+  int64_t malformed; /* datagrams that were none */
+
+  /* Its own. */
+  int socket;
+  uint32_t run, sequence;
+  int64_t answered_tick, last_command, joined_ms;
+  unlatch_wire_hello_ack introduction;
+  unlatch_wire_catalog items[UNLATCH_PARTICIPANT_ITEMS];
+  int item_count;
+  unlatch_wire_command commands[UNLATCH_PARTICIPANT_COMMANDS]; /* of answered_tick, for when its State is resent */
+  int command_count;
+} unlatch_participant;
+
+/* Joins the simulator at that IPv4 address, which need not run yet. `name`: as the scenario requires it. 0, or −1 with
+ * errno. */
+int unlatch_participant_open(unlatch_participant* p, const char* name, const char* address, uint16_t port);
+/* Waits for a datagram at most `wait_ms` and handles it. */
+unlatch_participant_event unlatch_participant_poll(unlatch_participant* p, int wait_ms);
+/* Number of a channel, a sensor's value or a signal (UNLATCH_CATALOG_KIND_…) in this session; −1: there is none. */
+int unlatch_participant_find(const unlatch_participant* p, int kind, const char* name);
+/* A command for the tick of p->state, sent with the answer. 0; −1: too many, or no such channel. */
+int unlatch_participant_command(unlatch_participant* p, int channel, double value);
+/* Answers p->state: its commands, then StepAck. */
+void unlatch_participant_answer(unlatch_participant* p);
+/* Says that it leaves, and closes the socket. */
+void unlatch_participant_close(unlatch_participant* p);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* UNLATCH_PARTICIPANT_H_ */

@@ -1,0 +1,47 @@
+// Many samples of one scenario, each with overrides of its own, run by threads.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hil/scenario/scenario.h"
+#include "library/c/catalogue.h"
+#include "library/c/engine.h"
+#include "library/include/unlatch.h"
+
+namespace unlatch::library {
+
+class Batch {
+ public:
+  // Throws ScenarioError.
+  Batch(const std::string& path, const LoadOptions& options);
+
+  void add(std::vector<std::string> overrides);
+  // Every sample that was not run yet. `threads` 0: one on each processor.
+  unlatch_status run(double until, std::size_t threads, std::atomic<bool>& interrupted);
+
+  unlatch_status get_array(std::int32_t which, unlatch_array& array) const;
+  [[nodiscard]] std::size_t size() const { return overrides_.size(); }
+  [[nodiscard]] const std::string& get_text(std::size_t sample) const { return texts_[sample]; }
+  [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
+
+ private:
+  // What a run of one sample has filled in; `false` where it was interrupted.
+  bool run_sample(std::size_t sample, double until, const std::atomic<bool>& stop);
+  bool step_sample(std::size_t sample, double until, const hil::Scenario& scenario, const std::atomic<bool>& stop);
+  void keep_verdicts(std::size_t sample, const hil::Scenario& scenario, const std::vector<hil::Verdict>& verdicts);
+
+  const hil::Scenario scenario_;  // without the samples' overrides
+  const Catalogue catalogue_;
+  const bool judges_;
+  const std::size_t bodies_, events_, requirements_;
+  std::vector<std::vector<std::string>> overrides_;    // of each sample, besides those of all
+  std::vector<std::string> texts_;                     // why it failed
+  std::array<std::vector<std::int64_t>, 3> integers_;  // by UNLATCH_SAMPLE_STATUS, _TICKS, _HASHES
+  std::vector<double> first_events_, values_, margins_, last_bodies_;
+};
+
+}  // namespace unlatch::library

@@ -1,0 +1,50 @@
+// Errors of the C library: what a thread's latest call that failed had to say, and the border that no exception
+// crosses.
+#pragma once
+
+#include <exception>
+#include <string>
+#include <string_view>
+
+#include "hil/language/scenario_error.h"
+#include "library/c/handles.h"
+#include "library/include/unlatch.h"
+
+namespace unlatch::library {
+
+// The text of a scenario's file, to name the key at a place in it.
+struct ErrorSource {
+  std::string file, text;  // of the main file, as messages call it; text: empty if `file` is to be read
+};
+
+// All of these replace this thread's errors and give the status back.
+unlatch_status fail(unlatch_status status, std::string_view text, std::string_view file = "",
+                    std::string_view key = "") noexcept;
+unlatch_status fail(const hil::ScenarioError& error, const ErrorSource& source) noexcept;
+// Of a handle that was refused.
+unlatch_status fail(const Access& access) noexcept;
+// The exception being handled.
+unlatch_status fail_of_exception(const ErrorSource& source) noexcept;
+
+// The path of the key at a line and column of a YAML text: "bodies.core.mass"; "" if there is none.
+std::string find_key(const std::string& text, int line, int column);
+
+// Calls a function that gives a status; exceptions become errors.
+template <class Function>
+unlatch_status guard(const Function& function, const ErrorSource& source = {}) noexcept {
+  try {
+    return function();
+  } catch (...) {
+    return fail_of_exception(source);
+  }
+}
+
+// The same with the object of a handle.
+template <class Object, class Function>
+unlatch_status with(HandleKind kind, const void* handle, const Function& function) noexcept {
+  const Access access(kind, handle);
+  if (!access) return fail(access);
+  return guard([&] { return function(access.get<Object>()); });
+}
+
+}  // namespace unlatch::library

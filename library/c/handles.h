@@ -1,0 +1,69 @@
+// Handles of the C library. A handle is no address but a number in the shape of a pointer: the place in a table, the
+// kind of object, and how often the place was used. So a closed or foreign one is recognised without touching memory
+// that may be gone. Taking a handle costs one atomic exchange; it takes no lock.
+//
+//   bits 0 … 15: place   16 … 19: kind   20 … 63: use, from 1
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "library/include/unlatch.h"
+
+namespace unlatch::library {
+
+enum class HandleKind : std::uint64_t { kSimulation = 1, kBatch = 2 };
+
+struct HandleSlot {
+  std::atomic<std::uint64_t> tag{0};  // (handle >> 16) << 1, and 1 while a thread is at work; 0: free
+  std::atomic<bool> interrupted{false};
+  void* object = nullptr;
+};
+
+inline constexpr std::uint64_t kHandleSlots = 16'384;
+extern HandleSlot handle_slots[kHandleSlots];
+
+// A new handle; null if none is free.
+void* open_handle(HandleKind kind, void* object) noexcept;
+// Sets `interrupted` of an open handle of any kind, also of one that is at work.
+[[nodiscard]] bool interrupt_handle(const void* handle) noexcept;
+
+// The object of a handle, for this thread alone, while this lives.
+class Access {
+ public:
+  Access(HandleKind kind, const void* handle) noexcept {
+    const auto bits = reinterpret_cast<std::uintptr_t>(handle);
+    const std::uint64_t place = bits & 0xFFFF;
+    if (place >= kHandleSlots || ((bits >> 16) & 0xF) != static_cast<std::uint64_t>(kind)) return;
+    std::uint64_t seen = (bits >> 16) << 1;
+    tag_ = seen;
+    if (handle_slots[place].tag.compare_exchange_strong(seen, tag_ | 1, std::memory_order_acquire)) {
+      slot_ = &handle_slots[place];
+    } else if (seen == (tag_ | 1)) {
+      status_ = UNLATCH_ERROR_BUSY;
+    }
+  }
+  ~Access() {
+    if (slot_ != nullptr) slot_->tag.store(tag_, std::memory_order_release);
+  }
+  Access(const Access&) = delete;
+  Access& operator=(const Access&) = delete;
+
+  explicit operator bool() const noexcept { return slot_ != nullptr; }
+  // Of a refused handle.
+  [[nodiscard]] unlatch_status get_status() const noexcept { return status_; }
+  template <class Object>
+  [[nodiscard]] Object& get() const noexcept {
+    return *static_cast<Object*>(slot_->object);
+  }
+  [[nodiscard]] std::atomic<bool>& interrupted() const noexcept { return slot_->interrupted; }
+  // The handle is closed once this is gone; the object is the caller's.
+  void close() noexcept;
+
+ private:
+  HandleSlot* slot_ = nullptr;
+  std::uint64_t tag_ = 0;
+  unlatch_status status_ = UNLATCH_ERROR_HANDLE;
+};
+
+}  // namespace unlatch::library

@@ -1,0 +1,79 @@
+"""Exceptions, with the place of a mistake."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+
+class Mistake(NamedTuple):
+    """One mistake: what it is and what would be right, and where."""
+
+    text: str
+    file: str
+    line: int
+    column: int
+    key: str
+
+
+class Error(Exception):
+    """A call of the library failed. file, line, column and key are those of the first mistake; 0 and "" if it has none."""
+
+    def __init__(self, mistakes: Sequence[Mistake]) -> None:
+        super().__init__("\n".join(mistake.text for mistake in mistakes))
+        self.mistakes = list(mistakes)
+
+    @property
+    def file(self) -> str:
+        return self.mistakes[0].file if self.mistakes else ""
+
+    @property
+    def line(self) -> int:
+        return self.mistakes[0].line if self.mistakes else 0
+
+    @property
+    def column(self) -> int:
+        return self.mistakes[0].column if self.mistakes else 0
+
+    @property
+    def key(self) -> str:
+        return self.mistakes[0].key if self.mistakes else ""
+
+
+class ScenarioError(Error, ValueError):
+    """Mistakes in a scenario or its overrides, all of them in `mistakes`."""
+
+
+class FileError(Error, OSError):
+    """A file cannot be read or written, or is not what it should be."""
+
+    def __str__(self) -> str:
+        return "\n".join(mistake.text for mistake in self.mistakes)
+
+
+class RangeError(Error, ValueError):
+    """A value, index or tick outside its range."""
+
+
+class FaultError(Error):
+    """A step cannot be made; the simulation keeps its last good state."""
+
+
+class OrderError(Error):
+    """This is not possible now: closed, at work in another thread, recording, replaying, or loaded without judge=True."""
+
+
+class StateError(Error, ValueError):
+    """Bytes that are no state of this model."""
+
+
+class DifferenceError(Error):
+    """A replay differs from its recording."""
+
+
+_KINDS = {-2: OrderError, -3: OrderError, -4: ScenarioError, -5: FileError, -6: RangeError, -7: FaultError, -8: OrderError,
+          -9: StateError, -10: DifferenceError}
+
+
+def make(status: int, mistakes: Sequence[tuple[str, str, int, int, str]]) -> Error:
+    """The exception of a status of the C library."""
+    return _KINDS.get(status, Error)([Mistake(*mistake) for mistake in mistakes])

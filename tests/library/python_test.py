@@ -1,0 +1,235 @@
+#!/usr/bin/env python3
+"""The Python package: the bits of a session, views without copies, exceptions with their place, signals, types, the wheel.
+
+    python_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import ctypes
+import math
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
+from processes import BIN, BOOSTERS, HANG, REFERENCE, SANITIZED, SOURCE, ProcessTest, main  # noqa: E402
+
+BUILD = BIN.parent
+if SANITIZED:
+    sys.exit(77)  # Python itself would need the sanitizer
+sys.path.insert(0, str(BUILD / "python"))
+import numpy as np  # noqa: E402
+
+import unlatch  # noqa: E402
+
+EXAMPLES = SOURCE / "library/python/examples"
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "PYTHONDONTWRITEBYTECODE": "1"}
+WRONG = "unlatch: 1\nname: wrong\nstep: {dt: 0.001, until: 1}\nbodies:\n  core:\n    mass: -3 kg\n    inertia: [1, 1, 1]\n"
+
+
+class PythonTest(ProcessTest):
+    def run_python(self, *arguments, environment=ENVIRONMENT):
+        done = subprocess.run([sys.executable, *map(str, arguments)], capture_output=True, text=True, timeout=HANG, env=environment)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def record_session(self):
+        log = self.folder / "session.log"
+        session = self.run_json(BIN / "unlatch", "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--until", "2", "--log",
+                                log, code=None)
+        return log, session["hash"]
+
+    def test_own_control_separates_the_boosters_to_the_hash_of_a_session_in_lockstep(self):
+        _, wanted = self.record_session()
+        said = self.run_python(EXAMPLES / "own_control.py", BOOSTERS)
+        self.assertIn(f"hash {wanted}", said)
+        self.assertEqual(said.count("liftoff"), 4)
+
+    def test_a_recording_is_read_and_followed(self):
+        log, wanted = self.record_session()
+        with unlatch.open_recording(log) as recorded, unlatch.load(BOOSTERS) as own:
+            path = []
+            for _ in range(2000):
+                recorded.step()
+                for name, value in recorded.channels.items():
+                    own.channels[name] = value
+                own.step()
+                path.append(recorded.bodies["booster1"].position[1])
+            self.assertRaises(StopIteration, recorded.step)
+            self.assertEqual(recorded.run(ticks=10), 0)
+            self.assertEqual((own.hash, recorded.hash), (wanted, wanted))
+            self.assertGreater(abs(path[-1] - path[0]), 1)
+            with self.assertRaises(unlatch.OrderError):
+                recorded.channels["throttle1"] = 1
+
+    def test_arrays_are_read_only_views_of_the_present_state(self):
+        with unlatch.load(REFERENCE) as sim:
+            core = sim.bodies["core"]
+            before, address = core.position.copy(), core.position.ctypes.data
+            self.assertEqual(sim.run(until=0.7), 700)
+            self.assertEqual(core.position.ctypes.data, address)
+            self.assertGreater(np.abs(core.position - before).max(), 1)
+            self.assertEqual(sim.bodies["core"].position[0], ctypes.c_double.from_address(address).value)
+            with self.assertRaises(ValueError):
+                core.position[0] = 0
+            self.assertAlmostEqual(float(np.linalg.norm(core.attitude)), 1)
+            nose = sim.joints["nose1"]
+            self.assertEqual((nose.mode, nose.reaction.shape), ("slider", (6,)))
+            self.assertGreater(np.abs(nose.reaction).max(), 1)
+            kept, value = core.position, core.position[0]
+        self.assertEqual(kept[0], value)  # its memory stays
+        self.assertRaises(unlatch.OrderError, sim.step)
+        self.assertIn("closed", repr(sim))
+
+    def test_sensors_channels_events_and_verdicts_have_names_and_units(self):
+        with unlatch.load(BOOSTERS, judge=True) as sim:
+            self.assertEqual(sim.sensors["gyro"].shape, (3,))
+            self.assertEqual({s.name: s.unit for s in sim.sensor_items}["gyro"], "rad/s")
+            self.assertEqual(sim.channels["rudder2"], -0.02)
+            for i in range(1, 5):
+                sim.channels[f"cut_ties{i}"] = 1
+            self.assertEqual(sim.run(ticks=50, stop_at_events=True), 1)
+            self.assertEqual([(e.name, e.subject, e.tick) for e in sim.events], [("ties_cut", f"booster{i}", 0) for i in range(1, 5)])
+            verdict = sim.verdicts[0]
+            self.assertEqual((verdict.id, verdict.unit, verdict.limit), ("distance1", "m", 0.1))
+            self.assertGreater(sim.clearances["core – booster1"][0], 0)
+        with unlatch.load(BOOSTERS) as sim:
+            self.assertRaises(unlatch.OrderError, lambda: sim.verdicts)
+
+    def test_states_are_saved_restored_and_recorded(self):
+        log = self.folder / "own.log"
+        with unlatch.load(REFERENCE, {"bodies.core.mass": 99000.0}) as sim:
+            sim.run(until=0.2)
+            state = sim.save()
+            sim.start_recording(log)
+            sim.run(until=0.5)
+            ended = sim.hash
+        with unlatch.load(REFERENCE, {"bodies.core.mass": "99 t"}) as other:
+            other.restore(state)
+            other.run(until=0.5)
+            self.assertEqual(other.hash, ended)
+            self.assertRaises(unlatch.StateError, other.restore, state[:-1] + bytes([state[-1] ^ 1]))
+            other.reset()
+            self.assertEqual(other.tick, 0)
+        with unlatch.open_recording(log) as replay:
+            self.assertEqual(replay.run(ticks=1000), 300)
+            self.assertEqual(replay.hash, ended)
+
+    def test_exceptions_have_file_line_and_key(self):
+        path = self.folder / "wrong.yaml"
+        path.write_text(WRONG, encoding="utf-8")
+        for load in (lambda: unlatch.load(path), lambda: unlatch.load_text(WRONG, str(path))):
+            with self.assertRaises(unlatch.ScenarioError) as caught:
+                load()
+            error = caught.exception
+            self.assertEqual((error.file, error.line, error.key), (str(path), 6, "bodies.core.mass"))
+            self.assertIn("mass", str(error))
+        self.assertRaises(unlatch.FileError, unlatch.open_recording, path)
+        with unlatch.load(BOOSTERS) as sim:
+            for value in (2, math.nan, math.inf):
+                with self.assertRaises(unlatch.RangeError) as caught:
+                    sim.channels["throttle1"] = value
+                self.assertEqual(caught.exception.key, "channels.throttle1")
+            with self.assertRaisesRegex(KeyError, "known: throttle1"):
+                sim.channels["throtle1"] = 1
+            self.assertRaises(ValueError, sim.run, until=math.nan)
+
+    def test_other_threads_run_while_it_steps(self):
+        with unlatch.load(REFERENCE) as sim:
+            native, refused = sim._native, False
+            worker = threading.Thread(target=native.advance, args=(400_000, False))
+            worker.start()
+            while worker.is_alive() and not refused:
+                try:
+                    native.get_tick()
+                except unlatch.OrderError:  # at work in the other thread, without the interpreter's lock
+                    refused = True
+            worker.join()
+            self.assertTrue(refused)
+
+    def test_ctrl_c_interrupts_a_run_that_can_go_on(self):
+        program = ("import os, signal, sys, threading, time, unlatch\n"
+                   "sim, begun = unlatch.load(sys.argv[1]), threading.Event()\n"
+                   "def press():\n"
+                   "    begun.wait()\n"
+                   "    os.kill(os.getpid(), signal.SIGINT)\n"
+                   "threading.Thread(target=press, daemon=True).start()\n"
+                   "try:\n"
+                   "    begun.set()\n"
+                   "    sim.run(ticks=10**12)\n"
+                   "except KeyboardInterrupt:\n"
+                   "    sim.run(ticks=5)\n"
+                   "    print('went on')\n")
+        self.assertIn("went on", self.run_python("-c", program, REFERENCE))
+
+    def test_a_batch_has_the_results_of_single_runs(self):
+        with unlatch.Batch(REFERENCE, judge=True) as batch:
+            masses = [99e3, 100e3, -1.0, 101e3]
+            for mass in masses:
+                batch.add({"bodies.core.mass": mass})
+            batch.run(until=0.9)
+            self.assertEqual(list(batch.ok), [True, True, False, True])
+            self.assertIn("mass", batch.why(2))
+            self.assertEqual(batch.final_bodies.shape, (4, 5, 13))
+            for i in (0, 3):
+                with unlatch.load(REFERENCE, {"bodies.core.mass": masses[i]}, judge=True) as sim:
+                    sim.run(until=0.9)
+                    self.assertEqual(batch.hashes[i], sim.hash)
+                    self.assertEqual(batch.margins["distance1"][i], sim.verdicts[0].margin)
+                    self.assertEqual(tuple(batch.final_bodies[i, 0, :3]), tuple(sim.bodies["core"].position))
+                    releases = [e.time for e in sim.events if (e.name, e.subject) == ("release", "booster1")]
+                    self.assertEqual(batch.event_times["release:booster1"][i], releases[0])
+            view = batch.ticks
+            self.assertRaises(BufferError, batch.add)
+            self.assertEqual(list(view), [900, 900, 0, 900])
+
+    def test_the_example_studies_run(self):
+        picture = self.folder / "dispersion.png"
+        said = self.run_python(EXAMPLES / "dispersion.py", REFERENCE, picture, 6, environment={**ENVIRONMENT, "MPLCONFIGDIR": str(self.folder)})
+        self.assertIn("distance1: margin from", said)
+        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+        said = self.run_python(EXAMPLES / "compare_designs.py", REFERENCE)
+        self.assertIn("heavier core: release at", said)
+
+    def test_types_are_checked(self):
+        if not shutil.which("mypy"):
+            self.skipTest("mypy is not installed (tools/setup test)")
+        check = ["mypy", "--strict", "--no-incremental", f"--cache-dir={os.devnull}"]
+        self.run_ok(*check, SOURCE / "library/python/unlatch")
+        user = self.folder / "user.py"
+        user.write_text("import unlatch\nwith unlatch.load('x.yaml') as sim:\n    sim.run(until='late')\n    sim.bodies['core'].positon\n",
+                        encoding="utf-8")
+        done = subprocess.run([*check, user], capture_output=True, text=True, timeout=HANG, env={**ENVIRONMENT, "MYPYPATH": str(BUILD / "python")})
+        self.assertIn('has incompatible type "str"', done.stdout)
+        self.assertIn('has no attribute "positon"', done.stdout)
+        self.assertIn("Found 2 errors", done.stdout)
+
+    def test_the_installed_package_and_the_wheel_work_where_they_are(self):
+        show = "import unlatch, sys; sim = unlatch.load(sys.argv[1], judge=True); sim.run(until=0.1); print(unlatch.__file__, sim.hash)"
+        with unlatch.load(REFERENCE) as sim:
+            sim.run(until=0.1)
+            wanted = sim.hash
+        prefix, moved = self.folder / "prefix", self.folder / "moved"
+        for component in ("library", "python"):
+            self.run_ok("cmake", "--install", BUILD, "--prefix", prefix, "--component", component)
+        prefix.rename(moved)
+        folder = next(moved.glob("lib/python*/dist-packages"))
+        said = self.run_python("-c", show, REFERENCE, environment={**ENVIRONMENT, "PYTHONPATH": str(folder)})
+        self.assertEqual(said.split(), [str(folder / "unlatch/__init__.py"), wanted])
+
+        source = self.folder / "library/python"  # setup.py looks for CMakeLists.txt two folders above
+        shutil.copytree(SOURCE / "library/python", source)
+        shutil.copy(SOURCE / "CMakeLists.txt", self.folder)
+        done = subprocess.run([sys.executable, "setup.py", "-q", "bdist_wheel"], cwd=source, capture_output=True, text=True, timeout=HANG,
+                              env={**ENVIRONMENT, "UNLATCH_BUILD": str(BUILD)})
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        wheel = next((source / "dist").glob("unlatch-*-cp3*-linux_*.whl"))
+        unpacked = self.folder / "unpacked"
+        shutil.unpack_archive(wheel, unpacked, "zip")
+        said = self.run_python("-c", show, REFERENCE, environment={**ENVIRONMENT, "PYTHONPATH": str(unpacked)})
+        self.assertEqual(said.split(), [str(unpacked / "unlatch/__init__.py"), wanted])
+
+
+if __name__ == "__main__":
+    main()
