@@ -30,7 +30,7 @@ struct UdpHeader {
   std::uint32_t run = 0, sequence = 0;
 };
 
-// What a datagram holds; `payload` lies in it.
+// The content of a datagram; `payload` lies in it.
 struct UdpPacket {
   UdpHeader header;
   std::optional<hil::MessageKind> kind;  // none: a join

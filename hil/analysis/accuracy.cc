@@ -17,10 +17,6 @@ constexpr double kOrderMissed = 1;  // an observed order this much below the met
 
 using Kind = NamedValue::Kind;
 
-std::string name_body(const Model& model, int body) {
-  return body == kGround ? "ground" : model.bodies[static_cast<std::size_t>(body)].name;
-}
-
 void add_times(const RunAnalysis& analysis, double length, std::vector<NamedValue>& values) {
   std::map<std::string, int> seen;
   for (const TimelineEntry& entry : analysis.timeline) {
@@ -30,10 +26,10 @@ void add_times(const RunAnalysis& analysis, double length, std::vector<NamedValu
   }
 }
 
-void add_clearances(const Model& model, const RunAnalysis& analysis, std::vector<NamedValue>& values) {
+void add_clearances(const RunAnalysis& analysis, std::vector<NamedValue>& values) {
   for (const Clearance& c : analysis.clearances()) {
-    values.push_back({"smallest clearance " + name_body(model, c.a) + " – " + name_body(model, c.b), "m",
-                      Kind::kClearance, c.smallest, std::abs(c.smallest), c.time});
+    values.push_back({"smallest clearance " + c.name_a + " – " + c.name_b, "m", Kind::kClearance, c.smallest,
+                      std::abs(c.smallest), c.time});
   }
 }
 
@@ -176,7 +172,6 @@ std::string find_reason(const Scenario& scenario, const Method& method, const Ac
   if (!method.stiff.empty()) return "spring '" + method.stiff + "' is stiffer than the step resolves";
   if (entry.value.kind == Kind::kReaction)
     return "an extreme taken at ticks: its instant, or the event that ends it, lies between two";
-  if (entry.value.kind == Kind::kClearance) return "a distance of convex shapes, which is computed to some 1e-6 m only";
   const AccuracyEntry* mover = nullptr;
   for (const AccuracyEntry& other : all) {
     if (other.value.kind != Kind::kTime || other.settles || other.value.time > entry.value.time) continue;
@@ -198,7 +193,7 @@ std::vector<NamedValue> list_values(const Scenario& scenario, const Simulation& 
                                     const RunAnalysis& analysis) {
   std::vector<NamedValue> values;
   add_times(analysis, simulation.get_time(), values);
-  add_clearances(scenario.model, analysis, values);
+  add_clearances(analysis, values);
   add_rates(analysis, values);
   add_separations(scenario.model, analysis, values);
   add_reactions(scenario.model, analysis, values);

@@ -1,126 +1,96 @@
 #include "hil/analysis/clearance.h"
 
 #include <algorithm>
-#include <optional>
+#include <cmath>
+#include <map>
 #include <stdexcept>
-#include <string>
-
-#include "hil/analysis/convex_distance.h"
-#include "hil/modules/module.h"
 
 namespace unlatch::hil {
 namespace {
 
-using Vector = Eigen::Vector3d;
-
-bool is_round(const Shape& shape) { return shape.kind == Shape::Kind::kSphere || shape.kind == Shape::Kind::kCapsule; }
-
-// Closest approach of the segments p + s·u and q + t·v, s and t in [0, 1]: minimise over the line, clamp, and minimise
-// the other parameter again (Ericson, Real-Time Collision Detection, 2005, 5.1.9). Degenerate segments are points.
-double calc_segment_distance(const Vector& p, const Vector& u, const Vector& q, const Vector& v) {
-  const Vector r = p - q;
-  const double a = u.squaredNorm(), e = v.squaredNorm(), f = v.dot(r), c = u.dot(r), b = u.dot(v);
-  double s = 0, t = 0;
-  if (a > 0 && e > 0) {
-    const double determinant = a * e - b * b;
-    constexpr double kParallel = 1e-14;  // relative: below, any point of the overlap is as near
-    s = determinant > kParallel * a * e ? std::clamp((b * f - c * e) / determinant, 0.0, 1.0) : 0.0;
-    t = (b * s + f) / e;
-    if (t < 0 || t > 1) {
-      t = std::clamp(t, 0.0, 1.0);
-      s = std::clamp((b * t - c) / a, 0.0, 1.0);
-    }
-  } else if (e > 0) {
-    t = std::clamp(f / e, 0.0, 1.0);
-  } else if (a > 0) {
-    s = std::clamp(-c / a, 0.0, 1.0);
+geometry::ShapeGroup build_group(const std::string& name, const std::vector<BodyShape>& shapes,
+                                 const std::vector<int>& chosen) {
+  std::vector<geometry::Shape> list;
+  for (const int i : chosen) {
+    if (i < 0 || static_cast<std::size_t>(i) >= shapes.size())
+      throw std::invalid_argument("clearance: " + name + " has no shape " + std::to_string(i));
+    list.push_back(shapes[static_cast<std::size_t>(i)].shape);
   }
-  return (r + s * u - t * v).norm();
+  return geometry::build_group(name, list);
 }
 
-double calc_round_distance(const Shape& a, const Pose& at_a, const Shape& b, const Pose& at_b) {
-  const auto axis = [](const Shape& s) {
-    return s.kind == Shape::Kind::kCapsule ? Vector(s.to - s.from) : Vector::Zero();
-  };
-  const double between = calc_segment_distance(at_a.p_WB + at_a.q_WB * a.from, at_a.q_WB * axis(a),
-                                               at_b.p_WB + at_b.q_WB * b.from, at_b.q_WB * axis(b));
-  return std::max(0.0, between - a.radius - b.radius);
+// Shapes of `a` that leave out the same shapes of `b`, by what they have left of it.
+std::map<std::vector<int>, std::vector<int>> split(const ClearancePair& pair) {
+  std::map<std::vector<int>, std::vector<int>> parts;
+  for (const int i : pair.a.shapes) {
+    std::vector<int> left;
+    for (const int k : pair.b.shapes)
+      if (std::find(pair.except.begin(), pair.except.end(), std::pair(i, k)) == pair.except.end()) left.push_back(k);
+    if (!left.empty()) parts[left].push_back(i);
+  }
+  return parts;
 }
 
 }  // namespace
 
-std::unique_ptr<ConvexDistance> open_convex_distance() {
-  return std::unique_ptr<ConvexDistance>(
-      find_function<ConvexDistance*()>("unlatch-fcl", "unlatch_open_convex_distance")());
+geometry::Placement to_placement(const BodyState& body) { return {body.p, rotation_matrix(body.q)}; }
+
+geometry::Placement to_placement(const Pose& pose) {
+  const Eigen::Vector3d& p = pose.p_WB;
+  const Eigen::Quaterniond& q = pose.q_WB;
+  return {{p.x(), p.y(), p.z()}, rotation_matrix(Quat{q.w(), q.x(), q.y(), q.z()})};
 }
 
-// Pieces that no closed form serves are known to `convex` by a number.
-struct ClearanceMonitor::Geometry {
-  struct Piece {
-    Shape shape;
-    std::optional<std::size_t> convex;
+ClearanceMonitor::ClearanceMonitor(const std::vector<ClearancePair>& pairs,
+                                   const std::vector<std::vector<BodyShape>>& shapes) {
+  const auto get_shapes = [&](const ShapeSet& set) -> const std::vector<BodyShape>& {
+    if (set.body < 0 || static_cast<std::size_t>(set.body) >= shapes.size() || set.shapes.empty())
+      throw std::invalid_argument("clearance: " + set.name + " has no shape");
+    return shapes[static_cast<std::size_t>(set.body)];
   };
-  std::vector<std::vector<Piece>> bodies;
-  std::unique_ptr<ConvexDistance> convex;  // null until a pair needs it
-
-  void add_convex(Piece& piece) {
-    if (!convex) convex = open_convex_distance();
-    if (!piece.convex) piece.convex = convex->add(piece.shape);
-  }
-
-  double calc_distance(Piece& a, const Pose& at_a, Piece& b, const Pose& at_b) {
-    if (is_round(a.shape) && is_round(b.shape)) return calc_round_distance(a.shape, at_a, b.shape, at_b);
-    return convex->calc(*a.convex, at_a, *b.convex, at_b);
-  }
-};
-
-ClearanceMonitor::ClearanceMonitor(const std::vector<std::pair<int, int>>& pairs,
-                                   const std::vector<std::vector<Shape>>& shapes)
-    : geometry_(std::make_unique<Geometry>()) {
-  for (const std::vector<Shape>& list : shapes) {
-    std::vector<Geometry::Piece>& pieces = geometry_->bodies.emplace_back();
-    for (const Shape& shape : list) pieces.push_back({shape, {}});
-  }
-  for (const auto& [a, b] : pairs) {
-    for (const int body : {a, b})
-      if (body < 0 || static_cast<std::size_t>(body) >= shapes.size() || shapes[static_cast<std::size_t>(body)].empty())
-        throw std::invalid_argument("clearance: body " + std::to_string(body) + " has no shape");
-    clearances_.push_back({.a = a, .b = b});
-    for (Geometry::Piece& piece_a : geometry_->bodies[static_cast<std::size_t>(a)]) {
-      for (Geometry::Piece& piece_b : geometry_->bodies[static_cast<std::size_t>(b)]) {
-        if (!is_round(piece_a.shape) || !is_round(piece_b.shape))
-          geometry_->add_convex(piece_a), geometry_->add_convex(piece_b);
-      }
-    }
+  for (const ClearancePair& pair : pairs) {
+    clearances_.push_back({.a = pair.a.body, .b = pair.b.body, .name_a = pair.a.name, .name_b = pair.b.name});
+    std::vector<Part>& parts = parts_.emplace_back();
+    for (const auto& [of_b, of_a] : split(pair))
+      parts.push_back({.a = build_group(pair.a.name, get_shapes(pair.a), of_a),
+                       .b = build_group(pair.b.name, get_shapes(pair.b), of_b),
+                       .shapes_a = of_a,
+                       .shapes_b = of_b});
+    if (parts.empty()) throw std::invalid_argument("clearance: " + pair.a.name + " – " + pair.b.name + " has no shape");
   }
 }
 
-ClearanceMonitor::~ClearanceMonitor() = default;
-ClearanceMonitor::ClearanceMonitor(ClearanceMonitor&&) noexcept = default;
-ClearanceMonitor& ClearanceMonitor::operator=(ClearanceMonitor&&) noexcept = default;
-
-double ClearanceMonitor::calc(std::size_t pair, const Pose& a, const Pose& b) {
-  double distance = std::numeric_limits<double>::infinity();
-  for (Geometry::Piece& piece_a : geometry_->bodies[static_cast<std::size_t>(clearances_[pair].a)])
-    for (Geometry::Piece& piece_b : geometry_->bodies[static_cast<std::size_t>(clearances_[pair].b)])
-      distance = std::min(distance, geometry_->calc_distance(piece_a, a, piece_b, b));
-  return distance;
+PairDistance ClearanceMonitor::calc(std::size_t pair, const geometry::Placement& a,
+                                    const geometry::Placement& b) const {
+  PairDistance out;
+  const geometry::Placement near_a{{0, 0, 0}, a.R_WB}, near_b{b.p_WB - a.p_WB, b.R_WB};
+  for (const Part& part : parts_[pair]) {
+    if (geometry::calc_lower_bound(part.a, near_a, part.b, near_b) > out.least.distance) continue;
+    const geometry::GroupDistance found = geometry::calc_distance(part.a, near_a, part.b, near_b);
+    if (found.least.distance < out.least.distance)
+      out = {found.least, part.shapes_a[static_cast<std::size_t>(found.shape_a)],
+             part.shapes_b[static_cast<std::size_t>(found.shape_b)]};
+  }
+  out.least.on_a += a.p_WB;
+  out.least.on_b += a.p_WB;
+  return out;
 }
 
-bool ClearanceMonitor::is_exact(std::size_t pair) const {
-  const auto are_round = [&](int body) {
-    const std::vector<Geometry::Piece>& pieces = geometry_->bodies[static_cast<std::size_t>(body)];
-    return std::all_of(pieces.begin(), pieces.end(),
-                       [](const Geometry::Piece& piece) { return is_round(piece.shape); });
-  };
-  return are_round(clearances_[pair].a) && are_round(clearances_[pair].b);
+double ClearanceMonitor::get_size(std::size_t pair) const {
+  double size = 0;
+  for (const Part& part : parts_[pair])
+    for (const geometry::ShapeGroup* group : {&part.a, &part.b})
+      if (std::isfinite(group->bound)) size = std::max(size, group->bound + norm(group->centre));
+  return size;
 }
 
 void ClearanceMonitor::update(double time, const std::vector<Pose>& poses) {
   for (std::size_t i = 0; i < clearances_.size(); ++i) {
     Clearance& clearance = clearances_[i];
-    clearance.now =
-        calc(i, poses.at(static_cast<std::size_t>(clearance.a)), poses.at(static_cast<std::size_t>(clearance.b)));
+    const PairDistance found = calc(i, to_placement(poses.at(static_cast<std::size_t>(clearance.a))),
+                                    to_placement(poses.at(static_cast<std::size_t>(clearance.b))));
+    clearance.now = found.least.distance;
+    if (clearance.now <= 0 && !clearance.touch) clearance.touch = time;
     if (clearance.now < clearance.smallest) {
       clearance.smallest = clearance.now;
       clearance.time = time;

@@ -1,15 +1,17 @@
-// Smallest distance between bodies, from their shapes. For reports, off the cyclic thread: it allocates.
+// Signed distance between bodies, their groups and shapes: positive apart, negative the depth of an overlap. From the
+// kernel's geometry (unlatch/geometry.h), which states definitions and errors. For reports, off the cyclic thread.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <limits>
-#include <memory>
 #include <optional>
-#include <utility>
+#include <string>
 #include <vector>
 
 #include "hil/scenario/shapes.h"
+#include "unlatch/model.h"
+#include "unlatch/state.h"
 
 namespace unlatch::hil {
 
@@ -18,11 +20,22 @@ struct Pose {
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
 };
 
+geometry::Placement to_placement(const BodyState& body);
+geometry::Placement to_placement(const Pose& pose);
+
+// The nearest pair of shapes of a watched pair, with its witnesses.
+struct PairDistance {
+  geometry::Distance least;              // from a to b
+  int shape_a = kNone, shape_b = kNone;  // indices in the bodies' shapes
+};
+
 struct Clearance {
   int a = 0, b = 0;                                           // bodies
-  double now = std::numeric_limits<double>::infinity();       // m, at the last update; 0 if they touch or overlap
+  std::string name_a, name_b;                                 // "core", "core.skirt"
+  double now = std::numeric_limits<double>::infinity();       // m, at the last update
   double smallest = std::numeric_limits<double>::infinity();  // m, of all updates
   double time = 0;                                            // s, when it was smallest
+  std::optional<double> touch{};                              // s, when it was first not greater than 0
   // Times at which it is no greater than the smallest, to 1e-6 m: one instant, or the distance does not change for
   // long.
   struct Tie {
@@ -38,28 +51,28 @@ struct Clearance {
   double rate = 0;  // m/s, at the last update; below 0 they close
 };
 
-// Spheres and capsules against each other: closed form, exact to rounding. All else: FCL's convex distance (GJK), to
-// about 1e-6 m where faces are flat; across the curved side of a cone or a cylinder it ends its search earlier, and a
-// curve over time shows steps of some 1e-3 m.
+// The distances of watched pairs. What is left out of a pair is left out by computing parts of it that lack it.
 class ClearanceMonitor {
  public:
-  // `shapes`: of each body. Throws std::invalid_argument if a pair names a body without shapes.
-  ClearanceMonitor(const std::vector<std::pair<int, int>>& pairs, const std::vector<std::vector<Shape>>& shapes);
-  ~ClearanceMonitor();
-  ClearanceMonitor(ClearanceMonitor&&) noexcept;
-  ClearanceMonitor& operator=(ClearanceMonitor&&) noexcept;
+  // `shapes`: of each body. Throws std::invalid_argument if a pair names a shape that is not there, or has none.
+  ClearanceMonitor(const std::vector<ClearancePair>& pairs, const std::vector<std::vector<BodyShape>>& shapes);
 
   void update(double time, const std::vector<Pose>& poses);  // of all bodies, at `time`
-  // m, of a pair by its number, with its bodies at these poses.
-  double calc(std::size_t pair, const Pose& a, const Pose& b);
-  // Closed forms serve the pair; if not, its distances have noise of some 1e-6 m.
-  bool is_exact(std::size_t pair) const;
+  // Of a pair by its number, with its bodies at these places. Computed from the place of the one seen from the other,
+  // so that a large distance from the origin of W costs no digits.
+  [[nodiscard]] PairDistance calc(std::size_t pair, const geometry::Placement& a, const geometry::Placement& b) const;
+  // m: distances carry rounding of some 1e-16 of it.
+  [[nodiscard]] double get_size(std::size_t pair) const;
   const std::vector<Clearance>& get() const { return clearances_; }
 
  private:
-  struct Geometry;
+  // Every shape of one group against every one of the other.
+  struct Part {
+    geometry::ShapeGroup a, b;
+    std::vector<int> shapes_a, shapes_b;  // their indices in the bodies
+  };
   std::vector<Clearance> clearances_;
-  std::unique_ptr<Geometry> geometry_;
+  std::vector<std::vector<Part>> parts_;  // of each pair
 };
 
 }  // namespace unlatch::hil

@@ -5,11 +5,8 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kTie = 1e-6;  // m: what a convex distance resolves
-
-Pose to_pose(const BodyState& body) {
-  return {{body.p.x, body.p.y, body.p.z}, {body.q.w, body.q.x, body.q.y, body.q.z}};
-}
+constexpr double kTie = 1e-6;        // m: a distance that changes less is told as one that does not change
+constexpr double kRounding = 1e-13;  // of the size of a pair: shallower dips are rounding
 
 bool has(const std::vector<int>& list, int body) { return std::find(list.begin(), list.end(), body) != list.end(); }
 
@@ -22,19 +19,20 @@ ClearanceHistory::ClearanceHistory(const Scenario& scenario)
 }
 
 double ClearanceHistory::get_resolution(int pair) const {
-  return monitor_.is_exact(static_cast<std::size_t>(pair)) ? 0 : kTie;
-}
-
-int ClearanceHistory::find(int a, int b) const {
-  for (std::size_t i = 0; i < now_.size(); ++i)
-    if ((now_[i].a == a && now_[i].b == b) || (now_[i].a == b && now_[i].b == a)) return static_cast<int>(i);
-  return -1;
+  return kRounding * monitor_.get_size(static_cast<std::size_t>(pair));
 }
 
 double ClearanceHistory::calc(const MotionWindow& window, int pair, double time) const {
   const Clearance& clearance = now_[static_cast<std::size_t>(pair)];
-  return monitor_.calc(static_cast<std::size_t>(pair), to_pose(window.calc_body(clearance.a, time)),
-                       to_pose(window.calc_body(clearance.b, time)));
+  return monitor_
+      .calc(static_cast<std::size_t>(pair), to_placement(window.calc_body(clearance.a, time)),
+            to_placement(window.calc_body(clearance.b, time)))
+      .least.distance;
+}
+
+PairDistance ClearanceHistory::calc_witnesses(int pair) const {
+  const Track& track = tracks_[static_cast<std::size_t>(pair)];
+  return monitor_.calc(static_cast<std::size_t>(pair), track.at_a, track.at_b);
 }
 
 void ClearanceHistory::add_value(std::size_t pair, double time, double value) {
@@ -57,14 +55,40 @@ void ClearanceHistory::add_value(std::size_t pair, double time, double value) {
 
 void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
-    const double value = monitor_.calc(i, to_pose(bodies[static_cast<std::size_t>(now_[i].a)]),
-                                       to_pose(bodies[static_cast<std::size_t>(now_[i].b)]));
     Track& track = tracks_[i];
+    track.at_a = to_placement(bodies[static_cast<std::size_t>(now_[i].a)]);
+    track.at_b = to_placement(bodies[static_cast<std::size_t>(now_[i].b)]);
+    const double value = monitor_.calc(i, track.at_a, track.at_b).least.distance;
     track.whole.add(time, value);
     track.tie = value;
     now_[i].tie = {.from = time, .to = time, .count = 1};
+    if (value <= 0) now_[i].touch = time;
     add_value(i, time, value);
   }
+}
+
+void ClearanceHistory::keep_places(const MotionWindow& window, std::size_t pair) {
+  Track& track = tracks_[pair];
+  track.at_a = to_placement(window.calc_body(now_[pair].a, track.whole.get_time()));
+  track.at_b = to_placement(window.calc_body(now_[pair].b, track.whole.get_time()));
+}
+
+// The first zero, by bisection: between the knots, or before the bottom of a dip between them.
+void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, double before, double value,
+                                  const Smallest::Function& function) {
+  constexpr int kHalvings = 40;
+  const Smallest& whole = tracks_[pair].whole;
+  if (now_[pair].touch || !(whole.get_value() <= 0)) return;
+  double from = window.get_present().from, to = window.get_present().to;
+  if (!(value <= 0) || before <= 0) {
+    to = whole.get_time();
+    if (to <= from) from = window.get_previous().from;
+  }
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (from + to);
+    (function(middle) <= 0 ? to : from) = middle;
+  }
+  now_[pair].touch = to;
 }
 
 void ClearanceHistory::add(const MotionWindow& window) {
@@ -74,11 +98,14 @@ void ClearanceHistory::add(const MotionWindow& window) {
     const auto function = [&](double time) { return calc(window, pair, time); };
     const double before = now_[i].now, value = function(piece.to);
     Track& track = tracks_[i];
+    const double smallest_time = track.whole.get_time();
     for (Smallest* smallest : {&track.whole, track.after_release ? &track.released : nullptr}) {
       if (smallest == nullptr) continue;
       if (!window.is_smooth()) smallest->finish(function);
       smallest->add(piece.from, before, piece.to, value, !window.is_smooth(), function);
     }
+    if (track.whole.get_time() != smallest_time) keep_places(window, i);
+    find_touch(window, i, before, value, function);
     if (piece.to > piece.from) now_[i].rate = (value - before) / (piece.to - piece.from);
     add_value(i, piece.to, value);
   }

@@ -24,25 +24,29 @@ class ClearanceHistory {
   void join(const std::vector<int>& bodies);
 
   [[nodiscard]] bool is_empty() const { return now_.empty(); }
-  // The pair of two bodies, in either order; -1 if it is not watched.
-  [[nodiscard]] int find(int a, int b) const;
   // Depth of a dip that is no noise, m.
   [[nodiscard]] double get_resolution(int pair) const;
   // At the end of the present piece, m; and at any time of the window.
   [[nodiscard]] double get_now(int pair) const { return now_[static_cast<std::size_t>(pair)].now; }
   [[nodiscard]] double calc(const MotionWindow& window, int pair, double time) const;
   [[nodiscard]] const std::vector<Clearance>& get() const { return now_; }
+  // Witnesses and nearest shapes of a pair when it was smallest.
+  [[nodiscard]] PairDistance calc_witnesses(int pair) const;
 
  private:
   struct Track {
     Smallest whole, released;
-    double tie = 0;  // m: the value that later ones are compared with
+    geometry::Placement at_a, at_b;  // when it was smallest
+    double tie = 0;                  // m: the value that later ones are compared with
     bool after_release = false;
     double release_time = 0;
   };
   void add_value(std::size_t pair, double time, double value);
+  void keep_places(const MotionWindow& window, std::size_t pair);
+  void find_touch(const MotionWindow& window, std::size_t pair, double before, double value,
+                  const Smallest::Function& function);
 
-  mutable ClearanceMonitor monitor_;  // its memory of distances is scratch
+  ClearanceMonitor monitor_;
   std::vector<Clearance> now_;
   std::vector<Track> tracks_;
 };

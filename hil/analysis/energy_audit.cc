@@ -93,7 +93,7 @@ void EnergyAudit::add_work(const EnergyFlow& from, const EnergyFlow& to, double 
   add_stored(from, to);
 }
 
-// What no integral over time is needed for: contacts count what they have lost as they go.
+// Losses of contacts need no integral over time here: contacts count them as they go.
 void EnergyAudit::add_stored(const EnergyFlow& from, const EnergyFlow& to) {
   balance_.strain += from.strain - to.strain;
   balance_.contacts += from.dissipated - to.dissipated;

@@ -35,10 +35,10 @@ void Smallest::search(double from, double to, const Function& function) {
 
 // Within an interval that has a neighbour on one side at most: both ends must descend into it.
 void Smallest::search_edge(double from, double at_from, double to, double at_to, const Function& function) {
-  if (resolution_ > 0) return;    // the ends would show noise alone
   constexpr double kNear = 1e-3;  // of the interval
   const double step = kNear * (to - from);
-  if (!(step > 0) || !(function(from + step) < at_from) || !(function(to - step) < at_to)) return;
+  if (!(step > 0) || !(function(from + step) < at_from - resolution_) || !(function(to - step) < at_to - resolution_))
+    return;
   search(from, to, function);
 }
 

@@ -8,7 +8,10 @@
 #include <memory>
 
 #include "hil/analysis/clearance.h"
+#include "hil/analysis/contact_resolution.h"
+#include "hil/analysis/notices.h"
 #include "hil/analysis/resolution.h"
+#include "hil/scenario/requirements_check.h"
 
 namespace unlatch::hil {
 namespace {
@@ -89,7 +92,6 @@ SpringStart start_torsion(const Model& model, const PlaneTorsion& s) {
 }
 
 void find_directionless(const Model& model, std::vector<Finding>& findings) {
-  constexpr double kCoincident = 1e-9;  // m: rounding of places decides where such a line points
   for (const PointSpring& s : model.point_springs) {
     const double length = start_point_spring(model, s).length, force = s.stiffness * s.free_length;
     if (length > kCoincident || force == 0) continue;
@@ -175,17 +177,18 @@ void find_plates(const Model& model, std::vector<Finding>& findings) {
 // Pairs that are watched, and neighbours that are not joined.
 void find_overlaps(const Scenario& scenario, std::vector<Finding>& findings) {
   const Model& model = scenario.model;
-  std::vector<std::pair<int, int>> pairs = scenario.clearance;
-  if (pairs.empty()) return;
+  if (scenario.clearance.empty()) return;
   std::vector<Pose> poses;
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) poses.push_back(get_pose(model, b));
-  ClearanceMonitor monitor(pairs, scenario.shapes);
+  ClearanceMonitor monitor(scenario.clearance, scenario.shapes);
   monitor.update(0, poses);
   for (const Clearance& c : monitor.get()) {
     if (c.now > 0) continue;
-    findings.push_back({"overlap", quoted("body", model.bodies[at(c.b)].name),
-                        "touches or overlaps " + model.bodies[at(c.a)].name +
-                            " at the start: their smallest clearance will be 0 from then on"});
+    findings.push_back(
+        {"overlap", quoted("body", model.bodies[at(c.b)].name),
+         c.name_b + format(" touches or overlaps %s at the start, by %.4g m: their smallest clearance is that "
+                           "or less. Leave out faces that mate by `except`",
+                           c.name_a.c_str(), -c.now)});
   }
 }
 
@@ -333,6 +336,18 @@ void find_step_surprises(const Scenario& scenario, const Simulation& simulation,
           {"step", quoted("element", load.name),
            format("its time constant, %.4g s, is less than five steps of %.4g s", load.profile.tau, dt)});
   }
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    const Contact& contact = model.contacts[i];
+    const std::string where = quoted("contact", contact.name);
+    const ContactReading reading = calc_contact(simulation.plan(), simulation.state(), static_cast<int>(i));
+    if (reading.closed)
+      findings.push_back(
+          {"contact", where, format("is closed at the start, %.4g m deep: that is no touch", reading.depth)});
+    const std::string text = describe_unresolved(
+        reading.closed ? calc_rates(model, simulation.state(), contact, reading) : estimate_rates(model, contact),
+        dt / model.contact_substeps);
+    if (!text.empty()) findings.push_back({"contact", where, text});
+  }
   for (const Body& body : model.bodies) {
     const double size = body.w_WB_B.norm() * dt;
     if (!body.marker && size > kAccurate)
@@ -355,7 +370,7 @@ std::vector<SpringStart> list_springs(const Scenario& scenario) {
 std::vector<Finding> find_surprises(const Scenario& scenario, const Simulation& simulation) {
   const Model model = place_markers(scenario.model);
   std::vector<Finding> findings;
-  for (const Remark& remark : scenario.remarks) findings.push_back({"modes", remark.where, remark.text});
+  for (const Remark& remark : scenario.remarks) findings.push_back({remark.kind, remark.where, remark.text});
   find_plates(model, findings);
   find_joint_surprises(model, findings);
   find_directionless(model, findings);
@@ -363,6 +378,9 @@ std::vector<Finding> find_surprises(const Scenario& scenario, const Simulation& 
   find_overlaps(scenario, findings);
   find_event_surprises(scenario, findings);
   find_step_surprises(scenario, simulation, findings);
+  for (const RequirementProblem& problem : find_trivial(scenario))
+    findings.push_back({"trivial", quoted("requirement", scenario.requirements[problem.requirement].id),
+                        problem.what + "; " + problem.mend});
   return findings;
 }
 

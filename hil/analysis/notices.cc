@@ -6,7 +6,9 @@
 #include <limits>
 #include <memory>
 
+#include "hil/analysis/contact_resolution.h"
 #include "hil/analysis/resolution.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -38,6 +40,8 @@ AccuracyWatch::AccuracyWatch(const Scenario& scenario, const Simulation& simulat
       denormal_(scenario.model.bodies.size()),
       stiff_(static_cast<std::size_t>(scenario.model.element_count())),
       restless_(scenario.model.channels.size()),
+      pointless_(scenario.model.point_springs.size()),
+      unresolved_(scenario.model.contacts.size()),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
@@ -66,6 +70,8 @@ void AccuracyWatch::update(const StepReport& report) {
     }
   }
   if (!begun_ || !report.events.empty()) watch_springs();
+  watch_directions();
+  watch_contacts();
   watch_commands();
   watch_drift();
   watch_energy();
@@ -104,6 +110,34 @@ void AccuracyWatch::watch_springs() {
         e.implicit ? format("%s %.3g: integrated implicitly, of second order; damps what the step does not resolve",
                             what, size)
                    : describe_size(what, size));
+  }
+}
+
+void AccuracyWatch::watch_directions() {
+  for (std::size_t i = 0; i < pointless_.size(); ++i) {
+    const PointSpring& spring = scenario_.model.point_springs[i];
+    const SpringReading reading = calc_point_spring(simulation_.plan(), simulation_.state(), static_cast<int>(i));
+    const double force = spring.stiffness * spring.free_length * reading.scale;
+    if (pointless_[i] || reading.length > kCoincident || force == 0) continue;
+    pointless_[i] = true;
+    add("direction", spring.name,
+        format("its two points coincide, to %.1g m, with %.4g N in it: the force has no direction", reading.length,
+               force));
+  }
+}
+
+void AccuracyWatch::watch_contacts() {
+  const double h = dt_ / scenario_.model.contact_substeps;
+  for (std::size_t i = 0; i < unresolved_.size(); ++i) {
+    const Contact& contact = scenario_.model.contacts[i];
+    if (unresolved_[i] && begun_) continue;
+    const ContactReading reading = calc_contact(simulation_.plan(), simulation_.state(), static_cast<int>(i));
+    if (!begun_ && reading.closed)
+      add("contact", contact.name, format("it is closed at the start, %.3g m deep", reading.depth));
+    const std::string text = describe_unresolved(calc_rates(scenario_.model, simulation_.state(), contact, reading), h);
+    if (text.empty()) continue;
+    unresolved_[i] = true;
+    add("contact", contact.name, text);
   }
 }
 

@@ -3,11 +3,13 @@
 //
 //   rotation   |w|·dt of a body beyond kAccurate
 //   spring     dt·ω or dt·decay of a spring that is on, in the modes that hold, beyond kAccurate
+//   contact    sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
 //   mode       dt·ω of a mode of a flexible body beyond kAccurate
 //   command    a commanded value that turns back and forth faster than dt·ω = kAccurate: a loop that its delay of a
 //   tick
 //              and its hold rule
 //   drift      a row's position residual; norm: of a body's quaternion
+//   direction  a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   energy     what no force explains, beyond kEnergyNotice of the largest energy; beyond kEnergyFailure the run failed
 #pragma once
 
@@ -26,6 +28,7 @@ struct RunNotice {
   std::string text;           // a sentence
 };
 
+inline constexpr double kCoincident = 1e-9;  // m: below it the rounding of places decides where a line points
 inline constexpr double kEnergyNotice = 1e-3, kEnergyFailure = 0.1;  // of EnergyBalance::scale
 
 class AccuracyWatch {
@@ -50,6 +53,8 @@ class AccuracyWatch {
   void add(std::string name, std::string subject, std::string text);
   void watch_bodies();
   void watch_springs();
+  void watch_directions();
+  void watch_contacts();
   void watch_commands();
   void watch_drift();
   void watch_energy();
@@ -60,6 +65,8 @@ class AccuracyWatch {
   EnergyAudit audit_;
   std::vector<RunNotice> notices_;
   std::vector<bool> turning_, denormal_, stiff_, restless_;  // bodies, bodies, elements, channels that were told
+  std::vector<bool> pointless_;                              // point springs that were told to have no direction
+  std::vector<bool> unresolved_;                             // contacts that were told
   std::vector<Course> courses_;
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;

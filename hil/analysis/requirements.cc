@@ -62,15 +62,19 @@ double SampledCurve::calc(double time) const {
 
 // --- The quantities -------------------------------------------------------------------------------------------------
 
-RequirementMonitor::RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances)
-    : scenario_(scenario), clearances_(clearances), times_(scenario.model.events.size(), std::nan("")) {
+RequirementMonitor::RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances,
+                                       const ContactHistory& contacts)
+    : scenario_(scenario),
+      clearances_(clearances),
+      contacts_(contacts),
+      times_(scenario.model.events.size(), std::nan("")) {
   const Model model = scenario.requirements.empty() ? Model{} : place_markers(scenario.model);
   for (const Requirement& requirement : scenario.requirements) {
     Track track;
     track.requirement = &requirement;
     const Measure quantity = requirement.quantity;
     if (quantity == Measure::kClearance) {
-      track.pair = clearances.find(requirement.a, requirement.b);
+      track.pair = requirement.pair;
       track.low = track.high = Smallest(clearances.get_resolution(track.pair));
     }
     if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
@@ -83,12 +87,15 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Clearance
 }
 
 bool RequirementMonitor::is_sampled(const Requirement& requirement) const {
-  return requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kSensor;
+  return requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kSensor ||
+         requirement.quantity == Measure::kContact;
 }
 
 double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& knot) const {
   const Requirement& r = *track.requirement;
   std::span<const double> values = knot.sensors;
+  if (r.quantity == Measure::kContact)
+    return contacts_.calc(knot.state, r.a, static_cast<Requirement::ContactValue>(r.axis));
   if (r.quantity == Measure::kReaction) {
     const std::size_t first = at(r.a) * kRows;
     if (r.axis >= 0) return knot.multipliers[first + at(r.axis)];

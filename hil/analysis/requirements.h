@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hil/analysis/clearance_history.h"
+#include "hil/analysis/contact_history.h"
 #include "hil/analysis/extreme.h"
 #include "hil/analysis/joint_frame.h"
 #include "hil/analysis/motion_window.h"
@@ -39,8 +40,8 @@ class SampledCurve {
 
 class RequirementMonitor {
  public:
-  // Both are referred to.
-  RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances);
+  // All are referred to.
+  RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances, const ContactHistory& contacts);
 
   // Events acted at an instant; `before` and `after`: the knots around it.
   void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
@@ -76,6 +77,7 @@ class RequirementMonitor {
 
   const Scenario& scenario_;
   const ClearanceHistory& clearances_;
+  const ContactHistory& contacts_;
   std::vector<Track> tracks_;
   std::vector<double> times_;  // per event: of its first occurrence, NaN before
   const MotionWindow* window_ = nullptr;

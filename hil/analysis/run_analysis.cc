@@ -11,7 +11,8 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, std::
       simulation_(simulation),
       sample_ticks_(std::move(samples_in)),
       clearance_(scenario),
-      requirements_(scenario, clearance_),
+      contacts_(scenario, simulation),
+      requirements_(scenario, clearance_, contacts_),
       separations_(scenario),
       accuracy_(scenario, simulation) {
   std::sort(sample_ticks_.begin(), sample_ticks_.end());
@@ -32,10 +33,12 @@ void RunAnalysis::update(const StepReport& report) {
       if (std::abs(value) > std::abs(peaks[joint][row].value)) peaks[joint][row] = {value, time};
     }
   }
-  if (report.substeps == 0)
+  if (report.substeps == 0) {
     clearance_.begin(time, simulation_.state().bodies);
-  else
+    contacts_.begin(simulation_.state());
+  } else {
     add_motion(report.events);
+  }
   for (; next_sample_ < sample_ticks_.size() && sample_ticks_[next_sample_] <= simulation_.get_tick(); ++next_sample_) {
     if (sample_ticks_[next_sample_] == simulation_.get_tick()) take_sample();
   }
@@ -65,10 +68,12 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
     if (!to.begins) {
       window_.move_on(from, to);
       clearance_.add(window_);
+      contacts_.add(window_, from, to);
       requirements_.add_piece(window_, from, to);
       separations_.add_piece(window_, from, to);
       continue;
     }
+    contacts_.add_events(from, to);
     std::size_t count = 0;
     while (count < events.size() && events[count].time == to.time) add_event(events[count++], to);
     separations_.add_events(from, to, clearance_);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hil/analysis/clearance_history.h"
+#include "hil/analysis/contact_history.h"
 #include "hil/analysis/motion_window.h"
 #include "hil/analysis/notices.h"
 #include "hil/analysis/requirements.h"
@@ -74,9 +75,12 @@ class RunAnalysis {
   std::vector<std::array<PeakReaction, kRows>> peaks;  // per joint
   std::vector<SharedReactions> shared;                 // in the order in which they began
   const std::vector<Clearance>& clearances() const { return clearance_.get(); }
+  // Witnesses and nearest shapes of clearance number `pair` when it was smallest.
+  [[nodiscard]] PairDistance calc_witnesses(int pair) const { return clearance_.calc_witnesses(pair); }
   // Of the run so far.
   [[nodiscard]] std::vector<Verdict> judge() const { return requirements_.judge(window_); }
   [[nodiscard]] std::vector<Separation> list_separations() const { return separations_.list(clearance_); }
+  [[nodiscard]] std::vector<ContactRecord> list_contacts() const { return contacts_.list(); }
   const AccuracyWatch& accuracy() const { return accuracy_; }  // notices, energy
   std::int64_t postponed = 0;                                  // event instants left to a later tick
 
@@ -93,6 +97,7 @@ class RunAnalysis {
   std::optional<std::int32_t> redundant_;  // rows, at the latest state
   MotionWindow window_;
   ClearanceHistory clearance_;
+  ContactHistory contacts_;
   RequirementMonitor requirements_;
   SeparationMonitor separations_;
   AccuracyWatch accuracy_;

@@ -1,24 +1,8 @@
 #include "hil/analysis/spring_work.h"
 
-#include <cmath>
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
-namespace {
-
-Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-// The line from one end of a point spring to the other, and the velocity of its second end relative to the first.
-struct Line {
-  Vec3 apart, rate;
-  Line(const PointSpring& spring, const BodyState& base, const BodyState& follower) {
-    const Mat3 R_base = rotation_matrix(base.q), R_follower = rotation_matrix(follower.q);
-    const Vec3 r_base = R_base * to_vec3(spring.point_base), r_follower = R_follower * to_vec3(spring.point_follower);
-    apart = (follower.p + r_follower) - (base.p + r_base);
-    rate = (follower.v + cross(R_follower * follower.w, r_follower)) - (base.v + cross(R_base * base.w, r_base));
-  }
-};
-
-}  // namespace
 
 std::optional<SpringWork> SpringWork::make(const Model& model, int element) {
   SpringWork work;
@@ -40,7 +24,7 @@ std::optional<SpringWork> SpringWork::make(const Model& model, int element) {
 }
 
 double SpringWork::calc_length(const BodyState& base, const BodyState& follower) const {
-  return norm(Line(*point_, base, follower).apart);
+  return calc_point_spring(*point_, base, follower, 0).length;
 }
 
 bool SpringWork::acts(const MotionKnot& knot) const {
@@ -66,22 +50,15 @@ std::optional<double> SpringWork::find_end(const MotionWindow& window, const Mot
   return high;
 }
 
-// The laws of PointSpring and JointSpring (unlatch/model.h).
 SpringWork::Force SpringWork::calc_force(const BodyState& base, const BodyState& follower, double scale) const {
   if (joint_) {
     const double x = geometry_->calc_coordinate(base, follower, joint_->axis);
     const double rate = geometry_->calc_speed(base, follower, joint_->axis);
-    const double size = (joint_->effort - joint_->stiffness * (x - joint_->rest) - joint_->damping * rate) * scale;
+    const double size = calc_joint_spring(*joint_, x, rate, scale);
     return {size * geometry_->calc_axis(base, joint_->axis), size * rate};
   }
-  const Line line(*point_, base, follower);
-  const double length = norm(line.apart);
-  if (length == 0 || (point_->push_only && length >= point_->free_length)) return {{0, 0, 0}, 0};
-  const Vec3 direction = (1 / length) * line.apart;
-  const double rate = dot(direction, line.rate);
-  double size = -(point_->stiffness * (length - point_->free_length) + point_->damping * rate) * scale;
-  if (point_->push_only && size < 0) size = 0;
-  return {size * direction, size * rate};
+  const PointSpringForce f = calc_point_spring(*point_, base, follower, scale);
+  return {f.size * f.direction, f.size * f.rate};
 }
 
 SpringWork::Sum SpringWork::calc(const MotionWindow& window, const MotionKnot& from, double to) const {

@@ -22,10 +22,7 @@ RowSet list_held_rows(const Joint& joint) {
   return rows;
 }
 
-std::string name_pair(const Scenario& scenario, const std::pair<int, int>& pair) {
-  const auto name = [&](int body) { return scenario.model.bodies[static_cast<std::size_t>(body)].name; };
-  return "clearance." + name(pair.first) + "." + name(pair.second);
-}
+std::string name_pair(const ClearancePair& pair) { return "clearance." + pair.a.name + "." + pair.b.name; }
 
 // Events of one name and subject are one: that which comes first counts.
 std::vector<std::size_t> list_distinct_events(const Model& model) {
@@ -114,7 +111,7 @@ std::vector<ResultColumn> list_columns(const Scenario& scenario) {
   for (const std::size_t i : list_distinct_events(model))
     columns.push_back({Kind::kEvent, "event." + get_event_name(model.events[i]), "s", i, 0});
   for (std::size_t i = 0; i < scenario.clearance.size(); ++i) {
-    const std::string name = name_pair(scenario, scenario.clearance[i]);
+    const std::string name = name_pair(scenario.clearance[i]);
     columns.push_back({Kind::kClearance, name, "m", i, 0});
     columns.push_back({Kind::kClearanceTime, name + ".t", "s", i, 0});
     columns.push_back({Kind::kReleased, name + ".released", "m", i, 0});

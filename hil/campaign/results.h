@@ -1,12 +1,18 @@
 // The flat list of one run's results: the same columns for every sample of a scenario.
 //
-//   ID                          value of a requirement, in its unit        ID.margin         within the limit; < 0: not
-//   met event.NAME:SUBJECT          s, first time                              order is that of the times clearance.A.B
-//   m, smallest of the run                     clearance.A.B.t   s clearance.A.B.released      m, smallest since
-//   nothing joins the two tip_off.JOINT               rad/s, size of the follower's angular velocity when the joint
-//   first became free separation.JOINT.along      m/s, of the follower's centre of mass along the separation axis at
-//   the end of push separation.JOINT.across     m/s, across it separation.JOINT.rate       rad/s, of the follower
-//   relative to the base, across the axis peak.JOINT.ROW              N or N m, multiplier of the largest size, signed
+// clang-format off
+//   ID                          value of a requirement, in its unit
+//   ID.margin                   within the limit; < 0: not met
+//   event.NAME:SUBJECT          s, first time
+//   clearance.A.B               m, smallest of the run
+//   clearance.A.B.t             s
+//   clearance.A.B.released      m, smallest since nothing joins the two
+//   tip_off.JOINT               rad/s, size of the follower's angular velocity when the joint first became free
+//   separation.JOINT.along      m/s, of the follower's centre of mass along the separation axis at the end of push
+//   separation.JOINT.across     m/s, across it
+//   separation.JOINT.rate       rad/s, of the follower relative to the base, across the axis
+//   peak.JOINT.ROW              N or N m, multiplier of the largest size, signed
+// clang-format on
 //
 // NaN: there is no such value in this run, such as the time of an event that never came.
 #pragma once

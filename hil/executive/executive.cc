@@ -14,8 +14,7 @@ namespace unlatch::hil {
 namespace {
 
 constexpr std::int64_t kHealthInterval_ns = 1'000'000'000, kReactionsInterval_ns = 100'000'000;
-constexpr std::int64_t kHelloInterval_ns = 100'000'000;
-constexpr std::int64_t kStartPoll_ns = 1'000'000, kPausePoll_ns = 5'000'000;  // sleep between two calls of receive()
+constexpr std::int64_t kPausePoll_ns = 5'000'000;      // sleep between two calls of receive()
 constexpr std::chrono::milliseconds kLockstepWait(5);  // the longest sleep between two looks at the clock
 constexpr int kMaxArrivals = 512;                      // of one call of receive(): bounds the work of a tick
 constexpr int kFinalStates = 3;                        // the last State, repeated for transports that lose messages
@@ -63,6 +62,7 @@ Executive::Executive(Simulation& simulation, Connection& connection, Recorder& r
                  .places = static_cast<std::size_t>(options.flight_software.queue)},
                 participants_, rejects_),
       publisher_(simulation, recorder, connection_, options.faults, options.session),
+      exchange_(simulation, clock_, participants_, liveness_, commands_, publisher_, timing_.round_trip),
       commanders_(simulation.model().channels.size(), nullptr),
       own_ticks_(std::make_unique<MonotonicTicks>(announcer_.get_hello().dt_ns, std::llround(options.timing.spin * 1e9),
                                                   clock_)),
@@ -71,10 +71,9 @@ Executive::Executive(Simulation& simulation, Connection& connection, Recorder& r
 }
 
 LogEnd Executive::run() {
-  std::string failure;
   thread_.store(gettid(), std::memory_order_relaxed);
   hash_ = simulation_.calc_hash();
-  if (!listen(failure) || !introduce(failure) || !configure(failure)) return conclude(RunStatus::kAborted, failure);
+  if (auto failure = begin()) return conclude(RunStatus::kAborted, std::move(*failure));
   timing_.begin_counts();
   ticks_.restart(*started_ns_);
 
@@ -110,7 +109,7 @@ Executive::Next Executive::await_tick() noexcept {
 Executive::Next Executive::wait_realtime() noexcept {
   receive();
   const std::int64_t now_ns = clock_.get_ns();
-  is_answered(now_ns);
+  (void)exchange_.is_answered(now_ns);  // for its round trip alone
   Participant* const overdue = liveness_.find_overdue(now_ns);
   return overdue != nullptr ? lose(*overdue) : Next::kStep;
 }
@@ -121,14 +120,14 @@ Executive::Next Executive::wait_lockstep() noexcept {
   while (true) {
     receive();
     const std::int64_t now_ns = clock_.get_ns();
-    if (is_answered(now_ns)) return Next::kStep;
+    if (exchange_.is_answered(now_ns)) return Next::kStep;
     if (stop_.load(std::memory_order_relaxed)) return stop("interrupted");
     if (Participant* const overdue = liveness_.find_overdue(now_ns)) {
       if (lose(*overdue) == Next::kStop) return Next::kStop;
       continue;
     }
-    if (now_ns - get_quiet_since_ns(sent_ns) >= options_.resend_ns) {
-      repeat_state(simulation_.get_tick() == 0 ? RunStatus::kArmed : RunStatus::kRunning);
+    if (now_ns - exchange_.get_quiet_since_ns(sent_ns) >= options_.resend_ns) {
+      exchange_.repeat(simulation_.get_tick() == 0 ? RunStatus::kArmed : RunStatus::kRunning);
       sent_ns = now_ns;
     }
     announcer_.announce(now_ns);
@@ -149,7 +148,7 @@ Executive::Next Executive::pause(Participant& participant) noexcept {
                   std::to_string(limit_s) + " s");
     }
     if (!resend_at_ns || now_ns >= *resend_at_ns) {
-      repeat_state(RunStatus::kPaused);
+      exchange_.repeat(RunStatus::kPaused);
       resend_at_ns = now_ns + std::max(options_.resend_ns, kPausePoll_ns);
     }
     announcer_.announce(now_ns);
@@ -215,7 +214,7 @@ void Executive::publish(const StepReport& report) noexcept {
     ++skipped_outputs_;
     return;
   }
-  publish_state(is_last ? RunStatus::kDone : RunStatus::kRunning);
+  exchange_.publish(is_last ? RunStatus::kDone : RunStatus::kRunning, hash_);
   if (applied_ns_) timing_.turnaround.record(liveness_.get_sent_ns() - *applied_ns_);
   applied_ns_.reset();
 }
@@ -305,12 +304,6 @@ void Executive::handle(const HelloMessage& other, std::int64_t) noexcept {
   if (is_news) publisher_.publish_notice(kOtherSimulator, get_name(other.scenario));
 }
 
-bool Executive::is_answered(std::int64_t now_ns) noexcept {
-  const bool answered = liveness_.update(now_ns);
-  if (const auto round_trip_ns = liveness_.take_round_trip_ns()) timing_.round_trip.record(*round_trip_ns);
-  return answered;
-}
-
 void Executive::resume(Participant& participant) noexcept {
   if (liveness_.resume(participant, clock_.get_ns())) publisher_.publish_notice(kResumed, participant.name);
 }
@@ -355,39 +348,6 @@ void Executive::set_channel(const LogChange& change) noexcept {
 }
 
 // --- Outputs --------------------------------------------------------------------------------------------------------
-
-void Executive::publish_state(RunStatus status) noexcept {
-  publisher_.publish_state(status, hash_);
-  liveness_.begin_round(simulation_.get_tick(), clock_.get_ns());
-}
-
-void Executive::resend_state(RunStatus status) noexcept {
-  liveness_.set_tick(simulation_.get_tick());
-  publisher_.resend_state(status);
-}
-
-void Executive::repeat_state(RunStatus status) noexcept {
-  const std::int64_t tick = simulation_.get_tick();
-  commands_.expect_repeats(tick);
-  for (const Participant& participant : participants_.all()) {
-    const StepAckMessage& ack = participant.ack;
-    if (!participant.is_present() || ack.tick != tick) continue;
-    std::optional<SeenCommands::Gap> gap = participant.seen.find_gap(ack.last_command, ack.command_count);
-    for (int asked = 0; gap && asked < Publisher::kVerdictsPerTick; ++asked) {
-      publisher_.publish_missing(participant.id, gap->first, gap->count);
-      gap = participant.seen.find_gap(ack.last_command, ack.command_count, gap->first + gap->count);
-    }
-  }
-  resend_state(status);
-}
-
-std::int64_t Executive::get_quiet_since_ns(std::int64_t sent_ns) const noexcept {
-  for (const Participant& participant : participants_.all()) {
-    if (!participant.required || !participant.is_present()) continue;
-    if (!participant.has_answered(liveness_.get_tick())) sent_ns = std::max(sent_ns, participant.news_ns);
-  }
-  return sent_ns;
-}
 
 void Executive::publish_health(std::int64_t now_ns) noexcept {
   HealthMessage health;
@@ -437,113 +397,42 @@ std::int64_t Executive::calc_dropped() const noexcept {
   return connection_.get_dropped_out() + connection_.get_dropped_in();
 }
 
-// --- The beginning: nothing here is in the cycle --------------------------------------------------------------------
+// --- The beginning and the end: nothing here is in the cycle --------------------------------------------------------
 
-bool Executive::listen(std::string& failure) {
-  if (options_.pace == Pace::kFast) return true;
-  const std::int64_t end_ns = clock_.get_ns() + options_.listen_ns;
-  while (clock_.get_ns() < end_ns && other_.session == 0 && !stop_.load(std::memory_order_relaxed)) {
-    receive();
-    clock_.sleep_until_ns(clock_.get_ns() + kStartPoll_ns);
-  }
-  if (other_.session == 0 || options_.beside_others) return true;
-  failure = describe_other();
-  return false;
-}
-
-// Of two that begin at the same time, the one with the larger number.
-bool Executive::gives_way() const noexcept {
-  if (other_.session == 0 || options_.beside_others) return false;
-  return other_.status != static_cast<std::int32_t>(RunStatus::kDiscover) || other_.session < options_.session;
-}
-
-std::string Executive::describe_other() const {
-  return "another simulator is here: scenario '" + std::string(get_name(other_.scenario)) + "', session " +
-         std::to_string(other_.session) +
-         "; flight software would not know which of them it belongs to. End it, use another network (--domain; LCM: "
-         "the "
-         "port in --lcm-url), or give this one and its flight software one --session NUMBER";
-}
-
-bool Executive::introduce(std::string& failure) {
+std::optional<std::string> Executive::begin() {
+  const auto begin_faults_if_any = [this] {
+    if (options_.faults != nullptr) begin_faults();
+  };
   if (options_.pace == Pace::kFast) {
     announcer_.send_all();
-    return true;
-  }
-  const std::int64_t give_up_ns = clock_.get_ns() + options_.start_timeout_ns;
-  do {
-    if (stop_.load(std::memory_order_relaxed)) {
-      failure = "interrupted";
-      return false;
-    }
-    announcer_.send_all();
-    if (wait_for_introductions(clock_.get_ns() + kHelloInterval_ns)) {
-      announcer_.set_status(RunStatus::kConfigured);
-      return true;
-    }
-    if (gives_way()) {
-      failure = describe_other();
-      return false;
-    }
-    if (!handshake_.get_refusal().empty()) {
-      failure = handshake_.get_refusal();
-      return false;
-    }
-  } while (clock_.get_ns() < give_up_ns);
-  failure = "no answer from the flight software " +
-            participants_.list_required([](const Participant& participant) { return !participant.is_present(); }) +
-            " within " + std::to_string(options_.start_timeout_ns / 1'000'000'000) +
-            " s: start it on the same transport, with the name that the scenario requires";
-  return false;
-}
-
-bool Executive::wait_for_introductions(std::int64_t deadline_ns) {
-  const auto is_refused = [this] { return !handshake_.get_refusal().empty() || gives_way(); };
-  while (!participants_.is_complete() && !is_refused() && clock_.get_ns() < deadline_ns) {
-    receive();
-    clock_.sleep_until_ns(clock_.get_ns() + kStartPoll_ns);
-  }
-  return participants_.is_complete() && !is_refused();
-}
-
-// Configured: State(0) is sent until all required participants have answered it, so that each topic is known to work in
-// both directions before the clock starts. Armed: it does; the first step follows.
-bool Executive::configure(std::string& failure) {
-  const std::int64_t give_up_ns = clock_.get_ns() + options_.start_timeout_ns;
-  if (options_.faults != nullptr) begin_faults();
-  if (options_.pace != Pace::kFast) {
-    publish_state(RunStatus::kConfigured);
-    while (receive(), !is_answered(clock_.get_ns())) {
-      if (stop_.load(std::memory_order_relaxed)) {
-        failure = "interrupted";
-        return false;
-      }
-      const std::int64_t now_ns = clock_.get_ns();
-      if (now_ns > give_up_ns || !participants_.is_complete()) {
-        failure = "the flight software " + participants_.list_required([](const Participant& participant) {
-          return !participant.has_answered(0);
-        }) + " has introduced itself, but does not answer State 0: does it receive the State and send StepAck?";
-        return false;
-      }
-      announcer_.announce(now_ns);
-      if (now_ns - get_quiet_since_ns(liveness_.get_sent_ns()) >= options_.resend_ns) {
-        repeat_state(RunStatus::kConfigured);
-        liveness_.restart_round_trip(now_ns);
-      }
-      clock_.sleep_until_ns(now_ns + kStartPoll_ns);
-    }
+    begin_faults_if_any();
+  } else {
+    const SessionStart start({.options = options_,
+                              .clock = clock_,
+                              .announcer = announcer_,
+                              .handshake = handshake_,
+                              .participants = participants_,
+                              .liveness = liveness_,
+                              .exchange = exchange_,
+                              .other = other_,
+                              .stop = stop_,
+                              .receive = [this] { receive(); },
+                              .begin_faults = begin_faults_if_any,
+                              .timeout_ns = options_.start_timeout_ns,
+                              .resend_ns = options_.resend_ns});
+    if (auto failure = start.run(hash_)) return failure;
     commands_.expect_repeats(0);
-    resend_state(RunStatus::kArmed);
+    exchange_.resend(RunStatus::kArmed);
     publisher_.set_resent(0);
   }
   announcer_.set_status(RunStatus::kRunning);
   handshake_.begin_run();
   started_ns_ = health_ns_ = clock_.get_ns();
-  if (options_.pace == Pace::kFast) publish_state(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning);
-  return true;
+  if (options_.pace == Pace::kFast) {
+    exchange_.publish(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning, hash_);
+  }
+  return std::nullopt;
 }
-
-// --- The end: nothing here is in the cycle --------------------------------------------------------------------------
 
 Executive::Next Executive::stop(std::string message) noexcept {
   end_message_ = std::move(message);
@@ -576,7 +465,7 @@ LogEnd Executive::conclude(RunStatus status, std::string message) {
   announcer_.send_farewell();
   while (announcer_.send_unsent_source_part()) beat(Place::kEnding);
   for (int i = 0; i < kFinalStates; ++i) {
-    resend_state(status);
+    exchange_.resend(status);
     clock_.sleep_until_ns(clock_.get_ns() + kFinalInterval_ns);
   }
   publisher_.set_resent(publisher_.get_resent() - kFinalStates);

@@ -13,7 +13,7 @@
 // hil/PROTOCOL.md.
 //
 // Its parts: Announcer, Handshake, Participants, Liveness and CommandQueue (hil/session), FaultyConnection and
-// ChannelFaults (hil/faults), Publisher and WarmUp (beside it).
+// ChannelFaults (hil/faults), SessionStart, StateExchange, Publisher and WarmUp (beside it).
 #pragma once
 
 #include <atomic>
@@ -24,6 +24,8 @@
 #include <vector>
 
 #include "hil/executive/publisher.h"
+#include "hil/executive/session_start.h"
+#include "hil/executive/state_exchange.h"
 #include "hil/executive/warm_up.h"
 #include "hil/faults/channel_faults.h"
 #include "hil/faults/fault_injector.h"
@@ -83,13 +85,8 @@ class Executive {
   enum class Next { kStep, kStop };
   enum class Place : std::int32_t { kBeginning, kWaiting, kReceiving, kStepping, kPublishing, kEnding };
 
-  // The beginning: nobody else simulates here; introductions; State 0 until all have answered it.
-  bool listen(std::string& failure);
-  [[nodiscard]] bool gives_way() const noexcept;
-  [[nodiscard]] std::string describe_other() const;
-  bool introduce(std::string& failure);
-  bool wait_for_introductions(std::int64_t deadline_ns);
-  bool configure(std::string& failure);
+  // The beginning: the reason why the run cannot start, none if its clock has.
+  std::optional<std::string> begin();
 
   // The cycle.
   Next await_tick() noexcept;
@@ -108,18 +105,11 @@ class Executive {
   void handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept;
   void handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept;
   void handle(const HelloMessage& other, std::int64_t arrived_ns) noexcept;
-  bool is_answered(std::int64_t now_ns) noexcept;
   void resume(Participant& participant) noexcept;
   [[nodiscard]] Next lose(Participant& participant) noexcept;
   void set_channel(const LogChange& change) noexcept;
 
   // Outputs.
-  void publish_state(RunStatus status) noexcept;
-  void resend_state(RunStatus status) noexcept;
-  // For those that have not answered: asks for commands that are missing, and sends the State again.
-  void repeat_state(RunStatus status) noexcept;
-  // The time since which nothing new has come that an answer to this State waits for.
-  [[nodiscard]] std::int64_t get_quiet_since_ns(std::int64_t sent_ns) const noexcept;
   void publish_health(std::int64_t now_ns) noexcept;
   void publish_reactions(std::int64_t now_ns) noexcept;
   void begin_faults() noexcept;
@@ -142,6 +132,7 @@ class Executive {
   Simulation& simulation_;
   Recorder& recorder_;
 
+  Timing timing_;
   Participants participants_;
   RejectCounts rejects_;
   std::unique_ptr<FaultyConnection> faulty_connection_;
@@ -152,13 +143,13 @@ class Executive {
   Liveness liveness_;
   CommandQueue commands_;
   Publisher publisher_;
+  StateExchange exchange_;
   HelloMessage other_;                          // the latest of another simulator; its session is 0 until one is heard
   std::vector<const Participant*> commanders_;  // of each channel: the sender of its latest command, or null
 
   const std::unique_ptr<TickSource> own_ticks_;
   TickSource& ticks_;
   WarmUp warm_up_;
-  Timing timing_;
   TickTiming now_;             // the tick that is being made
   StepReport last_report_;     // why the run stops, if it was the step
   bool overrun_ends_ = false;  // why the run stops, if it was an overrun

@@ -12,6 +12,7 @@ from language import HERE, load_sections, parse_type  # noqa: E402
 
 OUT = HERE.parent / "scenarios"
 NAME = r"^[A-Za-z<][A-Za-z0-9_<>-]*$"
+SHAPES = r"^[A-Za-z<][A-Za-z0-9_<>-]*([.][A-Za-z<][A-Za-z0-9_<>-]*)?$"  # body, body.shape, body.group
 # Words that YAML 1.1 tools read as true, false or null; no names (is_name in yaml_reader.cc).
 NOT_A_NAME = "^(" + "|".join("".join(f"[{c.upper()}{c}]" for c in word) for word in ("true", "false", "yes", "no", "on", "off", "null")) + ")$"
 EXPRESSION = r"^[A-Za-z0-9_.,+*/^()<>% -]+$"
@@ -30,6 +31,8 @@ class Schema:
             "name": {"type": "string", "pattern": NAME, "not": {"pattern": NOT_A_NAME}},
             "parameter": {"type": "string", "pattern": PARAMETER},
             "pair_of_bodies": {"type": "array", "items": {"$ref": "#/$defs/name"}, "minItems": 2, "maxItems": 2},
+            "shapes": {"type": "string", "pattern": SHAPES, "not": {"pattern": NOT_A_NAME}},
+            "pair_of_shapes": {"type": "array", "items": {"$ref": "#/$defs/shapes"}, "minItems": 2, "maxItems": 2},
             "rotation": {"type": "array", "prefixItems": [{"enum": ["x", "y", "z"]}, {"$ref": "#/$defs/quantity"}],
                          "items": False, "minItems": 2},
         }
@@ -86,6 +89,7 @@ class Schema:
             "text": lambda: {"type": ["string", "number", "boolean"]}, "name": lambda: {"$ref": "#/$defs/name"}, "anything": lambda: {},
             "vector": lambda: self.numbers(3), "numbers": lambda: self.numbers(kind.of),
             "pair_of_bodies": lambda: {"anyOf": [{"$ref": "#/$defs/pair_of_bodies"}, parameter]},
+            "pair_of_shapes": lambda: {"anyOf": [{"$ref": "#/$defs/pair_of_shapes"}, parameter]},
             "rotation": lambda: {"$ref": "#/$defs/rotation"}, "section": lambda: {"$ref": f"#/$defs/{kind.of}"},
         }[kind.kind]()
 

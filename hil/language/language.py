@@ -54,7 +54,7 @@ def parse_type(text, sections):
         return Type("name", of=text.split()[2])
     if text.startswith("numbers"):
         return Type("numbers", of=int(text.split()[1]) if " " in text else 0)
-    if text in ("number", "whole", "bool", "text", "name", "vector", "anything", "pair_of_bodies", "rotation"):
+    if text in ("number", "whole", "bool", "text", "name", "vector", "anything", "pair_of_bodies", "pair_of_shapes", "rotation"):
         return Type(text)
     if text not in sections:
         raise ValueError(f"no type '{text}'")

@@ -151,7 +151,7 @@ class Includer {
 
 const std::vector<std::string>& shared_sections() {
   static const std::vector<std::string> names{"constants",    "bodies",    "joints",   "elements",  "channels",
-                                              "sensors",      "signals",   "events",   "clearance", "points",
+                                              "sensors",      "signals",   "events",   "clearance", "contacts", "points",
                                               "requirements", "templates", "instances"};
   return names;
 }

@@ -44,19 +44,24 @@ std::optional<std::size_t> parse_index(const std::string& part) {
 
 bool is_text(const YamlNode* node, std::string_view text) { return node && node->is_scalar() && node->text == text; }
 
-// The entry of a list of mappings that part names: `id`, `name` or `name:subject`.
-YamlNode& find_named(YamlNode& list, const std::string& part, const SourceMark& mark) {
+// The entry of a list of mappings that part names: `id`, `name` or `name:subject`; null if there is none.
+const YamlNode* find_entry(const YamlNode& list, const std::string& part, const SourceMark& mark) {
   const std::size_t colon = part.find(':');
-  YamlNode* found = nullptr;
-  for (YamlNode& item : list.items) {
+  const YamlNode* found = nullptr;
+  for (const YamlNode& item : list.items) {
     const YamlNode* const id = item.find("id");
     if (!is_text(id ? id : item.find("name"), part.substr(0, colon))) continue;
     if (colon != std::string::npos && !is_text(item.find("subject"), part.substr(colon + 1))) continue;
     if (found) throw YamlError(mark, "several entries are called '" + part + "'", "write name:subject, or its number");
     found = &item;
   }
+  return found;
+}
+
+YamlNode& find_named(YamlNode& list, const std::string& part, const SourceMark& mark) {
+  const YamlNode* const found = find_entry(list, part, mark);
   if (!found) throw YamlError(mark, "no entry '" + part + "' in this list", "give a number from 0, or an entry's name");
-  return *found;
+  return const_cast<YamlNode&>(*found);  // of `list`
 }
 
 YamlNode& step_into_list(YamlNode& list, const std::string& part, const SourceMark& mark) {
@@ -133,6 +138,21 @@ std::pair<std::string, YamlNode> split_override(const std::string& text, int ove
 void apply_override(const std::string& text, int override_index, YamlNode& root) {
   auto [path, value] = split_override(text, override_index);
   replace_value(path, {0, 0, override_index}, std::move(value), root);
+}
+
+const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root) {
+  const YamlNode* node = &root;
+  for (const std::string& part : split_path(path, mark)) {
+    if (node->is_sequence()) {
+      const auto index = parse_index(part);
+      if (index && *index >= node->items.size()) return nullptr;
+      node = index ? &node->items[*index] : find_entry(*node, part, mark);
+    } else {
+      node = node->find(part);
+    }
+    if (node == nullptr) return nullptr;
+  }
+  return node;
 }
 
 }  // namespace unlatch::hil

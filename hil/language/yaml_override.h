@@ -18,4 +18,7 @@ void apply_override(const std::string& text, int override_index, YamlNode& root)
 // The same of a path and a value that stand in a file. Throws YamlError at `mark`.
 void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root);
 
+// The node at a path; null if there is none. Throws YamlError at `mark` if the path itself is wrong.
+const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root);
+
 }  // namespace unlatch::hil

@@ -71,6 +71,7 @@ bool LogFileWriter::append(std::int64_t timestamp_us, std::string_view channel, 
   out.put_u32(static_cast<std::uint32_t>(channel.size()));
   out.put_u32(static_cast<std::uint32_t>(data.size() + (sealed ? kCrcBytes : 0)));
   out.put_bytes({reinterpret_cast<const std::uint8_t*>(channel.data()), channel.size()});
+  if (number_ == 1) first_data_ = pending_.size();
   out.put_bytes(data);
   crc_ = calc_crc64(std::span(pending_).subspan(begin), crc_);
   if (sealed) {
@@ -85,6 +86,12 @@ bool LogFileWriter::flush() {
   const bool written = std::fwrite(pending_.data(), 1, pending_.size(), file_.get()) == pending_.size();
   pending_.clear();
   return written || fail();
+}
+
+bool LogFileWriter::amend_first(std::span<const std::uint8_t> data) {
+  if (!flush()) return false;
+  const auto place = static_cast<off_t>(first_data_);
+  return pwrite(fileno(file_.get()), data.data(), data.size(), place) == static_cast<ssize_t>(data.size()) || fail();
 }
 
 bool LogFileWriter::sync() { return flush() && (fsync(fileno(file_.get())) == 0 || fail()); }

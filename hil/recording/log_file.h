@@ -46,6 +46,8 @@ class LogFileWriter {
   // once anything could not be written (disk full): nothing more is, so that the log has an early end and no gap, and
   // get_error() says why.
   bool append(std::int64_t timestamp_us, std::string_view channel, std::span<const std::uint8_t> data);
+  // Writes the first event's data anew, once it has been flushed: as many bytes, and it is not sealed.
+  bool amend_first(std::span<const std::uint8_t> data);
   // Hands what was appended to the operating system: from then on it survives the process.
   bool flush();
   // Hands it to the disk: from then on it survives the machine.
@@ -66,6 +68,7 @@ class LogFileWriter {
   std::vector<std::uint8_t> pending_;  // appended, not yet written
   std::uint64_t crc_ = 0;
   std::int64_t number_ = 0;
+  std::size_t first_data_ = 0;  // its place in the file
   std::string error_;
 };
 

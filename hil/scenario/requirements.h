@@ -32,6 +32,7 @@ struct Requirement {
     kSpeed,         // rate of either, m/s or rad/s
     kAxes,          // angle between `direction` of body `a` and `other` of body `b`, rad, 0 to π
     kSensor,        // value number `axis` of sensor `a`, or the size of all
+    kContact,       // ContactValue number `axis` of contact `a`
   };
   enum class Take {
     kMinimum,  // smallest value
@@ -40,12 +41,15 @@ struct Requirement {
     kFinal,    // value at the end of the interval
     kBoth,     // the smallest and the greatest value: that which is nearer to its limit, or beyond it
   };
-  static constexpr int kSize = -1;                 // `axis`: the size of a vector
+  enum class ContactValue { kForce, kDepth, kSlip, kImpulse, kDissipated };  // N, m, m, N s, J
+  static constexpr int kSize = -1;                                           // `axis`: the size of a vector
   static constexpr int kForce = -1, kMoment = -2;  // `axis` of kReaction: size of the rows x y z, of rot_x rot_y rot_z
 
   std::string id, text;
   Measure quantity = Measure::kClearance;
   int a = 0, b = kGround;  // bodies, joint or sensor
+  int pair = -1;           // of kClearance: index in Scenario::clearance
+  std::string pair_name;   // its names: "core – booster1"
   int axis = kSize;        // row, axis or number of the value
   Eigen::Vector3d direction = Eigen::Vector3d::Zero(), other = Eigen::Vector3d::Zero();  // unit; zero: the size
   std::vector<EventName> events;                                                         // of kTime, kOrder

@@ -74,4 +74,45 @@ std::vector<RequirementProblem> find_problems(const Scenario& scenario) {
   return problems;
 }
 
+namespace {
+
+// Its value is never below 0. A clearance may be, once it is signed; the time from one event to another as well.
+bool is_size(const Requirement& requirement) {
+  using Measure = Requirement::Measure;
+  if (requirement.take == Requirement::Take::kPeak) return true;
+  switch (requirement.quantity) {
+    case Measure::kRate:
+    case Measure::kAxes:
+      return true;
+    case Measure::kTime:
+      return requirement.events.size() == 1;
+    case Measure::kReaction:
+    case Measure::kSensor:
+      return requirement.axis < 0;
+    case Measure::kVelocity:
+    case Measure::kPosition:
+      return requirement.direction.isZero(0);
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+std::vector<RequirementProblem> find_trivial(const Scenario& scenario) {
+  constexpr double kPi = 3.14159265358979323846;
+  std::vector<RequirementProblem> found;
+  for (std::size_t i = 0; i < scenario.requirements.size(); ++i) {
+    const Requirement& requirement = scenario.requirements[i];
+    const double greatest =
+        requirement.quantity == Requirement::Measure::kAxes ? kPi : std::numeric_limits<double>::infinity();
+    if (is_size(requirement) && requirement.least <= 0 && requirement.most >= greatest)
+      found.push_back({i,
+                       greatest == kPi ? "holds in every run: the angle between two axes is from 0 to pi"
+                                       : "holds in every run: the value is never below 0",
+                       "give a limit that a run can miss"});
+  }
+  return found;
+}
+
 }  // namespace unlatch::hil

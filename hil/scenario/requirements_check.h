@@ -17,4 +17,8 @@ struct RequirementProblem {
 // rows that no mode of their joint holds.
 std::vector<RequirementProblem> find_problems(const Scenario& scenario);
 
+// Limits that every run keeps: sizes, absolute values and times that shall be at least 0 or less, angles between axes
+// that shall be at most pi.
+std::vector<RequirementProblem> find_trivial(const Scenario& scenario);
+
 }  // namespace unlatch::hil

@@ -146,11 +146,14 @@ void ScenarioReader::read(const YamlNode& root) {
   read_signals(top);
   read_joints(top);
   read_elements(top);
+  read_contacts(top);
   read_sensors(top);
   read_events(top);
+  add_touches();
   read_clearance(top);
   read_points(top);
   read_requirements(top);
+  read_outputs(top);
   read_flight_software(top);
   read_timing(top);
   for (const char* worked_out : {"include", "set", "templates", "instances"}) top.find(worked_out);
@@ -176,6 +179,12 @@ void ScenarioReader::read_step(YamlMap& top) {
   YamlMap map(*node, "step", mistakes_);
   const double dt = scenario_.dt = map.number("dt", "s");
   const double until = scenario_.until = map.number("until", "s");
+  const double parts = map.number("contact_substeps", "", 1.0);
+  if (parts >= 1 && parts <= kMaxContactSubsteps && parts == std::floor(parts))
+    model_.contact_substeps = static_cast<int>(parts);
+  else
+    mistakes_.add(map.find("contact_substeps")->mark, "this number of parts of a step is not usable",
+                  "a whole number, 1 to " + std::to_string(kMaxContactSubsteps));
   map.finish();
   if (mistakes_.count() != before) return;
   const auto mark = [&](const char* key) { return node->find(key)->mark; };

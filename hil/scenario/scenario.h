@@ -10,6 +10,7 @@
 #include "hil/language/scenario_error.h"
 #include "hil/language/scenario_sources.h"
 #include "hil/messages/messages.h"
+#include "hil/scenario/outputs.h"
 #include "hil/scenario/rates.h"
 #include "hil/scenario/requirements.h"
 #include "hil/scenario/shapes.h"
@@ -45,6 +46,7 @@ struct TracedPoint {
 // A change made on reading, or a fact that the user should know; no mistake. `where`: a key of Scenario::marks.
 struct Remark {
   std::string where, text;
+  std::string kind = "modes";  // of the finding that `check` tells
 };
 
 struct Scenario {
@@ -58,10 +60,11 @@ struct Scenario {
   FlightSoftware flight_software;
   Rates rates;
   TimingOptions timing;
-  std::vector<std::vector<Shape>> shapes;      // of each body
-  std::vector<std::pair<int, int>> clearance;  // pairs of bodies whose distance is watched
+  std::vector<std::vector<BodyShape>> shapes;  // of each body
+  std::vector<ClearancePair> clearance;        // pairs whose distance is watched
   std::vector<TracedPoint> points;
   std::vector<Requirement> requirements;
+  std::vector<OutputGroup> outputs;  // what runs write down; empty: all, at every tick
   std::vector<Remark> remarks;
   std::vector<std::string> springs_while_free;  // joint springs that are meant to act while their joint is free
   std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"

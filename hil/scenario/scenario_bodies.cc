@@ -122,7 +122,7 @@ void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
   Placement placement;
   placement.relative_to = map.find("relative_to");
   const YamlNode* shape = map.find("shape");
-  scenario_.shapes.push_back(shape ? read_shapes(*shape) : std::vector<Shape>());
+  scenario_.shapes.push_back(shape ? read_shapes(*shape) : std::vector<BodyShape>());
   map.finish();
   bodies_.push_back(name);
   model_.bodies.push_back(std::move(body));

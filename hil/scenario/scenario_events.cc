@@ -24,9 +24,9 @@ void ScenarioReader::read_sensors(YamlMap& top) {
 }
 
 void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) {
-  static const std::vector<std::string> kTypes{
-      "position", "attitude", "velocity",     "rate",  "acceleration", "specific_force",
-      "contact",  "reaction", "displacement", "angle", "speed"};  // in the order of Sensor::Kind
+  static const std::vector<std::string> kTypes{"position",       "attitude", "velocity", "rate",         "acceleration",
+                                               "specific_force", "contact",  "reaction", "displacement", "angle",
+                                               "speed",          "distance"};  // in the order of Sensor::Kind
   YamlMap map(node, "sensor '" + name + "'", mistakes_);
   const int type = map.choice("type", "sensor type", kTypes);
   if (type < 0) return;  // which keys are right depends on it
@@ -38,7 +38,13 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
   if (sensor.kind == Kind::kAcceleration || sensor.kind == Kind::kSpecificForce)
     sensor.point = map.vector("point", "m", Eigen::Vector3d::Zero());
   if (sensor.kind == Kind::kContact) sensor.subject = map.choice("signal", "signal", model_.signals);
-  if (sensor.kind >= Kind::kReaction) sensor.subject = map.choice("joint", "joint", joints_);
+  if (sensor.kind == Kind::kDistance) {
+    const YamlNode* const between = map.require("between");
+    const std::optional<ClearancePair> pair = between ? read_shape_pair(*between) : std::nullopt;
+    if (pair) sensor.subject = find_surface(pair->a), sensor.other = find_surface(pair->b);
+  } else if (sensor.kind >= Kind::kReaction) {
+    sensor.subject = map.choice("joint", "joint", joints_);
+  }
   if (sensor.kind == Kind::kDisplacement) sensor.axis = or_first(map.choice("axis", "axis", axis_names()));
   if (sensor.kind == Kind::kAngle) sensor.axis = read_angle_axis(map);
   if (sensor.kind == Kind::kSpeed) sensor.axis = or_first(map.choice("axis", "row", row_names()));
@@ -86,7 +92,7 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   Condition condition;
   YamlMap map(node, "a condition", mistakes_);
   const std::string kind = map.only_one_of({"time", "reaction", "displacement", "angle", "speed", "body_rate", "burnt",
-                                            "signal", "command", "mode", "all", "any", "not"},
+                                            "clearance", "contact", "signal", "command", "mode", "all", "any", "not"},
                                            "to say what it looks at");
   if (kind.empty()) return condition;
   const YamlNode& value = *map.find(kind);
@@ -97,6 +103,19 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   } else if (kind == "signal") {
     condition.kind = Kind::kSignal;
     condition.subject = read_choice(value, "signal", model_.signals, mistakes_);
+  } else if (kind == "contact") {
+    std::vector<std::string> contacts;
+    for (const Contact& contact : model_.contacts) contacts.push_back(contact.name);
+    condition.kind = Kind::kClosed;
+    condition.subject = read_choice(value, "contact", contacts, mistakes_);
+  } else if (kind == "clearance") {
+    YamlMap inner(value, kind, mistakes_);
+    const YamlNode* const between = inner.require("between");
+    const std::optional<ClearancePair> pair = between ? read_shape_pair(*between) : std::nullopt;
+    inner.finish();
+    condition.kind = Kind::kDistance;
+    if (pair) condition.subject = find_surface(pair->a), condition.axis = find_surface(pair->b);
+    read_threshold(map, "m", condition);
   } else if (kind == "body_rate") {
     condition.kind = Kind::kBodyRate;
     condition.subject = read_choice(value, "body", bodies_, mistakes_);

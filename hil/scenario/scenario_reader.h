@@ -1,10 +1,11 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
-// scenario_bodies.cc, scenario_joints.cc, scenario_elements.cc, scenario_events.cc, scenario_flexible.cc,
-// scenario_requirements.cc and scenario_shapes.cc.
+// scenario_bodies.cc, scenario_clearance.cc, scenario_contacts.cc, scenario_joints.cc, scenario_elements.cc,
+// scenario_events.cc, scenario_flexible.cc, scenario_outputs.cc, scenario_requirements.cc and scenario_shapes.cc.
 #pragma once
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -38,11 +39,13 @@ class ScenarioReader {
   void read_signals(YamlMap& top);
   void read_joints(YamlMap& top);
   void read_elements(YamlMap& top);
+  void read_contacts(YamlMap& top);
   void read_sensors(YamlMap& top);
   void read_events(YamlMap& top);
   void read_clearance(YamlMap& top);
   void read_points(YamlMap& top);
   void read_requirements(YamlMap& top);
+  void read_outputs(YamlMap& top);
 
   // Bodies.
   struct Placement {
@@ -59,8 +62,22 @@ class ScenarioReader {
   void place_bodies();
   void report_circles();
   Eigen::Quaterniond read_attitude(const YamlNode& node);
-  std::vector<Shape> read_shapes(const YamlNode& node);
-  Shape read_shape(const YamlNode& node);
+  std::vector<BodyShape> read_shapes(const YamlNode& node);
+  BodyShape read_body_shape(const YamlNode& node);
+  geometry::Shape read_shape(const std::string& key, const YamlNode& node);
+  void read_hollow(const std::string& key, YamlMap& map, geometry::Shape& shape);
+  void report_shape(const geometry::Shape& shape, const YamlNode& node);
+
+  // Pairs of shapes. Those that return nothing have noted a mistake.
+  [[nodiscard]] ShapeSet get_shapes_of(int body) const;
+  std::optional<ShapeSet> read_shape_set(const YamlNode& node);
+  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);  // two names: of different bodies
+  [[nodiscard]] std::size_t count_distances(const ClearancePair& pair) const;
+  void tell_undefined(const ClearancePair& pair);
+  std::vector<ClearancePair> list_all_pairs();
+  std::vector<ClearancePair> read_watched_pairs(const YamlNode& node);
+  void read_exceptions(const YamlNode& node, std::vector<ClearancePair>& pairs);
+  int watch(const ClearancePair& pair);  // its index in Scenario::clearance
 
   // Joints.
   void read_joint(const std::string& name, const YamlNode& node);
@@ -77,6 +94,11 @@ class ScenarioReader {
   void read_joint_spring(YamlMap& map, JointSpring spring);
   void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
   Profile read_profile(const YamlNode& node, const std::string& unit);
+
+  // Contacts.
+  void read_contact(const std::string& name, const YamlNode& node);
+  void add_touches();
+  int find_surface(const ShapeSet& set);  // in the model, which has it from then on
 
   // Timing.
   void read_overruns(const YamlNode& node);
@@ -103,10 +125,16 @@ class ScenarioReader {
   void read_requirement_quantity(const YamlNode& node, const std::string& kind, Requirement& to);
   void read_requirement_clearance(const YamlNode& node, Requirement& to);
   void read_requirement_of_bodies(YamlMap& map, Requirement& to);
+  void read_requirement_contact(YamlMap& map, Requirement& to);
   void read_requirement_sensor(YamlMap& map, Requirement& to);
   void read_requirement_interval(YamlMap& map, Requirement& to);
   void read_requirement_limit(YamlMap& map, Requirement& to);
   EventName read_event_name(const YamlNode& node);
+
+  // Outputs.
+  void read_output_group(const YamlNode& node, const std::vector<Output>& known);
+  void read_output_pattern(const YamlNode& node, const std::vector<Output>& known, const std::string& where,
+                           OutputGroup& group);
 
   // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and remembers its place.
   void for_each_named(YamlMap& top, const std::string& section, const std::string& kind,

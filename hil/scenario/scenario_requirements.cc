@@ -10,8 +10,11 @@ namespace {
 using Measure = Requirement::Measure;
 using Take = Requirement::Take;
 
-const std::vector<std::string> kQuantities{"clearance", "rate",         "time",  "order", "reaction", "velocity",
-                                           "position",  "displacement", "angle", "speed", "axes",     "sensor"};
+const std::vector<std::string> kQuantities{"clearance", "rate",     "time",         "order", "reaction",
+                                           "velocity",  "position", "displacement", "angle", "speed",
+                                           "axes",      "sensor",   "contact"};
+
+const std::vector<std::string> kContactValues{"force", "depth", "slip", "impulse", "dissipated"};
 
 bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
 
@@ -84,6 +87,8 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
     const bool turns = to.axis == kRows + 1 || (to.axis >= kRotX && to.axis < kRows);
     if (to.axis >= kRows) to.axis = to.axis == kRows ? Requirement::kForce : Requirement::kMoment;
     to.unit = turns ? "N m" : "N";
+  } else if (to.quantity == Measure::kContact) {
+    read_requirement_contact(map, to);
   } else if (to.quantity == Measure::kSensor) {
     read_requirement_sensor(map, to);
   } else {
@@ -94,21 +99,11 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
 
 void ScenarioReader::read_requirement_clearance(const YamlNode& node, Requirement& to) {
   to.unit = "m";
-  if (!node.is_sequence() || node.items.size() != 2)
-    return mistakes_.add(node.mark, "not a pair of bodies", "write [core, booster1]");
-  to.a = read_choice(node.items[0], "body", bodies_, mistakes_);
-  to.b = read_choice(node.items[1], "body", bodies_, mistakes_);
-  if (to.a < 0 || to.b < 0) return;
-  if (to.a == to.b) mistakes_.add(node.mark, "a body and itself", "name two bodies");
-  for (const int body : {to.a, to.b})
-    if (scenario_.shapes[static_cast<std::size_t>(body)].empty())
-      mistakes_.add(node.mark, "body '" + bodies_[static_cast<std::size_t>(body)] + "' has no shape",
-                    "give it one; a clearance is between shapes");
-  auto& pairs = scenario_.clearance;  // which is then watched and reported as well
-  const std::pair pair(to.a, to.b), turned(to.b, to.a);
-  if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end() &&
-      std::find(pairs.begin(), pairs.end(), turned) == pairs.end())
-    pairs.push_back(pair);
+  const std::optional<ClearancePair> pair = read_shape_pair(node);
+  if (!pair) return;
+  to.a = pair->a.body, to.b = pair->b.body;
+  to.pair = watch(*pair);  // which is then watched and reported as well
+  to.pair_name = pair->a.name + " – " + pair->b.name;
 }
 
 void ScenarioReader::read_requirement_of_bodies(YamlMap& map, Requirement& to) {
@@ -145,6 +140,15 @@ void ScenarioReader::read_requirement_of_bodies(YamlMap& map, Requirement& to) {
       to.other = read_direction("other", true);
       break;
   }
+}
+
+void ScenarioReader::read_requirement_contact(YamlMap& map, Requirement& to) {
+  static const char* const kUnits[] = {"N", "m", "m", "N s", "J"};
+  std::vector<std::string> contacts;
+  for (const Contact& contact : model_.contacts) contacts.push_back(contact.name);
+  to.a = map.choice("name", "contact", contacts);
+  to.axis = std::max(0, map.choice("value", "value", kContactValues, 0));
+  to.unit = kUnits[to.axis];
 }
 
 void ScenarioReader::read_requirement_sensor(YamlMap& map, Requirement& to) {
@@ -256,7 +260,7 @@ std::string describe_quantity(const Requirement& r, const Model& model) {
   std::string text = kind;
   switch (r.quantity) {
     case Measure::kClearance:
-      text += " " + body(r.a) + " – " + body(r.b);
+      text += " " + r.pair_name;
       break;
     case Measure::kRate:
     case Measure::kVelocity:
@@ -269,6 +273,10 @@ std::string describe_quantity(const Requirement& r, const Model& model) {
       break;
     case Measure::kOrder:
       for (const EventName& event : r.events) text += " " + event.text;
+      break;
+    case Measure::kContact:
+      text = kContactValues[static_cast<std::size_t>(r.axis)] + " of contact " +
+             model.contacts[static_cast<std::size_t>(r.a)].name;
       break;
     case Measure::kSensor:
       text += " " + model.sensors[static_cast<std::size_t>(r.a)].name;

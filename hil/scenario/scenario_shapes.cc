@@ -1,79 +1,150 @@
-// Shapes of bodies, the pairs whose clearance is watched, the points whose path is drawn.
+// Shapes of bodies, and the points whose path is drawn.
 #include <algorithm>
 
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
+namespace {
 
-std::vector<Shape> ScenarioReader::read_shapes(const YamlNode& node) {
-  std::vector<Shape> shapes;
+using geometry::Shape;
+using geometry::ShapeKind;
+
+// Kinds of shapes as scenarios call them.
+struct KindOfShape {
+  const char* key;
+  ShapeKind kind;
+};
+constexpr KindOfShape kKinds[] = {
+    {"sphere", ShapeKind::kSphere},
+    {"capsule", ShapeKind::kCapsule},
+    {"cylinder", ShapeKind::kCylinder},
+    {"cone", ShapeKind::kCone},
+    {"frustum", ShapeKind::kFrustum},
+    {"box", ShapeKind::kBox},
+    {"hull", ShapeKind::kHull},
+    {"half_space", ShapeKind::kHalfSpace},
+    {"hollow_cylinder", ShapeKind::kHollow},
+    {"hollow_frustum", ShapeKind::kHollow},
+    {"hollow_profile", ShapeKind::kHollow},
+};
+
+Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+// The key of a scenario in which a member of Shape was written.
+std::vector<std::string> list_keys(const std::string& member) {
+  if (member == "from") return {"from", "centre", "point"};
+  if (member == "to") return {"to", "axis"};
+  if (member == "side") return {"half"};
+  return {member};
+}
+
+}  // namespace
+
+std::vector<BodyShape> ScenarioReader::read_shapes(const YamlNode& node) {
+  std::vector<BodyShape> shapes;
   if (!node.is_sequence()) mistakes_.add(node.mark, "shape is not a list", "write [{sphere: {radius: 1}}]");
-  for (const YamlNode& item : node.items) shapes.push_back(read_shape(item));
+  for (const YamlNode& item : node.items) shapes.push_back(read_body_shape(item));
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::string& name = shapes[i].name;
+    for (std::size_t k = 0; k < shapes.size() && !name.empty(); ++k)
+      if ((k < i && shapes[k].name == name) || shapes[k].group == name)
+        mistakes_.add(node.items[i].find("name")->mark, "another shape or group of this body is called '" + name + "'",
+                      "give it a name of its own; several shapes with one `group` have one name together");
+  }
   return shapes;
 }
 
-Shape ScenarioReader::read_shape(const YamlNode& node) {
-  static const std::vector<std::string> kKinds{"sphere", "capsule", "cylinder", "cone", "box", "hull"};
+BodyShape ScenarioReader::read_body_shape(const YamlNode& node) {
+  BodyShape out;
+  YamlMap map(node, "a shape", mistakes_);
+  std::vector<std::string> keys;
+  for (const KindOfShape& kind : kKinds) keys.emplace_back(kind.key);
+  const std::string key = map.only_one_of(keys, "a kind");
+  if (const YamlNode* name = map.find("name")) out.name = read_name(*name, mistakes_);
+  if (const YamlNode* group = map.find("group")) out.group = read_name(*group, mistakes_);
+  map.finish();
+  if (!key.empty()) out.shape = read_shape(key, *node.find(key));
+  return out;
+}
+
+Shape ScenarioReader::read_shape(const std::string& key, const YamlNode& node) {
   Shape shape;
-  YamlMap outer(node, "a shape", mistakes_);
-  const std::string kind = outer.only_one_of(kKinds, "a kind");
-  outer.finish();
-  if (kind.empty()) return shape;
-  shape.kind = static_cast<Shape::Kind>(std::find(kKinds.begin(), kKinds.end(), kind) - kKinds.begin());  // same order
-  const YamlNode& value = *node.find(kind);
-  YamlMap map(value, kind, mistakes_);
-  const auto reject = [&](const std::string& what, const std::string& mend) { mistakes_.add(value.mark, what, mend); };
-  const bool centred = kind == "sphere" || kind == "box";
-  if (centred) shape.from = map.vector("centre", "m", Eigen::Vector3d::Zero());
-  if (kind == "box") {
-    shape.size = map.vector("size", "m");
-    if (const YamlNode* attitude = map.find("attitude")) shape.q_BS = read_attitude(*attitude);
-    if (!(shape.size.minCoeff() > 0)) reject("a box without volume", "size: three edge lengths greater than 0");
-  } else if (kind == "hull") {
-    const YamlNode* points = map.require("points");
-    for (const YamlNode& point : points ? points->items : std::vector<YamlNode>())
-      shape.points.push_back(read_vector(point, "m", Eigen::Vector3d::Zero(), mistakes_));
-    if (shape.points.size() < 4) reject("a hull of fewer than four points", "points: [[x, y, z], …]");
-  } else {
-    if (!centred) {
-      shape.from = map.vector("from", "m");
-      shape.to = map.vector("to", "m");
-      if (shape.from == shape.to) reject("from and to are the same point", "a sphere has no axis; else move one");
+  shape.kind =
+      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const KindOfShape& k) { return key == k.key; })->kind;
+  const std::size_t before = mistakes_.count();
+  YamlMap map(node, key, mistakes_);
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      shape.from = to_vec3(map.vector("centre", "m", Eigen::Vector3d::Zero()));
+      shape.radius = map.number("radius", "m");
+      break;
+    case ShapeKind::kBox:
+      shape.from = to_vec3(map.vector("centre", "m", Eigen::Vector3d::Zero()));
+      shape.size = to_vec3(map.vector("size", "m"));
+      if (const YamlNode* attitude = map.find("attitude")) {
+        const Eigen::Quaterniond q = read_attitude(*attitude);
+        shape.q_BS = {q.w(), q.x(), q.y(), q.z()};
+      }
+      break;
+    case ShapeKind::kHull: {
+      const YamlNode* points = map.require("points");
+      if (points && !points->is_sequence()) mistakes_.add(points->mark, "points is not a list", "write [[x, y, z], …]");
+      for (const YamlNode& point : points ? points->items : std::vector<YamlNode>())
+        shape.points.push_back(to_vec3(read_vector(point, "m", Eigen::Vector3d::Zero(), mistakes_)));
+      break;
     }
-    shape.radius = map.number("radius", "m");
-    if (!(shape.radius > 0) && !(kind == "capsule" && shape.radius == 0))
-      reject("a radius that is not positive", "a radius greater than 0 (capsules: 0 or more)");
+    case ShapeKind::kHalfSpace:
+      shape.from = to_vec3(map.vector("point", "m", Eigen::Vector3d::Zero()));
+      shape.normal = to_vec3(map.vector("normal", ""));
+      break;
+    case ShapeKind::kHollow:
+      read_hollow(key, map, shape);
+      break;
+    default:
+      shape.from = to_vec3(map.vector("from", "m"));
+      shape.to = to_vec3(map.vector("to", "m"));
+      shape.radius = map.number("radius", "m");
+      if (shape.kind == ShapeKind::kFrustum) shape.end_radius = map.number("end_radius", "m");
   }
   map.finish();
+  if (mistakes_.count() == before) report_shape(shape, node);
   return shape;
 }
 
-void ScenarioReader::read_clearance(YamlMap& top) {
-  const YamlNode* node = top.find("clearance");
-  if (!node) return;
-  const int count = static_cast<int>(bodies_.size());
-  const auto has_shape = [&](int body) { return !scenario_.shapes[static_cast<std::size_t>(body)].empty(); };
-  if (node->is_scalar() && node->text == "all") {
-    for (int a = 0; a < count; ++a)
-      for (int b = a + 1; b < count; ++b)
-        if (has_shape(a) && has_shape(b)) scenario_.clearance.emplace_back(a, b);
-    return;
-  }
-  if (!node->is_sequence()) mistakes_.add(node->mark, "not a list of pairs", "write [[core, booster1], …], or all");
-  for (const YamlNode& pair : node->items) {
-    if (!pair.is_sequence() || pair.items.size() != 2) {
-      mistakes_.add(pair.mark, "not a pair of bodies", "write [core, booster1]");
-      continue;
+// A wall's profile is a cylinder's or a frustum's, or given.
+void ScenarioReader::read_hollow(const std::string& key, YamlMap& map, Shape& shape) {
+  shape.from = to_vec3(map.vector("from", "m"));
+  if (key == "hollow_profile") {
+    shape.to = shape.from + to_vec3(map.vector("axis", ""));
+    const YamlNode* profile = map.require("profile");
+    if (profile && !profile->is_sequence())
+      mistakes_.add(profile->mark, "profile is not a list", "write [[z, r], …], in m");
+    for (const YamlNode& point : profile ? profile->items : std::vector<YamlNode>()) {
+      const std::vector<double> zr = read_numbers(point, 2, "m", mistakes_);
+      shape.profile.push_back({zr[0], zr[1]});
     }
-    const int a = read_choice(pair.items[0], "body", bodies_, mistakes_);
-    const int b = read_choice(pair.items[1], "body", bodies_, mistakes_);
-    if (a < 0 || b < 0) continue;
-    if (a == b) mistakes_.add(pair.mark, "a body and itself", "name two bodies");
-    for (const int body : {a, b})
-      if (!has_shape(body))
-        mistakes_.add(pair.mark, "body '" + bodies_[static_cast<std::size_t>(body)] + "' has no shape",
-                      "give it one, or leave the pair out");
-    scenario_.clearance.emplace_back(a, b);
+  } else {
+    shape.to = to_vec3(map.vector("to", "m"));
+    shape.radius = map.number("radius", "m");
+    shape.end_radius = key == "hollow_frustum" ? map.number("end_radius", "m") : shape.radius;
+    if (key == "hollow_cylinder" && !(shape.radius > 0))
+      mistakes_.add(map.node().find("radius") ? map.node().find("radius")->mark : map.node().mark,
+                    "a wall without extent", "a radius greater than 0");
+    shape.profile = {{0, shape.radius}, {norm(shape.to - shape.from), shape.end_radius}};
+  }
+  if (const YamlNode* half = map.find("half")) {
+    shape.half = true;
+    shape.side = to_vec3(read_vector(*half, "", Eigen::Vector3d::Zero(), mistakes_));
+  }
+}
+
+// The geometry's mistakes, at the key that they are about.
+void ScenarioReader::report_shape(const Shape& shape, const YamlNode& node) {
+  for (const geometry::ShapeError& error : geometry::check_shape(shape)) {
+    SourceMark mark = node.mark;
+    for (const std::string& key : list_keys(error.key))
+      if (const YamlNode* value = node.find(key)) mark = value->mark;
+    mistakes_.add(mark, error.what, error.mend);
   }
 }
 

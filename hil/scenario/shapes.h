@@ -1,28 +1,33 @@
-// Shapes of bodies, for clearances and pictures: convex pieces in the axes of their body, metres.
+// Shapes of bodies, for distances, contacts and pictures, and the sets of them that a name stands for. They have no
+// mass. Lengths are in metres, in the axes of the body.
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
+#include <string>
+#include <utility>
 #include <vector>
+
+#include "unlatch/geometry.h"
 
 namespace unlatch::hil {
 
-struct Shape {
-  enum class Kind {
-    kSphere,    // from = centre, radius
-    kCapsule,   // all points within `radius` of the segment from–to; radius 0: the segment itself
-    kCylinder,  // axis from–to, radius
-    kCone,      // base of `radius` around from, apex at to
-    kBox,       // from = centre, size = edge lengths, q_BS = attitude of the box in the body
-    kHull,      // convex hull of `points`
-  };
-  Kind kind = Kind::kSphere;
-  Eigen::Vector3d from = Eigen::Vector3d::Zero();
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();
-  double radius = 0;
-  Eigen::Vector3d size = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond q_BS = Eigen::Quaterniond::Identity();
-  std::vector<Eigen::Vector3d> points{};
+// One of the shapes whose union is a body.
+struct BodyShape {
+  std::string name;       // unique in its body; empty: none
+  std::string group;      // of shapes of the body; empty: none
+  geometry::Shape shape;  // without mistakes; body axes, of a marker the marker's
+};
+
+// Shapes of one body: all, one by its name, or a group.
+struct ShapeSet {
+  int body = 0;
+  std::string name;         // as scenarios write it: "core", "core.skirt"
+  std::vector<int> shapes;  // indices in Scenario::shapes[body], rising
+};
+
+// Two sets whose distance is watched: the least of their pairs of shapes.
+struct ClearancePair {
+  ShapeSet a, b;
+  std::vector<std::pair<int, int>> except;  // indices in a.shapes and b.shapes: mated faces, which are left out
 };
 
 }  // namespace unlatch::hil

@@ -7,6 +7,8 @@
 #include <new>
 #include <utility>
 
+#include "hil/scenario/outputs.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -38,24 +40,6 @@ std::size_t calc_parts(std::size_t total, std::size_t capacity) { return (total 
 BodyStateMessage to_message(const BodyState& body) {
   return {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
           body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
-}
-
-// The names of a sensor's values after the sensor's own.
-std::span<const char* const> get_components(Sensor::Kind kind) {
-  static constexpr const char* kVector[] = {".x", ".y", ".z"};
-  static constexpr const char* kQuaternion[] = {".w", ".x", ".y", ".z"};
-  static constexpr const char* kRowValues[] = {".x", ".y", ".z", ".rot_x", ".rot_y", ".rot_z"};
-  static constexpr const char* kScalar[] = {""};
-  switch (sensor_width(kind)) {
-    case 3:
-      return kVector;
-    case 4:
-      return kQuaternion;
-    case 6:
-      return kRowValues;
-    default:
-      return kScalar;
-  }
 }
 
 CatalogMessage make_item(CatalogKind kind, std::size_t index, const std::string& name, const char* unit) {
@@ -235,7 +219,7 @@ std::vector<CatalogMessage> build_catalog(const Model& model) {
   }
   std::size_t value = 0;
   for (const Sensor& sensor : model.sensors) {
-    for (const char* component : get_components(sensor.kind)) {
+    for (const char* component : get_sensor_components(sensor.kind)) {
       items.push_back(make_item(CatalogKind::kSensor, value++, sensor.name + component, sensor_unit(sensor.kind)));
     }
   }

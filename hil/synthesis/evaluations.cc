@@ -27,7 +27,7 @@ std::string quote_cell(const std::string& text) {
   return quoted + '"';
 }
 
-// The columns; the first names the problem, so that no other continues this journal.
+// The columns.
 std::string write_heading(const DesignProblem& problem) {
   std::string text = "run,status,hash";
   const auto add = [&](const std::string& name, const std::string& unit) {
@@ -36,8 +36,8 @@ std::string write_heading(const DesignProblem& problem) {
   for (const DesignVariable& variable : problem.variables)
     add(variable.name, variable.is_catalogue() ? "entry" : variable.unit);
   for (const Objective& objective : problem.objectives) add(objective.text, objective.unit);
-  for (const DesignConstraint& constraint : problem.constraints) add(constraint.id, constraint.unit);
-  for (const DesignConstraint& constraint : problem.constraints) add(constraint.id + ".margin", constraint.unit);
+  for (const DesignConstraint& constraint : problem.constraints) add(constraint.name, constraint.unit);
+  for (const DesignConstraint& constraint : problem.constraints) add(constraint.name + ".margin", constraint.unit);
   return text + "\n";
 }
 
@@ -144,25 +144,68 @@ DesignSample DesignEvaluations::run(const DesignPoint& point) const {
     sample.objectives.push_back(value);
   }
   for (const DesignConstraint& constraint : problem_.constraints) {
-    sample.values.push_back(done ? result.values[constraint.value] : kNothing);
-    sample.margins.push_back(done ? result.values[constraint.margin] : kNothing);
+    const bool nominal = done && !(constraint.probability > 0);  // the others come from the dispersed samples
+    sample.values.push_back(nominal ? result.values[constraint.value] : kNothing);
+    sample.margins.push_back(nominal ? result.values[constraint.margin] : kNothing);
   }
   return sample;
 }
 
-// Threads take the next one that nobody has; each writes its own. False: `stop` was set.
-bool DesignEvaluations::compute(std::vector<DesignSample>& batch) {
+// Threads take the next one that nobody has; each writes its own. `stop` leaves the rest.
+void DesignEvaluations::for_each(std::size_t count, const std::function<void(std::size_t)>& work) const {
   std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = 0; (i = next.fetch_add(1)) < batch.size() && !stop_.load();) batch[i] = run(batch[i].point);
+  const auto take = [&] {
+    for (std::size_t i = 0; (i = next.fetch_add(1)) < count && !stop_.load();) work(i);
   };
-  {
-    std::vector<std::jthread> threads;
-    const std::size_t jobs = std::min(batch.size(), static_cast<std::size_t>(std::max(1, options_.jobs)));
-    for (std::size_t i = 1; i < jobs; ++i) threads.emplace_back(work);
-    work();
+  std::vector<std::jthread> threads;
+  const std::size_t jobs = std::min(count, static_cast<std::size_t>(std::max(1, options_.jobs)));
+  for (std::size_t i = 1; i < jobs; ++i) threads.emplace_back(take);
+  take();
+}
+
+// False: `stop` was set.
+bool DesignEvaluations::compute(std::vector<DesignSample>& batch) {
+  const bool dispersed = has_probabilities(problem_);
+  std::vector<std::unique_ptr<DispersedDesign>> designs(batch.size());
+  for_each(batch.size(), [&](std::size_t i) {
+    batch[i] = run(batch[i].point);
+    if (!dispersed || batch[i].status == SampleStatus::kInvalid) return;
+    try {
+      designs[i] = std::make_unique<DispersedDesign>(problem_, batch[i].point, false);
+    } catch (const ScenarioError&) {
+      batch[i].status = SampleStatus::kInvalid;  // its constraints have no value
+    }
+  });
+  if (!dispersed || stop_.load()) return !stop_.load();
+  const auto samples = static_cast<std::size_t>(problem_.campaign->samples);
+  for_each(batch.size() * samples, [&](std::size_t i) {
+    if (designs[i / samples]) designs[i / samples]->fly(static_cast<std::int64_t>(i % samples), stop_);
+  });
+  if (stop_.load()) return false;
+  for (std::size_t i = 0; i < batch.size(); ++i)
+    for (std::size_t k = 0; k < problem_.constraints.size(); ++k) {
+      const DesignConstraint& constraint = problem_.constraints[k];
+      if (!(constraint.probability > 0) || !designs[i]) continue;
+      const double margin = designs[i]->calc_margin(k);
+      batch[i].margins[k] = margin;
+      batch[i].values[k] = constraint.at_least ? constraint.limit + margin : constraint.limit - margin;
+    }
+  return true;
+}
+
+std::optional<std::vector<std::int64_t>> DesignEvaluations::check_dispersed(const DesignPoint& point) const {
+  if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
+  try {
+    DispersedDesign design(problem_, point, true);
+    for_each(static_cast<std::size_t>(design.count_samples()),
+             [&](std::size_t i) { design.fly(static_cast<std::int64_t>(i), stop_); });
+    if (stop_.load()) return std::nullopt;
+    std::vector<std::int64_t> failures;
+    for (std::size_t k = 0; k < problem_.constraints.size(); ++k) failures.push_back(design.count_failures(k));
+    return failures;
+  } catch (const ScenarioError&) {
+    return std::nullopt;
   }
-  return !stop_.load();
 }
 
 bool DesignEvaluations::evaluate(const std::vector<DesignPoint>& points, std::vector<std::int64_t>& indices) {
@@ -171,8 +214,7 @@ bool DesignEvaluations::evaluate(const std::vector<DesignPoint>& points, std::ve
   bool complete = true;
   for (const DesignPoint& point : points) {
     if (index_.count(point) != 0) continue;
-    if (get_runs() + static_cast<std::int64_t>(batch.size()) >= limit_ ||
-        std::chrono::steady_clock::now() > deadline_) {
+    if (get_runs() + static_cast<std::int64_t>(batch.size()) >= limit_ || is_late()) {
       complete = false;
       break;
     }

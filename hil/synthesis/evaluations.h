@@ -9,11 +9,12 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "hil/synthesis/problem.h"
+#include "hil/synthesis/dispersion.h"
 
 namespace unlatch::hil {
 
@@ -22,7 +23,7 @@ struct DesignSample {
   SampleStatus status = SampleStatus::kDone;
   std::int64_t hash = 0;
   std::vector<double> objectives;  // SI, as the file has them: not negated
-  std::vector<double> values;      // of the constraints, in their units
+  std::vector<double> values;      // of the constraints, in their units; with a probability: the quantile
   std::vector<double> margins;     // below 0: not met; NaN: the run gives none
 };
 
@@ -52,6 +53,10 @@ class DesignEvaluations {
   // spent, or `stop` was set, and some are missing (-1).
   bool evaluate(const std::vector<DesignPoint>& points, std::vector<std::int64_t>& indices);
 
+  // The samples that verify a result, under the campaign's dispersions: failures of each constraint with a
+  // probability, 0 of the others. Nothing: there are none, the design has a mistake, or `stop` was set.
+  [[nodiscard]] std::optional<std::vector<std::int64_t>> check_dispersed(const DesignPoint& point) const;
+
   // Runs that the next batches may still make in all.
   void set_limit(std::int64_t runs) { limit_ = runs; }
   void set_deadline(double seconds);  // of wall time from now; 0: none
@@ -59,10 +64,12 @@ class DesignEvaluations {
   [[nodiscard]] const std::vector<DesignSample>& get_samples() const { return samples_; }
   [[nodiscard]] std::int64_t get_runs() const { return static_cast<std::int64_t>(samples_.size()); }
   [[nodiscard]] std::int64_t get_taken() const { return taken_; }  // from the journal
+  [[nodiscard]] bool is_late() const { return std::chrono::steady_clock::now() > deadline_; }
   [[nodiscard]] bool was_stopped() const { return stop_; }
 
  private:
   DesignSample run(const DesignPoint& point) const;
+  void for_each(std::size_t count, const std::function<void(std::size_t)>& work) const;
   void read_journal();
   void append(std::size_t first);
   [[nodiscard]] std::string write_row(const DesignSample& sample, std::size_t number) const;

@@ -5,9 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hil/campaign/campaign.h"
 #include "hil/campaign/evaluation.h"
 #include "hil/language/quantity.h"
 #include "hil/language/setting.h"
@@ -38,13 +40,25 @@ struct Objective {
   std::size_t column = 0;  // of the evaluator
 };
 
+// A requirement of the nominal run, or one that a part of a campaign's samples must meet.
 struct DesignConstraint {
-  std::size_t requirement = 0;        // of the scenario
-  std::string id, unit;               // SI
+  std::size_t requirement = 0;        // of the scenario, or of the campaign's
+  std::string name, id, unit;         // name: "distance1", "distance1@0.95"; SI
   std::size_t value = 0, margin = 0;  // columns of the evaluator
   double limit = 0;                   // the scenario's: the lower one where it has two
   bool at_least = false;              // else at most
   bool both = false;                  // the requirement has two limits
+  double probability = 0;             // of being met, in the campaign; 0: of the nominal run
+};
+
+// Dispersions: every design flies the same samples of a campaign (common random numbers), whose `nominal` values are
+// the design's. Afterwards others of the same law check the result.
+struct DesignCampaign {
+  std::string file, text, folder;
+  std::int64_t samples = 0, checks = 0;
+  std::vector<std::string> overrides;  // of the problem's `set`
+  std::shared_ptr<const Campaign> nominal;
+  std::shared_ptr<const SampleEvaluator> evaluator;  // of its columns
 };
 
 enum class SearchMethod { kAuto, kLocal, kGlobal, kPareto };
@@ -65,6 +79,7 @@ struct DesignProblem {
   SearchMethod method = SearchMethod::kAuto;
   std::uint32_t seed = 1;
   DesignBudget budget;
+  std::optional<DesignCampaign> campaign;
   std::shared_ptr<const ScenarioTree> tree;
   std::shared_ptr<const SampleEvaluator> evaluator;
 };
@@ -77,6 +92,13 @@ bool is_design_problem(const std::string& text);
 DesignProblem load_design_problem(const std::string& path);
 // `folder`: of the scenario.
 DesignProblem load_design_problem_text(const std::string& text, const std::string& file, const std::string& folder);
+
+// The campaign with the design's values. `check`: the other samples. Throws ScenarioError.
+Campaign make_campaign(const DesignCampaign& campaign, const std::vector<Setting>& design, bool check);
+
+// All that decides the samples of a search, so that none continues another's journal: the problem, the texts of
+// scenario and campaign, their values and the version of the program.
+std::uint64_t calc_fingerprint(const DesignProblem& problem);
 
 // A point of the space of design: a number for each variable, SI; of a catalogue an index.
 using DesignPoint = std::vector<double>;

@@ -8,35 +8,15 @@
 #include "hil/language/scenario_sources.h"
 #include "hil/language/yaml_reader.h"
 #include "hil/synthesis/problem.h"
+#include "hil/synthesis/variable_reader.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr const char* kKey = "synthesis";
-constexpr std::size_t kMaxVariables = 64, kMaxObjectives = 4, kMaxCatalogue = 1000;
-constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7;
-
-// The SI unit of a dimension as the language writes it: "N", "kg m2 / s3".
-std::string write_unit(const Dimension& dimension) {
-  for (const std::string& name : list_unit_names()) {
-    const Unit* const unit = find_unit(name);
-    if (unit->factor == 1 && unit->divisor == 1 && unit->dimension == dimension && name != "%") return name;
-  }
-  constexpr std::array<const char*, 5> kBases{"m", "kg", "s", "rad", "Hz"};
-  std::array<int, 5> exponents = dimension.exponents;
-  exponents[Dimension::kTime] += exponents[Dimension::kCycle];  // a Hz is a cycle per second
-  std::string above, below;
-  for (std::size_t i = 0; i < kBases.size(); ++i) {
-    if (exponents[i] == 0) continue;
-    const std::string power =
-        std::string(kBases[i]) + (std::abs(exponents[i]) == 1 ? "" : std::to_string(std::abs(exponents[i])));
-    if (exponents[i] > 0)
-      above += (above.empty() ? "" : " ") + power;
-    else
-      below += " / " + power;
-  }
-  return above.empty() && !below.empty() ? below.substr(1) : above + below;
-}
+constexpr const char* kKey = "unlatch_synthesis";
+constexpr std::size_t kMaxObjectives = 4;
+constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7, kMaxSamples = 1e6;
+constexpr double kDefaultSamples = 64, kChecks = 4;  // checks: times the samples
 
 class ProblemReader {
  public:
@@ -48,11 +28,11 @@ class ProblemReader {
     if (!root.is_mapping()) return;
     if (const YamlNode* version = top.require(kKey))
       if (read_number(*version, "", 1, mistakes_) != 1)
-        mistakes_.add(version->mark, "a language of another version", "this program reads `synthesis: 1`");
+        mistakes_.add(version->mark, "a language of another version", "this program reads `unlatch_synthesis: 1`");
     if (const YamlNode* name = top.require("name")) problem_.name = read_name(*name, mistakes_);
     if (const YamlNode* title = top.find("title")) problem_.title = read_text(*title, mistakes_);
     read_set(top);
-    read_variables(top);
+    read_variables(top, problem_, mistakes_);
     const int method = top.choice("method", "method", kSearchMethodNames, 0);
     if (method >= 0) problem_.method = static_cast<SearchMethod>(method);
     problem_.seed = static_cast<std::uint32_t>(read_whole(top, "seed", 1, 0, 4294967295.0));
@@ -60,13 +40,16 @@ class ProblemReader {
     const YamlNode* const scenario = top.require("scenario");
     const YamlNode* const objectives = top.require("objectives");
     const YamlNode* const constraints = top.find("constraints");
+    const YamlNode* const campaign = top.find("campaign");
     top.finish();
     if (scenario != nullptr && open_scenario(*scenario)) {
+      if (campaign != nullptr) read_campaign(*campaign);
       if (constraints != nullptr)
         read_constraints(*constraints);
       else
         take_all_constraints();
       check_bounds();
+      check_campaign();
       if (objectives != nullptr) read_objectives(*objectives);
     }
   }
@@ -103,109 +86,6 @@ class ProblemReader {
     map.finish();
   }
 
-  void read_variables(YamlMap& top) {
-    const YamlNode* const node = top.require("variables");
-    if (node == nullptr) return;
-    YamlMap map(*node, "variables", mistakes_);
-    if (!node->is_mapping()) return;
-    if (node->keys.empty() || node->keys.size() > kMaxVariables)
-      mistakes_.add(node->mark, std::to_string(node->keys.size()) + " variables", "give 1 to 64");
-    for (std::size_t i = 0; i < node->keys.size(); ++i) {
-      const YamlKey& key = node->keys[i];
-      if (node->find(key.text) != &node->items[i]) continue;  // a duplicate: finish() says so
-      map.find(key.text);
-      if (!is_name(key.text) || key.text.find('-') != std::string::npos || is_reserved_name(key.text))
-        mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a variable",
-                      !is_name(key.text)
-                          ? describe_name_rule(key.text)
-                          : "expressions name variables: no '-', no unit, function or constant of the language");
-      read_variable(key, node->items[i]);
-    }
-    map.finish();
-  }
-
-  void read_variable(const YamlKey& key, const YamlNode& node) {
-    YamlMap map(node, "variable '" + key.text + "'", mistakes_);
-    if (!node.is_mapping()) return;
-    DesignVariable variable;
-    variable.name = key.text;
-    variable.mark = key.mark;
-    const std::size_t before = mistakes_.count();
-    const std::string where = map.only_one_of({"path", "paths"}, "a variable says which values of the scenario it is");
-    if (where == "path") variable.paths.push_back(read_text(*map.find("path"), mistakes_));
-    if (where == "paths") {
-      const YamlNode& list = *map.find("paths");
-      if (!list.is_sequence() || list.items.empty())
-        mistakes_.add(list.mark, "paths is not a list", "write [PATH, PATH]");
-      for (const YamlNode& item : list.items) variable.paths.push_back(read_text(item, mistakes_));
-    }
-    const std::string range = map.only_one_of({"between", "values"}, "a variable has bounds or a catalogue");
-    if (range == "between") read_bounds(*map.find("between"), variable);
-    if (range == "values") read_catalogue(*map.find("values"), variable);
-    if (const YamlNode* start = map.find("start")) read_start(*start, variable, mistakes_.count() == before);
-    map.finish();
-    for (const std::string& path : variable.paths)
-      if (!paths_.insert(path).second)
-        mistakes_.add(node.mark, "'" + path + "' is varied twice", "name each path once");
-    if (mistakes_.count() == before) problem_.variables.push_back(std::move(variable));
-  }
-
-  void read_bounds(const YamlNode& node, DesignVariable& variable) {
-    if (!node.is_sequence() || node.items.size() != 2)
-      return mistakes_.add(node.mark, "no pair of bounds", "write [LOWER, UPPER], with units: [2 kN, 20 kN]");
-    const auto lower = read_quantity(node.items[0], mistakes_), upper = read_quantity(node.items[1], mistakes_);
-    if (!lower || !upper) return;
-    if (!(lower->dimension == upper->dimension) && lower->value != 0)
-      mistakes_.add(
-          node.items[1].mark,
-          "the bounds are " + describe_dimension(lower->dimension) + " and " + describe_dimension(upper->dimension),
-          "give both in the same kind of unit");
-    else if (!(lower->value < upper->value))
-      mistakes_.add(node.mark, "the lower bound is not below the upper one", "write [LOWER, UPPER]");
-    variable.lower = lower->value;
-    variable.upper = upper->value;
-    variable.start = 0.5 * (lower->value + upper->value);
-    variable.dimension = upper->dimension;
-    variable.unit = write_unit(upper->dimension);
-  }
-
-  void read_catalogue(const YamlNode& node, DesignVariable& variable) {
-    if (!node.is_sequence() || node.items.size() < 2 || node.items.size() > kMaxCatalogue)
-      return mistakes_.add(node.mark, "no catalogue", "write a list of 2 to 1000 values");
-    variable.catalogue = node.items;
-    variable.upper = static_cast<double>(node.items.size() - 1);
-    for (const YamlNode& item : node.items) {
-      Mistakes ignored("", {});
-      const auto number = item.is_scalar() ? read_quantity(item, ignored) : std::nullopt;
-      if (!number || ignored.count() != 0) return variable.numbers.clear();
-      if (variable.numbers.empty()) variable.dimension = number->dimension;
-      variable.numbers.push_back(number->value);
-    }
-    variable.unit = write_unit(variable.dimension);
-  }
-
-  void read_start(const YamlNode& node, DesignVariable& variable, bool sound) {
-    if (!sound) return;
-    if (variable.is_catalogue()) {
-      const auto same = [&](const YamlNode& item) {
-        return item.is_scalar() && node.is_scalar() && item.text == node.text;
-      };
-      const auto found = std::find_if(variable.catalogue.begin(), variable.catalogue.end(), same);
-      if (found == variable.catalogue.end())
-        return mistakes_.add(node.mark, "the start is not in the catalogue", "write it as the catalogue does");
-      variable.start = static_cast<double>(found - variable.catalogue.begin());
-      return;
-    }
-    const auto start = read_quantity(node, mistakes_);
-    if (!start) return;
-    if (!start->dimension.is_plain() && !(start->dimension == variable.dimension))
-      mistakes_.add(node.mark, "the start is " + describe_dimension(start->dimension),
-                    "give it in the unit of the bounds");
-    else if (!(start->value >= variable.lower && start->value <= variable.upper))
-      mistakes_.add(node.mark, "the start is not within the bounds", "a value within, or none: their middle");
-    variable.start = start->value;
-  }
-
   bool open_scenario(const YamlNode& node) {
     const std::string name = read_text(node, mistakes_);
     if (name.empty()) return false;
@@ -222,12 +102,53 @@ class ProblemReader {
     return true;
   }
 
-  void take_constraint(std::size_t i) {
-    const Requirement& requirement = problem_.tree->get_nominal().requirements[i];
+  // FILE, or {file: FILE, samples: N, checks: N}.
+  void read_campaign(const YamlNode& node) {
+    DesignCampaign campaign;
+    campaign.samples = static_cast<std::int64_t>(kDefaultSamples);
+    campaign.checks = static_cast<std::int64_t>(kChecks * kDefaultSamples);
+    const YamlNode* file = &node;
+    if (!node.is_scalar()) {
+      YamlMap map(node, "campaign", mistakes_);
+      if (!node.is_mapping()) return;
+      file = map.require("file");
+      campaign.samples = static_cast<std::int64_t>(read_whole(map, "samples", kDefaultSamples, 2, kMaxSamples));
+      campaign.checks = static_cast<std::int64_t>(
+          read_whole(map, "checks", kChecks * static_cast<double>(campaign.samples), 0, kMaxSamples));
+      map.finish();
+    }
+    if (file == nullptr) return;
+    const std::filesystem::path path = std::filesystem::path(folder_) / read_text(*file, mistakes_);
+    campaign.file = path.lexically_normal().string();
+    campaign.folder = std::filesystem::path(campaign.file).parent_path().string();
+    campaign.overrides = problem_.overrides;
+    try {
+      campaign.text = read_text_file(campaign.file, "campaign");
+      campaign.nominal = std::make_shared<Campaign>(make_campaign(campaign, {}, false));
+    } catch (const ScenarioError& error) {
+      for (const ScenarioMistake& mistake : error.mistakes)
+        mistakes_.add(file->mark, "the campaign: " + mistake.to_string(),
+                      "`unlatch check` shows a campaign's mistakes");
+      return;
+    }
+    const Sampling sampling = campaign.nominal->plan.sampling;
+    if (sampling != Sampling::kRandom && sampling != Sampling::kLatinHypercube && sampling != Sampling::kSobol)
+      return mistakes_.add(file->mark, "its sampling draws no probabilities",
+                           "`random`, `latin-hypercube` or `sobol` in the campaign's file");
+    campaign.evaluator = std::make_shared<SampleEvaluator>(*campaign.nominal->tree);
+    problem_.campaign = std::move(campaign);
+  }
+
+  void take_constraint(std::size_t i, double probability = 0) {
+    const ScenarioTree& tree = probability > 0 ? *problem_.campaign->nominal->tree : *problem_.tree;
+    const SampleEvaluator& evaluator = probability > 0 ? *problem_.campaign->evaluator : *problem_.evaluator;
+    const Requirement& requirement = tree.get_nominal().requirements[i];
     const bool at_least = std::isfinite(requirement.least), at_most = std::isfinite(requirement.most);
-    problem_.constraints.push_back({i, requirement.id, requirement.unit, *problem_.evaluator->find(requirement.id),
-                                    *problem_.evaluator->find(requirement.id + ".margin"),
-                                    at_least ? requirement.least : requirement.most, at_least, at_least && at_most});
+    const std::string name = requirement.id + (probability > 0 ? "@" + to_text(probability) : "");
+    problem_.constraints.push_back({i, name, requirement.id, requirement.unit, *evaluator.find(requirement.id),
+                                    *evaluator.find(requirement.id + ".margin"),
+                                    at_least ? requirement.least : requirement.most, at_least, at_least && at_most,
+                                    probability});
   }
 
   void take_all_constraints() {
@@ -239,17 +160,62 @@ class ProblemReader {
     if (!node.is_sequence())
       return mistakes_.add(node.mark, "constraints is not a list",
                            "write `all` or the ids of requirements: [R1, R2]; [] for none");
-    std::vector<std::string> known;
-    for (const Requirement& requirement : problem_.tree->get_nominal().requirements) known.push_back(requirement.id);
-    std::set<int> taken;
+    const std::vector<std::string> known = list_requirements(*problem_.tree);
     for (const YamlNode& item : node.items) {
+      if (item.is_mapping()) {
+        read_robust_constraint(item);
+        continue;
+      }
       const int found = read_choice(item, "requirement", known, mistakes_);
-      if (found < 0) continue;
-      if (!taken.insert(found).second)
-        mistakes_.add(item.mark, "'" + item.text + "' is named twice", "name each once");
-      else
-        take_constraint(static_cast<std::size_t>(found));
+      if (found >= 0) take_constraint(static_cast<std::size_t>(found));
+      refuse_twice(item);
     }
+  }
+
+  static std::vector<std::string> list_requirements(const ScenarioTree& tree) {
+    std::vector<std::string> ids;
+    for (const Requirement& requirement : tree.get_nominal().requirements) ids.push_back(requirement.id);
+    return ids;
+  }
+
+  // The last one, which `node` has given.
+  void refuse_twice(const YamlNode& node) {
+    for (std::size_t i = 0; i + 1 < problem_.constraints.size(); ++i)
+      if (problem_.constraints[i].name == problem_.constraints.back().name) {
+        mistakes_.add(node.mark, "'" + problem_.constraints[i].name + "' is named twice", "name each once");
+        problem_.constraints.pop_back();
+        return;
+      }
+  }
+
+  // {requirement: ID, probability: P}, of the campaign.
+  void read_robust_constraint(const YamlNode& node) {
+    YamlMap map(node, "a constraint", mistakes_);
+    const YamlNode* const id = map.require("requirement");
+    const double probability = map.number("probability", "");
+    map.finish();
+    if (id == nullptr || map.node().find("probability") == nullptr) return;
+    const SourceMark mark = map.node().find("probability")->mark;
+    if (!problem_.campaign) {
+      if (node.find("requirement") != nullptr && !campaign_told_)
+        mistakes_.add(node.mark, "a probability without a usable campaign",
+                      "name one at the top: campaign: {file: campaign.yaml, samples: 64}");
+      campaign_told_ = true;
+      return;
+    }
+    if (!(probability > 0 && probability < 1))
+      return mistakes_.add(mark, "no probability", "a number between 0 and 1, such as 0.95");
+    const auto least = static_cast<std::int64_t>(std::ceil(1 / (1 - probability) - 1e-9));
+    if (problem_.campaign->samples < least)
+      mistakes_.add(mark, std::to_string(problem_.campaign->samples) + " samples say nothing about this probability",
+                    "samples: " + std::to_string(least) + " or more");
+    const int found = read_choice(*id, "requirement of the campaign",
+                                  list_requirements(*problem_.campaign->nominal->tree), mistakes_);
+    if (found < 0) return;
+    take_constraint(static_cast<std::size_t>(found), probability);
+    if (problem_.constraints.back().both)
+      mistakes_.add(id->mark, "a requirement with two limits", "one with `at_least`, and one with `at_most`");
+    refuse_twice(node);
   }
 
   void read_objectives(const YamlNode& node) {
@@ -322,10 +288,24 @@ class ProblemReader {
     }
   }
 
+  // The paths of the variables must be the campaign's scenario's, too.
+  void check_campaign() {
+    if (!problem_.campaign || mistakes_.count() != 0) return;
+    DesignPoint start;
+    for (const DesignVariable& variable : problem_.variables) start.push_back(variable.start);
+    try {
+      (void)make_campaign(*problem_.campaign, make_settings(problem_, start), false);
+    } catch (const ScenarioError& error) {
+      mistakes_.add(problem_.variables.front().mark,
+                    "the campaign, with the variables at their start: " + error.mistakes.front().what,
+                    error.mistakes.front().mend);
+    }
+  }
+
   DesignProblem& problem_;
   const std::string folder_;
   Mistakes& mistakes_;
-  std::set<std::string> paths_;
+  bool campaign_told_ = false;
 };
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/gravity.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/springs.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
-#include "unlatch/elementary.h"
 #include "unlatch/energy.h"
 
 namespace unlatch {
@@ -130,18 +130,12 @@ void add_point_springs(const PlanData& plan, const State& state, double t, const
   for (const PlanPointSpring& spring : plan.point_springs) {
     const ElementState& element = state.elements[at(spring.element)];
     const double scale = calc_scale(element, t);
-    const BodyFrame base = get_body_frame(ev, spring.base), follower = get_body_frame(ev, spring.follower);
-    const Vec3 r_base = base.R * spring.point_base, r_follower = follower.R * spring.point_follower;
-    const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
-    const double length = norm(line), stretch = length - spring.free_length;
+    const PointSpringForce f =
+        calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
+    const double stretch = f.length - spring.free_length;
     if (spring.push_only && stretch >= 0) continue;
     store(sum, element, t, scale, spring.stiffness, stretch);
-    if (scale == 0 || length == 0) continue;
-    const double rate =
-        dot(line, (follower.v + cross(follower.w, r_follower)) - (base.v + cross(base.w, r_base))) / length;
-    const double elastic = -spring.stiffness * stretch * scale, viscous = -spring.damping * rate * scale;
-    const double lost = spring.push_only && elastic + viscous < 0 ? -elastic : viscous;
-    sum.add(PowerSource::kDampers, lost * rate);
+    sum.add(PowerSource::kDampers, f.viscous * f.rate);
   }
 }
 
@@ -171,18 +165,15 @@ void add_plane_torsions(const PlanData& plan, const State& state, double t, cons
   for (const PlanPlaneTorsion& spring : plan.plane_torsions) {
     const ElementState& element = state.elements[at(spring.element)];
     const double scale = calc_scale(element, t);
-    const BodyFrame base = get_body_frame(ev, spring.base), follower = get_body_frame(ev, spring.follower);
-    const Vec3 normal = base.R * spring.normal_base, axis = follower.R * spring.axis_follower;
-    const Vec3 across = cross(normal, axis);
-    const double size = norm(across);
-    if (size == 0) continue;
-    const double rate = -dot(across, follower.w - base.w) / size;
-    store(sum, element, t, scale, spring.stiffness, elementary::atan2(dot(normal, axis), size));
-    sum.add(PowerSource::kDampers, -spring.damping * scale * rate * rate);
+    const PlaneTorsionForce f =
+        calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
+    if (!f.acts) continue;
+    store(sum, element, t, scale, spring.stiffness, f.angle);
+    sum.add(PowerSource::kDampers, -spring.damping * scale * f.rate * f.rate);
   }
 }
 
-// What closed pairs store, and all that contacts have lost.
+// Energy that closed pairs store, and all that contacts have lost.
 void add_contacts(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
   for (const PlanContact& contact : plan.contacts) {
     sum.flow.dissipated +=

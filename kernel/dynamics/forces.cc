@@ -7,10 +7,9 @@
 #include "kernel/dynamics/contacts.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/springs.h"
 #include "kernel/dynamics/varying.h"
 #include "kernel/joints/kinematics.h"
-#include "unlatch/elementary.h"
-#include "unlatch/springs.h"
 
 namespace unlatch {
 namespace {
@@ -33,29 +32,6 @@ void add_loads(const PlanData& plan, Evaluation& ev) {
   }
 }
 
-// A point spring between two bodies: arms of its ends from the bodies' origins, length, direction and size of its force
-// on the follower. World axes.
-struct PointSpringForce {
-  Vec3 r_base, r_follower, direction;
-  double length, size;
-  bool acts;
-};
-
-PointSpringForce calc_force(const PlanPointSpring& spring, const BodyFrame& base, const BodyFrame& follower,
-                            double scale) {
-  PointSpringForce f{base.R * spring.point_base, follower.R * spring.point_follower, {0, 0, 0}, 0, 0, false};
-  const Vec3 line = (follower.p + f.r_follower) - (base.p + f.r_base);
-  f.length = norm(line);
-  if (f.length == 0 || (spring.push_only && f.length >= spring.free_length)) return f;
-  f.direction = (1.0 / f.length) * line;
-  const double rate =
-      dot(f.direction, (follower.v + cross(follower.w, f.r_follower)) - (base.v + cross(base.w, f.r_base)));
-  f.size = -(spring.stiffness * (f.length - spring.free_length) + spring.damping * rate) * scale;
-  if (spring.push_only && f.size < 0) f.size = 0;
-  f.acts = true;
-  return f;
-}
-
 void add_point_springs(const Instant& now, Evaluation& ev) {
   const PlanData& plan = now.plan;
   for (const PlanPointSpring& spring : plan.point_springs) {
@@ -70,14 +46,6 @@ void add_point_springs(const Instant& now, Evaluation& ev) {
   }
 }
 
-// From a state alone: its angular velocities are in body axes.
-BodyFrame get_body_frame(const State& state, std::int32_t body) {
-  if (body == kGround) return get_ground<double>();
-  const BodyState& own = state.bodies[at(body)];
-  const Mat3 R = rotation_matrix(own.q);
-  return {R, own.p, own.v, R * own.w};
-}
-
 void add_joint_springs(const Instant& now, Evaluation& ev) {
   const PlanData& plan = now.plan;
   for (const PlanJointSpring& spring : plan.joint_springs) {
@@ -86,7 +54,7 @@ void add_joint_springs(const Instant& now, Evaluation& ev) {
     const std::size_t coordinate = at(spring.coordinate);
     double x = ev.coordinates[coordinate], rate = ev.speeds[coordinate], lead = 0;
     if (spring.compliant != kNone) lead = calc_lead(ev.compliant[at(spring.compliant)], now.implicit, x, rate);
-    const double size = (spring.effort - spring.stiffness * (x - spring.rest) - spring.damping * rate) * scale + lead;
+    const double size = calc_joint_spring(spring, x, rate, scale) + lead;
     const JointView joint(plan, ev, spring.joint);
     const std::int32_t base = joint.get_plan().base, follower = joint.get_plan().follower;
     const Vec3 vector = size * joint.get_axis(spring.axis);
@@ -100,39 +68,21 @@ void add_joint_springs(const Instant& now, Evaluation& ev) {
   }
 }
 
-// (4.17) with φ = atan2(n_i·n_j, |n_i × n_j|), positive where n_j stands out of the plane along n_i. A turn of the
-// follower about e = n_i × n_j / |n_i × n_j| carries n_j away from n_i, dφ/dt = −e·w_rel, so the restoring moment is
-// +kφ along e.
 void add_plane_torsions(const Instant& now, Evaluation& ev) {
   const PlanData& plan = now.plan;
   for (const PlanPlaneTorsion& spring : plan.plane_torsions) {
     const double scale = calc_scale(now.state.elements[at(spring.element)], now.t);
     if (scale == 0) continue;
-    const BodyFrame base = get_body_frame(ev, spring.base);
-    const BodyFrame follower = get_body_frame(ev, spring.follower);
-    const Vec3 normal = base.R * spring.normal_base, axis = follower.R * spring.axis_follower;
-    const Vec3 across = cross(normal, axis);
-    const double size = norm(across);
-    if (size == 0) continue;  // the axis stands on the plane: no direction is nearer to it than another
-    const Vec3 e = (1.0 / size) * across;
-    const double phi = elementary::atan2(dot(normal, axis), size);
-    const double phi_rate = -dot(e, follower.w - base.w);
-    const Vec3 torque = ((spring.stiffness * phi + spring.damping * phi_rate) * scale) * e;
+    const PlaneTorsionForce f =
+        calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
+    if (!f.acts) continue;
+    const Vec3 torque = f.size * f.axis;
     push(ev, spring.follower, {0, 0, 0}, torque);
     push(ev, spring.base, {0, 0, 0}, -torque);
   }
 }
 
 }  // namespace
-
-SpringReading calc_point_spring(const Plan& plan, const State& state, int spring) noexcept {
-  const PlanPointSpring& own = plan.data().point_springs[at(spring)];
-  const double t = static_cast<double>(state.header->tick) * plan.get_options().dt;
-  const double scale = calc_scale(state.elements[at(own.element)], t);
-  const PointSpringForce f =
-      calc_force(own, get_body_frame(state, own.base), get_body_frame(state, own.follower), scale);
-  return {f.length, scale == 0 ? 0 : f.size, scale};
-}
 
 void add_forces(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;

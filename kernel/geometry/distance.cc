@@ -74,26 +74,50 @@ Distance calc_half_space(const Placed& space, const Rounded& b) {
   return out;
 }
 
-// The solids between the profile's points; the least of their walls.
+// The solid between two points of a profile.
+Core build_piece(const CompiledShape& hollow, const Placed& at, std::size_t i) {
+  const ProfilePoint &p = hollow.profile[i], &q = hollow.profile[i + 1];
+  Core solid;
+  solid.kind = hollow.half ? Core::Kind::kHalfFrustum : Core::Kind::kFrustum;
+  solid.R = at.R;
+  solid.c = at.c + (0.5 * (p.z + q.z)) * at.R.z;
+  solid.h = 0.5 * (q.z - p.z);
+  solid.r0 = p.r;
+  solid.r1 = q.r;
+  const double r = p.r > q.r ? p.r : q.r;
+  solid.bound = std::sqrt(solid.h * solid.h + r * r);
+  update_generator(solid);
+  return solid;
+}
+
+// The least of the walls between the profile's points.
 Distance calc_hollow(const CompiledShape& hollow, const Placed& at, const Rounded& b) {
   Distance least;
   for (std::size_t i = 0; i + 1 < hollow.profile.size(); ++i) {
-    const ProfilePoint &p = hollow.profile[i], &q = hollow.profile[i + 1];
-    Core solid;
-    solid.kind = hollow.half ? Core::Kind::kHalfFrustum : Core::Kind::kFrustum;
-    solid.R = at.R;
-    solid.c = at.c + (0.5 * (p.z + q.z)) * at.R.z;
-    solid.h = 0.5 * (q.z - p.z);
-    solid.r0 = p.r;
-    solid.r1 = q.r;
-    const double r = p.r > q.r ? p.r : q.r;
-    solid.bound = std::sqrt(solid.h * solid.h + r * r);
-    update_generator(solid);
+    const Core solid = build_piece(hollow, at, i);
     if (norm(b.core.c - solid.c) - solid.bound - b.core.bound - b.radius >= least.distance) continue;
     const Distance d = calc_wall(solid, b);
     if (d.distance < least.distance) least = d;
   }
   return least;
+}
+
+Distance mirror(const Distance& d) {
+  Distance out = d;
+  out.on_a = d.on_b;
+  out.on_b = d.on_a;
+  out.normal = -d.normal;
+  return out;
+}
+
+// The lowest point of a wall is that of the solids that it bounds: it lies on their rims.
+Distance calc_hollow_half_space(const CompiledShape& hollow, const Placed& at, const Placed& space) {
+  Distance least;
+  for (std::size_t i = 0; i + 1 < hollow.profile.size(); ++i) {
+    const Distance d = calc_half_space(space, {build_piece(hollow, at, i), 0});
+    if (d.distance < least.distance) least = d;
+  }
+  return mirror(least);
 }
 
 int compare(double a, double b) { return a < b ? -1 : (a > b ? 1 : 0); }
@@ -126,15 +150,19 @@ int compare(const CompiledShape& a, const Placement& at_a, const CompiledShape& 
   return 0;
 }
 
-bool is_convex(ShapeKind kind) { return kind != ShapeKind::kHollow && kind != ShapeKind::kHalfSpace; }
-
 Distance calc_ordered(const CompiledShape& a, const Placement& at_a, const CompiledShape& b, const Placement& at_b) {
   const Vec3 origin = at_a.p_WB;
   const Placed place_a = place(a, at_a, origin);
-  const Rounded core_b = build_core(b, place(b, at_b, origin));
-  Distance out = a.kind == ShapeKind::kHollow      ? calc_hollow(a, place_a, core_b)
-                 : a.kind == ShapeKind::kHalfSpace ? calc_half_space(place_a, core_b)
-                                                   : calc_convex(build_core(a, place_a), core_b);
+  const Placed place_b = place(b, at_b, origin);
+  Distance out;
+  if (b.kind == ShapeKind::kHalfSpace) {  // A is hollow
+    out = calc_hollow_half_space(a, place_a, place_b);
+  } else {
+    const Rounded core_b = build_core(b, place_b);
+    out = a.kind == ShapeKind::kHollow      ? calc_hollow(a, place_a, core_b)
+          : a.kind == ShapeKind::kHalfSpace ? calc_half_space(place_a, core_b)
+                                            : calc_convex(build_core(a, place_a), core_b);
+  }
   out.on_a += origin;
   out.on_b += origin;
   return out;
@@ -142,16 +170,15 @@ Distance calc_ordered(const CompiledShape& a, const Placement& at_a, const Compi
 
 }  // namespace
 
+bool has_distance(ShapeKind a, ShapeKind b) noexcept {
+  return a != b || (a != ShapeKind::kHollow && a != ShapeKind::kHalfSpace);
+}
+
 Distance calc_distance(const CompiledShape& a, const Placement& at_a, const CompiledShape& b,
                        const Placement& at_b) noexcept {
-  if (!is_convex(a.kind) && !is_convex(b.kind)) return {};
+  if (!has_distance(a.kind, b.kind)) return {};
   if (compare(a, at_a, b, at_b) <= 0) return calc_ordered(a, at_a, b, at_b);
-  Distance out = calc_ordered(b, at_b, a, at_a);
-  const Vec3 on_a = out.on_a;
-  out.on_a = out.on_b;
-  out.on_b = on_a;
-  out.normal = -out.normal;
-  return out;
+  return mirror(calc_ordered(b, at_b, a, at_a));
 }
 
 }  // namespace unlatch::geometry

@@ -7,8 +7,6 @@
 namespace unlatch {
 namespace {
 
-using geometry::ShapeKind;
-
 void validate_shapes(const Model& model, ModelErrors& errors) {
   for (const Surface& set : model.surfaces) {
     const std::string where = quoted("surface", set.name);
@@ -26,16 +24,11 @@ void validate_shapes(const Model& model, ModelErrors& errors) {
   }
 }
 
-// What a set moves with: markers of one flexible body move together but for its deformation.
+// The body that a set moves with: markers of one flexible body move together but for its deformation.
 int find_carrier(const Model& model, int body) {
   if (!is_index(body, model.bodies.size())) return body;
   const std::optional<Marker>& marker = model.bodies[static_cast<std::size_t>(body)].marker;
   return marker ? marker->body : body;
-}
-
-bool have_distance(ShapeKind a, ShapeKind b) {
-  const auto is_solid = [](ShapeKind kind) { return kind != ShapeKind::kHollow && kind != ShapeKind::kHalfSpace; };
-  return is_solid(a) || is_solid(b);
 }
 
 void validate_contact(const Model& model, const Contact& c, ModelErrors& errors) {
@@ -73,10 +66,10 @@ void check_shape_pair(const Model& model, const std::string& where, int a, int b
                       "name shapes of two bodies", key});
   for (const geometry::Shape& i : of_a.shapes)
     for (const geometry::Shape& k : of_b.shapes)
-      if (have_distance(i.kind, k.kind)) return;
+      if (geometry::has_distance(i.kind, k.kind)) return;
   if (!of_a.shapes.empty() && !of_b.shapes.empty())
     errors.push_back({where, "'" + of_a.name + "' and '" + of_b.name + "' have no distance",
-                      "at least one of them a solid: not two half-spaces or hollow shapes", key});
+                      "not two half-spaces, and not two hollow shapes", key});
 }
 
 void validate_contacts(const Model& model, ModelErrors& errors) {

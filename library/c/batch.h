@@ -29,7 +29,7 @@ class Batch {
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
 
  private:
-  // What a run of one sample has filled in; `false` where it was interrupted.
+  // The result of one sample's run; `false` where it was interrupted.
   bool run_sample(std::size_t sample, double until, const std::atomic<bool>& stop);
   bool step_sample(std::size_t sample, double until, const hil::Scenario& scenario, const std::atomic<bool>& stop);
   void keep_verdicts(std::size_t sample, const hil::Scenario& scenario, const std::vector<hil::Verdict>& verdicts);

@@ -43,10 +43,10 @@ Catalogue::Catalogue(const hil::Scenario& scenario) {
     item.minimum = requirement.least;
     item.maximum = requirement.most;
   }
-  for (const auto& [a, b] : scenario.clearance) {
-    unlatch_item& item = add(UNLATCH_CLEARANCE, name_body(a) + " – " + name_body(b), "m", "");
-    item.a = a;
-    item.b = b;
+  for (const hil::ClearancePair& pair : scenario.clearance) {
+    unlatch_item& item = add(UNLATCH_CLEARANCE, pair.a.name + " – " + pair.b.name, "m", "");
+    item.a = pair.a.body;
+    item.b = pair.b.body;
   }
 }
 

@@ -1,5 +1,5 @@
-// What a handle of a simulation stands for: the scenario, its simulation, and what is kept of the run besides. Stepping
-// allocates nothing unless it judges, replays or records.
+// The object behind a handle of a simulation: the scenario, its simulation, and what is kept of the run besides.
+// Stepping allocates nothing unless it judges, replays or records.
 #pragma once
 
 #include <atomic>

@@ -4,6 +4,7 @@ network namespace of its own:
 
     clients_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
+import json
 import os
 import re
 import struct
@@ -127,7 +128,11 @@ class ClientsTest(ProcessTest):
         self.wait_for(listener, "waits for a session")
         self.run_ok("lcm-logplayer", "--speed=0.2", recorded)  # slowly, so that a busy machine keeps up
         self.finish(listener)
-        played, arrived = read_log(recorded), read_log(heard)
+        played, (header, *arrived) = read_log(recorded), read_log(heard)
+        self.assertEqual(header[0], "UNLATCH_HEARD")
+        told = json.loads(header[1])
+        self.assertEqual((told["scenario"], told["transport"], told["ended"]), ("probe", "lcm", True))
+        self.assertEqual(told["topics"], {channel: sum(name == channel for name, _ in arrived) for channel, _ in arrived})
         # A busy machine may lose some; none may change, and those of one channel keep their order.
         self.assertGreater(len(arrived), len(played) // 2)
         for channel in {channel for channel, _ in arrived}:

@@ -21,6 +21,8 @@ class Computer {
     std::int32_t id = 1;
     // Channel and value of each command for a tick.
     std::function<std::vector<std::pair<int, double>>(std::int64_t tick)> program = nullptr;
+    // The tick at which command `place` of such a program acts; null: the tick of the State that it answers.
+    std::function<std::int64_t(std::size_t place)> due = nullptr;
     std::chrono::microseconds pace{0};  // takes so long for an answer
     std::int64_t leaves_at = -1;        // says so, and falls silent
     std::int64_t dies_at = -1;          // falls silent
@@ -138,7 +140,8 @@ class Computer {
       if (habits_.mischief) habits_.mischief(state, *this);
       if (habits_.program) {
         for (const auto& [channel, value] : habits_.program(state.tick)) {
-          answer_.push_back(make_command(state.tick, channel, value));
+          const std::int64_t tick = habits_.due ? habits_.due(answer_.size()) : state.tick;
+          answer_.push_back(make_command(tick, channel, value));
         }
       }
     }

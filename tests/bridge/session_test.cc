@@ -11,6 +11,7 @@
 
 #include "bridge/direct_connection.h"
 #include "bridge/threaded_connection.h"
+#include "hil/recording/replay_reader.h"
 #include "tests/bridge/computer.h"
 #include "tests/hil/session_support.h"
 
@@ -123,6 +124,48 @@ TEST_P(Sessions, TenThousandCommandsATickAreSentLittleMoreThanOnce) {
     EXPECT_LT(computer.commands_sent, bearable);
     std::cout << count << " commands a tick: " << took.count() / kTicks * 1e3 << " ms a tick, "
               << static_cast<double>(computer.commands_sent) / (kTicks * count) << " times sent\n";
+    computers_.clear();
+  }
+}
+
+// All of it is sent before tick 0 is stepped. Its last command of each tick is what the State after it shows.
+TEST_P(Sessions, AProfileOfAHundredThousandCommandsIsLoadedBeforeTheFirstStep) {
+  constexpr std::size_t kCommands = 100'000, kPerTick = 100;
+  constexpr std::size_t kPlaces = 16'384;  // unless the scenario says otherwise
+  const auto calc_value = [](std::size_t place) { return 0.2 + 0.8 * static_cast<double>(place) / kCommands; };
+  Habits habits;
+  habits.program = [&](std::int64_t tick) {
+    std::vector<std::pair<int, double>> commands;
+    for (std::size_t i = 0; tick == 0 && i < kCommands; ++i) commands.emplace_back(0, calc_value(i));
+    return commands;
+  };
+  habits.due = [](std::size_t place) { return static_cast<std::int64_t>(place / kPerTick); };
+  for (const bool has_room : {true, false}) {
+    const Computer& computer = start("fsw", habits);
+    const std::string log = make_path("log");
+    const SessionResult result =
+        run({kPatient, "step.until=1.001", has_room ? "flight_software.queue=100000" : kPatient}, Pace::kLockstep, log,
+            nullptr, true);
+    EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+    std::size_t acted = 0;  // at their ticks, in their order
+    hil::RecordingReader reader{hil::LogFileReader(log)};
+    for (hil::LogTick tick; reader.next(tick);) {
+      for (const hil::LogChange& change : tick.changes) {
+        if (change.value == calc_value(acted) && tick.tick == habits.due(acted)) ++acted;
+      }
+    }
+    const auto refused = result.end.timing.rejected[static_cast<std::size_t>(Reject::kNoPlace)];
+    if (has_room) {
+      EXPECT_EQ(refused, 0);
+      EXPECT_TRUE(computer.verdicts.empty());
+      EXPECT_EQ(acted, kCommands);
+    } else {  // those due first have their places
+      EXPECT_EQ(refused, static_cast<std::int64_t>(kCommands) - std::int64_t{kPlaces});
+      EXPECT_FALSE(computer.verdicts.empty());
+      EXPECT_EQ(acted, kPlaces);
+    }
+    EXPECT_TRUE(replay_log(log).result.agrees());
+    std::cout << computer.commands_sent << " commands sent\n";
     computers_.clear();
   }
 }

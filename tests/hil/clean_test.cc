@@ -74,6 +74,7 @@ TEST(CyclicThread, TakesNothingFromTheHeapInAnyScenario) {
   const std::filesystem::recursive_directory_iterator begin(UNLATCH_SOURCE_DIR "/hil/scenarios");
   for (auto file = begin; file != std::filesystem::recursive_directory_iterator(); ++file) {
     if (file.depth() != 1 || file->path().extension() != ".yaml") continue;  // deeper are others' files, no scenarios
+    if (file->path().filename() == "campaign.yaml") continue;                // many scenarios
     SCOPED_TRACE(file->path());
     const hil::Scenario scenario = hil::load_scenario(file->path());
     constexpr std::int64_t kTicks = 10'000;  // the boosters' events are in the first 1000, the array's latches before

@@ -30,7 +30,7 @@ NOT_OF_SCENARIOS = {"unlatch_part"}
 
 
 def is_scenario(path):
-    return "faults" not in path.parts and path.name != "language.yaml"
+    return "faults" not in path.parts and path.name not in ("language.yaml", "campaign.yaml")
 
 
 def list_files():
@@ -66,7 +66,7 @@ def pick(value, kind):
             words = [(k, parse_type(section["keys"][k]["is"], SECTIONS).words) for k in ("type", "kind") if k in section["keys"]]
             if set(value) <= set(section["keys"]) and all(value.get(k) in w for k, w in words):
                 return t
-        elif t.kind in ("list", "numbers", "vector") and isinstance(value, list):
+        elif t.kind in ("list", "numbers", "vector", "pair_of_bodies", "pair_of_shapes") and isinstance(value, list):
             nested = bool(value) and isinstance(value[0], list)
             if nested == (t.kind == "list") or t.inner is None:
                 return t

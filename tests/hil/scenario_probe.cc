@@ -29,11 +29,12 @@ json summarize(const unlatch::hil::Scenario& s) {
   for (const auto& group : s.rates.groups)
     out["groups"].push_back({group.rate.every, group.rate.phase, group.sensors, group.channels});
   for (const auto& shapes : s.shapes)
-    for (const auto& shape : shapes) {
+    for (const auto& [name, group, shape] : shapes) {
       const auto& q = shape.q_BS;
-      out["shapes"].push_back(
-          {static_cast<int>(shape.kind), shape.from.x(), shape.from.y(), shape.from.z(), q.w(), q.x(), q.y(), q.z()});
+      out["shapes"].push_back({name, group, static_cast<int>(shape.kind), shape.from.x, shape.from.y, shape.from.z, q.w,
+                               q.x, q.y, q.z, shape.half});
     }
+  for (const auto& pair : s.clearance) out["clearance"].push_back({pair.a.name, pair.b.name, pair.except});
   return out;
 }
 

@@ -29,7 +29,9 @@ TEST(Scenario, ReadsEverySection) {
   EXPECT_TRUE(s.model.events.at(0).when.below);
   EXPECT_EQ(s.model.events.at(0).delay, 0.012);
   EXPECT_EQ(s.model.events.at(0).then.at(1).mode, 1);
-  EXPECT_EQ(s.clearance, (std::vector<std::pair<int, int>>{{0, 1}}));
+  ASSERT_EQ(s.clearance.size(), 1u);
+  EXPECT_EQ(s.clearance[0].a.name, "core");
+  EXPECT_EQ(s.clearance[0].b.name, "booster");
   ASSERT_EQ(s.points.size(), 2u);
   EXPECT_EQ(s.points[0].body, 1);
   EXPECT_EQ(s.points[0].p_BP, Eigen::Vector3d(-1, 0, 0.05));
@@ -55,6 +57,7 @@ TEST(Scenario, EveryShippedFileLoads) {
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(UNLATCH_SOURCE_DIR "/hil/scenarios")) {
     if (entry.path().extension() != ".yaml" || entry.path().parent_path().filename() == "faults") continue;
+    if (entry.path().filename() == "campaign.yaml") continue;  // many scenarios: campaign_file_test.cc
     ++count;
     EXPECT_NO_THROW(hil::load_scenario(entry.path().string())) << entry.path();
   }

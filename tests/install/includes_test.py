@@ -10,9 +10,9 @@ ROOT = Path(__file__).resolve().parents[2]
 MODULES = ("kernel", "hil", "library", "bridge", "tools")  # from below
 KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dynamics", "compile", "solver", "dispatch",
           "step")  # from below
-HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "analysis", "run", "campaign", "synthesis",
-       "session", "faults", "executive")  # from below
-LIBRARY = ("include", "c", "python")  # from below
+HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "analysis", "outputs",
+       "run", "campaign", "synthesis", "session", "faults", "executive")  # from below
+LIBRARY = ("include", "c", "python", "fmi")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 

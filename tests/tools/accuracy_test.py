@@ -194,6 +194,8 @@ class AccuracyTest(ProcessTest):
         told = [w["text"] for w in plan["warnings"] if w["name"] == "direction"]
         self.assertEqual(len(told), 1)
         self.assertIn("5.28 N", told[0])
+        run = json.loads(call(UNLATCH, "run", self.write(text), "--json", "-").stdout)
+        self.assertEqual([(n["t"], n["subject"]) for n in run["notices"] if n["name"] == "accuracy.direction"], [(0, "pusher")])
 
     def test_a_step_that_cannot_resolve_a_stroke_is_told(self):
         text = PAIR.replace("STIFFNESS", "6.25").replace("LENGTH", "1.4").replace("{dt: 0.001, until: 1}", "{dt: 1, until: 10}")

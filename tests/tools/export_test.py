@@ -65,7 +65,10 @@ class ExportTest(ProcessTest):
         ticks = [line for line in lines if line["kind"] == "tick"]
         self.assertEqual(len(ticks), TICKS + 1)
         for name, body in self.last["bodies"].items():
-            self.assertEqual({key: body[key] for key in (*"pqvw", "modal")}, ticks[-1]["bodies"][name])
+            self.assertEqual(body, ticks[-1]["bodies"][name])
+        for section in ("joints", "elements", "sensors", "channels", "clearance"):
+            self.assertEqual(ticks[-1][section], self.last[section])
+        self.assertEqual({"p", "q", "v", "w", "a", "alpha", "modal"}, set(ticks[-1]["bodies"]["core"]))
         self.assertEqual(ticks[-1]["reactions"], self.last["reactions"])
         events = [(line["t"], line["name"], line["subject"]) for line in lines if line["kind"] == "event"]
         self.assertEqual(events, [(e["t"], e["name"], e["subject"]) for e in self.report["events"]])
@@ -93,6 +96,13 @@ class ExportTest(ProcessTest):
         self.assertEqual(sorted(entities), sorted(self.last["bodies"]))
         self.assertTrue(all(entity["cylinders"] for entity in entities.values()))
         self.assertEqual(read["metadata"]["hash"], self.report["hash"])
+        core = self.last["bodies"]["core"]
+        self.assertEqual([read["last"]["/bodies/core"]["a"][axis] for axis in "xyz"], core["a"])
+        name, element = next(iter(self.last["elements"].items()))
+        self.assertEqual(read["last"][f"/elements/{name}"], element)
+        nose = read["last"]["/joints/nose1"]
+        self.assertEqual([nose["angle"][axis] for axis in "xyz"], self.last["joints"]["nose1"]["angle"])
+        self.assertEqual(nose["mode"], self.last["reactions"]["nose1"]["mode"])
 
     def test_damage_to_an_mcap_is_found_by_its_reader(self):
         path = self.folder / "out.mcap"
@@ -109,9 +119,56 @@ class ExportTest(ProcessTest):
             self.skipTest("Node.js, or what the build installs with it, is missing")
         read = self.read_with_node(self.export("parquet"))
         self.assertEqual(read["rows"], TICKS + 1)
-        self.assertEqual(read["units"]["core.x"], "m")
-        self.assertEqual([read["last"][f"core.{axis}"] for axis in "xyz"], self.last["bodies"]["core"]["p"])
+        self.assertEqual(read["units"]["core.x [m]"], "m")
+        self.assertEqual([read["last"][f"core.{axis} [m]"] for axis in "xyz"], self.last["bodies"]["core"]["p"])
+        self.assertEqual([read["last"][f"core.a{axis} [m/s2]"] for axis in "xyz"], self.last["bodies"]["core"]["a"])
         self.assertEqual(read["last"]["nose1.mode"], self.last["reactions"]["nose1"]["mode"])
+
+    def test_groups_of_outputs_go_out_at_their_own_rates(self):
+        rows = list(csv.DictReader(self.export("csv", "--outputs", "core.velocity@100,nose1.*@4Hz").read_text().splitlines()))
+        self.assertEqual([int(row["tick"]) for row in rows], [0, 100, 200, 250, 300, 400, 500, 600, 700, 750, 800])
+        self.assertEqual([int(row["tick"]) for row in rows if row["core.vx [m/s]"]], list(range(0, 801, 100)))
+        self.assertEqual([int(row["tick"]) for row in rows if row["nose1.mode"]], [0, 250, 500, 750, 800])
+        self.assertNotIn("core.x [m]", rows[0])
+        self.assertEqual([float(rows[-1][f"core.v{axis} [m/s]"]) for axis in "xyz"], self.last["bodies"]["core"]["v"])
+
+    def test_a_name_that_is_no_output_is_refused_with_a_guess(self):
+        result = self.run_ok(UNLATCH, "export", self.log, "--format", "csv", "--out", self.folder / "out.csv", "--outputs",
+                             "core.velocty", code=2)
+        self.assertIn("did you mean 'core.velocity'?", result.stderr)
+        self.assertFalse((self.folder / "out.csv").exists())
+
+    def test_a_run_and_its_replay_write_the_outputs_of_the_scenario(self):
+        options = ("--outputs", "core.acceleration@200,clearance.*")
+        run = self.run_json(UNLATCH, "run", REFERENCE, "--until", UNTIL, *options)
+        slow, fast = run["outputs"]
+        self.assertEqual([column["name"] for column in slow["outputs"][0]["columns"]], ["core.ax", "core.ay", "core.az"])
+        self.assertEqual((slow["every"], slow["t"]), (200, [0, 0.2, 0.4, 0.6, 0.8]))
+        self.assertEqual(slow["rows"][-1], self.last["bodies"]["core"]["a"])
+        self.assertEqual(len(fast["rows"]), TICKS + 1)
+        replay = self.run_json(UNLATCH, "replay", self.log, *options)
+        self.assertEqual(replay["outputs"], run["outputs"])
+        self.assertEqual(replay["samples"], run["samples"])
+
+    def test_pandas_reads_the_table_at_once(self):
+        import pandas
+        table = pandas.read_csv(self.export("csv", "--outputs", "*,core.velocity"), index_col="t [s]")
+        self.assertEqual(len(table), TICKS + 1)
+        self.assertTrue(table.index.is_monotonic_increasing and table.index.is_unique)
+        texts = {name for name in table.columns if table[name].dtype == object}
+        self.assertEqual({name for name in texts if not name.endswith(".mode")}, {"events"})
+        sparse = pandas.read_csv(self.export("csv", "--outputs", "core.velocity@100,core.position@250"), index_col="t [s]")
+        self.assertEqual(sparse["core.vx [m/s]"].count(), 9)
+        self.assertEqual(sparse["core.x [m]"].dtype, float)
+
+    def test_parquet_has_nothing_where_an_output_is_not_due(self):
+        if NODE is None or not MODULES.exists():
+            self.skipTest("Node.js, or what the build installs with it, is missing")
+        self.export("parquet", "--outputs", "core.velocity@100,core.position@250", "--every", "1")
+        read = self.read_with_node(self.folder / "out.parquet")
+        self.assertEqual(read["rows"], 11)
+        self.assertEqual(read["counts"]["core.vx [m/s]"], 9)
+        self.assertEqual(read["counts"]["core.x [m]"], 5)
 
     def test_what_cannot_be_written_is_told(self):
         nowhere = self.folder / "no/such/folder/file"

@@ -173,7 +173,9 @@ TEST_F(Watching, ATerminalOf80ColumnsHasEveryColumnAndSaysWhatItsMinimumIsOf) {
   view.bodies = {"core", "booster1"};
   view.clearances.resize(1);
   view.clearances[0].a = 0;
+  view.clearances[0].name_a = view.bodies[0];
   view.clearances[0].b = 1;
+  view.clearances[0].name_b = view.bodies[1];
   view.health = hil::HealthMessage{};
   view.health->dropped = 12345;
   view.health->resent = 12345;

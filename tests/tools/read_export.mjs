@@ -38,7 +38,8 @@ async function readParquet(bytes) {
   const metadata = parquetMetadata(buffer);
   const rows = await parquetReadObjects({ file: buffer });
   const units = JSON.parse(metadata.key_value_metadata.find((pair) => pair.key === 'units').value);
-  return { rows: rows.length, last: rows.at(-1), units };
+  const counts = Object.fromEntries(Object.keys(units).map((name) => [name, rows.filter((row) => row[name] != null).length]));
+  return { rows: rows.length, last: rows.at(-1), units, counts };
 }
 
 const bytes = new Uint8Array(readFileSync(file));

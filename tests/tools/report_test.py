@@ -215,7 +215,7 @@ class ReportTest(ProcessTest):
     def test_the_nearest_approach_has_a_view_of_its_own(self):
         self.open(self.record("run", "run", SCENARIOS / "boosters/cyclogram.yaml", "--until", "4"))
         card = self.get_card("Clearances")
-        self.assertIn("the smallest 0.2944 m at 1.299 s", self.ask(f"{card}.group.note"))
+        self.assertIn("the smallest 0.2944 m at 1.2991 s", self.ask(f"{card}.group.note"))
         self.ask(f"(() => {{ const card = {card}; card.choice = card.group.choices[1]; card.fresh = true; unlatchReport.plots.paintCard(card); }})()")
         self.assertEqual(self.ask(f"{card}.choice.name"), "nearest approach")
         self.assertLess(self.ask(f"{card}.plot.scales.y.max"), 2)

@@ -5,6 +5,7 @@
 """
 
 import json
+import re
 
 from junitparser import Error, Failure, JUnitXml
 from processes import UNLATCH, ProcessTest, main
@@ -93,6 +94,18 @@ class VerdictTest(ProcessTest):
         self.assertEqual(problems, {"near": [], "nearer": [],
                                     "waits": ["event 'never' cannot occur before 9 s, the run ends at 1 s"]})
         self.assertIn("cannot be evaluated", self.run_ok(UNLATCH, "check", path).stdout)
+
+    def test_check_tells_which_hold_in_every_run(self):
+        more = ("requirements:\n"
+                "  - {id: size, rate: {body: BODY}, at_least: 0}\n"
+                "  - {id: axes, axes: {body: BODY, axis: [1, 0, 0], other: [0, 1, 0]}, range: [0, 180 deg]}\n"
+                "  - {id: sound, rate: {body: BODY}, at_most: 1 deg/s}\n"
+                "  - {id: part, velocity: {body: BODY, along: [1, 0, 0]}, at_least: 0}\n")
+        text = SCENARIO[:SCENARIO.index("requirements:")]
+        body = re.search(r"^bodies:\n  (\w+):", text, re.M).group(1)
+        checked = self.run_json(UNLATCH, "check", self.write(text + more.replace("BODY", body)))
+        self.assertEqual([w["where"] for w in checked["warnings"] if w["name"] == "trivial"],
+                         ["requirement 'size'", "requirement 'axes'"])
 
     def test_scenarios_without_requirements_have_none(self):
         text = SCENARIO[:SCENARIO.index("requirements:")]

@@ -1,46 +1,24 @@
 // A run as JSON, one object on each line. Ticks have the form of the samples of `unlatch run --json`.
-#include <cmath>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tools/export/output_json.h"
 #include "tools/export/sink.h"
+#include "tools/shape_json.h"
 
 namespace unlatch::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
-Json to_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
-
-// As scenarios write it.
-Json build_shape(const hil::Shape& shape) {
-  const Json from = to_json(shape.from), to = to_json(shape.to);
-  switch (shape.kind) {
-    case hil::Shape::Kind::kSphere:
-      return {{"kind", "sphere"}, {"centre", from}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kCapsule:
-      return {{"kind", "capsule"}, {"from", from}, {"to", to}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kCylinder:
-      return {{"kind", "cylinder"}, {"from", from}, {"to", to}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kCone:
-      return {{"kind", "cone"}, {"from", from}, {"to", to}, {"radius", shape.radius}};
-    case hil::Shape::Kind::kBox:
-      return {{"kind", "box"},
-              {"centre", from},
-              {"size", to_json(shape.size)},
-              {"attitude", Json::array({shape.q_BS.w(), shape.q_BS.x(), shape.q_BS.y(), shape.q_BS.z()})}};
-    case hil::Shape::Kind::kHull: {
-      Json points = Json::array();
-      for (const Eigen::Vector3d& point : shape.points) points.push_back(to_json(point));
-      return {{"kind", "hull"}, {"points", points}};
-    }
-  }
-  return {};
-}
-
 Json build_body(const hil::Scenario& scenario, std::size_t body) {
   Json shapes = Json::array();
-  for (const hil::Shape& shape : scenario.shapes[body]) shapes.push_back(build_shape(shape));
+  for (const hil::BodyShape& part : scenario.shapes[body]) {
+    Json json = build_shape_json(part.shape);
+    if (!part.name.empty()) json["name"] = part.name;
+    if (!part.group.empty()) json["group"] = part.group;
+    shapes.push_back(std::move(json));
+  }
   return {{"name", scenario.model.bodies[body].name}, {"mass", scenario.model.bodies[body].mass}, {"shapes", shapes}};
 }
 
@@ -65,21 +43,25 @@ class JsonSink final : public Sink {
                 {"model_hash", to_hex(header.model_hash)},
                 {"dt", header.dt},
                 {"first_t", static_cast<double>(header.first_tick) * header.dt},
-                {"units", "SI and radians; p, v in W; w in body axes; q (w, x, y, z) body to W"},
+                {"units", "SI and radians; p, v, a in W; w, alpha in body axes; q (w, x, y, z) body to W"},
                 {"rows", kRowNames}};
+    const std::vector<hil::Output>& list = selection.reader().list();
+    const auto chosen = [&](const char* group, const std::string& name) {
+      return std::ranges::any_of(selection.outputs(),
+                                 [&](std::size_t i) { return list[i].group == group && list[i].of == name; });
+    };
     run["bodies"] = Json::array();
-    for (const std::size_t body : selection.bodies()) run["bodies"].push_back(build_body(scenario, body));
+    for (std::size_t i = 0; i < scenario.model.bodies.size(); ++i)
+      if (chosen("body", scenario.model.bodies[i].name)) run["bodies"].push_back(build_body(scenario, i));
     run["joints"] = Json::array();
-    for (const Joint& joint : scenario.model.joints) run["joints"].push_back(joint.name);
+    for (const Joint& joint : scenario.model.joints)
+      if (chosen("joint", joint.name)) run["joints"].push_back(joint.name);
     run["channels"] = Json::array();
-    for (const Channel& channel : scenario.model.channels) {
-      run["channels"].push_back({{"name", channel.name}, {"unit", channel.unit}});
-    }
+    for (const Channel& channel : scenario.model.channels)
+      if (chosen("command", channel.name)) run["channels"].push_back({{"name", channel.name}, {"unit", channel.unit}});
+    run["outputs"] = build_output_list_json(list, selection.outputs());
     run["clearance"] = Json::array();
-    for (const auto& [a, b] : scenario.clearance) {
-      run["clearance"].push_back({scenario.model.bodies[static_cast<std::size_t>(a)].name,
-                                  scenario.model.bodies[static_cast<std::size_t>(b)].name});
-    }
+    for (const hil::ClearancePair& pair : scenario.clearance) run["clearance"].push_back({pair.a.name, pair.b.name});
     run["scenario_text"] = header.scenario_text;
     run["overrides"] = header.overrides;
     put(run);
@@ -89,29 +71,11 @@ class JsonSink final : public Sink {
     for (const hil::TimelineEntry& event : selection.events()) {
       put({{"kind", "event"}, {"t", event.time}, {"name", event.name}, {"subject", event.subject}});
     }
-    const hil::Simulation& simulation = selection.simulation();
-    const Model& model = selection.scenario().model;
-    Json bodies = Json::object(), reactions = Json::object(), clearance = Json::array(), channels = Json::object();
-    for (const std::size_t i : selection.bodies()) {
-      const unlatch::BodyState& body = simulation.state().bodies[i];
-      bodies[model.bodies[i].name] = {{"p", to_json(body.p)},
-                                      {"q", {body.q.w, body.q.x, body.q.y, body.q.z}},
-                                      {"v", to_json(body.v)},
-                                      {"w", to_json(body.w)},
-                                      {"modal", selection.get_modal(i)}};
-    }
-    for (std::size_t i = 0; i < model.joints.size(); ++i) {
-      reactions[model.joints[i].name] = build_reaction(selection, i);
-    }
-    for (const hil::Clearance& pair : selection.clearances()) clearance.push_back(pair.now);
-    for (std::size_t i = 0; i < model.channels.size(); ++i) channels[model.channels[i].name] = simulation.channels()[i];
-    put({{"kind", "tick"},
-         {"tick", simulation.get_tick()},
-         {"t", simulation.get_time()},
-         {"bodies", bodies},
-         {"reactions", reactions},
-         {"clearance", clearance},
-         {"channels", channels}});
+    Json tick = {
+        {"kind", "tick"}, {"tick", selection.simulation().get_tick()}, {"t", selection.simulation().get_time()}};
+    tick.update(
+        build_outputs_json(selection.reader(), selection.scenario().model, selection.due(), selection.values()));
+    put(tick);
   }
 
   void end(const ExportEnd& end) override {
@@ -119,17 +83,6 @@ class JsonSink final : public Sink {
   }
 
  private:
-  static Json build_reaction(const Selection& selection, std::size_t joint) {
-    const JointMode& mode = selection.get_mode(joint);
-    Json rows = Json::array(), values = Json::array();
-    for (int row = 0; row < kRows; ++row) {
-      if (!has_row(mode.rows, row)) continue;
-      rows.push_back(kRowNames[row]);
-      values.push_back(selection.simulation().workspace().multipliers[joint * kRows + static_cast<std::size_t>(row)]);
-    }
-    return {{"mode", mode.name}, {"rows", rows}, {"lambda", values}};
-  }
-
   void put(const Json& json) {
     const std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     std::fwrite(line.data(), 1, line.size(), file_);

@@ -1,30 +1,37 @@
 #include "tools/export/selection.h"
 
 #include <algorithm>
-#include <numeric>
+#include <set>
 #include <stdexcept>
 
 namespace unlatch::tools {
 
+std::vector<hil::SelectedOutputs> keep_bodies(std::vector<hil::SelectedOutputs> groups, const hil::Scenario& scenario,
+                                              std::span<const hil::Output> list,
+                                              const std::vector<std::string>& bodies) {
+  for (const std::string& name : bodies)
+    if (std::ranges::none_of(scenario.model.bodies, [&name](const Body& body) { return body.name == name; }))
+      throw std::invalid_argument("there is no body '" + name + "' in scenario '" + scenario.name + "'");
+  if (bodies.empty()) return groups;
+  for (hil::SelectedOutputs& group : groups)
+    std::erase_if(group.outputs, [&](std::size_t i) {
+      return list[i].group == "body" && std::ranges::find(bodies, list[i].of) == bodies.end();
+    });
+  return groups;
+}
+
 Selection::Selection(const hil::Scenario& scenario, const hil::Simulation& simulation,
-                     const std::vector<std::string>& bodies, std::int64_t every)
+                     std::vector<hil::SelectedOutputs> groups, std::int64_t last_tick)
     : scenario_(scenario),
       simulation_(simulation),
-      every_(every),
-      clearances_(scenario.clearance, scenario.shapes),
-      poses_(scenario.model.bodies.size()) {
-  const auto& all = scenario.model.bodies;
-  for (const std::string& name : bodies) {
-    const auto found = std::find_if(all.begin(), all.end(), [&name](const Body& body) { return body.name == name; });
-    if (found == all.end()) {
-      throw std::invalid_argument("there is no body '" + name + "' in scenario '" + scenario.name + "'");
-    }
-    bodies_.push_back(static_cast<std::size_t>(found - all.begin()));
-  }
-  if (bodies.empty()) {
-    bodies_.resize(all.size());
-    std::iota(bodies_.begin(), bodies_.end(), 0U);
-  }
+      reader_(scenario, simulation),
+      groups_(std::move(groups)),
+      last_tick_(last_tick),
+      is_due_(reader_.list().size()),
+      values_(reader_.count_values()) {
+  std::set<std::size_t> all;
+  for (const hil::SelectedOutputs& group : groups_) all.insert(group.outputs.begin(), group.outputs.end());
+  outputs_.assign(all.begin(), all.end());
 }
 
 bool Selection::look(const StepReport& report) {
@@ -34,35 +41,28 @@ bool Selection::look(const StepReport& report) {
     const unlatch::Event& event = scenario_.model.events[static_cast<std::size_t>(fired.event)];
     events_.push_back({fired.time, event.name, event.subject});
   }
-  if (out_tick_ >= 0 && simulation_.get_tick() % every_ != 0) return false;
-  begin_tick();
-  return true;
+  return begin_tick(out_tick_ < 0 || simulation_.get_tick() == last_tick_);
 }
 
-bool Selection::look_at_end() {
-  if (out_tick_ == simulation_.get_tick()) return false;
-  begin_tick();
-  return true;
-}
+bool Selection::look_at_end() { return out_tick_ != simulation_.get_tick() && begin_tick(true); }
 
-void Selection::begin_tick() {
-  out_tick_ = simulation_.get_tick();
-  events_are_out_ = true;
-  if (scenario_.clearance.empty()) return;
-  for (std::size_t i = 0; i < poses_.size(); ++i) {
-    const unlatch::BodyState& body = simulation_.state().bodies[i];
-    poses_[i].p_WB = {body.p.x, body.p.y, body.p.z};
-    poses_[i].q_WB = {body.q.w, body.q.x, body.q.y, body.q.z};
+bool Selection::begin_tick(bool all) {
+  const std::int64_t tick = simulation_.get_tick();
+  bool any = all;
+  std::fill(is_due_.begin(), is_due_.end(), false);
+  for (const hil::SelectedOutputs& group : groups_) {
+    if (!all && !group.rate.is_due(tick)) continue;
+    any = true;
+    for (const std::size_t i : group.outputs) is_due_[i] = true;
   }
-  clearances_.update(simulation_.get_time(), poses_);
-}
-
-const JointMode& Selection::get_mode(std::size_t joint) const {
-  return scenario_.model.joints[joint].modes[static_cast<std::size_t>(simulation_.state().joints[joint].mode)];
-}
-
-std::span<const double> Selection::get_modal(std::size_t body) const {
-  return get_modal_coordinates(simulation_.plan(), simulation_.state(), static_cast<int>(body));
+  if (!any) return false;
+  due_.clear();
+  for (const std::size_t i : outputs_)
+    if (is_due_[i]) due_.push_back(i);
+  reader_.read(due_, values_);
+  out_tick_ = tick;
+  events_are_out_ = true;
+  return true;
 }
 
 }  // namespace unlatch::tools

@@ -1,54 +1,65 @@
-// Selection of a run for export: the chosen bodies, every n-th tick, and the events in between.
+// Selection of a run for export: groups of outputs, each with the ticks at which it goes out, and the events in
+// between.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "hil/analysis/clearance.h"
 #include "hil/analysis/run_analysis.h"
+#include "hil/outputs/output_reader.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
 
 namespace unlatch::tools {
 
+// Groups without the outputs of other bodies than these; none: all. Throws std::invalid_argument for a name that the
+// scenario does not have.
+std::vector<hil::SelectedOutputs> keep_bodies(std::vector<hil::SelectedOutputs> groups, const hil::Scenario& scenario,
+                                              std::span<const hil::Output> list,
+                                              const std::vector<std::string>& bodies);
+
 class Selection {
  public:
-  // `bodies`: names; none: all. All ticks that are a multiple of `every`, the first and the last. All must outlive it.
-  // Throws std::invalid_argument for a name that the scenario does not have.
-  Selection(const hil::Scenario& scenario, const hil::Simulation& simulation, const std::vector<std::string>& bodies,
-            std::int64_t every);
+  // A group goes out at its ticks; the first tick and `last_tick` have every group. Scenario and simulation
+  // must outlive it.
+  Selection(const hil::Scenario& scenario, const hil::Simulation& simulation, std::vector<hil::SelectedOutputs> groups,
+            std::int64_t last_tick);
 
   // At every state, with what the step that led there reported: whether this tick goes out.
   bool look(const StepReport& report);
-  // The last state goes out even if it is not its turn: false if it has gone out already.
+  // The last state of a run that ended early goes out with every group: false if it has gone out already.
   bool look_at_end();
 
   [[nodiscard]] const hil::Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const hil::Simulation& simulation() const { return simulation_; }
-  [[nodiscard]] const std::vector<std::size_t>& bodies() const { return bodies_; }
+  [[nodiscard]] const hil::OutputReader& reader() const { return reader_; }
   // Since the tick that went out before.
   [[nodiscard]] const std::vector<hil::TimelineEntry>& events() const { return events_; }
-  // Of the pairs that the scenario watches.
-  [[nodiscard]] const std::vector<hil::Clearance>& clearances() const { return clearances_.get(); }
-  [[nodiscard]] const JointMode& get_mode(std::size_t joint) const;
-  // Modal coordinates of a flexible body, kg^0.5 m; empty for a rigid one.
-  [[nodiscard]] std::span<const double> get_modal(std::size_t body) const;
+  // Outputs of all groups, ascending; and those that are due at the tick that goes out.
+  [[nodiscard]] const std::vector<std::size_t>& outputs() const { return outputs_; }
+  [[nodiscard]] const std::vector<std::size_t>& due() const { return due_; }
+  [[nodiscard]] bool is_due(std::size_t output) const { return is_due_[output]; }
+  // Some ticks that go out have only some outputs.
+  [[nodiscard]] bool has_gaps() const { return groups_.size() > 1; }
+  // Of all outputs; those that are not due have older values.
+  [[nodiscard]] std::span<const double> values() const { return values_; }
 
  private:
-  void begin_tick();
+  bool begin_tick(bool all);
 
   const hil::Scenario& scenario_;
   const hil::Simulation& simulation_;
-  std::vector<std::size_t> bodies_;
-  const std::int64_t every_;
+  hil::OutputReader reader_;
+  const std::vector<hil::SelectedOutputs> groups_;
+  const std::int64_t last_tick_;
+  std::vector<std::size_t> outputs_, due_;
+  std::vector<bool> is_due_;
+  std::vector<double> values_;
   std::vector<hil::TimelineEntry> events_;
   bool events_are_out_ = false;
   std::int64_t out_tick_ = -1;  // of the last one that went out
-  hil::ClearanceMonitor clearances_;
-  std::vector<hil::Pose> poses_;
 };
 
 }  // namespace unlatch::tools

@@ -1,7 +1,8 @@
-// A run as a table: one row for each tick, one column for each number, written as CSV or as arrays of JSON.
+// A run as a tidy table: one row for each tick, one column for each number, written as CSV or as arrays of JSON.
 #include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "tools/export/sink.h"
 
@@ -13,74 +14,53 @@ using Json = nlohmann::ordered_json;
 struct Column {
   std::string name, unit;
   const char* type = "number";  // or integer, text
+  bool may_miss = false;        // cells may be empty
+
+  // With its unit.
+  [[nodiscard]] std::string get_title() const { return name + (unit == "1" ? "" : " [" + unit + "]"); }
 };
 
-// The columns, and the cells of a tick in the same order.
+// The columns, and the cells of a row in the same order: tick, time, outputs, events. Cells of outputs that are not due
+// are empty.
 class Table {
  public:
   explicit Table(const Selection& selection) {
-    const Model& model = selection.scenario().model;
     columns_ = {{"tick", "1", "integer"}, {"t", "s"}};
-    for (const std::size_t body : selection.bodies()) {
-      add_body(model.bodies[body].name);
-      for (std::size_t k = 1; k <= selection.get_modal(body).size(); ++k) {
-        columns_.push_back({model.bodies[body].name + ".modal" + std::to_string(k), "kg^0.5 m"});
-      }
+    for (const std::size_t i : selection.outputs()) {
+      const hil::Output& output = selection.reader().list()[i];
+      for (const hil::Output::Column& column : output.columns)
+        columns_.push_back({column.name, column.unit, is_text(output) ? "text" : "number", selection.has_gaps()});
     }
-    for (const Joint& joint : model.joints) add_joint(joint.name);
-    for (const auto& [a, b] : selection.scenario().clearance) {
-      columns_.push_back({"clearance." + get_body(model, a) + "." + get_body(model, b), "m"});
-    }
-    for (const Channel& channel : model.channels) columns_.push_back({"channel." + channel.name, channel.unit});
     columns_.push_back({"events", "1", "text"});
   }
 
   [[nodiscard]] const std::vector<Column>& columns() const { return columns_; }
 
-  // Calls number(double), integer(…) or text(…) for each column.
+  // Calls number(double), integer(…), text(…) or nothing() for each column.
   template <class Writer>
   void write(const Selection& selection, Writer& to) const {
-    const hil::Simulation& simulation = selection.simulation();
-    to.integer(simulation.get_tick());
-    to.number(simulation.get_time());
-    for (const std::size_t i : selection.bodies()) {
-      const unlatch::BodyState& body = simulation.state().bodies[i];
-      for (const double value : {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z, body.v.x,
-                                 body.v.y, body.v.z, body.w.x, body.w.y, body.w.z}) {
-        to.number(value);
+    to.integer(selection.simulation().get_tick());
+    to.number(selection.simulation().get_time());
+    for (const std::size_t i : selection.outputs()) {
+      const hil::Output& output = selection.reader().list()[i];
+      for (std::size_t k = 0; k < output.columns.size(); ++k) {
+        const double value = selection.values()[output.first + k];
+        if (!selection.is_due(i))
+          to.nothing();
+        else if (is_text(output))
+          to.text(selection.reader().get_mode_name(output, value));
+        else
+          to.number(value);
       }
-      for (const double value : selection.get_modal(i)) to.number(value);
     }
-    for (std::size_t i = 0; i < selection.scenario().model.joints.size(); ++i) {
-      to.text(selection.get_mode(i).name);
-      for (std::size_t row = 0; row < kRows; ++row) to.number(simulation.workspace().multipliers[i * kRows + row]);
-    }
-    for (const hil::Clearance& clearance : selection.clearances()) to.number(clearance.now);
-    for (const double value : simulation.channels()) to.number(value);
     std::string events;
-    for (const hil::TimelineEntry& event : selection.events()) {
+    for (const hil::TimelineEntry& event : selection.events())
       events += (events.empty() ? "" : "; ") + event.name + (event.subject.empty() ? "" : " " + event.subject);
-    }
     to.text(events);
   }
 
  private:
-  static std::string get_body(const Model& model, int body) {
-    return model.bodies[static_cast<std::size_t>(body)].name;
-  }
-
-  void add_body(const std::string& name) {
-    for (const char* axis : {"x", "y", "z"}) columns_.push_back({name + "." + axis, "m"});
-    for (const char* axis : {"qw", "qx", "qy", "qz"}) columns_.push_back({name + "." + axis, "1"});
-    for (const char* axis : {"vx", "vy", "vz"}) columns_.push_back({name + "." + axis, "m/s"});
-    for (const char* axis : {"wx", "wy", "wz"}) columns_.push_back({name + "." + axis, "rad/s"});
-  }
-  void add_joint(const std::string& name) {
-    columns_.push_back({name + ".mode", "1", "text"});
-    for (int row = 0; row < kRows; ++row) {
-      columns_.push_back({name + "." + kRowNames[row], has_row(kPointRows, row) ? "N" : "N m"});
-    }
-  }
+  static bool is_text(const hil::Output& output) { return output.kind == hil::Output::Kind::kMode; }
 
   std::vector<Column> columns_;
 };
@@ -104,6 +84,7 @@ class CsvLine {
   void number(double value) { add(to_text(value)); }
   void integer(std::int64_t value) { add(std::to_string(value)); }
   void text(const std::string& value) { add(quote(value)); }
+  void nothing() { add({}); }
   void put(std::FILE* file) {
     line_ += "\r\n";
     std::fwrite(line_.data(), 1, line_.size(), file);
@@ -124,6 +105,7 @@ class JsonLine {
   void number(double value) { cells_.push_back(value); }
   void integer(std::int64_t value) { cells_.push_back(value); }
   void text(const std::string& value) { cells_.push_back(value); }
+  void nothing() { cells_.push_back(nullptr); }
   void put(std::FILE* file) {
     const std::string line = cells_.dump() + "\n";
     std::fwrite(line.data(), 1, line.size(), file);
@@ -134,14 +116,15 @@ class JsonLine {
 };
 
 void put_head(const std::vector<Column>& columns, const hil::LogHeader&, std::FILE* file, CsvLine line) {
-  for (const Column& column : columns) line.text(column.name + (column.unit == "1" ? "" : " [" + column.unit + "]"));
+  for (const Column& column : columns) line.text(column.get_title());
   line.put(file);
 }
 
 void put_head(const std::vector<Column>& columns, const hil::LogHeader& header, std::FILE* file, const JsonLine&) {
   Json head = {{"scenario", header.scenario_name}, {"columns", Json::array()}};
   for (const Column& column : columns) {
-    head["columns"].push_back({{"name", column.name}, {"unit", column.unit}, {"type", column.type}});
+    head["columns"].push_back(
+        {{"name", column.get_title()}, {"unit", column.unit}, {"type", column.type}, {"optional", column.may_miss}});
   }
   const std::string line = head.dump() + "\n";
   std::fwrite(line.data(), 1, line.size(), file);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/scenario/shapes.h"
+#include "unlatch/geometry.h"
 
 namespace unlatch::tools {
 
@@ -25,7 +25,7 @@ struct ImportedBody {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, body axes
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();     // of the centre of mass
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
-  std::vector<hil::Shape> shapes;  // body axes, from the centre of mass
+  std::vector<geometry::Shape> shapes;  // body axes, from the centre of mass
 };
 
 struct ImportedJoint {
@@ -59,6 +59,10 @@ struct ImportReaders {
 };
 ImportedModel read_urdf(const std::string& text, const std::string& path, bool fixed_base);
 ImportedModel read_mjcf(const std::string& path);
+
+// Vectors and attitudes in the kernel's types, as its shapes have them.
+inline Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+inline Quat to_quat(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
 // The axis as z of a right-handed frame.
 Eigen::Matrix3d build_frame(const Eigen::Vector3d& axis);

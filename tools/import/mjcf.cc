@@ -149,27 +149,27 @@ class Reader {
     const Isometry3d X_BS =
         X_WB.inverse() * frames_[at(m_.geom_bodyid[i])] * to_isometry(m_.geom_pos + 3 * i, m_.geom_quat + 4 * i);
     const mjtNum* const size = m_.geom_size + 3 * i;
-    hil::Shape shape;
-    shape.from = X_BS.translation();
+    geometry::Shape shape;
+    shape.from = to_vec3(X_BS.translation());
     shape.radius = size[0];
     switch (m_.geom_type[i]) {
       case mjGEOM_SPHERE:
-        shape.kind = hil::Shape::Kind::kSphere;
+        shape.kind = geometry::ShapeKind::kSphere;
         break;
       case mjGEOM_CAPSULE:
       case mjGEOM_CYLINDER:
-        shape.kind = m_.geom_type[i] == mjGEOM_CAPSULE ? hil::Shape::Kind::kCapsule : hil::Shape::Kind::kCylinder;
-        shape.from = X_BS * Eigen::Vector3d(0, 0, -size[1]);
-        shape.to = X_BS * Eigen::Vector3d(0, 0, size[1]);
+        shape.kind = m_.geom_type[i] == mjGEOM_CAPSULE ? geometry::ShapeKind::kCapsule : geometry::ShapeKind::kCylinder;
+        shape.from = to_vec3(X_BS * Eigen::Vector3d(0, 0, -size[1]));
+        shape.to = to_vec3(X_BS * Eigen::Vector3d(0, 0, size[1]));
         break;
       case mjGEOM_BOX:
-        shape.kind = hil::Shape::Kind::kBox;
-        shape.size = 2 * to_vector(size);
-        shape.q_BS = Eigen::Quaterniond(X_BS.linear()).normalized();
+        shape.kind = geometry::ShapeKind::kBox;
+        shape.size = to_vec3(2 * to_vector(size));
+        shape.q_BS = to_quat(Eigen::Quaterniond(X_BS.linear()).normalized());
         break;
       case mjGEOM_MESH:
-        shape.kind = hil::Shape::Kind::kHull;
-        shape.points = build_hull(m_.geom_dataid[i], X_BS, name);
+        shape.kind = geometry::ShapeKind::kHull;
+        for (const Eigen::Vector3d& p : build_hull(m_.geom_dataid[i], X_BS, name)) shape.points.push_back(to_vec3(p));
         break;
       default:
         model_.remarks.push_back("geom '" + name + "': its shape is left out (plane, height field or ellipsoid)");

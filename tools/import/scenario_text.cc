@@ -36,6 +36,8 @@ std::string to_text(const Eigen::Vector3d& uncleaned, const std::string& where) 
   return "[" + to_text(v.x(), where) + ", " + to_text(v.y(), where) + ", " + to_text(v.z(), where) + "]";
 }
 
+std::string to_text(const Vec3& v, const std::string& where) { return to_text(Eigen::Vector3d(v.x, v.y, v.z), where); }
+
 std::string to_text(const Eigen::Quaterniond& q, const std::string& where) {
   return "[" + to_text(q.w(), where) + ", " + to_text(q.x(), where) + ", " + to_text(q.y(), where) + ", " +
          to_text(q.z(), where) + "]";
@@ -73,26 +75,28 @@ std::string build_comment(const std::string& text) {
   return line + "\n";
 }
 
-std::string build_shape(const hil::Shape& shape, const std::string& where) {
+std::string build_shape(const geometry::Shape& shape, const std::string& where) {
   const std::string from = to_text(shape.from, where), to = to_text(shape.to, where);
   const std::string radius = ", radius: " + to_text(shape.radius, where) + "}}";
   switch (shape.kind) {
-    case hil::Shape::Kind::kSphere:
+    case geometry::ShapeKind::kSphere:
       return "{sphere: {centre: " + from + radius;
-    case hil::Shape::Kind::kCapsule:
+    case geometry::ShapeKind::kCapsule:
       return "{capsule: {from: " + from + ", to: " + to + radius;
-    case hil::Shape::Kind::kCylinder:
+    case geometry::ShapeKind::kCylinder:
       return "{cylinder: {from: " + from + ", to: " + to + radius;
-    case hil::Shape::Kind::kCone:
+    case geometry::ShapeKind::kCone:
       return "{cone: {from: " + from + ", to: " + to + radius;
-    case hil::Shape::Kind::kBox:
-      return "{box: {centre: " + from + ", size: " + to_text(shape.size, where) +
-             ", attitude: " + to_text(shape.q_BS, where) + "}}";
-    case hil::Shape::Kind::kHull: {
+    case geometry::ShapeKind::kBox:
+      return "{box: {centre: " + from + ", size: " + to_text(shape.size, where) + ", attitude: " +
+             to_text(Eigen::Quaterniond(shape.q_BS.w, shape.q_BS.x, shape.q_BS.y, shape.q_BS.z), where) + "}}";
+    case geometry::ShapeKind::kHull: {
       std::string points;
-      for (const Eigen::Vector3d& point : shape.points) points += (points.empty() ? "" : ", ") + to_text(point, where);
+      for (const Vec3& point : shape.points) points += (points.empty() ? "" : ", ") + to_text(point, where);
       return "{hull: {points: [" + points + "]}}";
     }
+    default:  // importers make no others
+      break;
   }
   return "";
 }
@@ -106,7 +110,7 @@ std::string build_body(const ImportedBody& body, const std::string& name) {
           "  # m, of the centre of mass\n    attitude: " + to_text(body.q_WB, where) + "  # w x y z\n";
   if (body.shapes.empty()) return text;
   text += "    shape:\n";
-  for (const hil::Shape& shape : body.shapes) text += "      - " + build_shape(shape, where) + "\n";
+  for (const geometry::Shape& shape : body.shapes) text += "      - " + build_shape(shape, where) + "\n";
   return text;
 }
 

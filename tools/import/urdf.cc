@@ -226,21 +226,21 @@ class Reader {
 
   void add_shape(const std::string& link, const urdf::Geometry& geometry, const Isometry3d& X_BS, ImportedBody& body) {
     if (++shapes_ > kMostImported) throw ImportError("it has more than " + std::to_string(kMostImported) + " shapes");
-    hil::Shape shape;
-    shape.from = X_BS.translation();
+    geometry::Shape shape;
+    shape.from = to_vec3(X_BS.translation());
     if (geometry.type == urdf::Geometry::SPHERE) {
-      shape.kind = hil::Shape::Kind::kSphere;
+      shape.kind = geometry::ShapeKind::kSphere;
       shape.radius = static_cast<const urdf::Sphere&>(geometry).radius;
     } else if (geometry.type == urdf::Geometry::BOX) {
-      shape.kind = hil::Shape::Kind::kBox;
-      shape.size = to_vector(static_cast<const urdf::Box&>(geometry).dim);
-      shape.q_BS = Eigen::Quaterniond(X_BS.linear()).normalized();
+      shape.kind = geometry::ShapeKind::kBox;
+      shape.size = to_vec3(to_vector(static_cast<const urdf::Box&>(geometry).dim));
+      shape.q_BS = to_quat(Eigen::Quaterniond(X_BS.linear()).normalized());
     } else if (geometry.type == urdf::Geometry::CYLINDER) {
       const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-      shape.kind = hil::Shape::Kind::kCylinder;
+      shape.kind = geometry::ShapeKind::kCylinder;
       shape.radius = cylinder.radius;
-      shape.from = X_BS * Eigen::Vector3d(0, 0, -0.5 * cylinder.length);
-      shape.to = X_BS * Eigen::Vector3d(0, 0, 0.5 * cylinder.length);
+      shape.from = to_vec3(X_BS * Eigen::Vector3d(0, 0, -0.5 * cylinder.length));
+      shape.to = to_vec3(X_BS * Eigen::Vector3d(0, 0, 0.5 * cylinder.length));
     } else {
       model_.remarks.push_back("link '" + link + "': a mesh is left out; write a hull, or simple shapes");
       return;

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "tools/report/base64.h"
-#include "unlatch/springs.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::tools {
 namespace {

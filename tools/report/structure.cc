@@ -5,13 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "tools/shape_json.h"
+
 namespace unlatch::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostPairs = 40;  // the nearest ones; a page with hundreds of curves shows none
-constexpr const char* kShapeNames[] = {"sphere", "capsule", "cylinder", "cone", "box", "hull"};  // as Shape::Kind
 
 Json to_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 template <class Q>
@@ -23,42 +24,20 @@ Json to_json(const Eigen::Matrix3d& m) {
       {to_json(Eigen::Vector3d(m.col(0))), to_json(Eigen::Vector3d(m.col(1))), to_json(Eigen::Vector3d(m.col(2)))});
 }
 
-Json build_shape(const hil::Shape& shape) {
-  Json json = {{"kind", kShapeNames[static_cast<std::size_t>(shape.kind)]}};
-  switch (shape.kind) {
-    case hil::Shape::Kind::kSphere:
-      json["centre"] = to_json(shape.from);
-      json["radius"] = shape.radius;
-      break;
-    case hil::Shape::Kind::kBox:
-      json["centre"] = to_json(shape.from);
-      json["size"] = to_json(shape.size);
-      json["q"] = to_json_attitude(shape.q_BS);
-      break;
-    case hil::Shape::Kind::kHull:
-      json["points"] = Json::array();
-      for (const Eigen::Vector3d& point : shape.points) json["points"].push_back(to_json(point));
-      break;
-    default:
-      json["from"] = to_json(shape.from);
-      json["to"] = to_json(shape.to);
-      json["radius"] = shape.radius;
-  }
-  return json;
-}
-
 // For a body without a shape: the homogeneous box of its mass and inertia. About an axis its inertia is m (b² + c²)/12,
 // so the edge along x has a² = 6 (Iyy + Izz − Ixx)/m.
-hil::Shape build_equivalent_box(const Body& body) {
+geometry::Shape build_equivalent_box(const Body& body) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.inertia);
   Eigen::Matrix3d axes = solver.eigenvectors();
   if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
   const Eigen::Vector3d& principal = solver.eigenvalues();
   const Eigen::Vector3d squares = 6 / body.mass * (principal.sum() - 2 * principal.array()).matrix();
   const double least = 1e-3 * std::sqrt(squares.maxCoeff());  // a thin rod stays visible
-  hil::Shape box{.kind = hil::Shape::Kind::kBox};
-  box.size = squares.cwiseMax(least * least).cwiseSqrt();
-  box.q_BS = Eigen::Quaterniond(axes);
+  geometry::Shape box{.kind = geometry::ShapeKind::kBox};
+  const Eigen::Vector3d size = squares.cwiseMax(least * least).cwiseSqrt();
+  const Eigen::Quaterniond q(axes);
+  box.size = {size.x(), size.y(), size.z()};
+  box.q_BS = {q.w(), q.x(), q.y(), q.z()};
   return box;
 }
 
@@ -67,8 +46,8 @@ Json build_bodies(const hil::Scenario& scenario, const FrameLayout& layout) {
   for (std::size_t i = 0; i < scenario.model.bodies.size(); ++i) {
     const Body& body = scenario.model.bodies[i];
     Json shapes = Json::array();
-    for (const hil::Shape& shape : scenario.shapes[i]) shapes.push_back(build_shape(shape));
-    if (shapes.empty() && body.mass > 0) shapes.push_back(build_shape(build_equivalent_box(body)));
+    for (const hil::BodyShape& part : scenario.shapes[i]) shapes.push_back(build_shape_json(part.shape));
+    if (shapes.empty() && body.mass > 0) shapes.push_back(build_shape_json(build_equivalent_box(body)));
     list.push_back({{"name", body.name},
                     {"mass", body.mass},
                     {"inertia", to_json(body.inertia)},
@@ -145,6 +124,7 @@ Json build_pairs(const hil::RunAnalysis& analysis, const FrameLayout& layout) {
   for (const std::size_t i : order) {
     list.push_back({{"a", clearances[i].a},
                     {"b", clearances[i].b},
+                    {"name", clearances[i].name_a + " – " + clearances[i].name_b},
                     {"min", clearances[i].smallest},
                     {"t", clearances[i].time},
                     {"column", layout.pairs + i}});

@@ -1,7 +1,10 @@
 // unlatch check: validates a scenario and prints its plan.
 #include <cmath>
 #include <cstdarg>
+#include <nlohmann/json.hpp>
 
+#include "hil/campaign/campaign.h"
+#include "hil/campaign/philox.h"
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/alike.h"
@@ -137,14 +140,58 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
 }
 
+// Parameters with their paths and quantiles; what may be drawn has been tried.
+int check_campaign(const ScenarioOptions& options, const std::string& json) {
+  const hil::Campaign campaign = hil::load_campaign(options.path, options.overrides);
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::FILE* const to = get_people_stream(json);
+  std::fprintf(to, "%s: %lld samples, %s, seed %llu, of %s\n", campaign.name.c_str(),
+               static_cast<long long>(campaign.plan.samples),
+               hil::kSamplingNames[static_cast<std::size_t>(campaign.plan.sampling)].c_str(),
+               static_cast<unsigned long long>(campaign.plan.seed), campaign.scenario.c_str());
+  if (campaign.plan.sampling != hil::Sampling::kCsv)
+    std::fprintf(to, "  %-24s %12s %12s %12s\n", "", "least", "median", "greatest");
+  for (const hil::CampaignParameter& parameter : campaign.parameters) {
+    std::string paths;
+    for (const std::string& path : parameter.paths) paths += (paths.empty() ? "" : ", ") + path;
+    const auto at = [&](double p) { return parameter.distribution.calc_quantile(p); };
+    const double tail = hil::kLeastUnit;  // what the generator can give
+    const char* const unit = parameter.distribution.is_cone() ? "rad from its axis" : parameter.unit.c_str();
+    if (parameter.drawn)
+      std::fprintf(to, "  %-24s %12.6g %12.6g %12.6g %s: %s\n", parameter.name.c_str(), at(tail), at(0.5), at(1 - tail),
+                   unit, paths.c_str());
+    else
+      std::fprintf(to, "  %-24s from the table: %s\n", parameter.name.c_str(), paths.c_str());
+    list.push_back({{"name", parameter.name}, {"paths", parameter.paths}, {"unit", parameter.unit}});
+  }
+  std::fprintf(to, "%s is valid\n", campaign.file.c_str());
+  if (!json.empty())
+    write_json(
+        nlohmann::ordered_json{
+            {"schema", 1}, {"campaign", campaign.name}, {"samples", campaign.plan.samples}, {"parameters", list}},
+        json);
+  return kExitDone;
+}
+
 // With JSON on standard output the text is left out.
-int run(const ScenarioOptions& options, const std::string& graph, const std::string& json) {
+void print_outputs(const hil::Scenario& scenario) {
+  std::printf("%-44s %-11s %s\n", "outputs", "frame", "columns");
+  for (const hil::Output& output : hil::list_outputs(scenario)) {
+    std::printf("  %-42s %-11s", output.name.c_str(), output.frame.c_str());
+    for (const hil::Output::Column& column : output.columns)
+      std::printf(" %s [%s]", column.name.c_str(), column.unit.c_str());
+    std::printf("\n");
+  }
+}
+
+int run(const ScenarioOptions& options, const std::string& graph, const std::string& json, bool outputs) {
   check_output(json);
   try {
+    if (is_campaign(options)) return check_campaign(options, json);
     if (!hil::is_standard_input(options.path) &&
         hil::is_design_problem(hil::read_text_file(options.path, "scenario"))) {
       const hil::DesignProblem problem = hil::load_design_problem(options.path);
-      print_problem(json == "-" ? stderr : stdout, problem);
+      print_problem(get_people_stream(json), problem);
       if (!json.empty()) write_problem_json(problem, json);
       return kExitDone;
     }
@@ -157,6 +204,7 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
     const std::vector<RedundantRows> redundant =
         list_redundant_rows(simulation->plan(), simulation->state(), simulation->workspace());
     if (json != "-") print_plan(scenario, *simulation, redundant);
+    if (json != "-" && outputs) print_outputs(scenario);
     if (!json.empty()) write_plan_json(scenario, *simulation, redundant, json);
   } catch (const hil::ScenarioError& error) {
     if (!json.empty()) write_mistakes_json(error, json);
@@ -170,6 +218,7 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
 void add_check(Command app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
   auto graph = std::make_shared<std::string>();
+  auto outputs = std::make_shared<bool>(false);
   auto json = std::make_shared<std::string>();
   Command command =
       app.add_verb("check", "Validates a scenario and prints its plan, or every mistake with file, line and column.",
@@ -177,8 +226,9 @@ void add_check(Command app, int& exit_code) {
   add_scenario_options(command, *options);
   command.add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
       .type_name("FILE");
+  command.add_flag("--outputs", *outputs, "lists the quantities that runs can write: names, frames, columns, units");
   command.add_json_option(*json, "for an invalid scenario its mistakes");
-  command.callback([options, graph, json, &exit_code] { exit_code = run(*options, *graph, *json); });
+  command.callback([options, graph, json, outputs, &exit_code] { exit_code = run(*options, *graph, *json, *outputs); });
 }
 
 }  // namespace unlatch::tools

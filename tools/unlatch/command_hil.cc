@@ -241,12 +241,14 @@ class Session {
   int report(const hil::LogEnd& end) {
     const std::string& error = recorder_->get_error();
     const auto again = hil::build_simulation(scenario_);
-    hil::RunAnalysis analysis(scenario_, *again, {end.tick});
+    hil::RunAnalysis analysis(scenario_, *again, {});
+    hil::RunOutputs outputs(scenario_, *again, {end.tick}, scenario_.outputs);
     hil::RecordingReader recording(open_recording());
     std::optional<hil::ReplayResult> replayed;
     std::string message = end.message;
     try {
-      replayed = hil::replay(recording, *again, &analysis);
+      replayed = hil::replay(recording, *again, &analysis, [&](const StepReport&) { outputs.look(); });
+      outputs.finish();
     } catch (const hil::LogError& lossy) {
       message += (message.empty() ? "" : "; ") + std::string(lossy.what());
     }
@@ -257,8 +259,8 @@ class Session {
     std::string status = get_status_name(end.status);
     if (replayed && !replayed->agrees()) status = "different";
     tell_unresolved(analysis, status, message);
-    const RunReport report{scenario_, *again,     analysis,          status,   message, end.tick,
-                           end.hash,  end.timing, recording.notices, replayed, refused_};
+    const RunReport report{scenario_,         *again,   analysis, status, message, end.tick, end.hash, end.timing,
+                           recording.notices, replayed, refused_, {},     &outputs};
     print_report(get_people_stream(options_.output.json), report);
     write_json(report, options_.output.json);
     write_junit(report, options_.output.junit);

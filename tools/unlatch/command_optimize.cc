@@ -1,9 +1,11 @@
 // unlatch optimize: values of a scenario that are best for an objective and meet its requirements.
-#include <unistd.h>
-
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "hil/run/run.h"
@@ -34,40 +36,116 @@ DesignVerification verify(const hil::DesignProblem& problem, const std::string& 
   const std::vector<hil::Verdict> verdicts = analysis.judge();
   for (const hil::DesignConstraint& constraint : problem.constraints)
     for (const hil::Verdict& verdict : verdicts)
-      if (verdict.requirement == constraint.requirement && !verdict.is_met()) verification.met = false;
+      if (!(constraint.probability > 0) && verdict.requirement == constraint.requirement && !verdict.is_met())
+        verification.met = false;
   return verification;
 }
 
-// On a terminal one line that is overwritten, elsewhere a line each tenth of the budget.
-void show_progress(const hil::DesignProblem& problem, const hil::DesignEvaluations* evaluations, std::int64_t& shown) {
-  if (evaluations == nullptr) return;
-  const std::int64_t runs = evaluations->get_runs();
-  if (runs > problem.budget.runs) return;  // those around the result
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (!terminal && 10 * runs / problem.budget.runs == shown) return;
-  shown = 10 * runs / problem.budget.runs;
-  std::fprintf(stderr, terminal ? "\r%lld of at most %lld runs" : "%lld of at most %lld runs\n",
-               static_cast<long long>(runs), static_cast<long long>(problem.budget.runs));
+// All that decides the samples, in full, and its fingerprint, by which --resume knows the problem.
+nlohmann::ordered_json build_manifest(const hil::DesignProblem& problem) {
+  nlohmann::ordered_json manifest{{"schema", 1},
+                                  {"synthesis", problem.name},
+                                  {"program", "unlatch " UNLATCH_VERSION},
+                                  {"fingerprint", to_hex(static_cast<std::int64_t>(calc_fingerprint(problem)))},
+                                  {"problem_text", problem.text},
+                                  {"scenario_text", problem.tree->get_nominal().text},
+                                  {"overrides", problem.overrides}};
+  if (problem.campaign) manifest["campaign_text"] = problem.campaign->text;
+  return manifest;
 }
+
+// Which part of the problem is another one than that of the folder.
+std::string describe_difference(const nlohmann::ordered_json& had, const nlohmann::ordered_json& has) {
+  const std::pair<const char*, const char*> parts[] = {{"program", "version of unlatch"},
+                                                       {"problem_text", "problem"},
+                                                       {"overrides", "values in `set`"},
+                                                       {"scenario_text", "scenario"},
+                                                       {"campaign_text", "campaign"}};
+  for (const auto& [key, name] : parts)
+    if (had.value(key, nlohmann::ordered_json()) != has.value(key, nlohmann::ordered_json())) return name;
+  return "file that the scenario names";
+}
+
+// The journal of an earlier search, if it is this problem's. Without one the folder gets this problem's manifest.
+void open_folder(const OptimizeOptions& options, const hil::DesignProblem& problem) {
+  namespace fs = std::filesystem;
+  const fs::path out(options.out), manifest = out / "manifest.json", journal = out / "history.csv";
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw OutputError(options.out + ": " + error.message());
+  const nlohmann::ordered_json now = build_manifest(problem);
+  if (fs::exists(journal)) {
+    if (!options.resume)
+      refuse_option("--out", options.out + " has a history.csv: give --resume to go on with it, or another folder");
+    std::ifstream file(manifest);
+    const auto had = nlohmann::ordered_json::parse(file, nullptr, false);
+    if (!had.is_object())
+      refuse_option("--resume", manifest.string() + " is missing or damaged; choose another folder");
+    if (had.value("fingerprint", "") != now.at("fingerprint"))
+      refuse_option("--resume", options.out + " is of another problem: its " + describe_difference(had, now) +
+                                    " differs; choose another folder");
+  } else {
+    write_text(now.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", manifest.string());
+  }
+}
+
+// Runs, the best so far, and time left at most: on a terminal one line that is overwritten, elsewhere a line each
+// tenth of the budget.
+class OptimizeProgress {
+ public:
+  explicit OptimizeProgress(const hil::DesignProblem& problem) : problem_(problem) {}
+
+  void show(const hil::DesignEvaluations& evaluations) {
+    const std::vector<hil::DesignSample>& samples = evaluations.get_samples();
+    if (!merit_) merit_.emplace(problem_, &samples.front());
+    for (; seen_ < samples.size(); ++seen_)
+      if (merit_->is_better(samples[seen_], samples[best_])) best_ = seen_;
+    const auto runs = static_cast<std::int64_t>(samples.size());
+    if (runs > problem_.budget.runs) return;  // those around the result
+    const std::int64_t tenth = 10 * runs / problem_.budget.runs;
+    if (!terminal_ && tenth == shown_) return;
+    shown_ = tenth;
+    const double violation = merit_->calc_violation(samples[best_]).size;
+    const std::string best =
+        violation > 0 ? format("least violation %.3g of its limit", violation)
+                      : format("best %.6g %s", samples[best_].objectives[0], problem_.objectives[0].unit.c_str());
+    const double spent = std::chrono::duration<double>(Clock::now() - begin_).count();
+    const auto made = static_cast<double>(std::max<std::int64_t>(1, runs - evaluations.get_taken()));
+    double left = spent / made * static_cast<double>(problem_.budget.runs - runs);
+    if (problem_.budget.seconds > 0) left = std::min(left, std::max(0.0, problem_.budget.seconds - spent));
+    std::fprintf(stderr, "%s%lld of at most %lld runs, %s (run %zu), at most %.0f s left%s",
+                 terminal_ ? "\r\033[K" : "", static_cast<long long>(runs),
+                 static_cast<long long>(problem_.budget.runs), best.c_str(), best_ + 1, left, terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+  void clear() const {
+    if (terminal_) std::fputs("\r\033[K", stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const hil::DesignProblem& problem_;
+  std::optional<hil::DesignMerit> merit_;
+  const bool terminal_ = is_terminal(stderr);
+  const Clock::time_point begin_ = Clock::now();
+  std::size_t seen_ = 0, best_ = 0;
+  std::int64_t shown_ = 0;
+};
 
 int optimize(const OptimizeOptions& options) {
   namespace fs = std::filesystem;
   check_output(options.json);
   const hil::DesignProblem problem = hil::load_design_problem(options.file);
-  std::error_code error;
   const fs::path out(options.out);
-  fs::create_directories(out, error);
-  if (error) throw OutputError(options.out + ": " + error.message());
   const std::string journal = (out / "history.csv").string();
-  if (!options.resume && fs::exists(journal))
-    refuse_option("--out", options.out + " has a history.csv: give --resume to go on with it, or another folder");
+  open_folder(options, problem);
   const hil::DesignEvaluations* known = nullptr;
-  std::int64_t shown = 0;
+  OptimizeProgress progress(problem);
   hil::DesignEvaluations evaluations(problem, {journal, options.resume, options.jobs}, catch_interrupts(),
-                                     [&] { show_progress(problem, known, shown); });
+                                     [&] { progress.show(*known); });
   known = &evaluations;
   const hil::DesignResult result = hil::search_design(problem, evaluations);
-  if (isatty(STDERR_FILENO) != 0) std::fputs("\r\033[K", stderr);
+  progress.clear();
 
   DesignReport report{problem, evaluations, result, std::nullopt};
   if (!evaluations.get_samples().empty()) {
@@ -76,6 +154,8 @@ int optimize(const OptimizeOptions& options) {
     write_text(write_patch(problem, best.point), patch);
     if (best.status != hil::SampleStatus::kInvalid && !evaluations.was_stopped())
       report.verification = verify(problem, patch, best);
+    if (report.verification && result.feasible)
+      if (auto failures = evaluations.check_dispersed(best.point)) report.verification->failures = std::move(*failures);
     if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());
   }
   const nlohmann::ordered_json json = build_design_json(report);

@@ -10,12 +10,12 @@ namespace unlatch::tools {
 namespace {
 
 struct ReplayOptions {
-  std::string log, json, junit;
+  std::string log, json, junit, outputs;
 };
 
 int run(const ReplayOptions& options) {
   check_output(options.json);
-  ReplayedLog log(options.log);
+  ReplayedLog log(options.log, options.outputs);
   Progress progress(log.opened.recording.header.dt, log.opened.recording.header.last_tick);
   log.replay([&](const StepReport&) { progress.show(log.opened.simulation->get_tick()); });
   progress.clear();
@@ -40,6 +40,7 @@ void add_replay(Command app, int& exit_code) {
   command.add_option("LOG", options->log, "recording made by --log").required();
   command.add_json_option(options->json);
   add_junit_option(command, options->junit);
+  add_outputs_option(command, options->outputs);
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 

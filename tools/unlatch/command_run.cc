@@ -31,6 +31,7 @@ struct RunOptions {
   std::vector<double> samples;                              // s
   std::vector<std::pair<double, std::string>> checkpoints;  // s, file
   std::string resume;                                       // file
+  std::string outputs;                                      // patterns; empty: the scenario's
   std::string accuracy = kNotAsked;                         // tolerance, or empty for the usual one
   OutputOptions output;
 };
@@ -96,7 +97,7 @@ class Checkpoints {
 };
 
 hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& analysis, hil::Recorder* recorder,
-                              Checkpoints& checkpoints, std::int64_t last_tick) {
+                              Checkpoints& checkpoints, hil::RunOutputs& outputs, std::int64_t last_tick) {
   std::atomic<std::int64_t> tick{simulation.get_tick()};
   Progress progress(simulation.plan().get_options().dt, last_tick);
   std::mutex mutex;
@@ -112,6 +113,7 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
   });
   hil::LogEnd end = hil::run_fast(simulation, analysis, recorder, last_tick, catch_interrupts(), [&] {
     checkpoints.look();
+    outputs.look();
     tick.store(simulation.get_tick(), std::memory_order_relaxed);
   });
   watcher.request_stop();
@@ -120,7 +122,18 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
   return end;
 }
 
-int run(const RunOptions& options) {
+// Of a campaign file one sample is run: --sample is its number then.
+RunOptions resolve_sample(RunOptions options) {
+  if (!is_campaign(options.scenario)) return options;
+  if (options.samples.size() != 1 || options.samples[0] != std::floor(options.samples[0]))
+    refuse_option("--sample", "of a campaign one sample is run: --sample I, its number from 0");
+  choose_sample(options.scenario, static_cast<std::int64_t>(options.samples[0]));
+  options.samples.clear();
+  return options;
+}
+
+int run(const RunOptions& given) {
+  const RunOptions options = resolve_sample(given);
   const bool compares = options.accuracy != kNotAsked;
   if (compares) (void)read_tolerance(options.accuracy);
   if (compares && !options.resume.empty())
@@ -137,18 +150,23 @@ int run(const RunOptions& options) {
   if (span.first > span.last) {
     refuse_option("--resume", options.resume + ": is of a time after the end of this run");
   }
-  hil::RunAnalysis analysis(scenario, simulation, calc_sample_ticks(options, span));
+  hil::RunAnalysis analysis(scenario, simulation, {});
+  hil::RunOutputs outputs(scenario, simulation, calc_sample_ticks(options, span),
+                          choose_outputs(scenario, options.outputs));
   Checkpoints checkpoints(options, scenario, simulation, span);
 
   std::optional<hil::Recorder> recorder;
   if (!options.output.log.empty()) {
     recorder.emplace(options.output.log, hil::build_log_header(scenario, simulation, hil::Pace::kFast, 0, last_tick));
   }
-  hil::LogEnd end = run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, checkpoints, last_tick);
+  hil::LogEnd end =
+      run_with_progress(simulation, analysis, recorder ? &*recorder : nullptr, checkpoints, outputs, last_tick);
+  outputs.finish();
   if (recorder) recorder->close(end);
 
   RunReport report{scenario,   simulation, analysis,    get_status_name(end.status), end.message, end.tick, end.hash,
                    end.timing, {},         std::nullopt};
+  report.outputs = &outputs;
   if (compares && end.status == hil::RunStatus::kDone)
     report.accuracy =
         measure_accuracy(options.scenario, scenario, simulation, analysis, read_tolerance(options.accuracy));
@@ -171,7 +189,8 @@ void add_run(Command app, int& exit_code) {
   add_scenario_options(command, options->scenario);
   command
       .add_option("--sample", options->samples,
-                  "times at which the JSON has all bodies and reactions, s (default: the end)")
+                  "times at which the JSON has all bodies and reactions, s (default: the end); of a campaign file the "
+                  "number of the sample to run, from 0")
       .delimiter(',')
       .type_name("SECONDS,...")
       .seconds(Seconds::kZeroToo);
@@ -190,6 +209,7 @@ void add_run(Command app, int& exit_code) {
       .type_name("TOLERANCE")
       .expected(0, 1);
   add_output_options(command, options->output);
+  add_outputs_option(command, options->outputs);
   command.callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -16,6 +16,7 @@ namespace unlatch::tools {
 // main.cc turns them into messages and exit codes.
 void add_check(Command app, int& exit_code);
 void add_run(Command app, int& exit_code);
+void add_campaign(Command app, int& exit_code);
 void add_hil(Command app, int& exit_code);
 void add_replay(Command app, int& exit_code);
 void add_preflight(Command app, int& exit_code);
@@ -38,6 +39,12 @@ struct ScenarioOptions {
 };
 void add_scenario_options(Command command, ScenarioOptions& options);
 
+// If the path is a campaign's, that is replaced by its scenario with the values of one sample. Throws
+// hil::ScenarioError.
+void choose_sample(ScenarioOptions& options, std::int64_t sample);
+// The path is a campaign file's.
+bool is_campaign(const ScenarioOptions& options);
+
 // Throws hil::ScenarioError.
 hil::Scenario load(const ScenarioOptions& options);
 // Parts of a valid scenario that cannot come true: an event whose time is after the end.
@@ -55,5 +62,9 @@ struct OutputOptions {
 };
 void add_output_options(Command command, OutputOptions& options);
 void add_junit_option(Command command, std::string& junit);
+// --outputs. `text`: empty for those of the scenario.
+void add_outputs_option(Command command, std::string& text);
+// The groups of --outputs, else the scenario's. Refuses names that are none.
+std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text);
 
 }  // namespace unlatch::tools

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "hil/campaign/statistics.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 
@@ -29,7 +30,9 @@ std::string get_status(const DesignResult& result) {
 
 std::string describe_constraint(const DesignConstraint& constraint) {
   if (constraint.both) return "within its two limits";
-  return format("%s %.6g %s", constraint.at_least ? "at least" : "at most", constraint.limit, constraint.unit.c_str());
+  const std::string text =
+      format("%s %.6g %s", constraint.at_least ? "at least" : "at most", constraint.limit, constraint.unit.c_str());
+  return constraint.probability > 0 ? text + format(" with probability %g", constraint.probability) : text;
 }
 
 bool is_at_bound(const DesignVariable& variable, double value) {
@@ -65,7 +68,7 @@ Json build_sensitivities(const DesignReport& report) {
     Json& one = all[report.problem.variables[i].name];
     std::size_t at = 0;
     for (const Objective& objective : report.problem.objectives) one[objective.text] = number(row[at++]);
-    for (const DesignConstraint& constraint : report.problem.constraints) one[constraint.id] = number(row[at++]);
+    for (const DesignConstraint& constraint : report.problem.constraints) one[constraint.name] = number(row[at++]);
   }
   return all;
 }
@@ -74,16 +77,50 @@ Json build_constraints(const DesignReport& report, const DesignSample& best) {
   Json all = Json::array();
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i) {
     const DesignConstraint& constraint = report.problem.constraints[i];
-    Json one{{"id", constraint.id},       {"unit", constraint.unit},           {"value", number(best.values[i])},
+    Json one{{"id", constraint.name},     {"unit", constraint.unit},           {"value", number(best.values[i])},
              {"limit", constraint.limit}, {"margin", number(best.margins[i])}, {"met", best.margins[i] >= 0}};
     if (!report.result.constraints.empty()) {
       const hil::ConstraintStudy& study = report.result.constraints[i];
       one["active"] = study.active;
       if (study.shadow) one["shadow"] = number(*study.shadow);
     }
+    if (constraint.probability > 0) one["probability"] = constraint.probability;
     all.push_back(one);
   }
   return all;
+}
+
+Json build_slices(const DesignReport& report) {
+  Json all = Json::object();
+  for (std::size_t i = 0; i < report.result.slices.size(); ++i)
+    for (const std::size_t k : report.result.slices[i]) {
+      const DesignSample& sample = report.evaluations.get_samples()[k];
+      Json one{{"value", number(sample.point[i])}};
+      for (const double value : sample.objectives) one["objectives"].push_back(number(value));
+      one["margins"] = Json::array();
+      for (const double value : sample.margins) one["margins"].push_back(number(value));
+      all[report.problem.variables[i].name].push_back(one);
+    }
+  return all;
+}
+
+Json build_verification(const DesignReport& report) {
+  const DesignVerification& verification = *report.verification;
+  Json json{{"runs", 1},
+            {"met", verification.met},
+            {"same_bits", verification.same_bits},
+            {"hash", to_hex(verification.hash)}};
+  for (std::size_t i = 0; i < verification.failures.size(); ++i) {
+    const DesignConstraint& constraint = report.problem.constraints[i];
+    if (!(constraint.probability > 0)) continue;
+    const std::int64_t checks = report.problem.campaign->checks;
+    const hil::Interval bounds = hil::calc_clopper_pearson(verification.failures[i], checks);
+    json["dispersed"].push_back({{"id", constraint.name},
+                                 {"samples", checks},
+                                 {"failed", verification.failures[i]},
+                                 {"probability", {bounds.low, bounds.high}}});
+  }
+  return json;
 }
 
 // Values of the violated constraint, and the limit that this point would meet.
@@ -95,8 +132,16 @@ std::string describe_violation(const DesignReport& report) {
     return "no run gives all of the results that the problem asks for: the nearest ended '" +
            hil::kSampleStatusNames[static_cast<std::size_t>(best.status)] + "'";
   const DesignConstraint& constraint = report.problem.constraints[violation.constraint];
-  return format("%s must be %s; the best that was found is %.6g %s", constraint.id.c_str(),
-                describe_constraint(constraint).c_str(), best.values[violation.constraint], constraint.unit.c_str());
+  std::string text =
+      format("%s must be %s; the best that was found is %.6g %s", constraint.name.c_str(),
+             describe_constraint(constraint).c_str(), best.values[violation.constraint], constraint.unit.c_str());
+  for (const std::size_t i : report.result.against)
+    if (i != violation.constraint) text += ", against " + report.problem.constraints[i].name;
+  std::string bounds;
+  for (std::size_t i = 0; i < report.problem.variables.size(); ++i)
+    if (!report.problem.variables[i].is_catalogue() && is_at_bound(report.problem.variables[i], best.point[i]))
+      bounds += (bounds.empty() ? "" : ", ") + report.problem.variables[i].name;
+  return bounds.empty() ? text : text + "; at their bounds: " + bounds;
 }
 
 }  // namespace
@@ -122,7 +167,7 @@ void print_problem(std::FILE* to, const DesignProblem& problem) {
                  objective.unit.empty() ? "" : (", " + objective.unit).c_str());
   if (!problem.constraints.empty()) print_heading(to, "Constraints");
   for (const DesignConstraint& constraint : problem.constraints)
-    std::fprintf(to, "  %-16s %s\n", constraint.id.c_str(), describe_constraint(constraint).c_str());
+    std::fprintf(to, "  %-16s %s\n", constraint.name.c_str(), describe_constraint(constraint).c_str());
   std::fprintf(to, "\n%s is valid\n", problem.file.c_str());
 }
 
@@ -134,7 +179,7 @@ void write_problem_json(const DesignProblem& problem, const std::string& target)
   for (const Objective& objective : problem.objectives)
     json["objectives"].push_back({{"sense", get_sense(objective)}, {"of", objective.text}, {"unit", objective.unit}});
   json["constraints"] = Json::array();
-  for (const DesignConstraint& constraint : problem.constraints) json["constraints"].push_back(constraint.id);
+  for (const DesignConstraint& constraint : problem.constraints) json["constraints"].push_back(constraint.name);
   write_json(json, target);
 }
 
@@ -163,18 +208,16 @@ Json build_design_json(const DesignReport& report) {
   if (!result.feasible) {
     json["violation"] = {{"size", result.violation.size}, {"text", describe_violation(report)}};
     if (result.violation.constraint < problem.constraints.size())
-      json["violation"]["constraint"] = problem.constraints[result.violation.constraint].id;
+      json["violation"]["constraint"] = problem.constraints[result.violation.constraint].name;
+    for (const std::size_t i : result.against) json["violation"]["against"].push_back(problem.constraints[i].name);
   }
   json["sensitivities"] = build_sensitivities(report);
   for (const std::size_t i : result.front)
     json["front"].push_back({{"run", i + 1},
                              {"point", evaluations.get_samples()[i].point},
                              {"objectives", evaluations.get_samples()[i].objectives}});
-  if (verification)
-    json["verification"] = {{"runs", 1},
-                            {"met", verification->met},
-                            {"same_bits", verification->same_bits},
-                            {"hash", to_hex(verification->hash)}};
+  json["slices"] = build_slices(report);
+  if (verification) json["verification"] = build_verification(report);
   return json;
 }
 
@@ -200,17 +243,25 @@ void print_design(std::FILE* to, const DesignReport& report) {
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const bool active = !result.constraints.empty() && result.constraints[i].active;
     if (!active && best.margins[i] >= 0) continue;
-    std::fprintf(to, "  %-16s %.6g %s, %s", problem.constraints[i].id.c_str(), best.values[i],
+    std::fprintf(to, "  %-16s %.6g %s, %s", problem.constraints[i].name.c_str(), best.values[i],
                  problem.constraints[i].unit.c_str(), describe_constraint(problem.constraints[i]).c_str());
     if (active && result.constraints[i].shadow)
       std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
     std::fprintf(to, "%s\n", active ? "" : ": not met");
   }
   if (!result.front.empty()) std::fprintf(to, "  Pareto front: %zu points in front.csv\n", result.front.size());
-  if (verification)
-    std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
-                 verification->met ? "all constraints met" : "not all constraints met",
-                 verification->same_bits ? "same bits" : "OTHER BITS than in the search");
+  if (!verification) return;
+  std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
+               verification->met ? "all constraints met" : "not all constraints met",
+               verification->same_bits ? "same bits" : "OTHER BITS than in the search");
+  for (std::size_t i = 0; i < verification->failures.size(); ++i) {
+    if (!(problem.constraints[i].probability > 0)) continue;
+    const std::int64_t checks = problem.campaign->checks;
+    const hil::Interval bounds = hil::calc_clopper_pearson(verification->failures[i], checks);
+    std::fprintf(to, "  %-16s %lld of %lld other samples fail: probability of failure %.4f to %.4f (95 %%)\n",
+                 problem.constraints[i].name.c_str(), static_cast<long long>(verification->failures[i]),
+                 static_cast<long long>(checks), bounds.low, bounds.high);
+  }
 }
 
 std::string write_patch(const DesignProblem& problem, const hil::DesignPoint& point) {

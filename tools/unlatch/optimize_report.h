@@ -15,6 +15,7 @@ struct DesignVerification {
   bool met = false;        // all constraints
   bool same_bits = false;  // as the sample of the search
   std::int64_t hash = 0;
+  std::vector<std::int64_t> failures = {};  // of each constraint, of the campaign's other samples; empty: none flown
 };
 
 struct DesignReport {

@@ -1,5 +1,7 @@
 #include "tools/unlatch/replayed_log.h"
 
+#include "tools/unlatch/commands.h"
+
 namespace unlatch::tools {
 namespace {
 
@@ -22,11 +24,18 @@ OpenedLog::OpenedLog(const std::string& path)
       scenario(hil::load_recorded_scenario(recording.header)),
       simulation(hil::build_recorded_simulation(recording.header, scenario, path)) {}
 
-ReplayedLog::ReplayedLog(const std::string& path)
-    : opened(path), analysis(opened.scenario, *opened.simulation, {opened.recording.header.last_tick}) {}
+ReplayedLog::ReplayedLog(const std::string& path, const std::string& chosen)
+    : opened(path),
+      analysis(opened.scenario, *opened.simulation, {}),
+      outputs(opened.scenario, *opened.simulation, {opened.recording.header.last_tick},
+              choose_outputs(opened.scenario, chosen)) {}
 
 void ReplayedLog::replay(const std::function<void(const StepReport&)>& look) {
-  result = hil::replay(opened.recording, *opened.simulation, &analysis, look);
+  result = hil::replay(opened.recording, *opened.simulation, &analysis, [&](const StepReport& report) {
+    outputs.look();
+    if (look) look(report);
+  });
+  outputs.finish();
 }
 
 RunReport ReplayedLog::build_report() const {
@@ -41,7 +50,10 @@ RunReport ReplayedLog::build_report() const {
           simulation.calc_hash(),
           recording.end ? recording.end->timing : hil::TimingSummary{},
           recording.notices,
-          result};
+          result,
+          {},
+          {},
+          &outputs};
 }
 
 }  // namespace unlatch::tools

@@ -21,7 +21,8 @@ struct OpenedLog {
 std::string describe_status(const hil::RecordingReader& recording, const hil::ReplayResult& result);
 
 struct ReplayedLog {
-  explicit ReplayedLog(const std::string& path);
+  // `outputs`: as of choose_outputs(), for the series.
+  explicit ReplayedLog(const std::string& path, const std::string& outputs = {});
   // Once. `look` is called at every state, after the analysis.
   void replay(const std::function<void(const StepReport&)>& look = {});
   // After that; it refers to this.
@@ -30,6 +31,7 @@ struct ReplayedLog {
 
   OpenedLog opened;
   hil::RunAnalysis analysis;
+  hil::RunOutputs outputs;
   hil::ReplayResult result;
 };
 

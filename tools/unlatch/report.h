@@ -9,6 +9,7 @@
 
 #include "hil/analysis/accuracy.h"
 #include "hil/analysis/run_analysis.h"
+#include "hil/outputs/run_outputs.h"
 #include "hil/run/replay.h"
 
 namespace unlatch::tools {
@@ -25,6 +26,7 @@ struct RunReport {
   std::optional<hil::ReplayResult> replay;
   std::vector<std::string> refused = {};  // by the operating system, to a run in real time
   std::optional<hil::AccuracyReport> accuracy = {};
+  const hil::RunOutputs* outputs = nullptr;  // samples and series; none: neither is told
 };
 
 std::string to_hex(std::int64_t hash);

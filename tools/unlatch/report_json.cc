@@ -2,7 +2,9 @@
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
+#include "tools/export/output_json.h"
 #include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
@@ -15,40 +17,72 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
 
-Json build_sample(const hil::Sample& sample, const Model& model) {
-  Json bodies = Json::object(), reactions = Json::object();
-  for (std::size_t i = 0; i < sample.bodies.size(); ++i) {
-    const BodyState& body = sample.bodies[i];
-    bodies[model.bodies[i].name] = {{"p", to_json(body.p)},
-                                    {"q", Json::array({body.q.w, body.q.x, body.q.y, body.q.z})},
-                                    {"v", to_json(body.v)},
-                                    {"w", to_json(body.w)},
-                                    {"modal", sample.modal[i]}};
+// At each sample everything.
+Json build_samples(const RunReport& report) {
+  Json json = Json::array();
+  const std::vector<hil::Output>& list = report.outputs->reader().list();
+  std::vector<std::size_t> all(list.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  for (const hil::RunOutputs::Sample& sample : report.outputs->get_samples()) {
+    Json entry = {{"t", sample.time}};
+    entry.update(build_outputs_json(report.outputs->reader(), report.scenario.model, all, sample.values));
+    json.push_back(std::move(entry));
   }
-  for (const hil::ReactionSample& reaction : sample.reactions) {
-    Json rows = Json::array(), values = Json::array();
-    for (int row = 0; row < kRows; ++row) {
-      if (!has_row(reaction.rows, row)) continue;
-      rows.push_back(kRowNames[row]);
-      values.push_back(reaction.multipliers[static_cast<std::size_t>(row)]);
-    }
-    reactions[reaction.joint] = {{"mode", reaction.mode}, {"rows", rows}, {"lambda", values}};
-  }
-  return {{"t", sample.time}, {"bodies", bodies}, {"reactions", reactions}};
+  return json;
 }
 
-Json build_clearance(const hil::Clearance& clearance, const Model& model) {
-  const auto name = [&model](int body) { return model.bodies[static_cast<std::size_t>(body)].name; };
-  Json json = {{"pair", Json::array({name(clearance.a), name(clearance.b)})},
+// Each group as a table: a row of numbers for each time; of a joint's mode its index.
+Json build_series(const RunReport& report) {
+  Json json = Json::array();
+  for (const hil::RunOutputs::Series& series : report.outputs->get_series()) {
+    const std::vector<hil::Output>& list = report.outputs->reader().list();
+    std::size_t width = 0;
+    for (const std::size_t i : series.selected.outputs) width += list[i].columns.size();
+    Json rows = Json::array();
+    for (std::size_t row = 0; row < series.times.size(); ++row) {
+      const auto first = series.values.begin() + static_cast<std::ptrdiff_t>(row * width);
+      rows.push_back(std::vector<double>(first, first + static_cast<std::ptrdiff_t>(width)));
+    }
+    json.push_back({{"every", series.selected.rate.every},
+                    {"outputs", build_output_list_json(list, series.selected.outputs)},
+                    {"t", series.times},
+                    {"rows", rows}});
+  }
+  return json;
+}
+
+Json build_clearance(const hil::Clearance& clearance, const hil::PairDistance& at) {
+  Json json = {{"pair", Json::array({clearance.name_a, clearance.name_b})},
                {"min", clearance.smallest},
                {"t", clearance.time},
-               {"tie", {clearance.tie.from, clearance.tie.to}}};
+               {"tie", {clearance.tie.from, clearance.tie.to}},
+               {"witnesses", {to_json(at.least.on_a), to_json(at.least.on_b)}},
+               {"normal", to_json(at.least.normal)},
+               {"shapes", {at.shape_a, at.shape_b}},
+               {"touch", clearance.touch ? Json(*clearance.touch) : Json(nullptr)}};
   if (clearance.after_release) {
     json["after_release"] = {{"from", clearance.after_release->from},
                              {"min", clearance.after_release->smallest},
                              {"t", clearance.after_release->time}};
   }
   return json;
+}
+
+Json build_contact(const hil::ContactRecord& contact) {
+  const auto time = [](const std::optional<double>& t) { return t ? Json(*t) : Json(nullptr); };
+  return {{"name", contact.name},
+          {"touch", time(contact.touch)},
+          {"lift", time(contact.lift)},
+          {"touches", contact.touches},
+          {"closed_at_start", contact.closed_at_start},
+          {"closed", contact.closed},
+          {"duration", contact.duration},
+          {"peak_force", contact.peak_force},
+          {"t", contact.peak_time},
+          {"depth", contact.depth},
+          {"impulse", contact.totals.impulse},
+          {"slip", contact.totals.slip},
+          {"dissipated", contact.totals.dissipated}};
 }
 
 Json build_audit(const EventAudit& audit) {
@@ -171,11 +205,18 @@ nlohmann::ordered_json build_json(const RunReport& report) {
         {{"t", notice.time}, {"name", get_full_name(notice)}, {"subject", notice.subject}, {"text", notice.text}});
   }
   json["samples"] = Json::array();
-  for (const hil::Sample& sample : report.analysis.samples) json["samples"].push_back(build_sample(sample, model));
-  json["clearance"] = Json::array();
-  for (const auto& clearance : report.analysis.clearances()) {
-    json["clearance"].push_back(build_clearance(clearance, model));
+  if (report.outputs != nullptr) {
+    json["samples"] = build_samples(report);
+    if (!report.outputs->get_series().empty()) json["outputs"] = build_series(report);
   }
+  json["clearance"] = Json::array();
+  for (std::size_t i = 0; i < report.analysis.clearances().size(); ++i) {
+    json["clearance"].push_back(
+        build_clearance(report.analysis.clearances()[i], report.analysis.calc_witnesses(static_cast<int>(i))));
+  }
+  json["contacts"] = Json::array();
+  for (const hil::ContactRecord& contact : report.analysis.list_contacts())
+    json["contacts"].push_back(build_contact(contact));
   json["verdict"] = build_requirements_json(report);
   json["separations"] = build_separations_json(report);
   json["tip_off"] = Json::array();

@@ -56,15 +56,21 @@ std::string describe_time(const hil::Clearance& clearance) {
   return text;
 }
 
+std::string describe_touch(const hil::Clearance& clearance) {
+  char text[64];
+  std::snprintf(text, sizeof text,
+                clearance.smallest < 0 ? "  they overlap, touch at %.4f s" : "  they touch at %.4f s",
+                clearance.touch.value_or(clearance.time));
+  return text;
+}
+
 void print_clearances(std::FILE* to, const RunReport& report) {
   if (report.analysis.clearances().empty()) return;
   print_heading(to, "Smallest clearances");
-  const auto& bodies = report.scenario.model.bodies;
   const auto& clearances = report.analysis.clearances();
   std::vector<std::string> keys, pairs;
   for (const hil::Clearance& clearance : clearances) {
-    pairs.push_back(bodies[static_cast<std::size_t>(clearance.a)].name + " – " +
-                    bodies[static_cast<std::size_t>(clearance.b)].name);
+    pairs.push_back(clearance.name_a + " – " + clearance.name_b);
     keys.push_back(without_numbers(pairs.back()));
   }
   for (const std::vector<std::size_t>& group : group_alike(keys)) {
@@ -75,11 +81,30 @@ void print_clearances(std::FILE* to, const RunReport& report) {
     const std::string of_group = "  the smallest of " + std::to_string(group.size()) + " pairs " + keys[least];
     std::fprintf(to, "  %-28s %9.4f m %s%s%s\n", pairs[least].c_str(), clearance.smallest,
                  describe_time(clearance).c_str(),
-                 clearance.smallest > 0 ? "" : paint(to, Colour::kRed, "  they touch").c_str(),
+                 clearance.smallest > 0 ? "" : paint(to, Colour::kRed, describe_touch(clearance)).c_str(),
                  group.size() == 1 ? "" : of_group.c_str());
     if (!clearance.after_release || clearance.after_release->smallest == clearance.smallest) continue;
     std::fprintf(to, "  %-28s %9.4f m at %9.4f s, from the release at %.4f s on\n", "",
                  clearance.after_release->smallest, clearance.after_release->time, clearance.after_release->from);
+  }
+}
+
+void print_contacts(std::FILE* to, const RunReport& report) {
+  const std::vector<hil::ContactRecord> contacts = report.analysis.list_contacts();
+  if (contacts.empty()) return;
+  print_heading(to, "Contacts (F_n in N, impulse in N s, slip and depth in m, loss in J)");
+  for (const hil::ContactRecord& c : contacts) {
+    if (c.touches == 0 && !c.closed_at_start) {
+      std::fprintf(to, "  %-20s no touch\n", c.name.c_str());
+      continue;
+    }
+    const std::string begin = c.closed_at_start ? "closed at the start"
+                                                : to_text(*c.touch, "touch at %.6f s") +
+                                                      (c.touches > 1 ? to_text(c.touches, ", %.0f touches") : "");
+    const std::string end = c.closed || !c.lift ? "closed at the end" : to_text(*c.lift, "lift at %.6f s");
+    std::fprintf(to, "  %-20s %s, %s, closed for %.4g s\n", c.name.c_str(), begin.c_str(), end.c_str(), c.duration);
+    std::fprintf(to, "  %-20s peak %.5g at %.6f s, impulse %.5g, depth %.3g, slip %.3g, loss %.5g\n", "", c.peak_force,
+                 c.peak_time, c.totals.impulse, c.depth, c.totals.slip, c.totals.dissipated);
   }
 }
 
@@ -233,6 +258,7 @@ void print_report(std::FILE* to, const RunReport& report) {
   const double dt = report.simulation.plan().get_options().dt;
   print_timeline(to, report);
   print_clearances(to, report);
+  print_contacts(to, report);
   print_separations(to, report);
   print_reactions(to, report);
   print_audit(to, report.analysis.audits);

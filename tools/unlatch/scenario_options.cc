@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/campaign/campaign.h"
 #include "hil/run/run.h"
 #include "tools/unlatch/commands.h"
 
@@ -42,6 +43,20 @@ std::vector<std::string> list_notes(const hil::Scenario& scenario) {
                     text);
   }
   return notes;
+}
+
+bool is_campaign(const ScenarioOptions& options) {
+  return !hil::is_standard_input(options.path) && hil::is_campaign(hil::read_text_file(options.path, "scenario"));
+}
+
+void choose_sample(ScenarioOptions& options, std::int64_t sample) {
+  const hil::Campaign campaign = hil::load_campaign(options.path, options.overrides);
+  if (sample < 0 || sample >= campaign.plan.samples)
+    refuse_option("--sample", "the campaign has samples 0 to " + std::to_string(campaign.plan.samples - 1));
+  options.path = campaign.scenario;
+  options.overrides = campaign.tree->get_nominal().overrides;
+  for (const hil::Setting& setting : make_settings(campaign, draw_inputs(campaign, sample)))
+    options.overrides.push_back(to_text(setting));
 }
 
 void add_scenario_options(Command command, ScenarioOptions& options) {
@@ -97,6 +112,24 @@ void add_output_options(Command command, OutputOptions& options) {
     if (!options.log.empty() && options.log == options.json)
       refuse_option("--log", "the recording and the JSON need different files");
   });
+}
+
+void add_outputs_option(Command command, std::string& text) {
+  command
+      .add_option("--outputs", text,
+                  "outputs to write, by patterns of their names (`unlatch check SCENARIO --outputs` lists them), each "
+                  "with the ticks from one row to the next or a rate: 'core.*,*.force@10,sensor.*@100Hz' (default: "
+                  "those of the scenario)")
+      .type_name("PATTERN,...");
+}
+
+std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, const std::string& text) {
+  if (text.empty()) return scenario.outputs;
+  try {
+    return hil::parse_outputs(text, scenario.dt, hil::list_outputs(scenario));
+  } catch (const std::invalid_argument& error) {
+    refuse_option("--outputs", error.what());
+  }
 }
 
 std::int64_t calc_last_tick(const hil::Scenario& scenario) { return std::llround(scenario.until / scenario.dt); }

@@ -85,7 +85,7 @@ void print_separation(std::FILE* to, const RunReport& report, const hil::Separat
   if (clearance == nullptr) return;
   const hil::Clearance::AfterRelease& after = *clearance->after_release;
   std::fprintf(to, "    smallest clearance       %.4f m at %.6f s, after the release (%s – %s)", after.smallest,
-               after.time, get_name(report, clearance->a).c_str(), get_name(report, clearance->b).c_str());
+               after.time, clearance->name_a.c_str(), clearance->name_b.c_str());
   if (is_closing(*clearance)) {
     char text[80];
     std::snprintf(text, sizeof text, "; still closing at the end, %.4g m/s", -clearance->rate);
@@ -146,7 +146,7 @@ nlohmann::ordered_json build_separations_json(const RunReport& report) {
                  {"sides", {build_side(report, pair.base), build_side(report, pair.follower)}},
                  {"springs", springs}};
     if (const hil::Clearance* const clearance = find_clearance(report, pair)) {
-      json["clearance"] = {{"pair", {get_name(report, clearance->a), get_name(report, clearance->b)}},
+      json["clearance"] = {{"pair", {clearance->name_a, clearance->name_b}},
                            {"min", clearance->after_release->smallest},
                            {"t", clearance->after_release->time},
                            {"now", clearance->now},

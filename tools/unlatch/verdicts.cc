@@ -49,9 +49,8 @@ std::vector<std::string> build_verdicts(const RunReport& report) {
   add_late_leavers(report.analysis.tip_offs, verdicts);
   for (const hil::Clearance& clearance : report.analysis.clearances()) {
     if (clearance.smallest > 0) continue;
-    const Model& model = report.scenario.model;
-    verdicts.push_back(get_body_name(model, clearance.a) + " and " + get_body_name(model, clearance.b) +
-                       " touch at t = " + to_seconds(clearance.time));
+    verdicts.push_back(clearance.name_a + " and " + clearance.name_b +
+                       " touch at t = " + to_seconds(clearance.touch.value_or(clearance.time)));
   }
   return verdicts;
 }

@@ -185,8 +185,7 @@ class Screen {
     add(begin().add(Colour::kBold, pad("Clearance", 30) + "     now      smallest of the states seen here"));
     for (std::size_t i = 0; i < std::min(shown, view_.clearances.size()); ++i) {
       const hil::Clearance& clearance = view_.clearances[i];
-      const std::string pair = view_.bodies[static_cast<std::size_t>(clearance.a)] + " – " +
-                               view_.bodies[static_cast<std::size_t>(clearance.b)];
+      const std::string pair = clearance.name_a + " – " + clearance.name_b;
       Line line = begin();
       line.add(pad(pair, 29) + " ");
       line.add(clearance.now > 0 ? Colour::kGreen : Colour::kRed, format("%8.3f m", clearance.now));

@@ -53,12 +53,10 @@ std::string build_json(const View& view) {
   json["reactions_tick"] = view.reactions_tick;
   json["clearance"] = Json::array();
   for (const hil::Clearance& clearance : view.clearances) {
-    json["clearance"].push_back(
-        {{"pair",
-          {view.bodies[static_cast<std::size_t>(clearance.a)], view.bodies[static_cast<std::size_t>(clearance.b)]}},
-         {"now", clearance.now},
-         {"least_seen", clearance.smallest},
-         {"t", clearance.time}});
+    json["clearance"].push_back({{"pair", {clearance.name_a, clearance.name_b}},
+                                 {"now", clearance.now},
+                                 {"least_seen", clearance.smallest},
+                                 {"t", clearance.time}});
   }
   json["participants"] = Json::array();
   for (const WatchedParticipant& one : view.participants) {

@@ -63,7 +63,10 @@ struct Distance {
   double gap = 0;
 };
 
-// Distance of two shapes; no allocation. Two hollow shapes and two half-spaces have no distance here: infinite.
+// Two hollow shapes and two half-spaces have no distance here; all other pairs have one.
+bool has_distance(ShapeKind a, ShapeKind b) noexcept;
+
+// Distance of two shapes; no allocation. Infinite for a pair that has none.
 Distance calc_distance(const CompiledShape& a, const Placement& at_a, const CompiledShape& b,
                        const Placement& at_b) noexcept;
 

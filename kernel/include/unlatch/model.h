@@ -209,7 +209,7 @@ struct Surface {
 //   F_n = max(0, k δⁿ (1 + d dδ/dt))        on the follower away from the base, along the witnesses
 //   F_t = −μ F_n v_t / √(|v_t|² + v_s²)     on the follower; on the base the opposite, both at that midpoint
 //
-// Pairs that have no distance (two half-spaces, two hollow shapes, a hollow shape and a half-space) do not touch.
+// Pairs that have no distance (two half-spaces, two hollow shapes) do not touch.
 struct Contact {
   std::string name;                           // unique among elements
   int base = 0, follower = 0;                 // indices of surfaces, of two bodies

@@ -94,6 +94,21 @@ TEST(GeometryClosedForms, AHalfSpaceIsAsFarAsTheLowestPoint) {
   expect_near(d.on_b, {1, 1, 1}, kRounding);
 }
 
+TEST(GeometryClosedForms, AHalfSpaceIsAsFarAsTheLowestPointOfAWall) {
+  const Shape ground{.kind = ShapeKind::kHalfSpace, .from = {0, 0, 1}, .normal = {0, 0, 2}};
+  Shape tube{.kind = ShapeKind::kHollow, .from = {0, 0, 3}, .to = {0, 0, 5}, .profile = {{0, 0.5}, {1, 1}, {2, 0.2}}};
+  EXPECT_NEAR(measure(tube, ground).distance, 2, kRounding);
+  tube.from = {0, 0, 3}, tube.to = {4, 0, 3};  // lying: the rim of 1 m is 1 m below the axis
+  const Distance whole = measure(ground, tube);
+  EXPECT_NEAR(whole.distance, 1, kRounding);
+  expect_near(whole.on_a, {1, 0, 1}, 1e-12);
+  expect_near(whole.on_b, {1, 0, 2}, 1e-12);
+  tube.half = true, tube.side = {0, 0, 1};  // the upper half: its edges are at the height of the axis
+  EXPECT_NEAR(measure(ground, tube).distance, 2, kRounding);
+  tube.from = {0, 0, 1.5}, tube.to = {4, 0, 1.5}, tube.half = false;  // 0.5 m too deep
+  EXPECT_NEAR(measure(tube, ground).distance, -0.5, kRounding);
+}
+
 TEST(GeometryTies, ParallelCapsulesMeetInTheMiddleOfTheirCommonLength) {
   const Distance d = measure(capsule({0, 0, 0}, {4, 0, 0}, 0.1), capsule({1, 2, 0}, {9, 2, 0}, 0.2));
   EXPECT_NEAR(d.distance, 1.7, kRounding);
@@ -152,6 +167,8 @@ TEST(GeometryTies, TwoHullsFaceToFaceMeetInTheCentreOfTheirCommonArea) {
 TEST(GeometryClosedForms, TwoHalfSpacesHaveNoDistance) {
   const Shape ground{.kind = ShapeKind::kHalfSpace, .normal = {0, 0, 1}};
   EXPECT_EQ(measure(ground, ground).distance, std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(geometry::has_distance(ShapeKind::kHalfSpace, ShapeKind::kHalfSpace));
+  EXPECT_TRUE(geometry::has_distance(ShapeKind::kHalfSpace, ShapeKind::kHollow));
 }
 
 }  // namespace

@@ -53,15 +53,12 @@ async function addChannels(recording, head) {
   await recording.addChannel('/scene', 'foxglove.SceneUpdate', SceneUpdate);
   await recording.addChannel('/tf', 'foxglove.FrameTransforms', FrameTransforms);
   await recording.addChannel('/events', 'foxglove.Log', Log);
-  for (const body of head.bodies) {
-    const vector = listNumbers(['x', 'y', 'z']);
-    await recording.addChannel(`/bodies/${body.name}`, 'unlatch.BodyVelocity',
-      { type: 'object', properties: { v: vector, w: vector } }, [['units', 'v: m/s in W; w: rad/s in body axes']]);
-  }
-  for (const joint of head.joints) {
-    const schema = listNumbers(head.rows);
-    schema.properties.mode = { type: 'string' };
-    await recording.addChannel(`/joints/${joint}`, 'unlatch.Reaction', schema, [['units', 'N, N m, on the follower']]);
+  for (const [topic, outputs] of groupOutputs(head)) {
+    const units = outputs.map((output) => [output.what, [output.columns[0].unit, output.frame].filter(Boolean).join(', ')]);
+    const numbers = ['/elements', '/signals'].some((folder) => topic.startsWith(folder)) ? number : { type: 'array', items: number };
+    const properties = Object.fromEntries(outputs.map((output) => [keyOf(output), isVector(output) ? listNumbers(['x', 'y', 'z']) : numbers]));
+    if (topic.startsWith('/joints')) Object.assign(properties, listNumbers(head.rows).properties, { mode: { type: 'string' } });
+    await recording.addChannel(topic, SCHEMAS[topic.split('/')[1]], { type: 'object', properties }, units);
   }
   if (head.channels.length > 0) await recording.addChannel('/channels', 'unlatch.Channels', listNumbers(head.channels.map((c) => c.name)));
   if (head.clearance.length > 0) {
@@ -71,24 +68,49 @@ async function addChannels(recording, head) {
 
 const nameOf = (pair) => pair.join('-');
 
+// Outputs of the topics that hold one subject each: [topic, [{what, frame, columns}]]
+function groupOutputs(head) {
+  const topics = new Map();
+  for (const output of head.outputs) {
+    const [group, of, what] = output.name.split('.');
+    const topic = { body: `/bodies/${of}`, joint: `/joints/${of}`, element: `/elements/${of}`, sensor: `/sensors/${of}`, signal: '/signals' }[group];
+    if (topic === undefined) continue;
+    if (!topics.has(topic)) topics.set(topic, []);
+    topics.get(topic).push({ ...output, group, of, what: what ?? (group === 'sensor' ? 'values' : of) });
+  }
+  return topics;
+}
+
+const SCHEMAS = {
+  bodies: 'unlatch.Body', joints: 'unlatch.Joint', elements: 'unlatch.Element', sensors: 'unlatch.Sensor', signals: 'unlatch.Signals',
+};
+const KEYS = { position: 'p', attitude: 'q', velocity: 'v', rate: 'w', acceleration: 'a', angular_acceleration: 'alpha' };
+const keyOf = (output) => (output.group === 'body' ? KEYS[output.what] ?? output.what : output.what);
+const isVector = (output) => output.columns.length === 3 && output.group !== 'sensor';
+const toObject = (value) => (value.length === 3 ? { x: value[0], y: value[1], z: value[2] } : value);
+const mapValues = (object) => Object.fromEntries(Object.entries(object).map(([key, value]) => [key, Array.isArray(value) ? toObject(value) : value]));
+
+// Topics of one subject have what is due at this tick.
 async function addTick(recording, head, tick) {
   const time = toTime(tick.t);
   const timestamp = toStamp(time);
-  const names = Object.keys(tick.bodies);
-  await recording.add('/tf', time, { transforms: names.map((name) => buildTransform(name, tick.bodies[name], timestamp)) });
-  for (const name of names) {
-    const toObject = ([x, y, z]) => ({ x, y, z });
-    await recording.add(`/bodies/${name}`, time, { v: toObject(tick.bodies[name].v), w: toObject(tick.bodies[name].w) });
+  const placed = Object.keys(tick.bodies).filter((name) => tick.bodies[name].p && tick.bodies[name].q);
+  if (placed.length > 0) {
+    await recording.add('/tf', time, { transforms: placed.map((name) => buildTransform(name, tick.bodies[name], timestamp)) });
   }
-  for (const [name, reaction] of Object.entries(tick.reactions)) {
-    const values = Object.fromEntries(head.rows.map((row) => [row, 0]));
-    reaction.rows.forEach((row, i) => { values[row] = reaction.lambda[i]; });
-    await recording.add(`/joints/${name}`, time, { ...values, mode: reaction.mode });
+  for (const [name, body] of Object.entries(tick.bodies)) await recording.add(`/bodies/${name}`, time, mapValues(body));
+  for (const name of new Set([...Object.keys(tick.reactions), ...Object.keys(tick.joints)])) {
+    const reaction = tick.reactions[name];
+    const values = reaction === undefined ? {} : { ...Object.fromEntries(head.rows.map((row) => [row, 0])), mode: reaction.mode };
+    reaction?.rows.forEach((row, i) => { values[row] = reaction.lambda[i]; });
+    await recording.add(`/joints/${name}`, time, { ...values, ...mapValues(tick.joints[name] ?? {}) });
   }
-  if (head.channels.length > 0) await recording.add('/channels', time, tick.channels);
-  if (head.clearance.length > 0) {
-    await recording.add('/clearance', time, Object.fromEntries(tick.clearance.map((value, i) => [nameOf(head.clearance[i]), value])));
-  }
+  for (const [name, element] of Object.entries(tick.elements)) await recording.add(`/elements/${name}`, time, element);
+  for (const [name, values] of Object.entries(tick.sensors)) await recording.add(`/sensors/${name}`, time, { values });
+  if (Object.keys(tick.signals).length > 0) await recording.add('/signals', time, tick.signals);
+  if (Object.keys(tick.channels).length > 0) await recording.add('/channels', time, tick.channels);
+  const clearance = Object.fromEntries(tick.clearance.map((value, i) => [nameOf(head.clearance[i]), value]).filter(([, value]) => value !== null));
+  if (Object.keys(clearance).length > 0) await recording.add('/clearance', time, clearance);
 }
 
 export async function writeMcap(lines, path) {

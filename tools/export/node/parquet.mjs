@@ -7,6 +7,7 @@ const GROUP = 4096;  // rows
 const TYPES = {
   integer: { type: 'INT64' },
   number: { type: 'DOUBLE' },
+  optional: { type: 'DOUBLE', repetition_type: 'OPTIONAL' },  // null: there is no value
   text: { type: 'BYTE_ARRAY', converted_type: 'UTF8' },
 };
 
@@ -22,7 +23,7 @@ export async function writeParquet(lines, path) {
     if (columns === undefined) {
       columns = line.columns;
       const schema = [{ name: 'run', num_children: columns.length },
-        ...columns.map((column) => ({ name: column.name, repetition_type: 'REQUIRED', ...TYPES[column.type] }))];
+        ...columns.map((column) => ({ name: column.name, repetition_type: column.optional ? 'OPTIONAL' : 'REQUIRED', ...TYPES[column.type] }))];
       const units = Object.fromEntries(columns.map((column) => [column.name, column.unit]));
       writer = new ParquetWriter({
         writer: fileWriter(path), schema, createdBy: 'unlatch',

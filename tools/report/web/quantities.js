@@ -44,11 +44,11 @@ function clearances(runs) {
   const nearest = findNearest(runs);
   const all = runs.some((run) => run.pairs_in_all > run.pairs.length) ? '; of many pairs the 40 nearest' : '';
   const build = (run) => run.pairs.map((pair) => ({
-    name: `${bodyName(run, pair.a)} – ${bodyName(run, pair.b)}`, colour: pairColour(pair), values: run.column(pair.column),
+    name: pair.name, colour: pairColour(pair), values: run.column(pair.column),
     rank: -pair.min, marks: [{ t: pair.t, value: pair.min }] }));
   const smallest = nearest === null ? ''
-    : `; the smallest ${digits(nearest.pair.min, 4)} m at ${digits(nearest.pair.t, 5)} s, ${bodyName(nearest.pair.run, nearest.pair.a)} – ${bodyName(nearest.pair.run, nearest.pair.b)}`;
-  return { kind: 'clearance', title: 'Clearances', note: `smallest distance between two bodies’ shapes${all}${smallest}`, choices: [
+    : `; the smallest ${digits(nearest.pair.min, 4)} m at ${digits(nearest.pair.t, 5)} s, ${nearest.pair.name}`;
+  return { kind: 'clearance', title: 'Clearances', note: `smallest distance between two bodies’ shapes, negative where they overlap${all}${smallest}`, choices: [
     { name: 'all', unit: 'm', build }, ...(nearest === null ? [] : [{ name: 'nearest approach', unit: 'm', build, window: nearest }])] };
 }
 

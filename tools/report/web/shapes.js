@@ -6,6 +6,7 @@ import { ConvexGeometry } from 'three/addons/geometries/ConvexGeometry.js';
 // sides are seen.
 const SOLID = { sides: 40, sharp: 30 };
 const OUTLINE = { sides: 12, sharp: 10 };
+const PLANE = 10;  // m, radius of the disc that is drawn of a half-space
 
 function vector([x, y, z]) { return new THREE.Vector3(x, y, z); }
 export function quaternion([w, x, y, z]) { return new THREE.Quaternion(x, y, z, w); }
@@ -17,15 +18,34 @@ function alongAxis(geometry, from, to) {
   return geometry.translate(...[0, 1, 2].map((k) => (from[k] + to[k]) / 2));
 }
 
+// Of the plane a disc around the given point.
+function buildPlane(shape, sides) {
+  const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), vector(shape.normal).normalize());
+  return new THREE.CircleGeometry(PLANE, sides).applyQuaternion(turn).translate(...shape.point);
+}
+
+// A profile turned about the axis; of a half the 180° around its side. three.js turns about y, from z on.
+function buildWall(shape, sides) {
+  const axis = vector(shape.to).sub(vector(shape.from)).normalize();
+  const side = shape.half ? vector(shape.half) : new THREE.Vector3(...[0, 1, 2].map((k) => (Math.abs(axis.getComponent(k)) < 0.6 ? 1 : 0)));
+  side.addScaledVector(axis, -side.dot(axis)).normalize();
+  const points = shape.profile.map(([z, r]) => new THREE.Vector2(r, z));
+  const lathe = shape.half ? new THREE.LatheGeometry(points, sides / 2, -Math.PI / 2, Math.PI) : new THREE.LatheGeometry(points, sides);
+  return lathe.applyMatrix4(new THREE.Matrix4().makeBasis(new THREE.Vector3().crossVectors(axis, side), axis, side)).translate(...shape.from);
+}
+
 function buildGeometry(shape, sides) {
-  const length = shape.from ? vector(shape.to).distanceTo(vector(shape.from)) : 0;
+  const length = shape.from && shape.to ? vector(shape.to).distanceTo(vector(shape.from)) : 0;
   const thin = Math.max(shape.radius ?? 0, 0.01 * length);  // a capsule of radius 0 is a segment
   switch (shape.kind) {
     case 'sphere': return new THREE.SphereGeometry(shape.radius, sides, sides / 2).translate(...shape.centre);
     case 'capsule': return alongAxis(new THREE.CapsuleGeometry(thin, length, sides / 4, sides), shape.from, shape.to);
     case 'cylinder': return alongAxis(new THREE.CylinderGeometry(shape.radius, shape.radius, length, sides), shape.from, shape.to);
     case 'cone': return alongAxis(new THREE.ConeGeometry(shape.radius, length, sides), shape.from, shape.to);
-    case 'box': return new THREE.BoxGeometry(...shape.size).applyQuaternion(quaternion(shape.q)).translate(...shape.centre);
+    case 'frustum': return alongAxis(new THREE.CylinderGeometry(shape.end_radius, shape.radius, length, sides), shape.from, shape.to);
+    case 'box': return new THREE.BoxGeometry(...shape.size).applyQuaternion(quaternion(shape.attitude)).translate(...shape.centre);
+    case 'half_space': return buildPlane(shape, sides);
+    case 'hollow': return buildWall(shape, sides);
     default: return new ConvexGeometry(shape.points.map(vector));
   }
 }
@@ -33,8 +53,9 @@ function buildGeometry(shape, sides) {
 // A group in body axes. `style`: 'solid', 'assumed' (no shape was given) or 'ghost' (of the second run).
 export function buildBody(body, style) {
   const group = new THREE.Group();
+  const open = body.shapes.some((shape) => shape.kind === 'hollow' || shape.kind === 'half_space');
   const material = style === 'solid'
-    ? new THREE.MeshStandardMaterial({ roughness: 0.75, metalness: 0.05, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })
+    ? new THREE.MeshStandardMaterial({ roughness: 0.75, metalness: 0.05, side: open ? THREE.DoubleSide : THREE.FrontSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })
     : new THREE.MeshBasicMaterial({ transparent: true, opacity: style === 'ghost' ? 0.15 : 0.25, depthWrite: false });
   const lines = new THREE.LineBasicMaterial({ transparent: true, opacity: style === 'solid' ? 0.55 : 0.9 });
   const { sides, sharp } = style === 'ghost' ? OUTLINE : SOLID;

@@ -53,7 +53,7 @@ function both(runs, headings, listItems) {
 function buildClearances(runs, clock) {
   return both(runs, ['bodies', 'smallest, m', 'at t, s'], (run) => run.clearance.map((item) => ({
     name: item.pair.join(' – '), rank: -item.min,
-    cells: [item.pair.join(' – '), item.min > 0 ? fixed(item.min, 4) : el('strong', { class: 'badtext' }, 'they touch'), go(clock, item.t)] })));
+    cells: [item.pair.join(' – '), item.min > 0 ? fixed(item.min, 4) : el('strong', { class: 'badtext' }, `${fixed(item.min, 4)}, ${item.min < 0 ? 'they overlap' : 'they touch'}`), go(clock, item.t)] })));
 }
 
 function buildSeparations(runs, clock) {

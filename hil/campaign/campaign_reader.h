@@ -1,0 +1,68 @@
+// Inside of the campaign loader: one reader that fills a Campaign, and the check of what may be drawn.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hil/campaign/campaign.h"
+#include "hil/language/yaml_reader.h"
+
+namespace unlatch::hil {
+
+class CampaignReader {
+ public:
+  CampaignReader(Campaign& campaign, Mistakes& mistakes) : campaign_(campaign), mistakes_(mistakes) {}
+  void read(const YamlNode& root, const std::vector<std::string>& overrides);
+
+ private:
+  void read_scenario(YamlMap& top, const std::vector<std::string>& overrides);
+  void read_constants();
+  void read_plan(YamlMap& top);
+  void read_parameters(YamlMap& top);
+  void read_parameter(const std::string& name, const YamlNode& node);
+  void read_correlations(YamlMap& top);
+  void read_table(YamlMap& top);
+  void finish_plan(YamlMap& top);
+
+  // distribution_reader.cc
+  struct Reading {  // of one parameter: its unit, and what stands in the scenario
+    const YamlNode* nominal = nullptr;
+    std::optional<Dimension> dimension;
+  };
+  bool read_distribution(YamlMap& map, CampaignParameter& to, Reading& reading);
+  double read_value(YamlMap& map, const std::string& key, Reading& reading, std::optional<double> fallback = {});
+  double read_sigma(YamlMap& map, double mean, Reading& reading);
+  void read_cut(YamlMap& map, double mean, double sigma, Distribution& to, Reading& reading);
+  void read_normal(const YamlNode& node, bool logarithmic, Distribution& to, Reading& reading);
+  void read_triangular(const YamlNode& node, Distribution& to, Reading& reading);
+  void read_discrete(const YamlNode& node, CampaignParameter& to, Reading& reading);
+  void read_empirical(const YamlNode& node, CampaignParameter& to);
+  void read_cone(const YamlNode& node, CampaignParameter& to, Reading& reading);
+
+  Campaign& campaign_;
+  Mistakes& mistakes_;
+  std::vector<std::pair<std::string, std::vector<std::size_t>>> groups_;  // names as written, and what they made
+  int levels_ = 0;
+};
+
+// The paths that one with * meets, each with the text that the stars stand for, joined by ':'. A path without * is its
+// own, whether or not something stands there. Throws YamlError at `mark`.
+std::vector<std::pair<std::string, std::string>> expand_path(const std::string& path, const SourceMark& mark,
+                                                             const YamlNode& root);
+
+// A table of numbers with a header of names; " [unit]" after a name is left out.
+struct NumberTable {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> rows;
+};
+// Throws YamlError at `mark`.
+NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
+
+// Of a dimension, as SI units that an expression takes after a number: "m2 kg/s2".
+std::string describe_unit(const Dimension& dimension);
+
+// Adds a mistake for each parameter whose values, at the ends of what the generator gives, make no valid scenario, with
+// the probability of such values; and for joint ones at corners.
+void check_draws(const Campaign& campaign, Mistakes& mistakes);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,22 @@
+// Runs the samples of a campaign on threads. Results are added to the file as they come; which thread ran a sample, and
+// when, changes nothing in them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+
+#include "hil/campaign/result_file.h"
+
+namespace unlatch::hil {
+
+// Runs one sample as the campaign does.
+SampleRecord run_sample(const Campaign& campaign, const SampleEvaluator& evaluator, std::int64_t sample,
+                        const std::atomic<bool>& stop);
+
+// Samples from `first` to before `last`, but those that the file has. `finished` is called after each, by one thread at
+// a time. Another thread may set `stop`: samples in flight are left. Throws what append() throws.
+void run_samples(const Campaign& campaign, const SampleEvaluator& evaluator, std::int64_t first, std::int64_t last,
+                 int jobs, ResultFile& results, const std::atomic<bool>& stop, const std::function<void()>& finished);
+
+}  // namespace unlatch::hil

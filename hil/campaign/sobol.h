@@ -1,0 +1,13 @@
+// The Sobol' sequence, from Boost.Random. Its headers take a compiler long: they are included in sobol.cc alone.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace unlatch::hil {
+
+// Element `index` of the sequence, 64 bits of each coordinate. Throws std::runtime_error in a build without Boost, and
+// for more dimensions than its table has (3,667).
+std::vector<std::uint64_t> calc_sobol(std::size_t dimensions, std::uint64_t index);
+
+}  // namespace unlatch::hil

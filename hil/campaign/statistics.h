@@ -1,0 +1,55 @@
+// Statistics of campaigns. Quantiles: linear interpolation of order statistics, NumPy's default (type 7 of Hyndman and
+// Fan 1996). Intervals without an assumption on the distribution: order statistics whose ranks a binomial count gives
+// (Conover 1999). Probabilities: Clopper and Pearson 1934. Tolerance limits: Wilks 1941.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace unlatch::hil {
+
+struct Interval {
+  double low = 0, high = 0;
+};
+
+inline constexpr double kConfidence = 0.95;  // of all intervals
+
+// Of sorted values; p in [0, 1]. NaN for none.
+double calc_quantile(const std::vector<double>& sorted, double p);
+// Nothing if there are too few values for the confidence.
+std::optional<Interval> calc_quantile_interval(const std::vector<double>& sorted, double p,
+                                               double confidence = kConfidence);
+
+// Two-sided bounds of a probability from `hits` of `trials`.
+Interval calc_clopper_pearson(std::int64_t hits, std::int64_t trials, double confidence = kConfidence);
+
+// Least number of samples whose greatest value is above a part `coverage` of the population with this confidence, and
+// the rank from the top, 1 for the greatest, that `trials` allow; 0: too few.
+std::int64_t calc_wilks_trials(double coverage, double confidence = kConfidence);
+std::int64_t calc_wilks_rank(std::int64_t trials, double coverage, double confidence = kConfidence);
+
+// P(X ≤ k) of a binomial count.
+double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p);
+
+// Ranks' correlation, ties at their mean rank; pairs with a NaN left out. NaN if nothing varies.
+double calc_spearman(const std::vector<double>& x, const std::vector<double>& y);
+
+// Elementary effects of an axis over trajectories: mean of the sizes, standard deviation (Morris 1991, Campolongo
+// 2007).
+struct MorrisEffect {
+  double mean_size = 0, mean = 0, deviation = 0;
+};
+MorrisEffect calc_morris(const std::vector<double>& effects);
+
+// Indices of one axis from outputs at A, B and A with the axis of B: Saltelli 2010 (first order), Jansen 1999 (total),
+// with intervals by resampling of the rows (1,000 times, Philox).
+struct SobolIndex {
+  double first = 0, total = 0;
+  Interval first_interval, total_interval;
+};
+SobolIndex calc_sobol_index(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& ab,
+                            std::uint64_t seed);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,60 @@
+// The start of a session, before its clock: no other simulator is here, the required flight software introduces itself,
+// and it answers State 0. Nothing of it is in the cycle: it sleeps, allocates and waits.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "hil/executive/state_exchange.h"
+#include "hil/messages/messages.h"
+#include "hil/realtime/clock.h"
+#include "hil/session/announcer.h"
+#include "hil/session/handshake.h"
+#include "hil/session/liveness.h"
+#include "hil/session/participants.h"
+#include "hil/session/session_options.h"
+
+namespace unlatch::hil {
+
+class SessionStart {
+ public:
+  // What it works with; all must outlive it.
+  struct Parts {
+    const SessionOptions& options;
+    const Clock& clock;
+    Announcer& announcer;
+    const Handshake& handshake;
+    const Participants& participants;
+    Liveness& liveness;
+    StateExchange& exchange;
+    const HelloMessage& other;           // the latest of another simulator; its session is 0 until one is heard
+    const std::atomic<bool>& stop;       // the run shall end
+    std::function<void()> receive;       // handles what has arrived
+    std::function<void()> begin_faults;  // of tick 0, before its State
+    std::int64_t timeout_ns, resend_ns;  // for introductions, and for answers; between two States without an answer
+  };
+
+  explicit SessionStart(const Parts& parts) : parts_(parts) {}
+
+  // From listening to the answers to State 0, whose hash is `hash`. Returns the reason why the session cannot start,
+  // none if it can.
+  [[nodiscard]] std::optional<std::string> run(std::int64_t hash) const;
+
+ private:
+  [[nodiscard]] std::optional<std::string> listen() const;
+  [[nodiscard]] std::optional<std::string> introduce() const;
+  [[nodiscard]] std::optional<std::string> exchange_first_state(std::int64_t hash) const;
+  [[nodiscard]] bool wait_for_introductions(std::int64_t deadline_ns) const;
+  [[nodiscard]] bool gives_way() const noexcept;
+  [[nodiscard]] std::string describe_other() const;
+  [[nodiscard]] bool is_stopped() const noexcept { return parts_.stop.load(std::memory_order_relaxed); }
+  // Takes what has arrived, then sleeps.
+  void poll() const;
+
+  const Parts parts_;
+};
+
+}  // namespace unlatch::hil

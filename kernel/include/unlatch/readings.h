@@ -1,0 +1,64 @@
+// Readings of a state that are neither in it nor in the workspace: forces and strokes of elements, modal rates. For
+// outputs and reports. The step computes each force by the same formula (kernel/dynamics/springs.h).
+#pragma once
+
+#include <span>
+
+#include "unlatch/model.h"
+#include "unlatch/plan.h"
+#include "unlatch/state.h"
+#include "unlatch/workspace.h"
+
+namespace unlatch {
+
+// Length and force of a spring between two points.
+struct SpringReading {
+  double length = 0;  // between its ends, m
+  double force = 0;   // along the line on the follower, away from the base: a push is positive; N
+  double scale = 0;   // of its switch: 0 while it is off
+};
+
+// Of a point spring (its number in the model) at the state's tick.
+SpringReading calc_point_spring(const Plan& plan, const State& state, int spring) noexcept;
+
+// Force of a spring between two points. World axes.
+struct PointSpringForce {
+  Vec3 r_base, r_follower;  // its ends from the bodies' origins, m
+  Vec3 direction{0, 0, 0};  // of the line from base to follower, unit; 0 while it does not act
+  double length = 0;        // between its ends, m
+  double rate = 0;          // of the length, m/s
+  double elastic = 0;       // part of `size` by the law of its stiffness, N
+  double viscous = 0;       // the rest: of its damping, and what a pusher loses that may not pull, N
+  double size = 0;          // along `direction` on the follower, N
+  bool acts = false;        // false for a pusher at its free length, and for ends that coincide
+};
+
+// Of a spring between bodies with these poses and velocities (for the ground: at rest at W); `scale`: of its switch.
+PointSpringForce calc_point_spring(const PointSpring& spring, const BodyState& base, const BodyState& follower,
+                                   double scale) noexcept;
+
+// Effort of a joint spring on the follower, N or N m, at a coordinate x of its joint, m or rad, and its rate.
+template <class Spring>
+inline double calc_joint_spring(const Spring& spring, double x, double rate, double scale) noexcept {
+  return (spring.effort - spring.stiffness * (x - spring.rest) - spring.damping * rate) * scale;
+}
+
+// An element at the end of the latest step.
+struct ElementReading {
+  // On the follower, N or N m. Of a load: its size along its direction; of a point spring: a push is positive; of a
+  // joint spring: along or about its axis; of a plane torsion: the moment that turns its axis back is positive
+  // where its angle is.
+  double force = 0;
+  double length = 0;  // point spring: between its ends, m; joint spring: its joint's coordinate, m or rad; plane
+                      // torsion: its angle, rad; load: 0
+  double rate = 0;    // of `length`, per s
+  double scale = 0;   // of its switch: 0 while it is off
+};
+
+// `element`: as in State::elements. The state must be that of the workspace's latest step() or update_outputs().
+ElementReading calc_element(const Plan& plan, const State& state, const Workspace& workspace, int element) noexcept;
+
+// Rates of a flexible body's modal coordinates, kg^0.5 m/s; empty for a rigid one.
+std::span<const double> get_modal_rates(const Plan& plan, const State& state, int body) noexcept;
+
+}  // namespace unlatch

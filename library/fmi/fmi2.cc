@@ -1,0 +1,183 @@
+// The functions of FMI 2.0 for co-simulation, by the standard's text.
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <string>
+
+#include "library/fmi/instance.h"
+
+using unlatch::fmi::find_instance;
+using unlatch::fmi::Instance;
+using Phase = Instance::Phase;
+
+namespace {
+
+using Status = int;
+constexpr Status kOk = 0, kError = 3;
+constexpr int kCoSimulation = 1;
+using References = const unsigned int*;
+
+struct Callbacks {
+  void (*logger)(void* environment, const char* instance, Status status, const char* category, const char* format, ...);
+  void* (*allocate)(std::size_t, std::size_t);
+  void (*release)(void*);
+  void (*step_finished)(void*, Status);
+  void* environment;
+};
+using State = std::vector<std::byte>;
+
+template <class Function>
+Status with(void* pointer, const Function& function) noexcept {
+  Instance* const instance = find_instance(pointer);
+  if (instance == nullptr) return kError;
+  try {
+    return function(*instance) ? kOk : kError;
+  } catch (const std::exception& error) {
+    instance->refuse(error.what());
+    return kError;
+  }
+}
+
+Status refuse(void* pointer, const char* what) noexcept {
+  return with(pointer, [&](Instance& instance) { return instance.refuse(std::string(what) + " is not offered"); });
+}
+Status access_none(void* pointer, std::size_t count) noexcept {
+  return with(pointer, [&](Instance& instance) {
+    return count == 0 || instance.refuse("all variables of this FMU are of type Real");
+  });
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* fmi2GetTypesPlatform(void) { return "default"; }
+const char* fmi2GetVersion(void) { return "2.0"; }
+Status fmi2SetDebugLogging(void* pointer, int, std::size_t, const char* const*) {
+  return with(pointer, [](Instance&) { return true; });
+}
+
+void* fmi2Instantiate(const char* name, int type, const char* token, const char* resources, const Callbacks* callbacks,
+                      int, int logging) {
+  if (type != kCoSimulation || callbacks == nullptr) return nullptr;
+  try {
+    const Callbacks kept = *callbacks;
+    const std::string own = name == nullptr ? "" : name;
+    auto made = Instance::create(unlatch::fmi::read_uri(resources), token, [=](const char* message) {
+      if (logging != 0 && kept.logger != nullptr)
+        kept.logger(kept.environment, own.c_str(), kError, "logStatusError", "%s", message);
+    });
+    return unlatch::fmi::keep_instance(std::move(made));
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+void fmi2FreeInstance(void* pointer) { unlatch::fmi::free_instance(pointer); }
+
+Status fmi2SetupExperiment(void* pointer, int, double, double start, int, double) {
+  return with(pointer, [&](Instance& instance) {
+    if (instance.get_phase() != Phase::kInstantiated) return instance.refuse("setting up is not allowed now");
+    return start == 0 || instance.refuse("the start time of this FMU is 0");
+  });
+}
+Status fmi2EnterInitializationMode(void* pointer) {
+  return with(pointer, [](Instance& instance) {
+    return instance.move(Phase::kInstantiated, Phase::kInitialization, "entering initialization mode");
+  });
+}
+Status fmi2ExitInitializationMode(void* pointer) {
+  return with(pointer, [](Instance& instance) {
+    return instance.move(Phase::kInitialization, Phase::kStep, "leaving initialization mode");
+  });
+}
+Status fmi2Terminate(void* pointer) {
+  return with(pointer, [](Instance& instance) { return instance.terminate(); });
+}
+Status fmi2Reset(void* pointer) {
+  return with(pointer, [](Instance& instance) { return instance.reset(); });
+}
+
+Status fmi2GetReal(void* pointer, References references, std::size_t count, double* values) {
+  return with(pointer, [&](Instance& instance) { return instance.get(references, count, values, count); });
+}
+Status fmi2SetReal(void* pointer, References references, std::size_t count, const double* values) {
+  return with(pointer, [&](Instance& instance) { return instance.set(references, count, values, count); });
+}
+Status fmi2GetInteger(void* pointer, References, std::size_t count, int*) { return access_none(pointer, count); }
+Status fmi2SetInteger(void* pointer, References, std::size_t count, const int*) { return access_none(pointer, count); }
+Status fmi2GetBoolean(void* pointer, References, std::size_t count, int*) { return access_none(pointer, count); }
+Status fmi2SetBoolean(void* pointer, References, std::size_t count, const int*) { return access_none(pointer, count); }
+Status fmi2GetString(void* pointer, References, std::size_t count, const char**) { return access_none(pointer, count); }
+Status fmi2SetString(void* pointer, References, std::size_t count, const char* const*) {
+  return access_none(pointer, count);
+}
+
+Status fmi2DoStep(void* pointer, double time, double size, int) {
+  return with(pointer, [&](Instance& instance) {
+    bool stopped = false;
+    return instance.step(time, size, false, stopped);
+  });
+}
+
+Status fmi2GetFMUstate(void* pointer, void** state) {
+  return with(pointer, [&](Instance& instance) {
+    if (state == nullptr) return instance.refuse("fmi2GetFMUstate: null");
+    auto saved = *state != nullptr ? nullptr : std::make_unique<State>();
+    if (!instance.save(saved ? *saved : *static_cast<State*>(*state))) return false;
+    if (saved) *state = saved.release();
+    return true;
+  });
+}
+Status fmi2SetFMUstate(void* pointer, void* state) {
+  return with(pointer, [&](Instance& instance) {
+    if (state == nullptr) return instance.refuse("fmi2SetFMUstate: null");
+    const State& saved = *static_cast<State*>(state);
+    return instance.restore(saved.data(), saved.size());
+  });
+}
+Status fmi2FreeFMUstate(void* pointer, void** state) {
+  return with(pointer, [&](Instance&) {
+    if (state == nullptr) return true;
+    delete static_cast<State*>(*state);
+    *state = nullptr;
+    return true;
+  });
+}
+Status fmi2SerializedFMUstateSize(void* pointer, void* state, std::size_t* size) {
+  return with(pointer, [&](Instance& instance) {
+    if (state == nullptr || size == nullptr) return instance.refuse("fmi2SerializedFMUstateSize: null");
+    *size = static_cast<State*>(state)->size();
+    return true;
+  });
+}
+Status fmi2SerializeFMUstate(void* pointer, void* state, char* bytes, std::size_t size) {
+  return with(pointer, [&](Instance& instance) {
+    if (state == nullptr || bytes == nullptr || size != static_cast<State*>(state)->size())
+      return instance.refuse("fmi2SerializeFMUstate: null, or another size than that of the state");
+    std::memcpy(bytes, static_cast<State*>(state)->data(), size);
+    return true;
+  });
+}
+Status fmi2DeSerializeFMUstate(void* pointer, const char* bytes, std::size_t size, void** state) {
+  return with(pointer, [&](Instance& instance) {
+    if (bytes == nullptr || state == nullptr) return instance.refuse("fmi2DeSerializeFMUstate: null");
+    const auto* const begin = reinterpret_cast<const std::byte*>(bytes);
+    if (*state == nullptr) *state = new State;
+    static_cast<State*>(*state)->assign(begin, begin + size);
+    return true;
+  });
+}
+
+#define UNLATCH_FMI2_REFUSED(Name, ...) \
+  Status fmi2##Name(void* pointer __VA_OPT__(, ) __VA_ARGS__) { return refuse(pointer, "fmi2" #Name); }
+UNLATCH_FMI2_REFUSED(GetDirectionalDerivative, References, std::size_t, References, std::size_t, const double*, double*)
+UNLATCH_FMI2_REFUSED(SetRealInputDerivatives, References, std::size_t, const int*, const double*)
+UNLATCH_FMI2_REFUSED(GetRealOutputDerivatives, References, std::size_t, const int*, double*)
+UNLATCH_FMI2_REFUSED(CancelStep)
+UNLATCH_FMI2_REFUSED(GetStatus, int, Status*)
+UNLATCH_FMI2_REFUSED(GetRealStatus, int, double*)
+UNLATCH_FMI2_REFUSED(GetIntegerStatus, int, int*)
+UNLATCH_FMI2_REFUSED(GetBooleanStatus, int, int*)
+UNLATCH_FMI2_REFUSED(GetStringStatus, int, const char**)
+
+}  // extern "C"

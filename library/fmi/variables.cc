@@ -1,0 +1,122 @@
+#include "library/fmi/variables.h"
+
+#include <string_view>
+
+namespace unlatch::fmi {
+namespace {
+
+constexpr const char* kRows[] = {"x", "y", "z", "rot_x", "rot_y", "rot_z"};
+constexpr const char* kQuaternion[] = {"w", "x", "y", "z"};
+
+class Lister {
+ public:
+  explicit Lister(unlatch_simulation* simulation) : simulation_(simulation) {}
+
+  std::vector<Variable> list() {
+    variables_.push_back({"time", "s", "simulated time", false, 0, 0, 0, nullptr});
+    add_channels();
+    add_sensors();
+    add_reactions();
+    add_bodies();
+    add_clearances();
+    return good_ ? std::move(variables_) : std::vector<Variable>{};
+  }
+
+ private:
+  std::size_t count(std::int32_t kind) {
+    std::size_t number = 0;
+    good_ &= unlatch_count(simulation_, kind, &number) == UNLATCH_OK;
+    return number;
+  }
+  unlatch_item describe(std::int32_t kind, std::size_t index) {
+    unlatch_item item{};
+    item.size = sizeof item;
+    item.name = item.unit = item.text = "";
+    good_ &= unlatch_describe(simulation_, kind, index, &item) == UNLATCH_OK;
+    return item;
+  }
+  unlatch_array get_array(std::int32_t which, std::size_t index = 0) {
+    unlatch_array array{};
+    array.size = sizeof array;
+    good_ &= unlatch_get_array(simulation_, which, index, &array) == UNLATCH_OK;
+    return array;
+  }
+  static const double* at(const unlatch_array& array, std::size_t row, std::size_t column) {
+    return reinterpret_cast<const double*>(static_cast<const char*>(array.data) +
+                                           static_cast<std::ptrdiff_t>(row) * array.row_stride +
+                                           static_cast<std::ptrdiff_t>(column) * array.column_stride);
+  }
+
+  void add_channels() {
+    const unlatch_array values = get_array(UNLATCH_CHANNELS);
+    for (std::size_t i = 0, n = count(UNLATCH_CHANNEL); i < n && good_; ++i) {
+      const unlatch_item item = describe(UNLATCH_CHANNEL, i);
+      variables_.push_back({std::string("channels.") + item.name, item.unit, "command", true, item.initial,
+                            item.minimum, item.maximum, at(values, i, 0)});
+    }
+  }
+  void add_sensors() {
+    const unlatch_array values = get_array(UNLATCH_SENSORS);
+    for (std::size_t i = 0, n = count(UNLATCH_SENSOR); i < n && good_; ++i) {
+      const unlatch_item item = describe(UNLATCH_SENSOR, i);
+      for (std::int32_t k = 0; k < item.width; ++k) {
+        const char* const part = item.width == 4 ? kQuaternion[k] : kRows[k];
+        const std::string unit = item.width == 6 ? (k < 3 ? "N" : "N m") : item.unit;
+        add(std::string("sensors.") + item.name + (item.width > 1 ? std::string(".") + part : ""), unit, "sensor",
+            at(values, static_cast<std::size_t>(item.first + k), 0));
+      }
+    }
+  }
+  void add_reactions() {
+    for (std::size_t i = 0, n = count(UNLATCH_JOINT); i < n && good_; ++i) {
+      const unlatch_array rows = get_array(UNLATCH_REACTIONS, i);
+      for (std::size_t k = 0; k < 6; ++k)
+        add(std::string("reactions.") + describe(UNLATCH_JOINT, i).name + "." + kRows[k], k < 3 ? "N" : "N m",
+            "reaction on the follower, joint axes", at(rows, 0, k));
+    }
+  }
+  void add_bodies() {
+    struct Part {
+      std::int32_t which;
+      const char *name, *unit, *description;
+    };
+    constexpr Part kParts[] = {{UNLATCH_POSITIONS, "position", "m", "inertial axes"},
+                               {UNLATCH_ATTITUDES, "attitude", "1", "quaternion, body to inertial"},
+                               {UNLATCH_VELOCITIES, "velocity", "m/s", "inertial axes"},
+                               {UNLATCH_ANGULAR_VELOCITIES, "angular_velocity", "rad/s", "body axes"}};
+    for (std::size_t i = 0, n = count(UNLATCH_BODY); i < n && good_; ++i) {
+      const std::string body = std::string("bodies.") + describe(UNLATCH_BODY, i).name + ".";
+      for (const Part& part : kParts) {
+        const unlatch_array values = get_array(part.which);
+        for (std::size_t k = 0; k < values.columns; ++k)
+          add(body + part.name + "." + (values.columns == 4 ? kQuaternion[k] : kRows[k]), part.unit, part.description,
+              at(values, i, k));
+      }
+    }
+  }
+  void add_clearances() {
+    const std::size_t pairs = count(UNLATCH_CLEARANCE);
+    if (pairs == 0) return;
+    const unlatch_array values = get_array(UNLATCH_CLEARANCES);
+    for (std::size_t i = 0; i < pairs && good_; ++i) {
+      const unlatch_item item = describe(UNLATCH_CLEARANCE, i);
+      const auto name = [&](std::int32_t body) {
+        return std::string(describe(UNLATCH_BODY, static_cast<std::size_t>(body)).name);
+      };
+      add("clearances." + name(item.a) + "." + name(item.b), "m", "distance of the two bodies", at(values, i, 0));
+    }
+  }
+  void add(std::string name, std::string unit, const char* description, const double* data) {
+    variables_.push_back({std::move(name), std::move(unit), description, false, 0, 0, 0, data});
+  }
+
+  unlatch_simulation* const simulation_;
+  std::vector<Variable> variables_;
+  bool good_ = true;
+};
+
+}  // namespace
+
+std::vector<Variable> list_variables(unlatch_simulation* simulation) { return Lister(simulation).list(); }
+
+}  // namespace unlatch::fmi

@@ -1,0 +1,189 @@
+// Facts about campaign files: what they draw, and their mistakes, all at once with their places.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "hil/campaign/campaign.h"
+#include "hil/campaign/normal.h"
+#include "tests/hil/scenario_support.h"
+
+namespace unlatch::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+using hil::Campaign;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class CampaignFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "s.yaml") << kGoodScenario;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] Campaign load(const std::string& rest) const {
+    return hil::load_campaign_text("unlatch_campaign: 1\nname: c\nscenario: s.yaml\n" + rest, "c.yaml",
+                                   folder_.string());
+  }
+  // The mistakes, a line each.
+  [[nodiscard]] std::string load_errors(const std::string& rest) const {
+    try {
+      (void)load(rest);
+      return "";
+    } catch (const hil::ScenarioError& error) {
+      return error.what();
+    }
+  }
+
+  const fs::path folder_ = fs::path(testing::TempDir()) / ("campaign_" + std::to_string(getpid()));
+};
+
+std::vector<std::string> list_names(const Campaign& campaign) {
+  std::vector<std::string> names;
+  for (const hil::CampaignParameter& parameter : campaign.parameters) names.push_back(parameter.name);
+  return names;
+}
+
+TEST_F(CampaignFileTest, StarsMakeAParameterForEachEntryOrOneForAll) {
+  const std::string parameter =
+      "samples: 3\nparameters:\n  mass: {path: bodies.*.mass, normal: {mean: nominal, sigma: 1 %, within: 3}";
+  const Campaign each = load(parameter + "}\n");
+  EXPECT_THAT(list_names(each), ElementsAre("mass:core", "mass:booster"));
+  EXPECT_EQ(each.parameters[1].distribution.a, 4500);  // nominal, in SI
+  EXPECT_EQ(each.parameters[1].distribution.b, 45);
+  const Campaign shared =
+      load("samples: 3\nparameters:\n  delay: {path: events.*.delay, shared: true, uniform: {min: 0 s, max: 20 ms}}\n");
+  EXPECT_THAT(list_names(shared), ElementsAre("delay"));
+  EXPECT_THAT(shared.parameters[0].paths, ElementsAre("events.contact:booster.delay"));
+}
+
+TEST(CampaignFiles, EveryShippedOneLoads) {
+  int count = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(UNLATCH_SOURCE_DIR "/hil/scenarios")) {
+    if (entry.path().filename() != "campaign.yaml") continue;
+    ++count;
+    EXPECT_NO_THROW(hil::load_campaign(entry.path().string())) << entry.path();
+  }
+  EXPECT_GE(count, 1);
+}
+
+TEST_F(CampaignFileTest, ASampleDependsOnFileSeedAndNumberAlone) {
+  const std::string text =
+      "sampling: latin-hypercube\nsamples: 50\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90 kg, max: "
+      "110 kg}}\n";
+  const Campaign a = load(text + "seed: 7\n"), b = load(text + "seed: 7\n"), other = load(text + "seed: 8\n");
+  int differ = 0;
+  for (std::int64_t i = 49; i >= 0; --i) {
+    EXPECT_EQ(draw_inputs(a, i), draw_inputs(b, 49 - (49 - i)));
+    differ += draw_inputs(a, i) != draw_inputs(other, i) ? 1 : 0;
+  }
+  EXPECT_GT(differ, 45);
+}
+
+TEST_F(CampaignFileTest, CorrelationsAreThoseOfTheNormalNumbers) {
+  const Campaign campaign = load(
+      "samples: 4000\nparameters:\n"
+      "  a: {path: bodies.core.mass, normal: {mean: 100 kg, sigma: 1 kg, within: 8}}\n"
+      "  b: {path: bodies.booster.mass, normal: {mean: 4 t, sigma: 1 %, within: 8}}\n"
+      "  c: {path: elements.spring.stiffness, uniform: {min: 9, max: 11}}\n"
+      "correlations:\n  - {between: [a, b], rho: 0.8}\n  - {between: [c, a], rho: -0.5}\n");
+  double ab = 0, ac = 0, aa = 0;
+  for (std::int64_t i = 0; i < 4000; ++i) {
+    const std::vector<double> x = draw_inputs(campaign, i);
+    const double a = (x[0] - 100) / 1, b = (x[1] - 4000) / 40, c = hil::calc_normal_quantile((x[2] - 9) / 2);
+    ab += a * b / 4000;
+    ac += a * c / 4000;
+    aa += a * a / 4000;
+  }
+  constexpr double kChance = 0.05;  // three standard errors of 4,000 samples; the numbers are always the same
+  EXPECT_NEAR(aa, 1, kChance);
+  EXPECT_NEAR(ab, 0.8, kChance);
+  EXPECT_NEAR(ac, -0.5, kChance);
+}
+
+TEST_F(CampaignFileTest, ADirectionStaysAUnitVectorInItsCone) {
+  const Campaign campaign =
+      load("samples: 100\nparameters:\n  axis: {path: elements.engine.direction, cone: {within: 2 deg}}\n");
+  EXPECT_EQ(list_inputs(campaign).size(), 3u);
+  for (std::int64_t i = 0; i < 100; ++i) {
+    const std::vector<double> u = draw_inputs(campaign, i);
+    EXPECT_NEAR(std::hypot(u[0], u[1], u[2]), 1, 1e-15);
+    EXPECT_GE(u[0], std::cos(2 * 3.14159265358979 / 180) - 1e-15);
+  }
+  EXPECT_EQ(make_settings(campaign, draw_inputs(campaign, 0)).size(), 1u);
+}
+
+TEST_F(CampaignFileTest, ValuesThatAreNoNumbersAreChosenByTheirIndex) {
+  const Campaign campaign = load(
+      "samples: 20\nparameters:\n  mode: {path: joints.nose.mode, discrete: {values: [hinge, free], weights: [1, "
+      "3]}}\n");
+  int free = 0;
+  for (std::int64_t i = 0; i < 20; ++i) {
+    const auto settings = make_settings(campaign, draw_inputs(campaign, i));
+    const std::string text = to_text(settings[0]);
+    EXPECT_TRUE(text == "joints.nose.mode=hinge" || text == "joints.nose.mode=free") << text;
+    free += text == "joints.nose.mode=free" ? 1 : 0;
+  }
+  EXPECT_GT(free, 10);
+}
+
+TEST_F(CampaignFileTest, RowsOfATableAreSamples) {
+  std::ofstream(folder_ / "t.csv") << "other,m [kg]\n1,101\n2,102.5\n";
+  const Campaign campaign = load("sampling: csv\ntable: t.csv\nparameters:\n  m: {path: bodies.core.mass}\n");
+  EXPECT_EQ(campaign.plan.samples, 2);
+  EXPECT_THAT(draw_inputs(campaign, 1), ElementsAre(102.5));
+}
+
+TEST_F(CampaignFileTest, AllMistakesAreToldAtOnceWithTheirPlaces) {
+  const std::string errors = load_errors(
+      "samples: 10.5\nsampling: sobols\nparameters:\n"
+      "  a: {path: bodies.core.mass, normal: {mean: 100 kg, sigma: -1}}\n"
+      "  b: {path: bodies.boster*.mass, uniform: {min: 1, max: 2}}\n"
+      "  c: {path: elements.spring.stiffness, uniform: {min: 2, max: 1}, colour: red}\n");
+  for (const char* part :
+       {"c.yaml:4:10", "number of samples", "unknown sampling 'sobols'", "c.yaml:7", "sigma is below 0",
+        "nothing in the scenario is met by 'bodies.boster*.mass'", "min is not below max", "unknown key 'colour'"})
+    EXPECT_THAT(errors, HasSubstr(part));
+}
+
+TEST_F(CampaignFileTest, AValueThatBecomesUnphysicalIsAMistakeWithItsProbability) {
+  const std::string errors =
+      load_errors("samples: 10\nparameters:\n  m: {path: bodies.core.mass, normal: {mean: 100 kg, sigma: 50 %}}\n");
+  EXPECT_THAT(errors, HasSubstr("probability of 0.0228"));  // Φ(−2)
+  EXPECT_THAT(errors, HasSubstr("within: 3"));
+  EXPECT_EQ(
+      load_errors("samples: 10\nparameters:\n  m: {path: bodies.core.mass, normal: {mean: 100 kg, sigma: 5 %}}\n"), "");
+}
+
+TEST_F(CampaignFileTest, ValuesThatClashTogetherAreAMistake) {
+  std::string text = "samples: 10\nparameters:\n";
+  for (const char* k : {"0", "1", "2"})
+    text += std::string("  i") + k + ": {path: 'bodies.core.inertia[" + k + "]', uniform: {min: 12, max: 26}}\n";
+  EXPECT_THAT(load_errors(text), HasSubstr("together"));  // 12 + 12 < 26 at a corner: the triangle's inequality
+}
+
+TEST_F(CampaignFileTest, AUnitOfAnotherKindIsAMistake) {
+  EXPECT_THAT(
+      load_errors("samples: 10\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90 m, max: 110 m}}\n"),
+      HasSubstr("is a length"));
+}
+
+TEST_F(CampaignFileTest, CorrelationsThatContradictEachOtherAreAMistake) {
+  const std::string errors = load_errors(
+      "samples: 10\nparameters:\n  a: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n"
+      "  b: {path: bodies.booster.mass, uniform: {min: 4000, max: 5000}}\n  c: {path: elements.spring.stiffness, "
+      "uniform: {min: 9, max: 11}}\n"
+      "correlations:\n  - {between: [a, b], rho: 0.9}\n  - {between: [b, c], rho: 0.9}\n  - {between: [a, c], rho: "
+      "-0.9}\n");
+  EXPECT_THAT(errors, HasSubstr("contradict"));
+}
+
+}  // namespace
+}  // namespace unlatch::test

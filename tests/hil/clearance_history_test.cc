@@ -1,0 +1,136 @@
+// Clearances over a run: located inside steps, signed, the same whether pieces were skipped or not.
+#include <cmath>
+
+#include "tests/hil/analysed_run.h"
+
+namespace unlatch::test {
+namespace {
+
+constexpr double kExact = 1e-9;    // m, shapes of some metres
+constexpr double kLocated = 1e-6;  // s
+
+// A cylinder along x and a tumbling cone that passes it at 5 m/s.
+const char* const kPassing = R"(unlatch: 1
+name: passing
+step: {dt: 1 ms, until: 2}
+bodies:
+  still: {mass: 1, inertia: [1, 1, 1], shape: [{cylinder: {from: [-2, 0, 0], to: [2, 0, 0], radius: 0.5}}]}
+  moving:
+    mass: 1
+    inertia: [1, 2, 2.5]
+    position: [-5, 1.5, 0.3]
+    velocity: [5, 0, 0.1]
+    rate: [0.5, 3, 2]
+    shape: [{cone: {from: [-0.5, 0, 0], to: [0.8, 0, 0], radius: 0.3}}, {sphere: {centre: [0, 0.6, 0], radius: 0.1}}]
+clearance: all
+)";
+
+// Every knot and a dense grid between the knots around the smallest.
+TEST(ClearanceHistory, IsTheSmallestOfADenseSearch) {
+  const AnalysedRun run(kPassing);
+  const hil::Clearance& found = run.analysis.clearances().at(0);
+  const hil::ClearanceMonitor monitor(run.scenario.clearance, run.scenario.shapes);
+  const auto calc = [&](const State& state) {
+    return monitor.calc(0, hil::to_placement(state.bodies[0]), hil::to_placement(state.bodies[1])).least.distance;
+  };
+  double smallest = std::numeric_limits<double>::infinity(), at = 0;
+  const auto simulation = hil::build_simulation(run.scenario);
+  for (int tick = 0; tick <= 2000; ++tick) {
+    if (const double value = calc(simulation->state()); value < smallest) smallest = value, at = simulation->get_time();
+    simulation->step();
+  }
+  EXPECT_LE(found.smallest, smallest + kExact);
+  EXPECT_GT(found.smallest, smallest - 1e-4);  // between two knots it falls by no more
+  EXPECT_NEAR(found.time, at, 1e-3);
+  EXPECT_NEAR(found.now, calc(run.simulation->state()), kExact);
+  EXPECT_FALSE(found.touch.has_value());
+}
+
+// At half and at a quarter of the step the minimum is the same: it does not depend on where the knots lie.
+TEST(ClearanceHistory, DoesNotDependOnTheStep) {
+  const AnalysedRun run(kPassing);
+  for (const char* const step : {"dt: 0.5 ms", "dt: 0.25 ms"}) {
+    std::string text = kPassing;
+    text.replace(text.find("dt: 1 ms"), 8, step);
+    const AnalysedRun finer(text);
+    EXPECT_NEAR(finer.analysis.clearances()[0].smallest, run.analysis.clearances()[0].smallest, kExact);
+    EXPECT_NEAR(finer.analysis.clearances()[0].time, run.analysis.clearances()[0].time, 1e-5);
+  }
+}
+
+// Two balls of 0.1 m that meet head on at 1 m/s, pass through one another and part.
+const char* const kThrough = R"(unlatch: 1
+name: through
+step: {dt: 1 ms, until: 2}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.1}}]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [1.0003, 0.05, 0], velocity: [-1, 0, 0], shape: [{sphere: {radius: 0.1}}]}
+clearance: all
+)";
+
+TEST(ClearanceHistory, OfAnOverlapIsItsGreatestDepthAndTheTouchIsLocated) {
+  const AnalysedRun run(kThrough);
+  const hil::Clearance& found = run.analysis.clearances().at(0);
+  EXPECT_NEAR(found.smallest, -0.15, kExact);
+  EXPECT_NEAR(found.time, 1.0003, kLocated);
+  ASSERT_TRUE(found.touch.has_value());
+  EXPECT_NEAR(*found.touch, 1.0003 - std::sqrt(0.2 * 0.2 - 0.05 * 0.05), kLocated);
+  const hil::PairDistance at = run.analysis.calc_witnesses(0);
+  EXPECT_NEAR(norm(at.least.on_a - Vec3{0, 0.1, 0}), 0, 1e-5);
+  EXPECT_NEAR(norm(at.least.on_b - Vec3{0, -0.05, 0}), 0, 1e-5);
+}
+
+// A bullet of 0.2 mm whose way through a ball lies within one step: no knot is inside.
+TEST(ClearanceHistory, ATouchWithinOneStepIsFound) {
+  const AnalysedRun run(R"(unlatch: 1
+name: bullet
+step: {dt: 1 ms, until: 0.02}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.1}}]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [5.25, 0, 0], velocity: [-500, 0, 0], shape: [{sphere: {radius: 0.0001}}]}
+clearance: all
+)");
+  const hil::Clearance& found = run.analysis.clearances().at(0);
+  EXPECT_NEAR(found.smallest, -0.1001, 1e-5);
+  EXPECT_NEAR(found.time, 0.0105, kLocated);
+  ASSERT_TRUE(found.touch.has_value());
+  EXPECT_NEAR(*found.touch, (5.25 - 0.1001) / 500, kLocated);
+}
+
+// A nozzle that leaves a skirt: the distance to the wall from within, without the faces that mated.
+TEST(ClearanceHistory, ANozzleLeavesItsSkirt) {
+  const AnalysedRun run(R"(unlatch: 1
+name: interstage
+step: {dt: 1 ms, until: 2}
+bodies:
+  lower:
+    mass: 1
+    inertia: [1, 1, 1]
+    shape: [{name: skirt, hollow_cylinder: {from: [0, 0, 0], to: [2, 0, 0], radius: 1}}]
+  upper:
+    mass: 1
+    inertia: [1, 1, 1]
+    velocity: [2, 0.2, 0]
+    shape:
+      - {name: nozzle, cylinder: {from: [0.5, 0, 0], to: [1.5, 0, 0], radius: 0.6}}
+      - {name: tank, cylinder: {from: [2, 0, 0], to: [4, 0, 0], radius: 1}}
+clearance:
+  - {between: [lower, upper], except: [[lower.skirt, upper.tank]]}
+  - [lower.skirt, upper.nozzle]
+  - [lower, upper.tank]
+)");
+  const std::vector<hil::Clearance>& found = run.analysis.clearances();
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(found[1].name_b, "upper.nozzle");
+  // The nozzle's end passes the skirt's at 0.75 s, drifting by 0.2 m/s. Then the distance of the two rims is
+  // hypot(2 t − 1.5, 0.4 − 0.2 t), least at 3.08 / 4.04 s.
+  const double at = 3.08 / 4.04;
+  for (const std::size_t i : {0U, 1U}) {
+    EXPECT_NEAR(found[i].smallest, std::hypot(2 * at - 1.5, 0.4 - 0.2 * at), kExact);
+    EXPECT_NEAR(found[i].time, at, kLocated);
+  }
+  EXPECT_NEAR(found[2].smallest, 0, kExact);
+}
+
+}  // namespace
+}  // namespace unlatch::test

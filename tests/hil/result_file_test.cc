@@ -1,0 +1,114 @@
+// Facts about the file of results: it may be cut anywhere, or be full, and what is whole in it is read.
+#include "hil/campaign/result_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+namespace unlatch::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+using hil::ResultFile;
+using hil::ResultShape;
+using hil::SampleRecord;
+
+class ResultFileTest : public testing::Test {
+ protected:
+  const std::string path_ = (fs::path(testing::TempDir()) / ("results_" + std::to_string(getpid()) + ".bin")).string();
+  const ResultShape shape_{42, 2, 3};
+  void TearDown() override { fs::remove(path_); }
+
+  static SampleRecord make(std::int64_t sample) {
+    SampleRecord record;
+    record.sample = sample;
+    record.inputs = {0.5 * static_cast<double>(sample), -1};
+    record.result.values = {1, std::nan(""), static_cast<double>(sample)};
+    record.result.hash = sample * 77;
+    record.result.message = sample == 1 ? "pivot at joint 'nose1'" : "";
+    return record;
+  }
+  void fill(std::int64_t count) {
+    ResultFile file = ResultFile::create(path_, shape_);
+    for (std::int64_t i = 0; i < count; ++i) file.append(make(i));
+  }
+};
+
+TEST_F(ResultFileTest, GivesBackWhatWasAdded) {
+  fill(3);
+  const ResultFile file = ResultFile::open(path_, false);
+  EXPECT_EQ(file.shape(), shape_);
+  ASSERT_EQ(file.samples(), (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_EQ(calc_hash(file.read(2)), calc_hash(make(2)));
+  EXPECT_EQ(file.read(1).result.message, "pivot at joint 'nose1'");
+}
+
+TEST_F(ResultFileTest, CutAtAnyByteKeepsTheWholeRecords) {
+  fill(3);
+  const auto bytes = fs::file_size(path_);
+  ResultFile::create(path_, shape_);
+  const auto header = fs::file_size(path_), record = (bytes - header) / 3;
+  for (auto cut = header; cut < bytes; ++cut) {
+    fill(3);
+    fs::resize_file(path_, cut);
+    ResultFile file = ResultFile::open(path_, true);
+    EXPECT_EQ(file.samples().size(), (cut - header) / record) << cut;
+    file.append(make(9));
+    EXPECT_EQ(ResultFile::open(path_, false).samples().back(), 9) << cut;
+  }
+}
+
+TEST_F(ResultFileTest, ADamagedRecordIsLeftOut) {
+  fill(3);
+  {
+    std::fstream stream(path_, std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp(static_cast<std::streamoff>(fs::file_size(path_) / 2));
+    stream.put('x');
+  }
+  EXPECT_EQ(ResultFile::open(path_, false).samples(), (std::vector<std::int64_t>{0, 2}));
+}
+
+TEST_F(ResultFileTest, AFullDiskIsAnErrorAndTheFileStaysWhole) {
+  fill(2);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  {
+    ResultFile file = ResultFile::open(path_, true);
+    const rlimit full{fs::file_size(path_) + 50, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+    EXPECT_THROW(file.append(make(2)), hil::ResultError);
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  }
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(ResultFile::open(path_, false).samples().size(), 2u);
+}
+
+TEST_F(ResultFileTest, OtherFilesAreRefused) {
+  std::ofstream(path_) << "not results";
+  EXPECT_THROW(ResultFile::open(path_, false), hil::ResultError);
+  EXPECT_THROW(ResultFile::open(path_ + ".none", false), hil::ResultError);
+}
+
+TEST_F(ResultFileTest, HashSeesEveryPartOfASample) {
+  const std::uint64_t hash = calc_hash(make(1));
+  for (const auto& change : std::vector<void (*)(SampleRecord&)>{
+           [](SampleRecord& r) { r.sample = 2; }, [](SampleRecord& r) { r.inputs[0] = 0.25; },
+           [](SampleRecord& r) { r.result.values[2] = -0.0; }, [](SampleRecord& r) { r.result.hash ^= 1; },
+           [](SampleRecord& r) { r.result.model_hash ^= 1; }, [](SampleRecord& r) { r.result.ticks += 1; },
+           [](SampleRecord& r) { r.result.status = hil::SampleStatus::kFaulted; }}) {
+    SampleRecord record = make(1);
+    change(record);
+    EXPECT_NE(calc_hash(record), hash);
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test

@@ -1,0 +1,111 @@
+// Facts about the statistics of campaigns: against closed forms and published numbers. tests/tools/campaign_test.py has
+// those against OpenTURNS.
+#include "hil/campaign/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hil/campaign/sampling.h"
+
+namespace unlatch::test {
+namespace {
+
+TEST(Statistics, QuantilesAreNumPys) {
+  const std::vector<double> sorted{1, 2, 4, 8};
+  EXPECT_EQ(hil::calc_quantile(sorted, 0), 1);
+  EXPECT_EQ(hil::calc_quantile(sorted, 0.5), 3);
+  EXPECT_NEAR(hil::calc_quantile(sorted, 0.9), 6.8, 1e-15);
+  EXPECT_EQ(hil::calc_quantile(sorted, 1), 8);
+  EXPECT_TRUE(std::isnan(hil::calc_quantile({}, 0.5)));
+}
+
+TEST(Statistics, ClopperPearsonSolvesTheBinomialTails) {
+  constexpr double kSolved = 1e-12;
+  for (const auto& [hits, trials] : {std::pair{0, 10}, {3, 1000}, {5, 10}, {10, 10}, {1, 100000}}) {
+    const hil::Interval bounds = hil::calc_clopper_pearson(hits, trials);
+    const auto tail = [&](double p, int k) {  // P(X ≤ k), summed
+      double term = std::pow(1 - p, trials), sum = 0;
+      for (int i = 0; i <= k; ++i) {
+        sum += term;
+        term *= p / (1 - p) * (trials - i) / (i + 1);
+      }
+      return sum;
+    };
+    if (hits > 0) {
+      EXPECT_NEAR(1 - tail(bounds.low, hits - 1), 0.025, kSolved * 1e3);
+    }
+    if (hits < trials) {
+      EXPECT_NEAR(tail(bounds.high, hits), 0.025, kSolved * 1e3);
+    }
+  }
+  EXPECT_EQ(hil::calc_clopper_pearson(0, 100).low, 0);
+  EXPECT_NEAR(hil::calc_clopper_pearson(0, 100).high, 1 - std::pow(0.025, 0.01), kSolved);
+}
+
+TEST(Statistics, WilksNeeds59SamplesFor95Of95) {
+  EXPECT_EQ(hil::calc_wilks_trials(0.95), 59);
+  EXPECT_EQ(hil::calc_wilks_trials(0.99), 299);
+  EXPECT_EQ(hil::calc_wilks_rank(58, 0.95), 0);
+  EXPECT_EQ(hil::calc_wilks_rank(59, 0.95), 1);
+  EXPECT_EQ(hil::calc_wilks_rank(93, 0.95), 2);  // Wilks' second order
+}
+
+TEST(Statistics, QuantileIntervalsCoverAsOftenAsTheySay) {
+  const std::int64_t n = 59;
+  int covered = 0;
+  constexpr int kTrials = 2000;
+  for (int k = 0; k < kTrials; ++k) {
+    const hil::SamplingPlan plan{hil::Sampling::kRandom, static_cast<std::uint64_t>(k), n, 1, {}};
+    std::vector<double> values;
+    for (std::int64_t i = 0; i < n; ++i) values.push_back(hil::calc_point(plan, i)[0]);
+    std::sort(values.begin(), values.end());
+    const auto interval = hil::calc_quantile_interval(values, 0.5);
+    ASSERT_TRUE(interval);
+    covered += interval->low <= 0.5 && 0.5 <= interval->high ? 1 : 0;
+  }
+  EXPECT_GT(covered, 0.94 * kTrials);  // the numbers are always the same: no test of chance
+  EXPECT_LT(covered, 0.99 * kTrials);
+  EXPECT_FALSE(hil::calc_quantile_interval(std::vector<double>(58, 1.0), 0.01));
+}
+
+TEST(Statistics, SpearmanSeesOrderAlone) {
+  std::vector<double> x, y, z;
+  for (int i = 0; i < 20; ++i) {
+    x.push_back(i);
+    y.push_back(std::exp(0.3 * i));
+    z.push_back(i == 3 ? std::nan("") : -i);
+  }
+  EXPECT_NEAR(hil::calc_spearman(x, y), 1, 1e-15);
+  EXPECT_NEAR(hil::calc_spearman(x, z), -1, 1e-15);
+  EXPECT_TRUE(std::isnan(hil::calc_spearman(x, std::vector<double>(20, 2.0))));
+}
+
+// Ishigami's function, whose indices are known in closed form (Ishigami and Homma 1990).
+TEST(Statistics, SobolIndicesOfIshigamisFunctionAreInTheirIntervals) {
+  constexpr double a = 7, b = 0.1, kPi = std::numbers::pi;
+  const auto f = [&](const std::vector<double>& u) {
+    const auto x = [&](std::size_t k) { return kPi * (2 * u[k] - 1); };
+    return std::sin(x(0)) + a * std::sin(x(1)) * std::sin(x(1)) + b * std::pow(x(2), 4) * std::sin(x(0));
+  };
+  const double v1 = 0.5 * std::pow(1 + b * std::pow(kPi, 4) / 5, 2), v2 = a * a / 8,
+               v13 = b * b * std::pow(kPi, 8) * (1.0 / 18 - 1.0 / 50), v = v1 + v2 + v13;
+  const double first[] = {v1 / v, v2 / v, 0}, total[] = {(v1 + v13) / v, v2 / v, v13 / v};
+  const hil::SamplingPlan plan{hil::Sampling::kSaltelli, 1, 2000 * 5, 3, {}};
+  std::vector<std::vector<double>> blocks(5);
+  for (std::int64_t i = 0; i < plan.samples; ++i)
+    blocks[static_cast<std::size_t>(i % 5)].push_back(f(hil::calc_point(plan, i)));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const hil::SobolIndex index = hil::calc_sobol_index(blocks[0], blocks[1], blocks[axis + 2], 1);
+    EXPECT_LE(index.first_interval.low, first[axis]) << axis;
+    EXPECT_GE(index.first_interval.high, first[axis]) << axis;
+    EXPECT_LE(index.total_interval.low, total[axis]) << axis;
+    EXPECT_GE(index.total_interval.high, total[axis]) << axis;
+    EXPECT_LT(index.first_interval.high - index.first_interval.low, 0.2);
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test

@@ -1,0 +1,335 @@
+#!/usr/bin/env python3
+"""FMUs: an importer of our own calls every function of FMI 2.0 and 3.0, in the right and in the wrong order.
+
+    fmu_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import ctypes
+import math
+import re
+import sys
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_uint8, c_void_p
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
+from processes import BIN, BOOSTERS, REFERENCE, SANITIZED, UNLATCH, ProcessTest, main  # noqa: E402
+
+if SANITIZED:
+    sys.exit(77)  # Python itself would need the sanitizer
+sys.path.insert(0, str(BIN.parent / "python"))
+import unlatch  # noqa: E402
+
+OK, ERROR = 0, 3
+LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+SEQUENCE = {100: ("throttle", 0.84), 250: ("verniers", 0), 300: ("rudder", 0), 450: ("cut_ties", 1), 500: ("cutoff", 1)}
+TYPES = "Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String Binary"
+ALL = {
+    3: [f"{access}{kind}" for access in ("Get", "Set") for kind in (TYPES + " Float64 Clock").split()] + """GetVersion SetDebugLogging
+    InstantiateModelExchange InstantiateCoSimulation InstantiateScheduledExecution FreeInstance EnterInitializationMode ExitInitializationMode
+    EnterEventMode Terminate Reset GetNumberOfVariableDependencies GetVariableDependencies GetFMUState SetFMUState FreeFMUState
+    SerializedFMUStateSize SerializeFMUState DeserializeFMUState GetDirectionalDerivative GetAdjointDerivative EnterConfigurationMode
+    ExitConfigurationMode GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction SetIntervalDecimal SetIntervalFraction
+    SetShiftDecimal SetShiftFraction EvaluateDiscreteStates UpdateDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
+    SetContinuousStates GetContinuousStateDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates
+    GetNumberOfEventIndicators GetNumberOfContinuousStates EnterStepMode GetOutputDerivatives DoStep ActivateModelPartition""".split(),
+    2: """GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment EnterInitializationMode ExitInitializationMode
+    Terminate Reset GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString GetFMUstate SetFMUstate FreeFMUstate
+    SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate GetDirectionalDerivative SetRealInputDerivatives GetRealOutputDerivatives
+    DoStep CancelStep GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus""".split()}
+
+
+class Callbacks(ctypes.Structure):
+    _fields_ = [(name, c_void_p) for name in ("logger", "allocate", "release", "step_finished", "environment")]
+
+
+class Fmu:
+    """An instance of an unpacked FMU, of either version."""
+
+    def __init__(self, folder, version, token=None, event_mode=False, early_return=False):
+        self.version = version
+        self.description = ElementTree.parse(folder / "modelDescription.xml").getroot()
+        variables = self.description.find("ModelVariables")
+        self.references = {variable.get("name"): int(variable.get("valueReference")) for variable in variables}
+        identifier = self.description.find("CoSimulation").get("modelIdentifier")
+        platform = next((folder / "binaries").iterdir())
+        self.library = ctypes.CDLL(str(platform / f"{identifier}.so"))
+        token = token or self.description.get("instantiationToken" if version == 3 else "guid")
+        self.messages = []
+        self.log = LOG(lambda environment, status, category, message: self.messages.append(message.decode()))
+        if version == 3:
+            make = self.library.fmi3InstantiateCoSimulation
+            make.restype, make.argtypes = c_void_p, [c_char_p, c_char_p, c_char_p, c_bool, c_bool, c_bool, c_bool, c_void_p, c_size_t,
+                                                     c_void_p, LOG, c_void_p]
+            self.instance = make(b"one", token.encode(), f"{folder}/resources/".encode(), False, True, event_mode, early_return, None, 0, None,
+                                 self.log, None)
+        else:
+            make = self.library.fmi2Instantiate
+            make.restype, make.argtypes = c_void_p, [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int]
+            self.callbacks = Callbacks()
+            uri = (folder / "resources").as_uri().encode()
+            self.instance = make(b"one", 1, token.encode(), uri, byref(self.callbacks), 0, 0)
+
+    def call(self, name, *arguments):
+        function = getattr(self.library, f"fmi{self.version}{name}")
+        return function(c_void_p(self.instance), *arguments)
+
+    def begin(self, start=0.0):
+        if self.version == 3:
+            entered = self.call("EnterInitializationMode", c_bool(False), c_double(0), c_double(start), c_bool(False), c_double(0))
+        else:
+            entered = self.call("SetupExperiment", c_int(0), c_double(0), c_double(start), c_int(0), c_double(0)) or \
+                self.call("EnterInitializationMode")
+        return entered or self.call("ExitInitializationMode")
+
+    def access(self, name, reference, value=0.0):
+        """(status, value)"""
+        references, values = (c_uint32 * 1)(reference), (c_double * 1)(value)
+        kind = "Float64" if self.version == 3 else "Real"
+        more = [c_size_t(1)] if self.version == 3 else []
+        return self.call(name + kind, references, c_size_t(1), values, *more), values[0]
+
+    def get(self, name):
+        status, value = self.access("Get", self.references[name])
+        assert status == OK, self.messages
+        return value
+
+    def set(self, name, value):
+        return self.access("Set", self.references[name], value)[0]
+
+    def step(self, time, size):
+        """(status, event needed, early, last time)"""
+        if self.version == 2:
+            return self.call("DoStep", c_double(time), c_double(size), c_int(1)), False, False, time + size
+        event, terminate, early, last = c_bool(), c_bool(), c_bool(), c_double()
+        status = self.call("DoStep", c_double(time), c_double(size), c_bool(True), byref(event), byref(terminate), byref(early), byref(last))
+        return status, event.value, early.value, last.value
+
+    def state_name(self, name):
+        return name if self.version == 3 else name.replace("FMUState", "FMUstate").replace("Deserialize", "DeSerialize")
+
+    def save(self):
+        """(state, its bytes)"""
+        state, size = c_void_p(), c_size_t()
+        assert self.call(self.state_name("GetFMUState"), byref(state)) == OK
+        assert self.call(self.state_name("SerializedFMUStateSize"), state, byref(size)) == OK
+        data = (c_uint8 * size.value)()
+        assert self.call(self.state_name("SerializeFMUState"), state, data, size) == OK
+        return state, bytes(data)
+
+    def free(self):
+        if self.instance:
+            free = getattr(self.library, f"fmi{self.version}FreeInstance")
+            free.restype = None
+            free(c_void_p(self.instance))
+
+
+class FmuTest(ProcessTest):
+    def unpack(self, version, scenario=BOOSTERS, *more):
+        folder = self.folder / f"fmu {version}"  # a blank in the path, as on people's desks
+        if not folder.exists():
+            file = self.folder / f"{version}.fmu"
+            self.run_ok(UNLATCH, "export", scenario, "--fmu", file, "--fmi", version, *more)
+            with zipfile.ZipFile(file) as archive:
+                self.assertIsNone(archive.testzip())
+                archive.extractall(folder)
+        return folder
+
+    def open(self, version, scenario=BOOSTERS, **options):
+        fmu = Fmu(self.unpack(version, scenario), version, **options)
+        self.addCleanup(fmu.free)
+        return fmu
+
+    def read_hash(self, fmu, scenario):
+        """A state of an FMU is one of the C library, and its mode."""
+        state, data = fmu.save()
+        self.assertEqual(fmu.call(fmu.state_name("FreeFMUState"), byref(state)), OK)
+        with unlatch.load(scenario) as sim:
+            sim.restore(data[:-1])
+            return sim.hash
+
+    def separate(self, version):
+        session = self.run_json(UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--until", "2", code=None)
+        fmu = self.open(version)
+        self.assertEqual(fmu.begin(), OK)
+        contact = {}
+        for tick in range(2000):
+            name, value = SEQUENCE.get(tick, ("", 0))
+            for variable in fmu.references:
+                if name and re.fullmatch(rf"channels\.{name}[1-4]?", variable):
+                    self.assertEqual(fmu.set(variable, value), OK)
+            for i in "1234":
+                if i not in contact and fmu.get(f"sensors.kr{i}") > 0.5:
+                    contact[i] = tick
+                if tick == contact.get(i, tick) + 12:
+                    self.assertEqual(fmu.set(f"channels.nozzle{i}", 1), OK)
+            self.assertEqual(fmu.step(tick * 0.001, 0.001)[0], OK, fmu.messages)
+        self.assertEqual(len(contact), 4)
+        self.assertEqual(fmu.get("time"), 2.0)
+        self.assertGreater(fmu.get("clearances.core.booster1"), 0.1)
+        self.assertEqual(self.read_hash(fmu, BOOSTERS), session["hash"])
+        self.assertEqual(fmu.call("Terminate"), OK)
+
+    def test_fmi_3_separates_the_boosters_to_the_hash_of_a_session(self):
+        self.separate(3)
+
+    def test_fmi_2_separates_the_boosters_to_the_hash_of_a_session(self):
+        self.separate(2)
+
+    def test_a_run_has_the_hash_of_unlatch_run_at_any_communication_step(self):
+        wanted = self.run_json(UNLATCH, "run", REFERENCE, "--until", "0.9", code=None)["hash"]
+        for version, step in ((3, 0.9), (3, 0.03), (2, 0.1)):
+            fmu = self.open(version, REFERENCE)
+            self.assertEqual(fmu.begin(), OK)
+            time = 0.0
+            for _ in range(round(0.9 / step)):
+                self.assertEqual(fmu.step(time, step)[0], OK, fmu.messages)
+                time += step  # a running sum, as importers keep it
+            self.assertEqual(self.read_hash(fmu, REFERENCE), wanted)
+
+    def test_every_function_of_the_standards_is_there(self):
+        for version, names in ALL.items():
+            fmu = self.open(version)
+            for name in names:
+                self.assertTrue(hasattr(fmu.library, f"fmi{version}{name}"), name)
+            version_of = getattr(fmu.library, f"fmi{version}GetVersion")
+            version_of.restype = c_char_p
+            self.assertEqual(version_of(), f"{version}.0".encode())
+        exported = {name for name in self.run_ok("nm", "-D", "--defined-only", next((self.unpack(3) / "binaries").glob("*/unlatch_*.so")))
+                    .stdout.split() if name.startswith("fmi")}
+        self.assertEqual(exported, {f"fmi{version}{name}" for version, names in ALL.items() for name in names})
+
+    def test_a_step_returns_early_at_events_if_the_importer_wants_it(self):
+        fmu = self.open(3, REFERENCE, event_mode=True, early_return=True)
+        self.assertEqual(fmu.begin(), OK)
+        self.assertEqual(fmu.call("EnterStepMode"), OK)
+        status, event, early, last = fmu.step(0.0, 0.9)
+        self.assertEqual((status, event, early), (OK, True, True))
+        with unlatch.load(REFERENCE) as sim:
+            sim.run(until=0.9, stop_at_events=True)
+            self.assertEqual(last, sim.time)
+            self.assertEqual(self.read_hash(fmu, REFERENCE), sim.hash)
+        self.assertEqual(fmu.call("EnterEventMode"), OK)
+        flags, next_time = [c_bool(True) for _ in range(5)], c_double()
+        self.assertEqual(fmu.call("UpdateDiscreteStates", *map(byref, flags), byref(next_time)), OK)
+        self.assertFalse(any(flag.value for flag in flags))
+        self.assertEqual(fmu.step(last, 0.001)[0], ERROR)  # not in event mode
+        self.assertEqual(fmu.call("EnterStepMode"), OK)
+        self.assertEqual(fmu.step(last, 0.001)[0], OK)
+
+    def test_states_are_kept_serialized_and_taken_up_again(self):
+        for version in (3, 2):
+            fmu = self.open(version, REFERENCE)
+            self.assertEqual(fmu.begin(), OK)
+            self.assertEqual(fmu.step(0.0, 0.3)[0], OK)
+            state, data = fmu.save()
+            self.assertEqual(fmu.step(0.3, 0.2)[0], OK)
+            ended = self.read_hash(fmu, REFERENCE)
+            self.assertEqual(fmu.call(fmu.state_name("SetFMUState"), state), OK)
+            self.assertEqual(fmu.get("time"), 0.3)
+            self.assertEqual(fmu.step(0.3, 0.2)[0], OK)
+            self.assertEqual(self.read_hash(fmu, REFERENCE), ended)
+            self.assertEqual(fmu.call(fmu.state_name("FreeFMUState"), byref(state)), OK)
+            self.assertIsNone(state.value)
+            other, again = self.open(version, REFERENCE), c_void_p()
+            self.assertEqual(other.call(fmu.state_name("DeserializeFMUState"), data, c_size_t(len(data)), byref(again)), OK)
+            self.assertEqual(other.call(fmu.state_name("SetFMUState"), again), OK)
+            self.assertEqual(other.step(0.3, 0.2)[0], OK)
+            self.assertEqual(self.read_hash(other, REFERENCE), ended)
+            damaged = data[:40] + bytes([data[40] ^ 1]) + data[41:]
+            self.assertEqual(other.call(fmu.state_name("DeserializeFMUState"), damaged, c_size_t(len(damaged)), byref(again)), OK)
+            self.assertEqual(other.call(fmu.state_name("SetFMUState"), again), ERROR)
+            self.assertEqual(self.read_hash(other, REFERENCE), ended)
+            self.assertEqual(other.call(fmu.state_name("FreeFMUState"), byref(again)), OK)
+            self.assertEqual(other.call("Reset"), OK)
+            self.assertEqual((other.get("time"), other.begin()), (0.0, OK))
+
+    def test_wrong_order_and_wrong_values_are_errors_and_change_nothing(self):
+        for version in (3, 2):
+            fmu = self.open(version)
+            self.assertEqual(fmu.step(0.0, 0.001)[0], ERROR)  # before initialization
+            self.assertEqual(fmu.call("ExitInitializationMode"), ERROR)
+            self.assertEqual(fmu.call("Terminate"), ERROR)
+            self.assertEqual(fmu.begin(start=1.0), ERROR)
+            self.assertEqual(fmu.begin(), OK)
+            self.assertEqual(fmu.begin(), ERROR)
+            before = self.read_hash(fmu, BOOSTERS)
+            for time, size in ((0.0, 0.0005), (0.001, 0.001), (0.0, -0.001), (0.0, math.nan), (math.nan, 0.001), (0.0, math.inf)):
+                self.assertEqual(fmu.step(time, size)[0], ERROR, (time, size))
+            for value in (2.0, -0.1, math.nan, math.inf):
+                self.assertEqual(fmu.set("channels.throttle1", value), ERROR)
+            self.assertEqual(fmu.set("sensors.kr1", 1.0), ERROR)  # an output
+            self.assertEqual(fmu.access("Get", 10**6)[0], ERROR)
+            self.assertEqual(fmu.access("Set", 10**6)[0], ERROR)
+            self.assertEqual(fmu.get("channels.throttle1"), 1.0)
+            self.assertEqual(self.read_hash(fmu, BOOSTERS), before)
+            self.assertEqual(fmu.call("Terminate"), OK)
+            self.assertEqual(fmu.step(0.0, 0.001)[0], ERROR)
+            self.assertEqual(fmu.set("channels.throttle1", 0.5), ERROR)
+            kept, fmu.instance = fmu.instance, 4711  # no instance
+            self.assertEqual(fmu.step(0.0, 0.001)[0], ERROR)
+            self.assertEqual(fmu.call("Reset"), ERROR)
+            fmu.instance = kept
+            self.assertIsNone(self.open(version, token="{another}").instance)
+        fmu = self.open(3)
+        self.assertEqual(fmu.call("EnterEventMode"), ERROR)
+        self.assertTrue(any("event mode" in message for message in fmu.messages), fmu.messages)
+        self.assertEqual(fmu.call("GetInt32", None, c_size_t(0), None, c_size_t(0)), OK)
+        self.assertEqual(fmu.call("GetInt32", (c_uint32 * 1)(1), c_size_t(1), (c_int * 1)(), c_size_t(1)), ERROR)
+        self.assertEqual(fmu.call("SetTime", c_double(1)), ERROR)
+
+    def test_the_description_keeps_the_rules_of_the_standards(self):
+        for version in (3, 2):
+            root = ElementTree.parse(self.unpack(version) / "modelDescription.xml").getroot()
+            self.assertEqual((root.tag, root.get("fmiVersion")), ("fmiModelDescription", f"{version}.0"))
+            order = ["CoSimulation", "UnitDefinitions", "DefaultExperiment", "ModelVariables", "ModelStructure"]
+            self.assertEqual([child.tag for child in root], order)
+            self.assertRegex(root.find("CoSimulation").get("modelIdentifier"), r"^[A-Za-z_]\w*$")
+            variables = list(root.find("ModelVariables"))
+            names = [v.get("name") for v in variables]
+            references = [v.get("valueReference") for v in variables]
+            self.assertEqual((len(set(names)), len(set(references))), (len(names), len(references)))
+            units = {unit.get("name") for unit in root.find("UnitDefinitions")}
+            kinds = {}
+            for place, variable in enumerate(variables):
+                number = variable if version == 3 else variable[0]
+                self.assertEqual(number.tag, "Float64" if version == 3 else "Real")
+                self.assertIn(number.get("unit", "m"), units, variable.get("name"))
+                self.assertEqual(variable.get("variability"), "continuous")
+                kinds.setdefault(variable.get("causality"), []).append((place, variable))
+                if variable.get("causality") == "input":  # has a start in its range
+                    self.assertTrue(float(number.get("min")) <= float(number.get("start")) <= float(number.get("max")))
+                else:
+                    self.assertIsNone(number.get("start"))
+            self.assertEqual([variable.get("name") for _, variable in kinds["independent"]], ["time"])
+            self.assertEqual(len(kinds["input"]), 21)
+            self.assertEqual(set(kinds), {"independent", "input", "output"})
+            structure = root.find("ModelStructure")
+            for kind in ("Output", "InitialUnknown"):
+                if version == 3:
+                    listed = [output.get("valueReference") for output in structure.findall(kind)]
+                    self.assertEqual(listed, [variable.get("valueReference") for _, variable in kinds["output"]])
+                else:
+                    listed = [int(unknown.get("index")) for unknown in structure.find(f"{kind}s")]
+                    self.assertEqual(listed, [place + 1 for place, _ in kinds["output"]])
+
+    def test_overrides_are_inside_and_mistakes_are_told(self):
+        file = self.folder / "heavy.fmu"
+        self.run_ok(UNLATCH, "export", REFERENCE, "--fmu", file, "--set", "bodies.core.mass=99 t", "--set", "bodies.booster1.mass=4400")
+        with zipfile.ZipFile(file) as archive:
+            archive.extractall(self.folder / "heavy")
+        fmu = Fmu(self.folder / "heavy", 3)
+        self.addCleanup(fmu.free)
+        self.assertEqual(fmu.begin(), OK, fmu.messages)
+        self.assertEqual(fmu.step(0.0, 0.5)[0], OK)
+        with unlatch.load(REFERENCE, {"bodies.core.mass": "99 t", "bodies.booster1.mass": 4400}) as sim:
+            sim.run(until=0.5)
+            self.assertEqual(fmu.get("bodies.core.position.x"), sim.bodies["core"].position[0])
+            self.assertEqual(fmu.get("reactions.nose1.x"), sim.joints["nose1"].reaction[0])
+        for more in (["--fmi", "4"], ["--out", "x.csv"], ["--set", "bodies.core.mass=-1"]):
+            self.assertEqual(self.run_ok(UNLATCH, "export", REFERENCE, "--fmu", file, *more, code=None).returncode, 2, more)
+        self.run_ok(UNLATCH, "export", REFERENCE, "--fmu", "/nowhere/x.fmu", code=3)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+"""Facts about `unlatch campaign`: the same table for any jobs, order and interruption; samples that run again to the bit;
+distributions and statistics against OpenTURNS.
+
+    campaign_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+
+import csv
+import json
+import math
+import signal
+import subprocess
+import time
+
+from browser import Browser
+from processes import SCENARIOS, UNLATCH, ProcessTest, call, main
+
+CAMPAIGN = SCENARIOS / "boosters" / "campaign.yaml"
+# A mass that falls for 5 steps: a sample takes no time. v: speed at the end, 0.05 s · 9.81 m/s2 + start.
+BALL = """unlatch: 1
+name: ball
+step: {dt: 0.01, until: 0.05}
+gravity: {uniform: [-9.81, 0, 0]}
+bodies:
+  ball: {mass: 2, inertia: [1, 1, 1], velocity: [0, 0, 0]}
+  base: {mass: 1000, inertia: [9, 9, 9]}
+requirements:
+  - {id: fast, text: it is slow, velocity: {body: ball, relative_to: base}, at_most: 2.5}
+"""
+
+
+def read_table(folder):
+    with open(folder / "samples.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+class CampaignTest(ProcessTest):
+    def write(self, rest, name="c.yaml"):
+        (self.folder / "ball.yaml").write_text(BALL)
+        path = self.folder / name
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\n" + rest)
+        return path
+
+    def run_campaign(self, path, out, *options, code=0):
+        done = call(UNLATCH, "campaign", path, "--out", self.folder / out, "--json", "-", *options)
+        self.assertIn(done.returncode, (code,) if isinstance(code, int) else code, done.stderr)
+        return json.loads(done.stdout)
+
+    def run_boosters(self, out, *options):
+        return self.run_campaign(CAMPAIGN, out, "--set", "step.until=0.4", *options, code=1)  # nothing is released by then
+
+    def test_jobs_parts_and_order_give_the_same_table_and_hash(self):
+        whole = self.run_boosters("whole", "--samples", "0:24", "--jobs", "3")
+        self.run_boosters("late", "--samples", "9:24", "--jobs", "1")
+        self.run_boosters("early", "--samples", "0:12", "--jobs", "2")  # overlaps
+        merged = json.loads(self.run_ok(UNLATCH, "campaign", "merge", self.folder / "late", self.folder / "early", "--out",
+                                        self.folder / "merged", "--json", "-", code=1).stdout)
+        self.assertEqual(whole["hash"], merged["hash"])
+        for name in ("samples.csv", "samples.parquet"):
+            self.assertEqual((self.folder / "whole" / name).read_bytes(), (self.folder / "merged" / name).read_bytes())
+
+    def test_a_sample_run_alone_has_the_hash_of_the_table(self):
+        path = self.write("samples: 5\nparameters:\n  m: {path: bodies.ball.mass, normal: {mean: nominal, sigma: 1 %}}\n"
+                          "  v: {path: 'bodies.ball.velocity[0]', uniform: {min: -1 m/s, max: 1 m/s}}\n")
+        self.run_campaign(path, "out")
+        row = read_table(self.folder / "out")[3]
+        log = self.folder / "three.log"
+        alone = json.loads(self.run_ok(UNLATCH, "run", path, "--sample", "3", "--json", "-", "--log", log).stdout)
+        self.assertEqual(alone["hash"], row["hash"])
+        self.assertEqual(json.loads(self.run_ok(UNLATCH, "replay", log, "--json", "-").stdout)["hash"], row["hash"])
+        self.assertAlmostEqual(alone["verdict"][0]["value"], float(row["fast [m/s]"]), delta=1e-15)
+
+    def test_killed_at_any_moment_it_resumes_to_the_same_hash(self):
+        path = self.write("samples: 3000\nsampling: latin-hypercube\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n")
+        whole = self.run_campaign(path, "whole")["hash"]
+        out = self.folder / "killed"
+        kept = 0
+        for k in range(20):
+            process = subprocess.Popen([UNLATCH, "campaign", path, "--out", out, "--jobs", "2", "--resume"],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            time.sleep(0.01 * k)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            size = (out / "results.bin").stat().st_size if (out / "results.bin").exists() else 0
+            self.assertGreaterEqual(size + 4096, kept)  # at most what was in flight is lost
+            kept = size
+        self.assertEqual(self.run_campaign(path, "killed", "--resume")["hash"], whole)
+        self.assertEqual((out / "samples.csv").read_bytes(), (self.folder / "whole" / "samples.csv").read_bytes())
+
+    def test_a_folder_with_results_is_not_overwritten_and_not_mixed(self):
+        text = "samples: 4\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n"
+        path = self.write(text)
+        self.run_campaign(path, "out")
+        self.assertEqual(call(UNLATCH, "campaign", path, "--out", self.folder / "out").returncode, 2)
+        other = self.write(text + "seed: 2\n", "other.yaml")
+        done = call(UNLATCH, "campaign", other, "--out", self.folder / "out", "--resume")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("another campaign", done.stderr)
+
+    def test_failures_are_counted_with_their_bounds(self):
+        import openturns
+        path = self.write("samples: 400\nparameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n")
+        summary = self.run_campaign(path, "out", code=1)
+        requirement = summary["requirements"][0]
+        table = read_table(self.folder / "out")
+        failed = [row for row in table if float(row["fast.margin [m/s]"]) < 0]
+        self.assertEqual(requirement["failed"], len(failed))
+        self.assertGreater(len(failed), 0)
+        low = openturns.Beta(len(failed), 401 - len(failed), 0, 1)
+        high = openturns.Beta(len(failed) + 1, 400 - len(failed), 0, 1)
+        self.assertAlmostEqual(requirement["probability"][0], low.computeQuantile(0.025)[0], delta=1e-9)
+        self.assertAlmostEqual(requirement["probability"][1], high.computeQuantile(0.975)[0], delta=1e-9)
+        worst = min(table, key=lambda row: float(row["fast.margin [m/s]"]))
+        self.assertEqual(summary["worst"][0], int(worst["sample"]))
+
+    def test_distributions_are_those_of_openturns(self):
+        import openturns as ot
+        n = 201
+        kinds = {
+            "normal: {mean: 5, sigma: 0.5}": ot.Normal(5, 0.5),
+            "normal: {mean: 5, sigma: 10 %, within: 2}": ot.TruncatedDistribution(ot.Normal(5, 0.5), 4.0, 6.0),
+            "normal: {mean: 5, sigma: 0.5, min: 4.9, max: 7}": ot.TruncatedDistribution(ot.Normal(5, 0.5), 4.9, 7.0),
+            "lognormal: {mean: 5, sigma: 1}": ot.ParametrizedDistribution(ot.LogNormalMuSigma(5, 1, 0)),
+            "uniform: {min: 2, max: 3}": ot.Uniform(2, 3),
+            "triangular: {min: 1, mode: 2, max: 5}": ot.Triangular(1, 2, 5),
+        }
+        for text, distribution in kinds.items():
+            path = self.write(f"sampling: grid\nlevels: {n}\nparameters:\n  m: {{path: bodies.ball.mass, {text}}}\n")
+            out = self.folder / str(len(list(self.folder.iterdir())))
+            self.run_campaign(path, out.name)
+            for k, row in enumerate(read_table(out)):
+                expected = distribution.computeQuantile((k + 0.5) / n)[0]
+                self.assertAlmostEqual(float(row["m"]), expected, delta=1e-10 * abs(expected), msg=f"{text} {k}")
+
+    def test_statistics_are_those_of_openturns(self):
+        import openturns as ot
+        path = self.write("samples: 500\nparameters:\n  m: {path: bodies.ball.mass, normal: {mean: 2, sigma: 5 %}}\n"
+                          "  v: {path: 'bodies.ball.velocity[0]', uniform: {min: -1 m/s, max: 1 m/s}}\n")
+        summary = self.run_campaign(path, "out", code=(0, 1))
+        table = read_table(self.folder / "out")
+        names = ["m", "v [m/s]", "fast [m/s]"]
+        sample = ot.Sample([[float(row[name]) for name in names] for row in table])
+        matrix = sample.computeSpearmanCorrelation()
+        fast = next(c for c in summary["columns"] if c["name"] == "fast")
+        for k in range(2):
+            self.assertAlmostEqual(fast["sensitivity"]["spearman"][k], matrix[2, k], delta=1e-12)
+        self.assertAlmostEqual(fast["mean"], sample.computeMean()[2], delta=1e-12)
+        self.assertAlmostEqual(fast["deviation"], sample.computeStandardDeviation()[2], delta=1e-12)
+        ordered = sorted(float(row["fast [m/s]"]) for row in table)
+        at = 0.95 * (len(ordered) - 1)
+        expected = ordered[int(at)] + (at - int(at)) * (ordered[int(at) + 1] - ordered[int(at)])
+        self.assertAlmostEqual(fast["quantiles"]["0.95"], expected, delta=1e-15)
+
+    def test_an_event_that_never_came_is_counted_as_missing(self):
+        summary = self.run_boosters("out", "--samples", "0:3")
+        release = next(c for c in summary["columns"] if c["name"] == "event.release:booster1")
+        self.assertEqual((release["count"], release["missing"]), (0, 3))
+        self.assertEqual(read_table(self.folder / "out")[0]["event.release:booster1 [s]"], "")
+
+    def test_check_knows_campaigns(self):
+        self.assertIn("is valid", self.run_ok(UNLATCH, "check", CAMPAIGN).stdout)
+        path = self.write("samples: 4\nparameters:\n  m: {path: bodies.ball.mass, normal: {mean: 2, sigma: 1}}\n")
+        done = call(UNLATCH, "check", path)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("probability of 0.0228", done.stderr)
+
+    def test_a_full_disk_ends_it_with_an_error_and_a_readable_file(self):
+        path = self.write("samples: 2000\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n")
+        limited = f"ulimit -f 64; exec '{UNLATCH}' campaign '{path}' --out '{self.folder}/full'"  # blocks of 1024 bytes
+        done = call("bash", "-c", limited)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("results.bin", done.stderr)
+        merged = self.run_ok(UNLATCH, "campaign", "merge", self.folder / "full", "--out", self.folder / "read", "--json", "-")
+        self.assertGreater(json.loads(merged.stdout)["samples"], 10)
+
+    def test_the_page_shows_the_campaign_in_a_browser_without_a_network(self):
+        hostile = "</script><script>window.struck = 1</script>"
+        path = self.write(f"title: \"{hostile}\"\nsamples: 200\nparameters:\n"
+                          "  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n")
+        summary = self.run_campaign(path, "out", code=1)
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "out", "--out", page)
+        browser = Browser()
+        try:
+            browser.open(page)
+            ask = browser.evaluate
+            self.assertEqual(ask("document.getElementById('title').textContent"), hostile)
+            self.assertEqual(ask("window.struck === undefined"), True)
+            self.assertEqual(ask("document.querySelector('#verdict .bad').textContent"), str(summary["requirements"][0]["failed"]))
+            self.assertGreater(ask("document.querySelectorAll('#histogram .bar').length"), 5)
+            self.assertEqual(ask("document.querySelectorAll('#histogram .limit, #cdf .limit').length"), 2)
+            self.assertEqual(ask("document.querySelectorAll('#scatter .point').length"), 200)
+            self.assertIn(f"--sample {summary['worst'][0]} --log", ask("document.querySelector('#worst code').textContent"))
+            ask("document.querySelector('#scatter .point').dispatchEvent(new Event('click'))")
+            self.assertIn("Sample 0: v", ask("document.getElementById('picked').textContent"))
+            # Another quantity: the input itself, which nothing explains but itself.
+            ask("(() => { const q = document.getElementById('quantity'); q.value = q.options.length - 1; q.dispatchEvent(new Event('change')); })()")
+            self.assertEqual(ask("document.querySelectorAll('#histogram .limit').length"), 0)
+            self.assertEqual(browser.complaints, [])
+            self.assertEqual([url for url in browser.requests if not url.startswith(("file:", "data:"))], [])
+        finally:
+            browser.close()
+
+    def test_screening_finds_the_one_parameter_that_matters(self):
+        parameters = ("parameters:\n  m: {path: bodies.ball.mass, normal: {mean: 2, sigma: 5 %}}\n"
+                      "  v: {path: 'bodies.ball.velocity[1]', uniform: {min: 0.1 m/s, max: 1 m/s}}\n")
+        morris = self.run_campaign(self.write("sampling: morris\nsamples: 30\n" + parameters), "morris")
+        fast = next(c for c in morris["columns"] if c["name"] == "fast")["sensitivity"]["morris"]
+        self.assertGreater(fast[1]["mean_size"], 0.1)
+        self.assertLess(fast[0]["mean_size"], 1e-9)
+        sobol = self.run_campaign(self.write("sampling: saltelli\nsamples: 800\n" + parameters, "s.yaml"), "sobol")
+        fast = next(c for c in sobol["columns"] if c["name"] == "fast")["sensitivity"]["sobol"]
+        self.assertAlmostEqual(fast[1]["total"], 1, delta=0.15)
+        self.assertAlmostEqual(fast[0]["total"], 0, delta=1e-9)
+        self.assertTrue(math.isfinite(fast[0]["first"]))
+
+
+if __name__ == "__main__":
+    main()

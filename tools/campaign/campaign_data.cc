@@ -1,0 +1,221 @@
+#include "tools/campaign/campaign_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "hil/language/setting.h"
+#include "tools/export/node_writer.h"
+#include "tools/unlatch/report.h"
+
+namespace unlatch::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Kind = hil::ResultColumn::Kind;
+
+const char* get_kind_name(Kind kind) {
+  static const char* const kNames[] = {"requirement", "margin",  "event",      "clearance", "clearance_time",
+                                       "released",    "tip_off", "separation", "peak"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+Json to_limit(double limit) { return std::isfinite(limit) ? Json(limit) : Json(nullptr); }
+
+std::string to_cell(double value) { return std::isnan(value) ? "" : hil::to_text(value); }
+
+std::string quote(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+// Bytes as they are, checked at the end: a table may be larger than memory for one text.
+class File {
+ public:
+  explicit File(const std::string& path) : path_(path), stream_(path, std::ios::binary | std::ios::trunc) {}
+  void write(const std::string& text) { stream_ << text; }
+  void finish() {
+    stream_.close();
+    if (!stream_) throw OutputError(path_ + ": it cannot be written");
+  }
+
+ private:
+  const std::string path_;
+  std::ofstream stream_;
+};
+
+}  // namespace
+
+std::string to_hex(std::uint64_t hash) { return to_hex(static_cast<std::int64_t>(hash)); }
+
+std::string get_manifest_path(const std::string& folder) { return (fs::path(folder) / "manifest.json").string(); }
+std::string get_results_path(const std::string& folder) { return (fs::path(folder) / "results.bin").string(); }
+
+Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& evaluator) {
+  const hil::Scenario& scenario = campaign.tree->get_nominal();
+  Json manifest = {{"format", 1},
+                   {"campaign", campaign.name},
+                   {"title", campaign.title},
+                   {"program", "unlatch " UNLATCH_VERSION},
+                   {"fingerprint", to_hex(get_shape(campaign, evaluator).fingerprint)},
+                   {"samples", campaign.plan.samples},
+                   {"seed", campaign.plan.seed},
+                   {"sampling", hil::kSamplingNames[static_cast<std::size_t>(campaign.plan.sampling)]},
+                   {"campaign_file", campaign.file},
+                   {"campaign_text", campaign.text},
+                   {"scenario", scenario.name},
+                   {"scenario_title", scenario.title},
+                   {"scenario_file", campaign.scenario},
+                   {"scenario_text", scenario.text},
+                   {"overrides", scenario.overrides},
+                   {"inputs", Json::array()},
+                   {"parameters", Json::array()},
+                   {"columns", Json::array()},
+                   {"requirements", Json::array()}};
+  for (const hil::InputColumn& input : list_inputs(campaign))
+    manifest["inputs"].push_back({{"name", input.name}, {"unit", input.unit}});
+  for (const hil::CampaignParameter& parameter : campaign.parameters)
+    manifest["parameters"].push_back({{"name", parameter.name},
+                                      {"paths", parameter.paths},
+                                      {"numbers", parameter.distribution.is_cone() ? 3 : 1},
+                                      {"axes", parameter.distribution.get_dimensions()}});
+  for (const hil::ResultColumn& column : evaluator.columns())
+    manifest["columns"].push_back({{"name", column.name}, {"unit", column.unit}, {"kind", get_kind_name(column.kind)}});
+  for (const hil::Requirement& requirement : scenario.requirements)
+    manifest["requirements"].push_back({{"id", requirement.id},
+                                        {"text", requirement.text},
+                                        {"unit", requirement.unit},
+                                        {"at_least", to_limit(requirement.least)},
+                                        {"at_most", to_limit(requirement.most)}});
+  return manifest;
+}
+
+Json read_manifest(const std::string& folder) {
+  const std::string path = get_manifest_path(folder);
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw hil::ResultError(path + ": it cannot be opened; a campaign's folder has it");
+  try {
+    Json manifest = Json::parse(stream);
+    if (manifest.at("format") != 1) throw hil::ResultError(path + ": a format of another version");
+    return manifest;
+  } catch (const Json::exception& error) {
+    throw hil::ResultError(path + ": not a campaign's manifest: " + error.what());
+  }
+}
+
+CampaignData read_campaign(const std::string& folder) {
+  CampaignData data;
+  data.manifest = read_manifest(folder);
+  const hil::ResultFile file = hil::ResultFile::open(get_results_path(folder), false);
+  if (to_hex(file.shape().fingerprint) != data.manifest.at("fingerprint").get<std::string>() ||
+      file.shape().inputs != data.manifest.at("inputs").size() ||
+      file.shape().values != data.manifest.at("columns").size())
+    throw hil::ResultError(folder + ": results and manifest are not of one campaign");
+  std::vector<std::size_t> order(file.samples().size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto sample = [&](std::size_t i) { return file.samples()[i]; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sample(a) < sample(b); });
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k > 0 && sample(order[k]) == sample(order[k - 1])) continue;
+    data.records.push_back(file.read(order[k]));
+    data.hash = hil::add_to_hash(data.hash, hil::calc_hash(data.records.back()));
+  }
+  return data;
+}
+
+void merge_campaigns(const std::vector<std::string>& folders, const std::string& to) {
+  const Json manifest = read_manifest(folders.at(0));
+  std::vector<hil::ResultFile> files;
+  for (const std::string& folder : folders) {
+    if (read_manifest(folder).at("fingerprint") != manifest.at("fingerprint"))
+      throw hil::ResultError(folder + ": results of another campaign, scenario or version than " + folders[0]);
+    files.push_back(hil::ResultFile::open(get_results_path(folder), false));
+  }
+  fs::create_directories(to);
+  write_text(manifest.dump(1), get_manifest_path(to));
+  hil::ResultFile merged = hil::ResultFile::create(get_results_path(to), files[0].shape());
+  std::vector<std::int64_t> taken;
+  for (const hil::ResultFile& file : files) {
+    if (!(file.shape() == merged.shape())) throw hil::ResultError("results of different shapes");
+    const std::vector<std::int64_t> before = taken;  // sorted
+    for (std::size_t i = 0; i < file.samples().size(); ++i) {
+      if (std::binary_search(before.begin(), before.end(), file.samples()[i])) continue;
+      merged.append(file.read(i));
+      taken.push_back(file.samples()[i]);
+    }
+    std::sort(taken.begin(), taken.end());
+  }
+}
+
+std::vector<double> CampaignData::get_input(std::size_t input) const {
+  std::vector<double> values;
+  for (const hil::SampleRecord& record : records) values.push_back(record.inputs[input]);
+  return values;
+}
+
+std::vector<double> CampaignData::get_column(std::size_t column) const {
+  std::vector<double> values;
+  for (const hil::SampleRecord& record : records) values.push_back(record.result.values[column]);
+  return values;
+}
+
+std::size_t CampaignData::find_column(const std::string& name) const {
+  const Json& columns = manifest.at("columns");
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].at("name") == name) return i;
+  throw std::out_of_range("no column " + name);
+}
+
+void write_csv(const CampaignData& data, const std::string& path) {
+  File file(path);
+  std::string line = "sample,status,ticks,hash,model_hash";
+  for (const char* part : {"inputs", "columns"})
+    for (const Json& column : data.manifest.at(part)) {
+      const std::string unit = column.at("unit");
+      line += "," + quote(column.at("name").get<std::string>() + (unit.empty() ? "" : " [" + unit + "]"));
+    }
+  file.write(line + ",message\r\n");
+  for (const hil::SampleRecord& record : data.records) {
+    const hil::SampleResult& result = record.result;
+    line = std::to_string(record.sample) + "," + hil::kSampleStatusNames[static_cast<std::size_t>(result.status)] +
+           "," + std::to_string(result.ticks) + "," + to_hex(result.hash) + "," + to_hex(result.model_hash);
+    for (const auto* values : {&record.inputs, &result.values})
+      for (const double value : *values) line += "," + to_cell(value);
+    file.write(line + "," + quote(result.message) + "\r\n");
+  }
+  file.finish();
+}
+
+bool write_parquet(const CampaignData& data, const std::string& path) try {
+  NodeWriter node("parquet", path);
+  Json columns = {{{"name", "sample"}, {"unit", "1"}, {"type", "integer"}},
+                  {{"name", "status"}, {"unit", "1"}, {"type", "text"}},
+                  {{"name", "hash"}, {"unit", "1"}, {"type", "text"}}};
+  for (const char* part : {"inputs", "columns"})
+    for (const Json& column : data.manifest.at(part))
+      columns.push_back({{"name", column.at("name")}, {"unit", column.at("unit")}, {"type", "optional"}});
+  const auto put = [&](const Json& line) {
+    const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    std::fwrite(text.data(), 1, text.size(), node.get_stream());
+  };
+  put({{"scenario", data.manifest.at("scenario")}, {"columns", columns}});
+  for (const hil::SampleRecord& record : data.records) {
+    Json line = {record.sample, hil::kSampleStatusNames[static_cast<std::size_t>(record.result.status)],
+                 to_hex(record.result.hash)};
+    for (const auto* values : {&record.inputs, &record.result.values})
+      for (const double value : *values) line.push_back(std::isnan(value) ? Json(nullptr) : Json(value));
+    put(line);
+  }
+  if (!node.finish()) throw OutputError(path + ": it cannot be written");
+  return true;
+} catch (const NodeMissing& missing) {
+  std::fprintf(stderr, "note: no %s: %s\n", path.c_str(), missing.what());
+  return false;
+}
+
+}  // namespace unlatch::tools

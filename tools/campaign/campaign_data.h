@@ -1,0 +1,45 @@
+// A campaign's folder: `manifest.json` (all that decides the samples, and what the columns are), `results.bin` (a
+// record for each sample), and what is made of them at the end: `samples.csv`, `samples.parquet`, `summary.json`.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "hil/campaign/result_file.h"
+
+namespace unlatch::tools {
+
+using Json = nlohmann::ordered_json;
+
+// Of the campaign, for a folder's manifest: texts, versions, columns, requirements.
+Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& evaluator);
+
+std::string get_manifest_path(const std::string& folder);
+std::string get_results_path(const std::string& folder);
+
+// A folder read back. Records are in the order of the samples, each once.
+struct CampaignData {
+  Json manifest;
+  std::vector<hil::SampleRecord> records;
+  std::uint64_t hash = 0;  // of all samples; the same whatever ran them, in whatever order
+
+  [[nodiscard]] std::vector<double> get_input(std::size_t input) const;
+  [[nodiscard]] std::vector<double> get_column(std::size_t column) const;
+  [[nodiscard]] std::size_t find_column(const std::string& name) const;  // throws std::out_of_range
+};
+
+// Throws hil::ResultError: no such folder, or not a campaign's.
+Json read_manifest(const std::string& folder);
+CampaignData read_campaign(const std::string& folder);
+// The manifest and all records of several folders of one campaign into a new folder. Throws hil::ResultError.
+void merge_campaigns(const std::vector<std::string>& folders, const std::string& to);
+
+// Throws OutputError.
+void write_csv(const CampaignData& data, const std::string& path);
+// False, and a note on standard error, if Node.js is missing.
+bool write_parquet(const CampaignData& data, const std::string& path);
+
+std::string to_hex(std::uint64_t hash);
+
+}  // namespace unlatch::tools

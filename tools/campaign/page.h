@@ -1,0 +1,14 @@
+// The page of `unlatch campaign report`: one HTML file, without a network.
+#pragma once
+
+#include <string>
+
+#include "tools/campaign/campaign_data.h"
+
+namespace unlatch::tools {
+
+// Texts of the campaign stay data: no `<` of them is left in the HTML. Of more than 20,000 samples the plots show every
+// n-th; tables and statistics are of all.
+std::string build_campaign_page(const CampaignData& data, const Json& summary);
+
+}  // namespace unlatch::tools

@@ -1,0 +1,286 @@
+#include "tools/campaign/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "hil/campaign/sampling.h"
+#include "hil/campaign/statistics.h"
+#include "hil/language/setting.h"
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+constexpr double kProbabilities[] = {0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999};
+constexpr std::size_t kWorst = 10, kMostOrders = 20;
+
+Json to_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json to_json(const hil::Interval& interval) { return Json::array({interval.low, interval.high}); }
+
+std::vector<double> drop_missing(const std::vector<double>& values) {
+  std::vector<double> present;
+  for (const double value : values)
+    if (!std::isnan(value)) present.push_back(value);
+  return present;
+}
+
+std::vector<double> sort_present(const std::vector<double>& values) {
+  std::vector<double> sorted = drop_missing(values);
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+void add_quantiles(const std::vector<double>& sorted, Json& to) {
+  to["quantiles"] = Json::object();
+  to["intervals"] = Json::object();
+  for (const double p : kProbabilities) {
+    to["quantiles"][hil::to_text(p)] = to_json(hil::calc_quantile(sorted, p));
+    if (const auto interval = hil::calc_quantile_interval(sorted, p))
+      to["intervals"][hil::to_text(p)] = to_json(*interval);
+  }
+}
+
+Json describe_column(const Json& column, const std::vector<double>& values) {
+  const std::vector<double> sorted = sort_present(values);
+  Json json = {{"name", column.at("name")},
+               {"unit", column.at("unit")},
+               {"count", sorted.size()},
+               {"missing", values.size() - sorted.size()}};
+  double mean = 0, square = 0;
+  for (const double x : sorted) mean += x / static_cast<double>(sorted.size());
+  for (const double x : sorted) square += (x - mean) * (x - mean);
+  json["mean"] = sorted.empty() ? Json(nullptr) : to_json(mean);
+  json["deviation"] =
+      sorted.size() < 2 ? Json(nullptr) : to_json(std::sqrt(square / static_cast<double>(sorted.size() - 1)));
+  json["min"] = sorted.empty() ? Json(nullptr) : to_json(sorted.front());
+  json["max"] = sorted.empty() ? Json(nullptr) : to_json(sorted.back());
+  add_quantiles(sorted, json);
+  return json;
+}
+
+// A sample fails a requirement that it does not meet, cannot be judged by, or does not live to be judged by.
+bool fails(const hil::SampleRecord& record, double margin) {
+  return record.result.status != hil::SampleStatus::kDone || !(margin >= 0);
+}
+
+Json describe_requirement(const CampaignData& data, const Json& requirement) {
+  const std::string id = requirement.at("id");
+  const std::vector<double> values = data.get_column(data.find_column(id)),
+                            margins = data.get_column(data.find_column(id + ".margin"));
+  std::int64_t failed = 0, unjudged = 0;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    failed += fails(data.records[i], margins[i]) ? 1 : 0;
+    unjudged += std::isnan(margins[i]) ? 1 : 0;
+  }
+  const auto count = static_cast<std::int64_t>(margins.size());
+  Json json = requirement;
+  json["failed"] = failed;
+  json["not_evaluated"] = unjudged;  // counted as failed
+  json["probability"] = to_json(hil::calc_clopper_pearson(failed, count));
+  const std::vector<double> sorted = sort_present(values);
+  add_quantiles(sorted, json);
+  // The least and the greatest value that at least 99 % of all runs keep to, with the confidence.
+  constexpr double kCoverage = 0.99;
+  const std::int64_t rank = hil::calc_wilks_rank(static_cast<std::int64_t>(sorted.size()), kCoverage);
+  json["tolerance"] = {{"coverage", kCoverage}, {"samples_needed", hil::calc_wilks_trials(kCoverage)}};
+  if (rank > 0) {
+    json["tolerance"]["lower"] = sorted[static_cast<std::size_t>(rank - 1)];
+    json["tolerance"]["upper"] = sorted[sorted.size() - static_cast<std::size_t>(rank)];
+  }
+  // Convergence: bounds of the probability after the first samples.
+  json["convergence"] = Json::array();
+  std::int64_t hits = 0;
+  double next = 10;
+  for (std::int64_t i = 0; i < count; ++i) {
+    hits += fails(data.records[static_cast<std::size_t>(i)], margins[static_cast<std::size_t>(i)]) ? 1 : 0;
+    if (static_cast<double>(i + 1) < next && i + 1 < count) continue;
+    const hil::Interval bounds = hil::calc_clopper_pearson(hits, i + 1);
+    json["convergence"].push_back(
+        {i + 1, static_cast<double>(hits) / static_cast<double>(i + 1), bounds.low, bounds.high});
+    next *= 1.25;
+  }
+  return json;
+}
+
+// Faults first, then by the smallest margin, in units of the spread of that margin over all samples.
+Json list_worst(const CampaignData& data) {
+  std::vector<std::pair<double, std::int64_t>> order;
+  for (const hil::SampleRecord& record : data.records)
+    order.emplace_back(record.result.status == hil::SampleStatus::kDone ? HUGE_VAL : -HUGE_VAL, record.sample);
+  for (const Json& requirement : data.manifest.at("requirements")) {
+    const std::vector<double> margins =
+        data.get_column(data.find_column(requirement.at("id").get<std::string>() + ".margin"));
+    const std::vector<double> sorted = sort_present(margins);
+    const double spread = hil::calc_quantile(sorted, 0.9) - hil::calc_quantile(sorted, 0.1);
+    for (std::size_t i = 0; i < margins.size(); ++i) {
+      const double scaled = std::isnan(margins[i]) ? -HUGE_VAL : spread > 0 ? margins[i] / spread : margins[i];
+      order[i].first = std::min(order[i].first, scaled);
+    }
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  Json worst = Json::array();
+  for (std::size_t i = 0; i < std::min(kWorst, order.size()); ++i) worst.push_back(order[i].second);
+  return worst;
+}
+
+// Samples by the order of their events: a class for each order, the most frequent first.
+Json list_orders(const CampaignData& data) {
+  std::map<std::string, std::vector<std::int64_t>> orders;
+  const Json& columns = data.manifest.at("columns");
+  for (const hil::SampleRecord& record : data.records) {
+    std::vector<std::pair<double, std::string>> events;
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (columns[k].at("kind") == "event" && !std::isnan(record.result.values[k]))
+        events.emplace_back(record.result.values[k], columns[k].at("name").get<std::string>().substr(6));
+    std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::string text;
+    for (std::size_t i = 0; i < events.size(); ++i)
+      text += (i == 0 ? "" : events[i].first == events[i - 1].first ? " = " : " > ") + events[i].second;
+    orders[text].push_back(record.sample);
+  }
+  std::vector<const std::pair<const std::string, std::vector<std::int64_t>>*> sorted;
+  for (const auto& order : orders) sorted.push_back(&order);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto* a, const auto* b) { return a->second.size() > b->second.size(); });
+  Json json = {{"count", sorted.size()}, {"classes", Json::array()}};
+  for (std::size_t i = 0; i < std::min(kMostOrders, sorted.size()); ++i)
+    json["classes"].push_back(
+        {{"order", sorted[i]->first}, {"samples", sorted[i]->second.size()}, {"first", sorted[i]->second.front()}});
+  return json;
+}
+
+// Complete blocks of a design: one number of each sample of a block, for all blocks. Empty if one is
+// missing.
+std::vector<std::vector<double>> get_blocks(const CampaignData& data, const std::vector<double>& values,
+                                            std::size_t block) {
+  std::vector<std::vector<double>> blocks(block);
+  if (data.records.size() % block != 0) return {};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (data.records[i].sample != static_cast<std::int64_t>(i) || std::isnan(values[i])) return {};
+    blocks[i % block].push_back(values[i]);
+  }
+  return blocks;
+}
+
+Json describe_sensitivity(const CampaignData& data, const std::vector<std::vector<double>>& inputs,
+                          const std::vector<double>& values) {
+  Json json = {{"spearman", Json::array()}};
+  for (const std::vector<double>& input : inputs)
+    json["spearman"].push_back(to_json(hil::calc_spearman(input, values)));
+  const std::string sampling = data.manifest.at("sampling");
+  std::size_t axes = 0;
+  Json names = Json::array();
+  for (const Json& parameter : data.manifest.at("parameters")) {
+    for (std::size_t k = 0; k < parameter.at("axes").get<std::size_t>(); ++k)
+      names.push_back(parameter.at("name").get<std::string>() + (parameter.at("axes") == 1 ? ""
+                                                                 : k == 0                  ? ".angle"
+                                                                                           : ".turn"));
+    axes += parameter.at("axes").get<std::size_t>();
+  }
+  const std::uint64_t seed = data.manifest.at("seed");
+  if (sampling == "morris") {
+    const auto blocks = get_blocks(data, values, axes + 1);
+    if (blocks.empty()) return json;
+    const hil::SamplingPlan plan{hil::Sampling::kMorris, seed, data.manifest.at("samples"), axes, {}};
+    std::vector<std::vector<double>> effects(axes);
+    for (std::size_t row = 0; row < blocks[0].size(); ++row)
+      for (std::size_t k = 1; k <= axes; ++k) {
+        const hil::MorrisStep step = hil::get_morris_step(plan, static_cast<std::int64_t>(row), k);
+        effects[step.axis].push_back(step.sign * (blocks[k][row] - blocks[k - 1][row]) / hil::kMorrisStep);
+      }
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      const hil::MorrisEffect effect = hil::calc_morris(effects[axis]);
+      json["morris"].push_back({{"parameter", names[axis]},
+                                {"mean_size", effect.mean_size},
+                                {"mean", effect.mean},
+                                {"deviation", effect.deviation}});
+    }
+  }
+  if (sampling == "saltelli") {
+    const auto blocks = get_blocks(data, values, axes + 2);
+    if (blocks.empty()) return json;
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      const hil::SobolIndex index = hil::calc_sobol_index(blocks[0], blocks[1], blocks[axis + 2], seed);
+      json["sobol"].push_back(
+          {{"parameter", names[axis]},
+           {"first", to_json(index.first)},
+           {"first_interval", {to_json(index.first_interval.low), to_json(index.first_interval.high)}},
+           {"total", to_json(index.total)},
+           {"total_interval", {to_json(index.total_interval.low), to_json(index.total_interval.high)}}});
+    }
+  }
+  return json;
+}
+
+}  // namespace
+
+Json build_summary(const CampaignData& data) {
+  Json statuses = Json::object();
+  for (const std::string& name : hil::kSampleStatusNames) statuses[name] = 0;
+  statuses.erase("interrupted");
+  for (const hil::SampleRecord& record : data.records) {
+    Json& count = statuses[hil::kSampleStatusNames[static_cast<std::size_t>(record.result.status)]];
+    count = count.get<std::int64_t>() + 1;
+  }
+  Json summary = {{"schema", 1},
+                  {"campaign", data.manifest.at("campaign")},
+                  {"scenario", data.manifest.at("scenario")},
+                  {"samples", data.records.size()},
+                  {"planned", data.manifest.at("samples")},
+                  {"hash", to_hex(data.hash)},
+                  {"confidence", hil::kConfidence},
+                  {"statuses", statuses},
+                  {"requirements", Json::array()},
+                  {"worst", list_worst(data)}};
+  for (const Json& requirement : data.manifest.at("requirements"))
+    summary["requirements"].push_back(describe_requirement(data, requirement));
+  summary["orders"] = list_orders(data);
+  std::vector<std::vector<double>> inputs;
+  for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
+    inputs.push_back(data.get_input(k));
+    summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], inputs.back()));
+  }
+  for (std::size_t k = 0; k < data.manifest.at("columns").size(); ++k) {
+    const std::vector<double> values = data.get_column(k);
+    Json column = describe_column(data.manifest.at("columns")[k], values);
+    column["kind"] = data.manifest.at("columns")[k].at("kind");
+    column["sensitivity"] = describe_sensitivity(data, inputs, values);
+    summary["columns"].push_back(std::move(column));
+  }
+  return summary;
+}
+
+void print_summary(std::FILE* to, const Json& summary) {
+  const auto text = [](const Json& value) {
+    return value.is_null() ? std::string("–") : format("%.5g", value.get<double>());
+  };
+  std::fprintf(to, "%s: %lld of %lld samples, campaign hash %s\n", summary.at("campaign").get<std::string>().c_str(),
+               summary.at("samples").get<long long>(), summary.at("planned").get<long long>(),
+               summary.at("hash").get<std::string>().c_str());
+  for (const auto& [name, count] : summary.at("statuses").items())
+    if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());
+  if (summary.at("requirements").empty()) return;
+  print_heading(to,
+                "Requirements: failures, 95 % bounds of their probability (Clopper-Pearson), quantiles of the value");
+  std::fprintf(to, "  %-16s %8s  %-23s %10s %10s %10s %10s %10s\n", "", "failed", "probability", "1 %", "5 %", "50 %",
+               "95 %", "99 %");
+  for (const Json& requirement : summary.at("requirements")) {
+    const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
+    const bool failed = requirement.at("failed") > 0;
+    const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
+    std::fprintf(
+        to, "  %-16s %s  %-25s %10s %10s %10s %10s %10s %s\n", requirement.at("id").get<std::string>().c_str(),
+        paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
+            .c_str(),
+        bounds.c_str(), text(q.at("0.01")).c_str(), text(q.at("0.05")).c_str(), text(q.at("0.5")).c_str(),
+        text(q.at("0.95")).c_str(), text(q.at("0.99")).c_str(), requirement.at("unit").get<std::string>().c_str());
+  }
+  std::string worst;
+  for (const Json& sample : summary.at("worst"))
+    worst += (worst.empty() ? "" : ", ") + std::to_string(sample.get<long long>());
+  std::fprintf(to, "\nWorst samples: %s\n", worst.c_str());
+  std::fprintf(to, "Orders of events: %lld\n", summary.at("orders").at("count").get<long long>());
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,14 @@
+// The statistics of a campaign, as JSON for programs and the page, and as text.
+#pragma once
+
+#include <cstdio>
+
+#include "tools/campaign/campaign_data.h"
+
+namespace unlatch::tools {
+
+// schema, samples, hash, statuses, requirements, worst; columns with their quantiles; sensitivities; orders of events.
+Json build_summary(const CampaignData& data);
+void print_summary(std::FILE* to, const Json& summary);
+
+}  // namespace unlatch::tools

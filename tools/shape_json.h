@@ -1,0 +1,58 @@
+// Shapes as JSON, for pages and exports: kinds and members as scenarios call them, in metres and body axes.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "unlatch/geometry.h"
+
+namespace unlatch::tools {
+
+// {"kind": "cylinder", "from": […], …}. Walls of every kind are "hollow": `profile` of [z, r] along from–to, and
+// `half`, the direction to the middle of the half, or null.
+inline nlohmann::ordered_json build_shape_json(const geometry::Shape& shape) {
+  using Json = nlohmann::ordered_json;
+  using geometry::ShapeKind;
+  const auto vector = [](const Vec3& v) { return Json::array({v.x, v.y, v.z}); };
+  const auto axial = [&](const char* kind) {
+    return Json{{"kind", kind}, {"from", vector(shape.from)}, {"to", vector(shape.to)}, {"radius", shape.radius}};
+  };
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      return {{"kind", "sphere"}, {"centre", vector(shape.from)}, {"radius", shape.radius}};
+    case ShapeKind::kCapsule:
+      return axial("capsule");
+    case ShapeKind::kCylinder:
+      return axial("cylinder");
+    case ShapeKind::kCone:
+      return axial("cone");
+    case ShapeKind::kFrustum: {
+      Json json = axial("frustum");
+      json["end_radius"] = shape.end_radius;
+      return json;
+    }
+    case ShapeKind::kBox:
+      return {{"kind", "box"},
+              {"centre", vector(shape.from)},
+              {"size", vector(shape.size)},
+              {"attitude", Json::array({shape.q_BS.w, shape.q_BS.x, shape.q_BS.y, shape.q_BS.z})}};
+    case ShapeKind::kHull: {
+      Json points = Json::array();
+      for (const Vec3& point : shape.points) points.push_back(vector(point));
+      return {{"kind", "hull"}, {"points", points}};
+    }
+    case ShapeKind::kHalfSpace:
+      return {{"kind", "half_space"}, {"point", vector(shape.from)}, {"normal", vector(shape.normal)}};
+    case ShapeKind::kHollow: {
+      Json profile = Json::array();
+      for (const geometry::ProfilePoint& p : shape.profile) profile.push_back(Json::array({p.z, p.r}));
+      return {{"kind", "hollow"},
+              {"from", vector(shape.from)},
+              {"to", vector(shape.to)},
+              {"profile", profile},
+              {"half", shape.half ? vector(shape.side) : Json(nullptr)}};
+    }
+  }
+  return {};
+}
+
+}  // namespace unlatch::tools

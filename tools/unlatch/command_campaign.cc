@@ -1,0 +1,214 @@
+// unlatch campaign: many samples of a scenario, their results and statistics.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "hil/campaign/runner.h"
+#include "tools/campaign/campaign_data.h"
+#include "tools/campaign/page.h"
+#include "tools/campaign/summary.h"
+#include "tools/exit_codes.h"
+#include "tools/interrupt.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/report.h"
+#include "tools/unlatch/terminal.h"
+
+namespace unlatch::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CampaignOptions {
+  std::vector<std::string> arguments;  // FILE; merge DIR...; report DIR
+  std::string out, samples, json;
+  std::vector<std::string> overrides;
+  int jobs = 0;
+  bool resume = false;
+};
+
+// A:B, either may be left out.
+std::pair<std::int64_t, std::int64_t> read_range(const std::string& text, std::int64_t count) {
+  if (text.empty()) return {0, count};
+  const std::size_t colon = text.find(':');
+  const auto read = [&](const std::string& part, std::int64_t fallback) {
+    if (part.empty()) return fallback;
+    char* end = nullptr;
+    const long long value = std::strtoll(part.c_str(), &end, 10);
+    if (*end != 0 || value < 0 || value > count)
+      refuse_option("--samples", "'" + part + "' is no sample: 0 to " + std::to_string(count));
+    return static_cast<std::int64_t>(value);
+  };
+  if (colon == std::string::npos)
+    refuse_option("--samples", "'" + text + "' is no range: write A:B, from A to before B");
+  const auto first = read(text.substr(0, colon), 0), last = read(text.substr(colon + 1), count);
+  if (first >= last) refuse_option("--samples", text + " has no samples");
+  return {first, last};
+}
+
+std::string describe_seconds(double seconds) {
+  if (seconds < 90) return format("%.0f s", seconds);
+  return seconds < 5400 ? format("%.0f min", seconds / 60) : format("%.1f h", seconds / 3600);
+}
+
+// Rate and time left: on a terminal one line that is overwritten, elsewhere a line a minute.
+class CampaignProgress {
+ public:
+  CampaignProgress(std::int64_t done, std::int64_t total)
+      : total_(total),
+        first_(done),
+        done_(done),
+        terminal_(is_terminal(stderr)),
+        begin_(Clock::now()),
+        shown_(begin_) {}
+
+  void add_one() {
+    ++done_;
+    const auto now = Clock::now();
+    const double wait = terminal_ ? 0.2 : 60;  // s
+    if (std::chrono::duration<double>(now - shown_).count() < wait) return;
+    shown_ = now;
+    const double rate = calc_rate();
+    std::fprintf(stderr, "%s%lld of %lld samples, %.1f a second, %s left%s", terminal_ ? "\r\033[K" : "",
+                 static_cast<long long>(done_), static_cast<long long>(total_), rate,
+                 describe_seconds(static_cast<double>(total_ - done_) / rate).c_str(), terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+  void clear() const {
+    if (terminal_) std::fputs("\r\033[K", stderr);
+  }
+  [[nodiscard]] double calc_rate() const {  // samples a second
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    return seconds > 0 ? static_cast<double>(done_ - first_) / seconds : 0;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const std::int64_t total_, first_;
+  std::int64_t done_;
+  const bool terminal_;
+  const Clock::time_point begin_;
+  Clock::time_point shown_;
+};
+
+// Tables, summary, and what is printed. Exit code 1: a sample faulted, or a requirement failed.
+int finish(const std::string& folder, double rate, const std::string& json) {
+  const CampaignData data = read_campaign(folder);
+  Json summary = build_summary(data);
+  if (rate > 0) summary["samples_per_second"] = rate;
+  write_csv(data, (fs::path(folder) / "samples.csv").string());
+  write_parquet(data, (fs::path(folder) / "samples.parquet").string());
+  write_text(summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n",
+             (fs::path(folder) / "summary.json").string());
+  print_summary(get_people_stream(json), summary);
+  write_json(summary, json);
+  bool sound = summary.at("statuses").at("done") == summary.at("samples");
+  for (const Json& requirement : summary.at("requirements")) sound = sound && requirement.at("failed") == 0;
+  return sound ? kExitDone : kExitFailed;
+}
+
+hil::ResultFile open_results(const CampaignOptions& options, const hil::ResultShape& shape, const Json& manifest) {
+  const std::string path = get_results_path(options.out);
+  constexpr std::uintmax_t kHeader = 32;  // bytes; killed before they were written, there is nothing yet
+  const bool begun = fs::exists(path) && (!options.resume || fs::file_size(path) >= kHeader);
+  if (begun && options.resume) {
+    hil::ResultFile file = hil::ResultFile::open(path, true);
+    if (!(file.shape() == shape))
+      refuse_option("--resume", path + " is of another campaign, scenario or version; choose another folder");
+    return file;
+  }
+  if (begun)
+    refuse_option("--out", options.out + " has results; --resume continues them, or choose another folder");
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) throw OutputError(options.out + ": it cannot be made: " + error.message());
+  write_text(manifest.dump(1), get_manifest_path(options.out));
+  return hil::ResultFile::create(path, shape);
+}
+
+int run(const CampaignOptions& options) {
+  const hil::Campaign campaign = hil::load_campaign(options.arguments[0], options.overrides);
+  const hil::SampleEvaluator evaluator(*campaign.tree);
+  const auto [first, last] = read_range(options.samples, campaign.plan.samples);
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  hil::ResultFile results = open_results(options, get_shape(campaign, evaluator), build_manifest(campaign, evaluator));
+  std::int64_t done = 0;
+  for (const std::int64_t sample : results.samples()) done += sample >= first && sample < last ? 1 : 0;
+  if (done > 0) std::fprintf(stderr, "%lld samples are there already\n", static_cast<long long>(done));
+  CampaignProgress progress(done, last - first);
+  const std::atomic<bool>& stop = catch_interrupts();
+  run_samples(campaign, evaluator, first, last, options.jobs > 0 ? options.jobs : cores, results, stop,
+              [&] { progress.add_one(); });
+  progress.clear();
+  const int code = finish(options.out, progress.calc_rate(), options.json);
+  if (stop) std::fprintf(stderr, "interrupted; --resume continues\n");
+  return stop ? kExitFailed : code;
+}
+
+int merge(const CampaignOptions& options) {
+  const std::vector<std::string> folders(options.arguments.begin() + 1, options.arguments.end());
+  if (folders.empty()) refuse_option("merge", "which folders? unlatch campaign merge DIR... --out DIR");
+  if (fs::exists(get_results_path(options.out)))
+    refuse_option("--out", options.out + " has results; choose another folder");
+  merge_campaigns(folders, options.out);
+  return finish(options.out, 0, options.json);
+}
+
+int report(const CampaignOptions& options) {
+  if (options.arguments.size() != 2) refuse_option("report", "one folder: unlatch campaign report DIR --out page.html");
+  check_output(options.out);
+  const CampaignData data = read_campaign(options.arguments[1]);
+  const std::string page = build_campaign_page(data, build_summary(data));
+  write_text(page, options.out);
+  std::fprintf(stderr, "%s: %.1f MB\n", options.out.c_str(), static_cast<double>(page.size()) * 1e-6);
+  return kExitDone;
+}
+
+int dispatch(const CampaignOptions& options) {
+  try {
+    if (options.arguments[0] == "merge") return merge(options);
+    if (options.arguments[0] == "report") return report(options);
+    if (options.arguments.size() > 1) refuse_option(options.arguments[1], "one campaign file at a time");
+    return run(options);
+  } catch (const hil::ResultError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return kExitEnvironment;
+  }
+}
+
+}  // namespace
+
+void add_campaign(Command app, int& exit_code) {
+  auto options = std::make_shared<CampaignOptions>();
+  Command command = app.add_verb(
+      "campaign",
+      "Runs many samples of a scenario with dispersed values: results, probabilities of failure, sensitivities. `merge "
+      "DIR...` puts folders of one campaign together; `report DIR` writes one HTML page. The same table to the last "
+      "bit "
+      "for any number of jobs, in any order, resumed or not. Exit code 1: a sample faulted or failed a requirement.",
+      "unlatch campaign hil/scenarios/boosters/campaign.yaml --out boosters\n"
+      "unlatch campaign report boosters --out boosters.html\n"
+      "unlatch run hil/scenarios/boosters/campaign.yaml --sample 17 --log worst.log");
+  command.add_option("FILE", options->arguments, "campaign file (.yaml); or merge and folders; or report and a folder")
+      .required()
+      .expected(1, 10000);
+  command.add_option("--out", options->out, "folder of the results; of report: the page (.html)")
+      .required()
+      .type_name("DIR");
+  command.add_option("--jobs", options->jobs, "threads (default: as many as the machine has)")
+      .within(1, 1024)
+      .type_name("N");
+  command.add_option("--samples", options->samples, "only these, from A to before B, counted from 0").type_name("A:B");
+  command.add_flag("--resume", options->resume, "continues what the folder has");
+  command
+      .add_option("--set", options->overrides,
+                  "replaces one value of the scenario for all samples, after the campaign's own `set`; repeatable")
+      .type_name("PATH=VALUE")
+      .repeatable();
+  command.add_json_option(options->json);
+  command.callback([options, &exit_code] { exit_code = dispatch(*options); });
+}
+
+}  // namespace unlatch::tools
