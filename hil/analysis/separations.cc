@@ -20,7 +20,7 @@ SplitRate split(const Vec3& w, const Vec3& axis) {
 }  // namespace
 
 SeparationMonitor::SeparationMonitor(const Scenario& scenario)
-    : scenario_(scenario), model_(place_markers(scenario.model)) {
+    : model_(place_markers(scenario.model)) {
   for (int i = 0; i < model_.element_count(); ++i)
     if (auto spring = SpringWork::make(model_, i)) springs_.push_back(std::move(*spring));
 }

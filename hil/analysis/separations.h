@@ -76,7 +76,6 @@ class SeparationMonitor {
   // Numbers of the end of push, which is this time as far as is known.
   void measure(Track& track, double time, const Bodies& bodies, std::span<const double> burnt) const;
 
-  const Scenario& scenario_;
   const Model model_;  // with its markers placed
   std::vector<SpringWork> springs_;
   std::vector<Track> tracks_;

@@ -16,7 +16,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static bridge::MessageRing ring(kRingBytes), crowded(kRingBytes);
   while (size >= kHead) {
     const std::uint64_t sender = data[0];
-    const std::size_t length = std::min<std::size_t>(data[1] | data[2] << 8, size - kHead);
+    const std::size_t length = std::min(static_cast<std::size_t>(data[1] | data[2] << 8), size - kHead);
     // Memory of its own, so that a sanitizer sees each byte behind its end.
     const auto datagram = std::make_unique<std::uint8_t[]>(length);
     std::copy_n(data + kHead, length, datagram.get());

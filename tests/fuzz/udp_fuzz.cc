@@ -28,7 +28,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static bridge::MessageRing ring(3 * hil::kMaxWireBytes);
   bridge::UdpSequence sequence;
   for (bool as_it_is = false; size >= kHead; as_it_is = !as_it_is) {
-    const std::size_t length = std::min<std::size_t>(data[0] | data[1] << 8, size - kHead);
+    const std::size_t length = std::min(static_cast<std::size_t>(data[0] | data[1] << 8), size - kHead);
     // Memory of its own, so that a sanitizer sees each byte behind its end.
     const auto datagram = std::make_unique<std::uint8_t[]>(length);
     std::copy_n(data + kHead, length, datagram.get());
