@@ -241,7 +241,7 @@ bool DesignEvaluations::evaluate(const std::vector<DesignPoint>& points, std::ve
   append(first);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (const auto found = index_.find(points[i]); found != index_.end()) indices[i] = found->second;
-  if (!batch.empty()) progress_();
+  if (!batch.empty() && shown_) progress_();
   return complete;
 }
 

@@ -57,6 +57,9 @@ class DesignEvaluations {
   // probability, 0 of the others. Nothing: there are none, the design has a mistake, or `stop` was set.
   [[nodiscard]] std::optional<std::vector<std::int64_t>> check_dispersed(const DesignPoint& point) const;
 
+  // From now on `progress` is not called: the search has ended, the runs around its result follow.
+  void end_progress() { shown_ = false; }
+
   // Runs that the next batches may still make in all.
   void set_limit(std::int64_t runs) { limit_ = runs; }
   void set_deadline(double seconds);  // of wall time from now; 0: none
@@ -83,6 +86,7 @@ class DesignEvaluations {
   std::map<DesignPoint, std::int64_t> index_;
   std::int64_t limit_ = 0, taken_ = 0;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
+  bool shown_ = true;
   int file_ = -1;
 };
 

@@ -13,7 +13,7 @@ constexpr double kActive = 1e-3;       // of the limit
 constexpr double kShift = 0.01;        // of the limit, for its shadow
 constexpr double kSensitivity = 1e-4;  // of a variable's range
 constexpr int kSlice = 21;             // points from bound to bound
-constexpr std::int64_t kShadowRuns = 150;
+constexpr std::int64_t kShadowRuns = 100;
 
 class Study {
  public:
@@ -25,8 +25,9 @@ class Study {
         best_(evaluations.get_samples()[result.best]) {}
 
   void run() {
+    evaluations_.end_progress();
     evaluations_.set_deadline(0);
-    const std::int64_t most = evaluations_.get_runs() + kStudyRuns;
+    const std::int64_t most = evaluations_.get_runs() + std::min(kStudyRuns, problem_.budget.runs);
     evaluations_.set_limit(most);
     add_sensitivities();
     result_.constraints.resize(problem_.constraints.size());

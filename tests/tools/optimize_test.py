@@ -5,6 +5,8 @@
 """
 import csv
 import json
+import re
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -12,7 +14,8 @@ import time
 import unittest
 from pathlib import Path
 
-from processes import UNLATCH, ProcessTest, main
+import yaml
+from processes import SCENARIOS, UNLATCH, ProcessTest, main
 
 MODULE = Path(UNLATCH).parent.parent / "lib"
 SCENARIO = """unlatch: 1
@@ -244,6 +247,57 @@ class OptimizeTest(ProcessTest):
             done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 2, text)
             self.assertIn(told, done.stderr)
+
+    # --- The shipped problems ----------------------------------------------------------------------------------------
+
+    def optimize_shipped(self, file, out, runs, code=0):
+        """A shipped problem with another budget, beside copies of the scenarios that it names."""
+        shutil.copytree(SCENARIOS / "boosters", self.folder / "boosters", dirs_exist_ok=True)
+        path = self.folder / "boosters" / file
+        path.write_text(re.sub(r"budget: {runs: \d+}", f"budget: {{runs: {runs}}}", path.read_text()))
+        done = subprocess.run([UNLATCH, "optimize", path, "--out", self.folder / out], capture_output=True, text=True)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return json.loads((self.folder / out / "result.json").read_text())
+
+    def test_boosters_become_cheaper_and_still_clear_the_core(self):
+        result = self.optimize_shipped("synthesis.yaml", "o", 40)
+        cost = lambda nozzle, opening, slide, unlike: nozzle / 1e3 - opening / 0.02 - slide / 0.005 - unlike / 0.05
+        self.assertLess(result["objectives"][0]["value"], cost(9e3, 0.012, 0.005, 0.05) - 3)
+        values = [variable["value"] for variable in result["variables"].values()]
+        self.assertAlmostEqual(result["objectives"][0]["value"], cost(*values), delta=1e-9)
+        self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
+        self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
+
+    def test_dead_nozzle_is_told_as_what_no_design_makes_good(self):
+        result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 40, code=1)
+        self.assertEqual(result["status"], "infeasible")
+        self.assertIn(result["violation"]["constraint"], ("clear1", "distance1"))  # of the booster whose nozzle is dead
+        self.assertGreater(result["violation"]["size"], 0.5)
+
+    def test_no_design_of_a_scan_is_better_than_the_boosters_optimum(self):
+        result = self.optimize_shipped("synthesis.yaml", "o", 300)
+        levels = 5
+        names = {"nozzle": ("thrust", 3e3, 15e3), "opening": ("delay", 5e-3, 60e-3), "slide": ("stroke", 2e-3, 30e-3),
+                 "unlike": ("spread", 0, 0.2)}
+        problem = yaml.safe_load((SCENARIOS / "boosters/synthesis.yaml").read_text())
+        (self.folder / "boosters/scan.yaml").write_text(yaml.safe_dump(
+            {"unlatch_campaign": 1, "name": "scan", "scenario": "design.yaml", "set": problem["set"], "sampling": "grid",
+             "levels": levels, "parameters": {name: {"path": f"constants.{constant}", "uniform": {"min": low, "max": high}}
+                                              for name, (constant, low, high) in names.items()}}))
+        subprocess.run([UNLATCH, "campaign", self.folder / "boosters/scan.yaml", "--out", self.folder / "scan"],
+                       capture_output=True)
+        with open(self.folder / "scan/samples.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), levels ** 4)
+        margins = [name for name in rows[0] if name.split(".margin")[0] in problem["constraints"] and ".margin" in name]
+        self.assertEqual(len(margins), len(problem["constraints"]))
+        met = [row for row in rows if all(row[name] and float(row[name]) >= 0 for name in margins)]
+        self.assertGreater(len(met), 20)
+        costs = [float(row["nozzle"]) / 1e3 - float(row["opening"]) / 0.02 - float(row["slide"]) / 0.005 - float(row["unlike"]) / 0.05
+                 for row in met]
+        optimum = result["objectives"][0]["value"]
+        self.assertLessEqual(optimum, min(costs))
+        self.assertGreater(optimum, min(costs) - 4)  # half a step of each variable: 1.2 + 0.28 + 0.56 + 0.4, and of what they bound
 
 
 if __name__ == "__main__":

@@ -101,7 +101,6 @@ class OptimizeProgress {
     for (; seen_ < samples.size(); ++seen_)
       if (merit_->is_better(samples[seen_], samples[best_])) best_ = seen_;
     const auto runs = static_cast<std::int64_t>(samples.size());
-    if (runs > problem_.budget.runs) return;  // those around the result
     const std::int64_t tenth = 10 * runs / problem_.budget.runs;
     if (!terminal_ && tenth == shown_) return;
     shown_ = tenth;
