@@ -12,6 +12,7 @@
 #include "hil/analysis/notices.h"
 #include "hil/analysis/resolution.h"
 #include "hil/scenario/requirements_check.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -91,6 +92,18 @@ SpringStart start_torsion(const Model& model, const PlaneTorsion& s) {
   return out;
 }
 
+SpringStart start_one_sided(const Model& model, const OneSided& f) {
+  const char* const kinds[] = {"pusher", "stop", "cord"};
+  SpringStart out{f.name, kinds[static_cast<int>(f.kind)], f.on, f.joint != kNone && f.axis >= kRotX};
+  out.length = calc_start(model, f);
+  const double sign = f.pulls ? -1 : 1, depth = sign * (calc_limit(model, f) - out.length);
+  if (depth < 0) return out;
+  out.force = sign * calc_one_sided_force(f, depth, 0);
+  out.energy = calc_one_sided_energy(f, depth);
+  out.stroke = depth;
+  return out;
+}
+
 void find_directionless(const Model& model, std::vector<Finding>& findings) {
   for (const PointSpring& s : model.point_springs) {
     const double length = start_point_spring(model, s).length, force = s.stiffness * s.free_length;
@@ -99,6 +112,16 @@ void find_directionless(const Model& model, std::vector<Finding>& findings) {
                         format("its two points coincide, to %.1g m, with %.4g N in it: the force has no direction, and "
                                "rounding picks one or none; move one of the points along the line of the force",
                                length, force)});
+  }
+  for (const OneSided& f : model.one_sided) {
+    if (f.joint != kNone || f.guide || f.kind == OneSided::Kind::kCord) continue;
+    const SpringStart start = start_one_sided(model, f);
+    if (start.length > kCoincident || start.force == 0) continue;
+    findings.push_back(
+        {"direction", quoted("element", f.name),
+         format("its two points coincide, to %.1g m, with %.4g N in it: the force has no direction; give "
+                "it a `guide`, or move one of the points along the line of the force",
+                start.length, start.force)});
   }
 }
 
@@ -364,6 +387,7 @@ std::vector<SpringStart> list_springs(const Scenario& scenario) {
   for (const PointSpring& s : model.point_springs) springs.push_back(start_point_spring(model, s));
   for (const JointSpring& s : model.joint_springs) springs.push_back(start_joint_spring(model, s));
   for (const PlaneTorsion& s : model.plane_torsions) springs.push_back(start_torsion(model, s));
+  for (const OneSided& f : model.one_sided) springs.push_back(start_one_sided(model, f));
   return springs;
 }
 

@@ -1,5 +1,5 @@
 // Impulse and work of springs over pieces of motion, and the instants at which they cease to act. Of elements with two
-// ends: point springs and joint springs.
+// ends: point springs, joint springs, pushers, cords and stops.
 #pragma once
 
 #include <optional>
@@ -37,11 +37,15 @@ class SpringWork {
     double power;  // W
   };
   [[nodiscard]] Force calc_force(const BodyState& base, const BodyState& follower, double scale) const;
+  [[nodiscard]] Force calc_one_sided(const BodyState& base, const BodyState& follower, double scale) const;
   [[nodiscard]] double calc_length(const BodyState& base, const BodyState& follower) const;
 
   int element_ = 0, base_ = kGround, follower_ = 0;
   std::optional<PointSpring> point_;
   std::optional<JointSpring> joint_;
+  std::optional<OneSided> one_sided_;
+  std::size_t number_ = 0;  // of the one-sided force among these
+  double limit_ = 0;        // of its coordinate, m or rad
   std::optional<JointGeometry> geometry_;
 };
 

@@ -150,9 +150,9 @@ class Includer {
 }  // namespace
 
 const std::vector<std::string>& shared_sections() {
-  static const std::vector<std::string> names{"constants",    "bodies",    "joints",   "elements",  "channels",
-                                              "sensors",      "signals",   "events",   "clearance", "contacts", "points",
-                                              "requirements", "templates", "instances"};
+  static const std::vector<std::string> names{"constants", "bodies",  "joints",       "elements",  "channels",
+                                              "sensors",   "signals", "events",       "clearance", "contacts",
+                                              "points",    "stops",   "requirements", "templates", "instances"};
   return names;
 }
 

@@ -150,6 +150,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_sensors(top);
   read_events(top);
   add_touches();
+  append_events();
   read_clearance(top);
   read_points(top);
   read_requirements(top);

@@ -71,11 +71,14 @@ void ScenarioReader::collect_signals(const YamlNode& events) {
 void ScenarioReader::read_elements(YamlMap& top) {
   for_each_named(top, "elements", "element",
                  [&](const std::string& name, const YamlNode& node) { read_element(name, node); });
+  for_each_named(top, "stops", "element",
+                 [&](const std::string& name, const YamlNode& node) { read_stop(name, node); });
   for (int i = 0; i < model_.element_count(); ++i) elements_.push_back(model_.element_name(i));
 }
 
 void ScenarioReader::read_element(const std::string& name, const YamlNode& node) {
-  static const std::vector<std::string> kTypes{"thrust", "force", "torque", "spring", "joint_spring", "plane_torsion"};
+  static const std::vector<std::string> kTypes{"thrust",        "force",  "torque", "spring",        "joint_spring",
+                                               "plane_torsion", "pusher", "cord",   "joint_friction"};
   YamlMap map(node, "element '" + name + "'", mistakes_);
   const int type = map.choice("type", "element type", kTypes);
   if (type < 0) return;  // which keys are right depends on it
@@ -90,6 +93,11 @@ void ScenarioReader::read_element(const std::string& name, const YamlNode& node)
   if (type == 3) read_point_spring(map, {.name = name});
   if (type == 4) read_joint_spring(map, {.name = name});
   if (type == 5) read_plane_torsion(map, {.name = name});
+  OneSided force;
+  force.name = name;
+  if (type == 6) read_pusher(map, std::move(force));
+  if (type == 7) read_cord(map, std::move(force));
+  if (type == 8) read_friction(map, {.name = name});
   map.finish();
 }
 

@@ -91,9 +91,10 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   using Kind = Condition::Kind;
   Condition condition;
   YamlMap map(node, "a condition", mistakes_);
-  const std::string kind = map.only_one_of({"time", "reaction", "displacement", "angle", "speed", "body_rate", "burnt",
-                                            "clearance", "contact", "signal", "command", "mode", "all", "any", "not"},
-                                           "to say what it looks at");
+  const std::string kind = map.only_one_of(
+      {"time", "reaction", "displacement", "angle", "speed", "body_rate", "burnt", "clearance", "contact", "signal",
+       "command", "mode", "all", "any", "not", "reaction_force", "reaction_moment", "force", "engaged"},
+      "to say what it looks at");
   if (kind.empty()) return condition;
   const YamlNode& value = *map.find(kind);
   if (kind == "time") {
@@ -120,6 +121,20 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
     condition.kind = Kind::kBodyRate;
     condition.subject = read_choice(value, "body", bodies_, mistakes_);
     read_threshold(map, "rad/s", condition);
+  } else if (kind == "reaction_force" || kind == "reaction_moment") {
+    condition.kind = kind == "reaction_force" ? Kind::kForceSize : Kind::kMomentSize;
+    condition.subject = read_choice(value, "joint", joints_, mistakes_);
+    read_threshold(map, kind == "reaction_force" ? "N" : "N m", condition);
+  } else if (kind == "force") {
+    condition.kind = Kind::kOneSidedForce;
+    condition.subject = read_one_sided(value);
+    const bool turns = model_.one_sided.size() > static_cast<std::size_t>(condition.subject) &&
+                       model_.one_sided[static_cast<std::size_t>(condition.subject)].joint != kNone &&
+                       model_.one_sided[static_cast<std::size_t>(condition.subject)].axis >= kRotX;
+    read_threshold(map, turns ? "N m" : "N", condition);
+  } else if (kind == "engaged") {
+    condition.kind = Kind::kEngaged;
+    condition.subject = read_one_sided(value);
   } else if (kind == "burnt") {
     condition.kind = Kind::kBurnt;
     condition.subject = read_choice(value, "body", bodies_, mistakes_);
@@ -201,7 +216,8 @@ int ScenarioReader::read_mode_of(YamlMap& map, const std::string& key, int joint
 Action ScenarioReader::read_action(const YamlNode& node) {
   Action action;
   YamlMap map(node, "an action", mistakes_);
-  const std::string kind = map.only_one_of({"set_mode", "latch", "switch", "ramp", "raise"}, "to say what it does");
+  const std::string kind =
+      map.only_one_of({"set_mode", "latch", "switch", "ramp", "raise", "impulse"}, "to say what it does");
   if (kind.empty()) return action;
   const YamlNode& value = *map.find(kind);
   map.finish();
@@ -222,6 +238,8 @@ Action ScenarioReader::read_action(const YamlNode& node) {
         mistakes_.add(value.mark, "this latch adds no rows to any other mode",
                       "latch a mode with more rows, or set_mode");
     }
+  } else if (kind == "impulse") {
+    action = read_impulse(inner);
   } else if (kind == "raise") {
     action.kind = Action::Kind::kRaise;
     action.subject = inner.choice("signal", "signal", model_.signals);

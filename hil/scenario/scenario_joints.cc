@@ -34,6 +34,7 @@ void ScenarioReader::read_joint(const std::string& name, const YamlNode& node) {
   std::vector<std::string> names;
   for (const JointMode& mode : joint.modes) names.push_back(mode.name);
   joint.mode = names.size() == 1 ? map.choice("mode", "mode", names, 0) : map.choice("mode", "mode", names);
+  if (const YamlNode* parts = map.find("parts")) read_parting(*parts, joint, static_cast<int>(model_.joints.size()));
   map.finish();
   joints_.push_back(name);
   model_.joints.push_back(std::move(joint));

@@ -1,6 +1,7 @@
 // Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
 // scenario_bodies.cc, scenario_clearance.cc, scenario_contacts.cc, scenario_joints.cc, scenario_elements.cc,
-// scenario_events.cc, scenario_flexible.cc, scenario_outputs.cc, scenario_requirements.cc and scenario_shapes.cc.
+// scenario_events.cc, scenario_flexible.cc, scenario_outputs.cc, scenario_pushers.cc, scenario_requirements.cc and
+// scenario_shapes.cc.
 #pragma once
 
 #include <functional>
@@ -99,6 +100,16 @@ class ScenarioReader {
   void read_contact(const std::string& name, const YamlNode& node);
   void add_touches();
   int find_surface(const ShapeSet& set);  // in the model, which has it from then on
+  // Pushers, cords, stops, friction, impulses, and the events that come with some.
+  bool read_line(YamlMap& map, OneSided& force);
+  void read_pusher(YamlMap& map, OneSided force);
+  void read_cord(YamlMap& map, OneSided force);
+  void read_stop(const std::string& name, const YamlNode& node);
+  void read_friction(YamlMap& map, JointFriction friction);
+  void read_parting(const YamlNode& node, const Joint& joint, int number);
+  Action read_impulse(YamlMap& map);
+  int read_one_sided(const YamlNode& node);
+  void append_events();
 
   // Timing.
   void read_overruns(const YamlNode& node);
@@ -150,6 +161,7 @@ class ScenarioReader {
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
   std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for those left out
+  std::vector<Event> parting_joints_, parting_cords_;     // see append_events()
   std::vector<Placement> placements_;
   std::map<std::string, FlexibleStructure> structures_;  // by flexible body
   std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where

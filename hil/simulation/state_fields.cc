@@ -21,6 +21,7 @@ constexpr const char* kEventFields[] = {"phase", "due"};
 constexpr const char* kSignalFields[] = {"value"};
 constexpr const char* kAuxiliaryFields[] = {"value"};
 constexpr const char* kContactFields[] = {"closed", "edge"};
+constexpr const char* kEngagedFields[] = {"engaged"};
 
 // Auxiliary states, in the order of State::auxiliary.
 std::vector<std::string> list_auxiliary(const Model& model) {
@@ -74,6 +75,8 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
                    [names = list_auxiliary(model)](std::size_t i) { return names[i]; }),
       make_section(state.contacts, kContactFields, 1,
                    [](std::size_t i) { return "pair " + std::to_string(i + 1) + " of shapes in contact"; }),
+      make_section(state.engaged, kEngagedFields, 1,
+                   [&](std::size_t i) { return quote("element", model.one_sided[i].name); }),
   };
 }
 

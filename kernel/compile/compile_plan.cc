@@ -7,6 +7,7 @@
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
 #include "kernel/compile/loop_paths.h"
+#include "kernel/compile/one_sided.h"
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/compile/topology.h"
 #include "kernel/dynamics/flexible.h"
@@ -285,10 +286,26 @@ void compile_elements(const Model& model, PlanData& plan, Coordinates& coordinat
   for (const JointSpring& s : model.joint_springs)
     plan.joint_springs.push_back({s.joint, s.axis, next(s.on), coordinates.find(s.joint, s.axis), s.effort, s.stiffness,
                                   s.damping, s.rest, compliant[static_cast<std::size_t>(&s - first)]});
+  for (const OneSided& f : model.one_sided)
+    if (f.joint != kNone) coordinates.find(f.joint, f.axis);
+  for (const JointFriction& f : model.frictions) coordinates.find(f.joint, f.axis);
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
   for (const PlaneTorsion& s : model.plane_torsions)
     plan.plane_torsions.push_back(
         {s.base, s.follower, next(s.on), to_vec(s.normal_base), to_vec(s.axis_follower), s.stiffness, s.damping});
+}
+
+// After the contacts, in the numbering of elements too. compile_elements() has made their coordinates.
+void compile_one_sided_and_frictions(const Model& model, PlanData& plan, Coordinates& coordinates) {
+  const auto next = [&](bool on) {
+    plan.element_scales.push_back(on ? 1 : 0);
+    return static_cast<std::int32_t>(plan.element_scales.size()) - 1;
+  };
+  for (const OneSided& f : model.one_sided)
+    compile_one_sided(model, f, next(f.on), f.joint == kNone ? kNone : coordinates.find(f.joint, f.axis), plan);
+  for (const JointFriction& f : model.frictions)
+    plan.frictions.push_back({f.joint, f.axis, next(f.on), coordinates.find(f.joint, f.axis), f.coefficient,
+                              f.axis >= kRotX ? f.radius : 1.0, f.speed});
 }
 
 // Appends a guard in postfix order; returns how many values its evaluation keeps at once.
@@ -320,8 +337,15 @@ void compile_events(const Model& model, PlanData& plan) {
                   all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
                   event.delay,
                   event.repeat,
+                  kNone,
+                  0,
                   when.kind == Condition::Kind::kTime && !when.below,
                   event.crossing};
+    for (const Action& action : event.then)
+      if (action.kind == Action::Kind::kEngage) {
+        out.engages = action.subject;
+        out.engaged = action.value != 0 ? 1 : 0;
+      }
     const std::int32_t place = static_cast<std::int32_t>(plan.events.size());
     if (event.repeat) plan.repeating_events.push_back(place);
     if (event.delay > 0 || out.by_time) plan.timed_events.push_back(place);
@@ -330,6 +354,12 @@ void compile_events(const Model& model, PlanData& plan) {
     plan.actions.insert(plan.actions.end(), event.then.begin(), event.then.end());
     plan.events.push_back(out);
   }
+}
+
+void compile_impulses(const Model& model, PlanData& plan) {
+  for (const Impulse& i : model.impulses)
+    plan.impulses.push_back(
+        {i.body, i.channel, i.frame == Load::Frame::kWorld, to_vec(i.point), to_vec(i.linear), to_vec(i.angular)});
 }
 
 void compile_sensors(const Model& model, PlanData& plan, Coordinates& coordinates) {
@@ -383,6 +413,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   place_flexible(plan);
   mark_blocks(model, plan);
   compile_events(model, plan);
+  compile_impulses(model, plan);
   for (const Joint& joint : model.joints) {
     plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
     for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
@@ -390,6 +421,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   Coordinates coordinates(plan);
   compile_elements(model, plan, coordinates);
   compile_contacts(model, plan);
+  compile_one_sided_and_frictions(model, plan, coordinates);
   link_conditions(plan, coordinates);
   plan.commanded_events =
       plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);
@@ -411,6 +443,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
 }  // namespace
 
 PlanResult compile_plan(const Model& model, const PlanOptions& options) {
+  if (!model.one_sided.empty()) return compile_placed(place_markers(complete_events(model)), options);
   return has_markers(model) ? compile_placed(place_markers(model), options) : compile_placed(model, options);
 }
 

@@ -1,5 +1,6 @@
 #include "kernel/dynamics/energy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -8,6 +9,7 @@
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/gravity.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/dynamics/springs.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
@@ -43,11 +45,14 @@ double calc_scale_rate(const ElementState& element, double t) {
   return elapsed >= 0 && elapsed < element.duration ? (element.to - element.from) / element.duration : 0;
 }
 
-// A potential ½ k x², times the switch scale.
-void store(Sum& sum, const ElementState& element, double t, double scale, double stiffness, double x) {
-  const double energy = 0.5 * stiffness * x * x;
+// A potential, times the switch scale.
+void store(Sum& sum, const ElementState& element, double t, double scale, double energy) {
   sum.flow.strain += scale * energy;
   sum.add(PowerSource::kSwitching, calc_scale_rate(element, t) * energy);
+}
+// ½ k x²
+void store(Sum& sum, const ElementState& element, double t, double scale, double stiffness, double x) {
+  store(sum, element, t, scale, 0.5 * stiffness * x * x);
 }
 
 // T = ½ m |v_c|² + ½ w·J w with dm/dt, dc/dt and dJ/dt beside the motion that varying.h describes, and the power of its
@@ -190,6 +195,26 @@ void add_contacts(const PlanData& plan, const State& state, double t, const Eval
   }
 }
 
+// What is stored within reach goes into the force or is lost. At the event that ends a push the depth is 0 but for
+// rounding, and the force still acts: the power before the event.
+void add_one_sided(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
+  for (const PlanOneSided& own : plan.one_sided) {
+    const OneSidedMotion m = calc_motion(plan, ev, own);
+    if (m.depth <= 0 && state.engaged[at(own.number)] == 0) continue;
+    const ElementState& element = state.elements[at(own.element)];
+    const double scale = calc_scale(element, t);
+    const OneSidedLaw law = get_law(plan, own);
+    store(sum, element, t, scale, calc_stored_energy(law, std::max(0.0, m.depth)));
+    const double force = calc_force(plan, state, t, own, m);
+    sum.add(PowerSource::kDampers, (scale * calc_elastic_force(law, m.depth) - force) * m.depth_rate);
+  }
+}
+
+void add_frictions(const PlanData& plan, const Evaluation& ev, Sum& sum) {
+  for (std::size_t i = 0; i < plan.frictions.size(); ++i)
+    sum.add(PowerSource::kDampers, ev.friction_sizes[i] * ev.speeds[at(plan.frictions[i].coordinate)]);
+}
+
 // A body is held to the ground, by rows or by an element that is on.
 bool is_grounded(const PlanData& plan, const State& state, double t) {
   const auto pulls = [&](std::int32_t base, std::int32_t element) {
@@ -206,6 +231,10 @@ bool is_grounded(const PlanData& plan, const State& state, double t) {
   for (const PlanContact& contact : plan.contacts)
     for (const std::int32_t shapes : {contact.base, contact.follower})
       if (pulls(plan.shapes[at(shapes)].body, contact.element)) return true;
+  for (const PlanOneSided& own : plan.one_sided)
+    if (state.engaged[at(own.number)] != 0 && pulls(own.base, own.element)) return true;
+  for (const PlanFriction& own : plan.frictions)
+    if (pulls(plan.joints[at(own.joint)].base, own.element)) return true;
   return false;
 }
 
@@ -227,6 +256,8 @@ EnergyFlow calc_energy_flow(const PlanData& plan, const State& state, double t, 
   add_joint_springs(plan, state, t, ev, sum);
   add_plane_torsions(plan, state, t, ev, sum);
   add_contacts(plan, state, t, ev, sum);
+  add_one_sided(plan, state, t, ev, sum);
+  add_frictions(plan, ev, sum);
   return sum.flow;
 }
 

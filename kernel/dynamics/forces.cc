@@ -6,7 +6,9 @@
 #include "kernel/dynamics/compliance.h"
 #include "kernel/dynamics/contacts.h"
 #include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/friction.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/dynamics/springs.h"
 #include "kernel/dynamics/varying.h"
 #include "kernel/joints/kinematics.h"
@@ -92,6 +94,8 @@ void add_forces(const Instant& now, Evaluation& ev) noexcept {
   add_joint_springs(now, ev);
   add_plane_torsions(now, ev);
   if (!plan.contacts.empty()) add_contacts(now, ev);
+  add_one_sided_forces(now, ev);
+  add_friction_forces(plan, ev);
   if (plan.rigid) return;
   add_varying_forces(plan, ev);
   add_flexible_forces(plan, now.implicit, ev);

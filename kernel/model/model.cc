@@ -57,7 +57,7 @@ const char* sensor_unit(Sensor::Kind kind) {
 
 int Model::element_count() const {
   return static_cast<int>(loads.size() + point_springs.size() + joint_springs.size() + plane_torsions.size() +
-                          contacts.size());
+                          contacts.size() + one_sided.size() + frictions.size());
 }
 
 const std::string& Model::element_name(int element) const {
@@ -69,7 +69,11 @@ const std::string& Model::element_name(int element) const {
   if (index < joint_springs.size()) return joint_springs[index].name;
   index -= joint_springs.size();
   if (index < plane_torsions.size()) return plane_torsions[index].name;
-  return contacts.at(index - plane_torsions.size()).name;
+  index -= plane_torsions.size();
+  if (index < contacts.size()) return contacts[index].name;
+  index -= contacts.size();
+  if (index < one_sided.size()) return one_sided[index].name;
+  return frictions.at(index - one_sided.size()).name;
 }
 
 void add_contact_events(Model& model) {
@@ -116,6 +120,41 @@ Model place_markers(const Model& model) {
     body.q_WB = q * turn;
     body.v_WB = carrier.v_WB + q * (carrier.w_WB_B.cross(u) + body.marker->shape * rate);
     body.w_WB_B = turn.conjugate() * (carrier.w_WB_B + w_rel);
+  }
+  return out;
+}
+
+namespace {
+
+bool engages(const Event& event, int number) {
+  return std::any_of(event.then.begin(), event.then.end(), [number](const Action& action) {
+    return action.kind == Action::Kind::kEngage && action.subject == number;
+  });
+}
+
+Event make_reach_event(const OneSided& force, int number, bool touches) {
+  const bool pusher = force.kind == OneSided::Kind::kPusher, cord = force.kind == OneSided::Kind::kCord;
+  Event event;
+  event.name = touches ? (cord ? "taut" : "touch") : (cord ? "slack" : (pusher ? "stroke_end" : "lift"));
+  event.subject = force.name;
+  event.when.kind = Condition::Kind::kReach;
+  event.when.subject = number;
+  event.when.below = !touches;
+  event.then = {{.kind = Action::Kind::kEngage, .subject = number, .value = touches ? 1.0 : 0.0}};
+  event.repeat = true;
+  return event;
+}
+
+}  // namespace
+
+Model complete_events(const Model& model) {
+  Model out = model;
+  for (std::size_t i = 0; i < model.one_sided.size(); ++i) {
+    const int number = static_cast<int>(i);
+    if (std::any_of(model.events.begin(), model.events.end(), [&](const Event& e) { return engages(e, number); }))
+      continue;
+    for (const bool touches : {true, false})
+      out.events.push_back(make_reach_event(model.one_sided[i], number, touches));
   }
   return out;
 }

@@ -89,6 +89,13 @@ class Hasher {
     add(c.base, c.follower, c.stiffness, c.exponent, c.damping, c.restitution, c.speed, c.friction, c.slip_speed, c.on,
         c.except);
   }
+  void add_one(const OneSided& f) {
+    add(f.kind, f.pulls, f.joint, f.axis, f.base, f.follower, f.point_base, f.point_follower, f.guide, f.limit,
+        f.stroke, f.law, f.preload, f.stiffness, f.gas_length, f.exponent, f.travels, f.forces, f.damping, f.friction,
+        f.friction_speed, f.on);
+  }
+  void add_one(const JointFriction& f) { add(f.joint, f.axis, f.coefficient, f.radius, f.speed, f.on); }
+  void add_one(const Impulse& i) { add(i.body, i.frame, i.point, i.linear, i.angular, i.channel); }
   void add_one(const Channel& c) { add(c.initial, c.minimum, c.maximum, c.safe); }
   void add_one(const Sensor& s) {
     add(s.kind, s.subject, s.axis, s.point);
@@ -112,6 +119,10 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
              model.point_springs, model.joint_springs, model.plane_torsions, model.channels,
              static_cast<int>(model.signals.size()), model.sensors, model.events);
   if (!model.surfaces.empty()) hasher.add(model.surfaces, model.contacts, model.contact_substeps);
+  // Models without these keep the hash that they have always had.
+  if (!model.one_sided.empty()) hasher.add(model.one_sided);
+  if (!model.frictions.empty()) hasher.add(model.frictions);
+  if (!model.impulses.empty()) hasher.add(model.impulses);
   return hasher.get();
 }
 

@@ -371,6 +371,7 @@ ModelErrors validate_placed(const Model& model) {
   validate_joints(model, errors);
   validate_loads(model, errors);
   validate_springs(model, errors);
+  validate_one_sided(model, errors);
   validate_attachments(model, errors);
   validate_sensors(model, errors);
   validate_contacts(model, errors);

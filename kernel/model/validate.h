@@ -14,6 +14,8 @@ namespace unlatch {
 using ModelErrors = std::vector<ModelError>;
 
 void validate_joints(const Model& model, ModelErrors& errors);
+// Of pushers, stops, cords, friction in joints, and impulses.
+void validate_one_sided(const Model& model, ModelErrors& errors);
 void validate_events(const Model& model, ModelErrors& errors);
 void validate_contacts(const Model& model, ModelErrors& errors);
 // Shape sets a and b exist, are of two bodies, and have a distance.

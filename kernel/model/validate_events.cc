@@ -64,6 +64,15 @@ struct EventCheck {
       case Kind::kMode:
         check_joint_condition(condition);
         break;
+      case Kind::kForceSize:
+      case Kind::kMomentSize:
+        check_subject("joint", condition.subject, model.joints.size(), "when");
+        break;
+      case Kind::kOneSidedForce:
+      case Kind::kEngaged:
+      case Kind::kReach:
+        check_subject("pusher, stop or cord", condition.subject, model.one_sided.size(), "when");
+        break;
       case Kind::kBodyRate:
         check_subject("body", condition.subject, model.bodies.size(), "when");
         break;
@@ -103,6 +112,9 @@ struct EventCheck {
     if (action.kind == Kind::kRaise) check_subject("signal", action.subject, model.signals.size(), "then");
     if (action.kind == Kind::kSwitch || action.kind == Kind::kRamp)
       check_subject("element", action.subject, static_cast<std::size_t>(model.element_count()), "then");
+    if (action.kind == Kind::kImpulse) check_subject("impulse", action.subject, model.impulses.size(), "then");
+    if (action.kind == Kind::kEngage)
+      check_subject("pusher, stop or cord", action.subject, model.one_sided.size(), "then");
     if (action.kind != Kind::kSetMode || !check_subject("joint", action.subject, model.joints.size(), "then")) return;
     const Joint& joint = model.joints[static_cast<std::size_t>(action.subject)];
     if (!is_index(action.mode, joint.modes.size()))

@@ -48,6 +48,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
     arena.take(*numbers, plan.initial_auxiliary.size());
   arena.take(ev.profiles, plan.profiles.size());
   arena.take(ev.load_sizes, plan.loads.size());
+  arena.take(ev.friction_sizes, plan.frictions.size());
   arena.take(ev.varying, plan.varying.size());
   arena.take(ev.modal, static_cast<std::size_t>(plan.modal_work));
   arena.take(ev.compliant, plan.compliant.size());
@@ -98,6 +99,7 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   data_->kept.state = State(owner, state);
 
   for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
+  for (double& size : ev.friction_sizes) size = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};
   for (const PlanNonTreeJoint& joint : plan.non_tree_joints)  // of one that never holds nobody else writes them

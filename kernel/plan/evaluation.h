@@ -93,6 +93,7 @@ struct Evaluation {
   Auxiliary auxiliary;
   std::span<KeptProfile> profiles;
   std::span<double> load_sizes;          // per load, N or N m per length of its direction; 0 if it is off
+  std::span<double> friction_sizes;      // per friction, force or torque on the follower along its axis
   std::span<VaryingBody> varying;        // per body with a mass law
   std::span<double> modal;               // of flexible bodies and their markers, see kernel/dynamics/flexible.h
   std::span<CompliantSpring> compliant;  // as PlanData::compliant

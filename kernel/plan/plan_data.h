@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernel/math/index.h"
+#include "kernel/model/one_sided_law.h"
 #include "kernel/plan/blocks.h"
 #include "unlatch/geometry.h"
 #include "unlatch/plan.h"
@@ -188,6 +189,29 @@ struct ContactPair {
   bool closed;                                       // at the start
 };
 
+// A force on one side of a limit, see kernel/dynamics/one_sided.h.
+struct PlanOneSided {
+  std::int32_t number, element;                          // its own place in PlanData::one_sided
+  std::int32_t joint, axis, coordinate, base, follower;  // joint, coordinate: kNone between two points
+  double sign, limit;
+  bool guided;
+  Vec3 point_base, point_follower, guide;
+  OneSidedLaw law;            // without its table
+  std::int32_t first, count;  // its table, into PlanData::travels and travel_forces
+  std::int64_t engaged;       // at the start
+};
+
+struct PlanFriction {
+  std::int32_t joint, axis, element, coordinate;
+  double coefficient, radius, speed;  // radius: 1 along an axis
+};
+
+struct PlanImpulse {
+  std::int32_t body, channel;
+  bool world;
+  Vec3 point, linear, angular;
+};
+
 struct Knot {
   double time, value;
 };
@@ -209,8 +233,10 @@ struct PlanEvent {
   std::int32_t flat_parts;  // the first conditions that must all hold, where the guard is nothing else; otherwise 0
   double delay;
   bool repeat;
-  bool by_time;   // the whole guard is "t ≥ T", which needs no search
-  bool crossing;  // what holds at the start is no event
+  std::int32_t engages;  // the one-sided force whose engagement it decides, or kNone
+  std::int64_t engaged;  // what it decides
+  bool by_time;          // the whole guard is "t ≥ T", which needs no search
+  bool crossing;         // what holds at the start is no event
 };
 
 struct PlanSensor {
@@ -297,6 +323,9 @@ struct PlanData {
   std::vector<PlanContact> contacts;
   std::vector<ContactPair> contact_pairs;  // those of one contact together
   std::int32_t contact_substeps = 1;
+  std::vector<PlanOneSided> one_sided;
+  std::vector<double> travels, travel_forces;
+  std::vector<PlanFriction> frictions;
   std::vector<PlanProfile> profiles;
   std::vector<Knot> knots;
   std::vector<Profile::Harmonic> harmonics;
@@ -305,6 +334,7 @@ struct PlanData {
   // events and sensors
   std::vector<PlanCondition> conditions;
   std::vector<Action> actions;
+  std::vector<PlanImpulse> impulses;
   std::vector<PlanEvent> events;
   std::vector<std::int32_t> repeating_events;
   std::vector<std::int32_t> timed_events;  // that are due at a known time: by their guard, or after a delay

@@ -30,6 +30,7 @@ State::State(const Plan& owner, std::span<std::byte> memory) noexcept {
   signals = take<double>(cursor, static_cast<std::size_t>(plan.signal_count));
   auxiliary = take<double>(cursor, plan.initial_auxiliary.size());
   contacts = take<ContactState>(cursor, plan.contact_pairs.size());
+  engaged = take<std::int64_t>(cursor, plan.one_sided.size());
   bytes_ = memory.first(static_cast<std::size_t>(cursor - memory.data()));
 }
 
@@ -44,7 +45,7 @@ std::size_t Plan::get_state_bytes() const noexcept {
   return sizeof(StateHeader) + plan.bodies.size() * sizeof(BodyState) + plan.joints.size() * sizeof(JointState) +
          plan.element_scales.size() * sizeof(ElementState) + plan.events.size() * sizeof(EventState) +
          (static_cast<std::size_t>(plan.signal_count) + plan.initial_auxiliary.size()) * sizeof(double) +
-         plan.contact_pairs.size() * sizeof(ContactState);
+         plan.contact_pairs.size() * sizeof(ContactState) + plan.one_sided.size() * sizeof(std::int64_t);
 }
 
 void init_state(const Plan& owner, State& state) noexcept {
@@ -60,8 +61,13 @@ void init_state(const Plan& owner, State& state) noexcept {
     const double scale = plan.element_scales[e];
     state.elements[e] = {0, scale, scale, 0, 0};
   }
-  for (std::size_t e = 0; e < plan.events.size(); ++e)
-    state.events[e] = {plan.events[e].crossing ? EventPhase::kSpent : EventPhase::kArmed, 0};
+  for (const PlanOneSided& own : plan.one_sided) state.engaged[at(own.number)] = own.engaged;
+  for (std::size_t e = 0; e < plan.events.size(); ++e) {
+    const PlanEvent& event = plan.events[e];
+    const bool holds =
+        event.crossing || (event.engages != kNone && plan.one_sided[at(event.engages)].engaged == event.engaged);
+    state.events[e] = {holds ? EventPhase::kSpent : EventPhase::kArmed, 0};
+  }
   for (double& signal : state.signals) signal = 0;
   std::copy(plan.initial_auxiliary.begin(), plan.initial_auxiliary.end(), state.auxiliary.begin());
   for (std::size_t i = 0; i < plan.contact_pairs.size(); ++i)

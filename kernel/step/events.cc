@@ -6,8 +6,10 @@
 #include "kernel/dynamics/balance.h"
 #include "kernel/dynamics/energy.h"
 #include "kernel/dynamics/loads.h"
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/step/guards.h"
+#include "kernel/step/impulses.h"
 #include "kernel/step/integrator.h"
 #include "kernel/step/load_state.h"
 
@@ -84,6 +86,11 @@ RowSet apply(const PlanData& plan, const Action& action, double now, State& stat
     case Action::Kind::kRaise:
       state.signals[at(action.subject)] = action.value;
       return 0;
+    case Action::Kind::kEngage:
+      state.engaged[at(action.subject)] = action.value != 0 ? 1 : 0;
+      return 0;
+    case Action::Kind::kImpulse:
+      return 0;  // all of a round act together
   }
   return 0;
 }
@@ -119,6 +126,17 @@ Balance difference(const Balance& a, const Balance& b) {
   return {a.momentum - b.momentum, a.angular_momentum - b.angular_momentum, a.kinetic - b.kinetic};
 }
 
+// A repeating event is armed once its guard is negative. One that decides an engagement waits until the other has
+// acted; a motion that turned back where that one acted has left its guard above zero, and arms it too.
+bool may_arm(const PlanData& plan, const State& state, const Evaluation& ev, std::int32_t e) {
+  const PlanEvent& event = plan.events[at(e)];
+  if (event.engages == kNone) return ev.guards[at(e)] < 0;
+  if (state.engaged[at(event.engages)] == event.engaged) return false;
+  if (ev.guards[at(e)] < 0) return true;
+  const double rate = calc_motion(plan, ev, plan.one_sided[at(event.engages)]).depth_rate;
+  return event.engaged != 0 ? rate > 0 : rate < 0;
+}
+
 }  // namespace
 
 double calc_next_due(const PlanData& plan, const State& state, double now) noexcept {
@@ -150,10 +168,22 @@ StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& st
 
     Balance allowed{{0, 0, 0}, {0, 0, 0}, 0};
     load_modes(plan, state, ev);
-    if (added != 0) {
-      if (node = apply_impulse(plan, state, ev); node != kNone) return StepStatus::kSingular;
+    const bool struck = has_impulses(plan, search.acting);
+    if (added != 0 || struck) {
+      Balance strikes{{0, 0, 0}, {0, 0, 0}, 0};
+      if (struck) {
+        strikes = calc_impulses(plan, inputs, search.acting, ev);
+        set_impulses(plan, inputs, search.acting, ev);
+      }
+      const Source source = struck ? Source::kForces : Source::kNothing;
+      if (node = apply_impulse(plan, source, state, ev); node != kNone) return StepStatus::kSingular;
       allowed = calc_allowed_change(plan, state, ev);
       update_velocities(plan, ev);
+      if (struck) {
+        allowed.momentum += strikes.momentum;
+        allowed.angular_momentum += strikes.angular_momentum;
+        allowed.kinetic += strikes.kinetic + calc_impulses(plan, inputs, search.acting, ev).kinetic;
+      }
     }
     const Balance jump = difference(calc_balance(plan, state, ev), before);
     const Instant instant{plan, inputs, state, now};
@@ -169,7 +199,7 @@ StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& st
 
 void rearm(const PlanData& plan, State& state, Evaluation& ev) noexcept {
   for (const std::int32_t e : plan.repeating_events)
-    if (state.events[at(e)].phase == EventPhase::kSpent && ev.guards[at(e)] < 0)
+    if (state.events[at(e)].phase == EventPhase::kSpent && may_arm(plan, state, ev, e))
       state.events[at(e)].phase = EventPhase::kArmed;
   double* guards = ev.guards.data() + plan.events.size();
   for (std::size_t i = 0; i < state.contacts.size(); ++i) {

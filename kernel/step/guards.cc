@@ -1,8 +1,11 @@
 #include "kernel/step/guards.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "kernel/dynamics/contacts.h"
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {
@@ -11,6 +14,29 @@ namespace {
 // Parts that hold or do not, and cannot change within a sub-step: so large that in an all or any they leave the
 // real-valued parts as they are, which the search for the crossing needs.
 constexpr double kYes = 1e100, kNo = -1e100;
+
+// Size of the multipliers of three rows of a joint; those of rows that do not hold are 0.
+double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
+  double square = 0;
+  for (std::size_t r = first; r < first + 3; ++r) {
+    const double lambda = ev.multipliers.get(joint, r);
+    square += lambda * lambda;
+  }
+  return std::sqrt(square);
+}
+
+// ≥ 0 where it is to be engaged; `below`: > 0 where it is to be so no longer.
+double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
+  const PlanOneSided& own = now.plan.one_sided[at(c.subject)];
+  if (!is_on(now.state.elements[at(own.element)], now.t)) return kNo;
+  const double reach = calc_reach(now.plan, own, calc_motion(now.plan, ev, own));
+  return c.below ? -reach - std::numeric_limits<double>::min() : reach;
+}
+
+double calc_one_sided_force(const Instant& now, const Evaluation& ev, std::size_t number) {
+  const PlanOneSided& own = now.plan.one_sided[number];
+  return calc_force(now.plan, now.state, now.t, own, calc_motion(now.plan, ev, own));
+}
 
 UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
   const PlanData& plan = now.plan;
@@ -42,6 +68,19 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
     case Condition::Kind::kBurnt:
       value = ev.auxiliary.now[at(plan.bodies[subject].varying)];
       break;
+    case Condition::Kind::kForceSize:
+      value = calc_size(ev, subject, kX);
+      break;
+    case Condition::Kind::kMomentSize:
+      value = calc_size(ev, subject, kRotX);
+      break;
+    case Condition::Kind::kOneSidedForce:
+      value = calc_one_sided_force(now, ev, subject);
+      break;
+    case Condition::Kind::kReach:
+      return calc_reach_guard(now, ev, c);
+    case Condition::Kind::kEngaged:
+      return state.engaged[subject] != 0 ? kYes : kNo;
     case Condition::Kind::kSignal:
       return state.signals[subject] != 0 ? kYes : kNo;
     case Condition::Kind::kMode:

@@ -4,6 +4,7 @@
 #include "kernel/dynamics/compliance.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/forces.h"
+#include "kernel/dynamics/friction.h"
 #include "kernel/dynamics/loads.h"
 #include "kernel/dynamics/varying.h"
 #include "kernel/joints/coordinates.h"
@@ -29,15 +30,31 @@ void update_joint_velocities(const PlanData& plan, const State& state, Evaluatio
   if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
 }
 
+// After a solve: the friction that belongs to its reactions, again and again.
+void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  for (int i = 0; i < kFrictionSweeps; ++i) {
+    update_friction(now, ev);
+    update_forces(now, ev);
+    get_kernels(plan).solve(plan, ev, sweep);
+    if (ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
+  }
+}
+
 // At the present joint frames and loads.
 int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
   const PlanData& plan = now.plan;
   update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
+  const bool rubs = has_friction(now);
+  clear_friction(ev);
   update_forces(now, ev);
-  const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, sweep, independent_rows);
+  Sweep own = sweep;
+  own.multipliers = sweep.multipliers || rubs;
+  const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, own, independent_rows);
   if (node != kNone) return node;
+  if (own.multipliers && ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
+  if (rubs) solve_friction(now, own, ev);
   if (!plan.rigid) update_modal_rates(plan, ev);
-  if (sweep.multipliers && ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
   return kNone;
 }
 
@@ -111,10 +128,12 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
 // Forces alone are new: the factor serves.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
+  clear_friction(ev);
   update_forces(now, ev);
   get_kernels(now.plan).solve(now.plan, ev, {});
-  if (!now.plan.rigid) update_modal_rates(now.plan, ev);
   if (ev.loop_redundant > 0) split_redundant_rows(now.plan, now.state, ev);
+  if (has_friction(now)) solve_friction(now, {}, ev);
+  if (!now.plan.rigid) update_modal_rates(now.plan, ev);
   return kNone;
 }
 
@@ -185,10 +204,10 @@ int integrate(const Instant& now, const SubstepStart& start, double end, Evaluat
   return integrate_explicitly(middle_stages, {now.plan, now.inputs, now.state, end}, start, ev);
 }
 
-int apply_impulse(const PlanData& plan, State& state, Evaluation& ev) noexcept {
+int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept {
   const Kernels& kernels = get_kernels(plan);
   update_joints(plan, state, RowTarget::kVelocity, ev);
-  const int node = kernels.factor_and_solve(plan, state, ev, {Source::kNothing, true, true, 0}, kAllRows);
+  const int node = kernels.factor_and_solve(plan, state, ev, {source, true, true, 0}, kAllRows);
   if (node != kNone) return node;
   kernels.add_velocities(plan, ev);
   if (!plan.rigid) add_modal_velocities(plan, ev);

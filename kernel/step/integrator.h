@@ -9,6 +9,7 @@
 #include "kernel/joints/coordinates.h"
 #include "kernel/joints/joint_motion.h"
 #include "kernel/plan/evaluation.h"
+#include "kernel/solver/sweep.h"
 
 namespace unlatch {
 
@@ -38,8 +39,8 @@ SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexc
 int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept;
 
 // Changes the velocities so that the active rows close: a perfectly plastic impulse, left in ev.multipliers, N s and N
-// m s. `state`: of the evaluation, but for its modes.
-int apply_impulse(const PlanData& plan, State& state, Evaluation& ev) noexcept;
+// m s. `state`: of the evaluation, but for its modes. kForces: impulses on bodies act too, see impulses.h.
+int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept;
 
 // Rotations, angular velocities, inertias, and markers, of the motion in the evaluation; and the velocities alone.
 void update_kinematics(const PlanData& plan, Evaluation& ev) noexcept;

@@ -16,4 +16,7 @@ struct GoldenModel {
 
 std::vector<GoldenModel> build_golden_models();
 
+// Of these, pushers, stops, cords, friction and impulses.
+Model build_pushers();
+
 }  // namespace unlatch::test

@@ -91,7 +91,7 @@ TEST(Loops, AgreeWithADenseSolveOnRandomSystems) {
       if (model.joints[j].modes.back().name == "closed") s.state.joints[j].mode = 1;
     const SystemState before = read_state(s);
     update_motion(s);
-    ASSERT_EQ(apply_impulse(s.data(), s.state, s.evaluation()), kNone) << "seed " << seed;
+    ASSERT_EQ(apply_impulse(s.data(), Source::kNothing, s.state, s.evaluation()), kNone) << "seed " << seed;
     expect_to_agree(read_solution(s), solve_plastic_impulse(model, before), model, before, seed, impulses);
 
     ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk) << "seed " << seed;
@@ -122,7 +122,7 @@ TEST(Loops, EveryWidthOfLanesGivesTheSameBits) {
       for (std::size_t j = 0; j < model.joints.size(); ++j)
         if (model.joints[j].modes.back().name == "closed") s.state.joints[j].mode = 1;
       update_motion(s);
-      EXPECT_EQ(apply_impulse(s.data(), s.state, s.evaluation()), kNone) << "seed " << seed;
+      EXPECT_EQ(apply_impulse(s.data(), Source::kNothing, s.state, s.evaluation()), kNone) << "seed " << seed;
       for (int tick = 0; tick < 3; ++tick) s.advance();
       return calc_hash(s.state);
     };

@@ -53,7 +53,7 @@ void expect_to_agree(std::uint64_t seed, Systems& worst) {
     s.state.joints[j].mode = random.below(static_cast<int>(model.joints[j].modes.size()));
   const SystemState before = read_state(s);
   update_motion(s);
-  ASSERT_EQ(apply_impulse(s.data(), s.state, s.evaluation()), kNone) << "seed " << seed;
+  ASSERT_EQ(apply_impulse(s.data(), Source::kNothing, s.state, s.evaluation()), kNone) << "seed " << seed;
   update_worst(worst.impulse, compare(read_solution(s), solve_plastic_impulse(model, before)), "impulse", seed);
 
   ASSERT_EQ(solve(), StepStatus::kOk) << "seed " << seed;

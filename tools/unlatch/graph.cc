@@ -81,6 +81,12 @@ class Structure {
       if (load.channel != kNone) text += " · " + model_.channels[static_cast<std::size_t>(load.channel)].name;
       loads_[load.body].push_back((load.kind == Load::Kind::kForce ? "→ " : "↻ ") + text);
     }
+    for (const OneSided& force : model_.one_sided)
+      if (force.joint != kNone)
+        springs_[force.joint].push_back("~ " + force.name + (force.axis < kRotX ? " along " : " about ") +
+                                        "xyz"[force.axis % 3] + (force.on ? "" : " (off)"));
+    for (const JointFriction& friction : model_.frictions)
+      springs_[friction.joint].push_back("~ " + friction.name + " (friction)" + (friction.on ? "" : " (off)"));
     for (const JointSpring& spring : model_.joint_springs)
       springs_[spring.joint].push_back("~ " + spring.name + (spring.axis < kRotX ? " along " : " about ") +
                                        "xyz"[spring.axis % 3] + (spring.on ? "" : " (off)"));
@@ -192,6 +198,9 @@ class Structure {
     std::map<std::pair<std::string, std::string>, std::vector<std::string>> pairs;
     for (const PointSpring& s : model_.point_springs)
       pairs[{get_node(s.base), get_node(s.follower)}].push_back(s.name + (s.push_only ? " (pushes)" : ""));
+    for (const OneSided& f : model_.one_sided)
+      if (f.joint == kNone)
+        pairs[{get_node(f.base), get_node(f.follower)}].push_back(f.name + (f.pulls ? " (pulls)" : " (pushes)"));
     for (const PlaneTorsion& s : model_.plane_torsions)
       pairs[{get_node(s.base), get_node(s.follower)}].push_back(s.name + " (torsion)");
     std::string dot;
@@ -323,6 +332,16 @@ class Phases {
         return "rate of " + name(get_name(model_.bodies, c.subject)) + than;
       case Kind::kBurnt:
         return "burnt of " + name(get_name(model_.bodies, c.subject)) + than;
+      case Kind::kForceSize:
+        return "force of " + name(model_.joints[index].name) + than;
+      case Kind::kMomentSize:
+        return "moment of " + name(model_.joints[index].name) + than;
+      case Kind::kOneSidedForce:
+        return "force of " + name(model_.one_sided[index].name) + than;
+      case Kind::kEngaged:
+        return name(model_.one_sided[index].name) + " acts";
+      case Kind::kReach:
+        return name(model_.one_sided[index].name) + (c.below ? " at its end" : " reached");
       case Kind::kSignal:
         return "signal " + name(model_.signals[index]);
       case Kind::kCommand:
@@ -354,6 +373,10 @@ class Phases {
     if (a.kind == Action::Kind::kRaise) return "raise " + name(model_.signals[index]);
     if (a.kind == Action::Kind::kSetMode)
       return name(model_.joints[index].name) + " " + model_.joints[index].modes[static_cast<std::size_t>(a.mode)].name;
+    if (a.kind == Action::Kind::kImpulse)
+      return "impulse on " + name(get_name(model_.bodies, model_.impulses[index].body));
+    if (a.kind == Action::Kind::kEngage)
+      return name(model_.one_sided[index].name) + (a.value != 0 ? " acts" : " acts no longer");
     return name(model_.element_name(a.subject)) +
            (a.value == 0   ? " off"
             : a.value == 1 ? " on"

@@ -193,6 +193,64 @@ struct PlaneTorsion {
   bool on = true;                                            // at the start
 };
 
+// A force that acts on one side of a limit of a coordinate x, and in one direction: a pusher within its stroke, a stop
+// beyond its place, a cord that is taut. With s = +1 for what pushes x up from below the limit, −1 for what pulls it
+// down from above, and the depth δ = s (limit − x),
+//
+//   s · max(0, F(stroke − δ) + damping dδ/dt + friction (dδ/dt) / sqrt((dδ/dt)² + v_s²))
+//
+// along x on the follower, the opposite on the base,
+// while it is engaged: from the instant at which δ, and with it this sum, comes to 0 from below until the instant at
+// which either falls below 0. Both are events of the model (complete_events()), so that its force ends exactly there.
+// The law F is a function of the travel u = stroke − δ:
+//
+//   kLinear  preload − stiffness u
+//   kTable   linear between (travels, forces), constant outside
+//   kGas     preload (gas_length / (gas_length + u))^exponent: p V^γ constant, V = area · gas_length at u = 0; γ = 1 is
+//            isothermal, 1.4 adiabatic air; nothing presses from outside
+struct OneSided {
+  // What it is, for the names of its events.
+  enum class Kind { kPusher, kStop, kCord };
+  // Force over the travel.
+  enum class Law { kLinear, kTable, kGas };
+  std::string name;         // unique among elements
+  Kind kind = Kind::kStop;  // a pusher's stroke is > 0
+  bool pulls = false;       // s = −1
+  int joint = kNone;        // x is the displacement or angle of this joint along `axis`; kNone: between two points
+  int axis = kX;            // Row
+  // Between two points: indices of the bodies, and the ends, base axes and follower axes, m.
+  int base = kGround, follower = 0;
+  Eigen::Vector3d point_base = Eigen::Vector3d::Zero(), point_follower = Eigen::Vector3d::Zero();
+  // x is the length of the line between them; with a guide, the place of the follower's point along this axis of the
+  // base, unit, base axes: the force is along it, at the follower's point, whatever the point does across it.
+  std::optional<Eigen::Vector3d> guide{};
+  std::optional<double> limit{};      // m or rad; by default `stroke` from where x is at the start: + stroke for s = +1
+  double stroke = 0;                  // m or rad, ≥ 0
+  Law law = Law::kLinear;             // F
+  double preload = 0, stiffness = 0;  // N or N m; N/m or N m/rad; F ≥ 0 over the whole stroke
+  double gas_length = 0, exponent = 1.4;  // m or rad, > 0; ≥ 1
+  std::vector<double> travels, forces;    // kTable: strictly increasing, ≥ 0; ≥ 0
+  double damping = 0, friction = 0;       // N s/m or N m s/rad; N or N m
+  double friction_speed = 1e-3;           // v_s, m/s or rad/s, > 0
+  bool on = true;                         // at the start
+};
+
+// Coulomb friction in a joint along or about a free axis, of the size of the reaction across it:
+//
+//   −coefficient · r · |R| · v / sqrt(v² + v_s²),   v = r · speed of the axis,   r = 1 along x, y, z, `radius` about an
+//
+// axis, R the reaction of the point–plane rows that hold. Regularised: at rest it creeps at v / v_s = load / (μ |R|).
+// How R is found: kernel/dynamics/friction.h.
+struct JointFriction {
+  std::string name;        // unique among elements
+  int joint = 0;           // index of the joint
+  int axis = kX;           // Row that some mode leaves free
+  double coefficient = 0;  // ≥ 0
+  double radius = 0;       // of a pin or bearing, m; of rotations, > 0
+  double speed = 1e-3;     // v_s, m/s, > 0
+  bool on = true;          // at the start
+};
+
 // --- Shapes and contacts --------------------------------------------------------------------------------------------
 
 // A named union of shapes that a body carries, without mass: for contacts, and for conditions and sensors of distance.
@@ -276,21 +334,26 @@ const char* sensor_unit(Sensor::Kind kind);
 struct Condition {
   // Quantity that a guard compares, or the combination of its parts.
   enum class Kind {
-    kTime,          // t ≥ threshold
-    kReaction,      // multiplier of (joint, axis); never holds while that row is inactive
-    kDisplacement,  // of (joint, axis)
-    kAngle,         // of (joint, axis)
-    kSpeed,         // rate of the displacement or angle of (joint, axis)
-    kBodyRate,      // |angular velocity| of a body
-    kSignal,        // a signal is raised
-    kCommand,       // a channel's value
-    kMode,          // a joint is in mode number `axis`
-    kAll,           // all parts hold
-    kAny,           // at least one part holds
-    kNot,           // its one part does not hold
-    kBurnt,         // what a body with a mass law has burnt, kg
-    kDistance,      // signed distance of surfaces `subject` and `axis`, m
-    kClosed,        // a contact is closed: some pair of its shapes
+    kTime,           // t ≥ threshold
+    kReaction,       // multiplier of (joint, axis); never holds while that row is inactive
+    kDisplacement,   // of (joint, axis)
+    kAngle,          // of (joint, axis)
+    kSpeed,          // rate of the displacement or angle of (joint, axis)
+    kBodyRate,       // |angular velocity| of a body
+    kSignal,         // a signal is raised
+    kCommand,        // a channel's value
+    kMode,           // a joint is in mode number `axis`
+    kAll,            // all parts hold
+    kAny,            // at least one part holds
+    kNot,            // its one part does not hold
+    kBurnt,          // what a body with a mass law has burnt, kg
+    kDistance,       // signed distance of surfaces `subject` and `axis`, m
+    kClosed,         // a contact is closed: some pair of its shapes
+    kForceSize,      // |multipliers of x, y, z| of a joint, N; 0 while none is active
+    kMomentSize,     // |multipliers of rot_x, rot_y, rot_z| of a joint, N m; likewise
+    kOneSidedForce,  // of a one-sided force (its number among these) at its switch scale, N or N m; 0 while not engaged
+    kEngaged,        // a one-sided force is engaged
+    kReach,          // complete_events(): depth or force of a one-sided force, whichever is less; `below`: its negative
   };
   Kind kind = Kind::kTime;       // kind
   int subject = 0;               // index of the joint, body, signal, channel, surface or contact
@@ -308,12 +371,24 @@ struct Action {
     kSwitch,   // element `subject` to scale `value`; switched on from zero it starts its own time
     kRamp,     // the same, linearly over `duration` seconds
     kRaise,    // signal `subject` to `value`
+    kImpulse,  // impulse `subject` of the model acts
+    kEngage,   // complete_events(): one-sided force `subject` becomes engaged, value 1, or not, 0
   };
   Kind kind = Kind::kSetMode;  // kind
-  int subject = 0;             // joint, element or signal
+  int subject = 0;             // joint, element, signal, impulse or one-sided force
   int mode = 0;                // kSetMode: index into the joint's modes
   double value = 0;            // kSwitch, kRamp: scale; kRaise: value of the signal
   double duration = 0;         // s
+};
+
+// An impulse on a body: a pyrotechnic shock. What rows hold stays held: they answer with impulses of their own.
+struct Impulse {
+  int body = 0;                                       // index of the body
+  Load::Frame frame = Load::Frame::kBody;             // axes of `linear` and `angular`
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    // where `linear` acts, body axes, m
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   // N s
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // N m s
+  int channel = kNone;                                // command channel that multiplies both
 };
 
 // A condition, and the actions that follow when it becomes true.
@@ -342,12 +417,16 @@ struct Model {
   std::vector<Surface> surfaces;             // that contacts, conditions and sensors name
   std::vector<Contact> contacts;             // between shapes
   int contact_substeps = 1;                  // parts of a step while some contact is closed, 1 … 64
+  std::vector<OneSided> one_sided;           // pushers, stops and cords
+  std::vector<JointFriction> frictions;      // Coulomb friction in joints
   std::vector<Channel> channels;             // commanded values
   std::vector<std::string> signals;          // names
   std::vector<Sensor> sensors;               // measured values
+  std::vector<Impulse> impulses;             // that actions name
   std::vector<Event> events;                 // in the order in which they act at one instant
 
-  // Elements share one numbering: loads, point springs, joint springs, plane torsions, contacts.
+  // Elements share one numbering: loads, point springs, joint springs, plane torsions, contacts,
+  // one-sided forces, frictions.
   int element_count() const;
   const std::string& element_name(int element) const;
 };
@@ -370,6 +449,12 @@ void add_contact_events(Model& model);
 bool has_markers(const Model& model);
 // The same with the initial poses and velocities of the markers of its flexible bodies, which follow from the bodies'.
 Model place_markers(const Model& model);
+
+// The same with the two events of each one-sided force that has none yet, after all others: where it becomes engaged
+// and where it no longer is. Their subject is its name; their names are "touch" and "stroke_end" of a pusher, "touch"
+// and "lift" of a stop, "taut" and "slack" of a cord. compile_plan() does it too, so that events which a user's model
+// does not list have the numbers that follow.
+Model complete_events(const Model& model);
 
 // Every mistake that makes the model unphysical or inconsistent, all at once. Empty: it may be compiled.
 std::vector<ModelError> validate(const Model& model);

@@ -2,7 +2,7 @@
 // it, move it: the step gives the same bits. Every field is 8 bytes wide, so the block has no padding.
 //
 //   [StateHeader][BodyState × bodies][JointState × joints][ElementState × elements][EventState ×
-//   events][signals][auxiliary][ContactState × pairs]
+//   events][signals][auxiliary][ContactState × pairs][one-sided forces]
 #pragma once
 
 #include <cstddef>
@@ -83,13 +83,14 @@ class State {
   StateHeader* header = nullptr;     // tick and plan
   std::span<BodyState> bodies;       // in the model's order
   std::span<JointState> joints;      // in the model's order
-  std::span<ElementState> elements;  // loads, point springs, joint springs, plane torsions, in the model's order
+  std::span<ElementState> elements;  // in the order of the model's one numbering
   std::span<EventState> events;      // in the model's order
   std::span<double> signals;         // values, in the model's order
   std::span<double> auxiliary;  // kg burnt by each body with a mass law; then per flexible body its modal coordinates,
                                 // and their rates, 1/s; then the ContactTotals of each contact
   std::span<ContactState> contacts;  // of each contact in the model's order, each pair of its shapes: those of the
                                      // base, with each of them those of the follower
+  std::span<std::int64_t> engaged;   // one-sided forces, in the model's order: 1 while engaged, else 0
 
   // The whole block.
   std::span<std::byte> get_bytes() const { return bytes_; }

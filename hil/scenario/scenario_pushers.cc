@@ -1,0 +1,166 @@
+// What acts on one side only: pushers, cords, stops; friction in joints; and events that come with them.
+#include <algorithm>
+
+#include "hil/scenario/scenario_reader.h"
+
+namespace unlatch::hil {
+
+// Between two points, or along an axis of a joint. Returns true if it is about an angle.
+bool ScenarioReader::read_line(YamlMap& map, OneSided& force) {
+  if (map.only_one_of({"between", "joint"}, "its two ends") == "joint") {
+    force.joint = map.choice("joint", "joint", joints_);
+    force.axis = std::max(map.choice("axis", "row", row_names()), 0);
+    return force.axis >= kRotX;
+  }
+  read_between(map, force.base, force.follower);
+  force.point_base = map.vector("point", "m", Eigen::Vector3d::Zero());
+  force.point_follower = map.vector("follower_point", "m", Eigen::Vector3d::Zero());
+  if (map.find("guide")) force.guide = map.vector("guide", "").stableNormalized();
+  return false;
+}
+
+void ScenarioReader::read_pusher(YamlMap& map, OneSided force) {
+  force.kind = OneSided::Kind::kPusher;
+  const bool turns = read_line(map, force);
+  const std::string length = turns ? "rad" : "m", unit = turns ? "N m" : "N";
+  force.stroke = map.number("stroke", length);
+  if (map.find("limit")) force.limit = map.number("limit", length);
+  force.pulls = map.boolean("pull_only", false);
+  const YamlNode *table = map.find("table"), *gas = map.find("gas");
+  if (table && gas) mistakes_.add(gas->mark, "a pusher with a table and with gas", "one law of its force");
+  if (!table) force.preload = map.number("preload", unit);
+  if (!table && !gas) force.stiffness = map.number("stiffness", turns ? "N m/rad" : "N/m", 0.0);
+  if (table) {
+    force.law = OneSided::Law::kTable;
+    YamlMap inner(*table, "table", mistakes_);
+    if (const YamlNode* travels = inner.require("travel")) force.travels = read_numbers(*travels, 0, length, mistakes_);
+    if (const YamlNode* forces = inner.require("force")) force.forces = read_numbers(*forces, 0, unit, mistakes_);
+    inner.finish();
+  }
+  if (gas) {
+    force.law = OneSided::Law::kGas;
+    YamlMap inner(*gas, "gas", mistakes_);
+    force.gas_length = inner.number("length", length);
+    force.exponent = inner.number("exponent", "", 1.4);
+    inner.finish();
+  }
+  force.damping = map.number("damping", turns ? "N m s/rad" : "N s/m", 0.0);
+  force.friction = map.number("friction", unit, 0.0);
+  force.friction_speed = map.number("friction_speed", turns ? "rad/s" : "m/s", 1e-3);
+  force.on = map.boolean("enabled", true);
+  model_.one_sided.push_back(std::move(force));
+}
+
+void ScenarioReader::read_cord(YamlMap& map, OneSided force) {
+  force.kind = OneSided::Kind::kCord;
+  force.pulls = true;
+  read_between(map, force.base, force.follower);
+  force.point_base = map.vector("point", "m", Eigen::Vector3d::Zero());
+  force.point_follower = map.vector("follower_point", "m", Eigen::Vector3d::Zero());
+  if (map.find("length")) force.limit = map.number("length", "m");
+  force.stiffness = map.number("stiffness", "N/m");
+  force.damping = map.number("damping", "N s/m", 0.0);
+  force.on = map.boolean("enabled", true);
+  if (map.find("parts_at")) {
+    Event part;
+    part.name = "part";
+    part.subject = force.name;
+    part.when.kind = Condition::Kind::kOneSidedForce;
+    part.when.subject = static_cast<int>(model_.one_sided.size());
+    part.when.threshold = map.number("parts_at", "N");
+    part.then = {{.kind = Action::Kind::kSwitch, .subject = part.when.subject}};  // numbered by append_events()
+    parting_cords_.push_back(std::move(part));
+  }
+  model_.one_sided.push_back(std::move(force));
+}
+
+void ScenarioReader::read_stop(const std::string& name, const YamlNode& node) {
+  YamlMap map(node, "stop '" + name + "'", mistakes_);
+  OneSided force;
+  force.name = name;
+  force.joint = map.choice("joint", "joint", joints_);
+  force.axis = std::max(map.choice("axis", "row", row_names()), 0);
+  const bool turns = force.axis >= kRotX;
+  const std::string side = map.only_one_of({"at_most", "at_least"}, "the side that it allows");
+  force.pulls = side == "at_most";
+  if (!side.empty()) force.limit = map.number(side, turns ? "rad" : "m");
+  force.stiffness = map.number("stiffness", turns ? "N m/rad" : "N/m");
+  force.damping = map.number("damping", turns ? "N m s/rad" : "N s/m", 0.0);
+  force.on = map.boolean("enabled", true);
+  map.finish();
+  model_.one_sided.push_back(std::move(force));
+}
+
+void ScenarioReader::read_friction(YamlMap& map, JointFriction friction) {
+  friction.joint = map.choice("joint", "joint", joints_);
+  friction.axis = std::max(map.choice("axis", "row", row_names()), 0);
+  friction.coefficient = map.number("coefficient", "");
+  if (friction.axis >= kRotX) friction.radius = map.number("radius", "m");
+  friction.speed = map.number("speed", "m/s", 1e-3);
+  friction.on = map.boolean("enabled", true);
+  model_.frictions.push_back(std::move(friction));
+}
+
+// A joint that parts at a load: an event of its own.
+void ScenarioReader::read_parting(const YamlNode& node, const Joint& joint, int number) {
+  YamlMap map(node, "parts", mistakes_);
+  Event part;
+  part.name = "part";
+  part.subject = joint.name;
+  part.when.kind = Condition::Kind::kAny;
+  const auto add = [&](const char* key, Condition::Kind kind, const char* unit) {
+    if (!map.find(key)) return;
+    Condition load;
+    load.kind = kind;
+    load.subject = number;
+    load.threshold = map.number(key, unit);
+    part.when.parts.push_back(load);
+  };
+  add("force", Condition::Kind::kForceSize, "N");
+  add("moment", Condition::Kind::kMomentSize, "N m");
+  if (part.when.parts.empty()) mistakes_.add(node.mark, "no load at which it parts", "give `force`, `moment` or both");
+  std::vector<std::string> names;
+  for (const JointMode& mode : joint.modes) names.push_back(mode.name);
+  Action open;
+  open.subject = number;
+  open.mode = std::max(map.choice("mode", "mode of joint '" + joint.name + "'", names), 0);
+  part.then = {open};
+  map.finish();
+  if (!part.when.parts.empty()) parting_joints_.push_back(std::move(part));
+}
+
+Action ScenarioReader::read_impulse(YamlMap& map) {
+  Impulse impulse;
+  impulse.body = std::max(map.choice("body", "body", bodies_), 0);
+  impulse.frame = map.choice("frame", "frame", {"body", "world"}, 0) == 1 ? Load::Frame::kWorld : Load::Frame::kBody;
+  impulse.point = map.vector("point", "m", Eigen::Vector3d::Zero());
+  impulse.linear = map.vector("linear", "N s", Eigen::Vector3d::Zero());
+  impulse.angular = map.vector("angular", "N m s", Eigen::Vector3d::Zero());
+  impulse.channel = map.choice("channel", "channel", channels_, kNone);
+  Action action;
+  action.kind = Action::Kind::kImpulse;
+  action.subject = static_cast<int>(model_.impulses.size());
+  model_.impulses.push_back(impulse);
+  return action;
+}
+
+// The number of a pusher, stop or cord among these.
+int ScenarioReader::read_one_sided(const YamlNode& node) {
+  std::vector<std::string> names;
+  for (const OneSided& force : model_.one_sided) names.push_back(force.name);
+  return std::max(read_choice(node, "pusher, stop or cord", names, mistakes_), 0);
+}
+
+// Events that come with joints and elements, after those of the scenario.
+void ScenarioReader::append_events() {
+  const int first = model_.element_count() - static_cast<int>(model_.one_sided.size() + model_.frictions.size());
+  for (Event& part : parting_cords_) part.then.front().subject += first;
+  const std::size_t own = model_.events.size();
+  for (const std::vector<Event>* list : {&parting_joints_, &parting_cords_})
+    model_.events.insert(model_.events.end(), list->begin(), list->end());
+  model_ = complete_events(model_);
+  for (std::size_t i = own; i < model_.events.size(); ++i)
+    event_names_.emplace_back(model_.events[i].name + ":" + model_.events[i].subject, static_cast<int>(i));
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,65 @@
+#include "kernel/compile/one_sided.h"
+
+#include "kernel/model/from_eigen.h"
+#include "unlatch/motion.h"
+#include "unlatch/readings.h"
+
+namespace unlatch {
+namespace {
+
+Eigen::Vector3d place(const Model& model, int body, const Eigen::Vector3d& point) {
+  if (body == kGround) return point;
+  return model.bodies[at(body)].p_WB + get_attitude(model, body) * point;
+}
+
+}  // namespace
+
+double calc_start(const Model& model, const OneSided& force) {
+  if (force.joint == kNone) {
+    const Eigen::Vector3d line =
+        place(model, force.follower, force.point_follower) - place(model, force.base, force.point_base);
+    return force.guide ? (get_attitude(model, force.base) * *force.guide).dot(line) : line.norm();
+  }
+  const Joint& joint = model.joints[at(force.joint)];
+  const Eigen::Matrix3d base = get_attitude(model, joint.base);
+  if (force.axis >= kRotX) {
+    const RotationFrame frame = get_rotation_frame(model, joint);
+    return calc_twist(to_mat(base * frame.base), to_mat(get_attitude(model, joint.follower) * frame.follower),
+                      force.axis - kRotX);
+  }
+  const Eigen::Vector3d line =
+      place(model, joint.follower, joint.point_follower) - place(model, joint.base, joint.point_base);
+  return (base * joint.axes).col(force.axis).dot(line);
+}
+
+double calc_limit(const Model& model, const OneSided& force) {
+  return force.limit ? *force.limit : calc_start(model, force) + (force.pulls ? -force.stroke : force.stroke);
+}
+
+void compile_one_sided(const Model& model, const OneSided& f, std::int32_t element, std::int32_t coordinate,
+                       PlanData& plan) {
+  PlanOneSided out{};
+  out.number = static_cast<std::int32_t>(plan.one_sided.size());
+  out.element = element;
+  out.joint = f.joint;
+  out.axis = f.axis;
+  out.coordinate = coordinate;
+  out.base = f.joint == kNone ? f.base : model.joints[at(f.joint)].base;
+  out.follower = f.joint == kNone ? f.follower : model.joints[at(f.joint)].follower;
+  out.sign = f.pulls ? -1 : 1;
+  out.guided = f.guide.has_value();
+  if (f.guide) out.guide = to_vec(*f.guide);
+  out.point_base = to_vec(f.point_base);
+  out.point_follower = to_vec(f.point_follower);
+  out.limit = calc_limit(model, f);
+  out.law = get_law(f);
+  out.law.travels = out.law.forces = {};
+  out.first = static_cast<std::int32_t>(plan.travels.size());
+  out.count = static_cast<std::int32_t>(f.travels.size());
+  plan.travels.insert(plan.travels.end(), f.travels.begin(), f.travels.end());
+  plan.travel_forces.insert(plan.travel_forces.end(), f.forces.begin(), f.forces.end());
+  out.engaged = out.sign * (out.limit - calc_start(model, f)) >= 0 ? 1 : 0;
+  plan.one_sided.push_back(out);
+}
+
+}  // namespace unlatch
