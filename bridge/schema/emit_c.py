@@ -25,7 +25,7 @@ HEAD = """/* clang-format off */
  *   unlatch_wire_encode_X   writes a message and returns its length, or 0 if `capacity` is too small
  *   unlatch_wire_decode_X   reads one; 0, and *message of no meaning, unless length and fingerprint are exactly right
  *
- * Whether enums and counts are in range is the reader's to check before it indexes with them. Nothing allocates. */
+ * The ranges of enums and counts are the reader's to check before it indexes with them. Nothing allocates. */
 #ifndef UNLATCH_WIRE_H_
 #define UNLATCH_WIRE_H_
 

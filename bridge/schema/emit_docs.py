@@ -43,3 +43,37 @@ def readme(d):
     for enum, values in d.enums.items():
         out += ["", f"## {enum}", "", ", ".join(f"{value} `{name}`" for name, value in values.items())]
     return "\n".join(out) + "\n"
+
+
+FORMATS = {"int64": "q", "int32": "i", "double": "d", "octet": "s"}
+BEGIN, END = "<!-- generated from messages.yaml by schema/generate.py -->\n", "<!-- generated: end -->\n"
+
+
+def _format(d, s):
+    """Of Python's struct: "9q10i48s"; big-endian has no padding."""
+    runs = []
+    for f in s.fields:
+        count = d.constants[f.array] if f.array else 1
+        letter = FORMATS.get(f.type)
+        if letter is None:  # a struct: its fields, all doubles
+            letter, count = "d", count * len(d.by_name[f.type].fields)
+        if runs and letter != "s" and runs[-1][0] == letter:
+            runs[-1][1] += count
+        else:
+            runs.append([letter, count])
+    return "".join((str(count) if count > 1 else "") + letter for letter, count in runs)
+
+
+def clients(d, text):
+    """The page for writers of clients, its table of messages renewed."""
+    signed = d.hash - 2**64 if d.hash >= 2**63 else d.hash
+    lines = [f"`protocol` {d.version}, `schema_hash` {signed}.", "", "| message | kind (UDP) | channel (LCM) | fingerprint | fields, as Python's `struct` |",
+             "|---|---|---|---|---|"]
+    for place, s in enumerate(d.messages()):
+        lines.append(f"| {s.name}, from the {s.sender} | {place + 1} | `UNLATCH_{s.snake().upper()}` | `{s.fingerprint:016x}` | `>Q{_format(d, s)}` |")
+    for s in d.messages():
+        if s.name in ("Hello", "Catalog", "State", "HelloAck", "Command", "StepAck"):
+            names = [f"{f.name}" + (f" ×{d.constants[f.array]}" if f.array and f.type != "octet" else "") for f in s.fields]
+            lines += ["", f"**{s.name}**: " + ", ".join(names) + "."]
+    begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
+    return text[:begin] + "\n" + "\n".join(lines) + "\n\n" + text[end:]

@@ -38,6 +38,7 @@ def main(arguments):
         HERE / "unlatch_wire.h": emit_c.header(definition),
         HERE / "dds_layout.h": emit_layout.header(definition),
         HERE / "README.md": emit_docs.readme(definition),
+        ROOT / "bridge/CLIENTS.md": emit_docs.clients(definition, (ROOT / "bridge/CLIENTS.md").read_text(encoding="utf-8")),
         **{HERE / "lcm" / f"{s.snake()}.lcm": emit_lcm.lcm(definition, s) for s in definition.structs},
     }
     stale = [path for path, text in files.items() if not path.exists() or path.read_text() != text]

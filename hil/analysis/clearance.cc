@@ -56,6 +56,10 @@ ClearanceMonitor::ClearanceMonitor(const std::vector<ClearancePair>& pairs,
                        .b = build_group(pair.b.name, get_shapes(pair.b), of_b),
                        .shapes_a = of_a,
                        .shapes_b = of_b});
+    const geometry::ShapeGroup a = build_group(pair.a.name, get_shapes(pair.a), pair.a.shapes);
+    const geometry::ShapeGroup b = build_group(pair.b.name, get_shapes(pair.b), pair.b.shapes);
+    const bool of_b = std::isfinite(b.bound) && !(a.bound < b.bound);
+    reaches_.push_back({.of_b = of_b, .centre = of_b ? b.centre : a.centre, .bound = of_b ? b.bound : a.bound});
     if (parts.empty()) throw std::invalid_argument("clearance: " + pair.a.name + " – " + pair.b.name + " has no shape");
   }
 }

@@ -63,6 +63,14 @@ class ClearanceMonitor {
   [[nodiscard]] PairDistance calc(std::size_t pair, const geometry::Placement& a, const geometry::Placement& b) const;
   // m: distances carry rounding of some 1e-16 of it.
   [[nodiscard]] double get_size(std::size_t pair) const;
+  // The bounding sphere of one side of the pair: a motion relative to the other side changes the distance by no more
+  // than the way of its centre and the turn times its radius.
+  struct Reach {
+    bool of_b = true;
+    Vec3 centre{0, 0, 0};  // m, in the body
+    double bound = 0;      // m; infinite if both sides are unbounded
+  };
+  [[nodiscard]] const Reach& get_reach(std::size_t pair) const { return reaches_[pair]; }
   const std::vector<Clearance>& get() const { return clearances_; }
 
  private:
@@ -73,6 +81,7 @@ class ClearanceMonitor {
   };
   std::vector<Clearance> clearances_;
   std::vector<std::vector<Part>> parts_;  // of each pair
+  std::vector<Reach> reaches_;
 };
 
 }  // namespace unlatch::hil

@@ -1,12 +1,15 @@
 #include "hil/analysis/clearance_history.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace unlatch::hil {
 namespace {
 
 constexpr double kTie = 1e-6;        // m: a distance that changes less is told as one that does not change
 constexpr double kRounding = 1e-13;  // of the size of a pair: shallower dips are rounding
+// Of the size of a pair: motions of bodies that are joined firmly, which change the distance by no more than its error.
+constexpr double kStill = 1e-10;
 
 bool has(const std::vector<int>& list, int body) { return std::find(list.begin(), list.end(), body) != list.end(); }
 
@@ -14,8 +17,91 @@ bool has(const std::vector<int>& list, int body) { return std::find(list.begin()
 
 ClearanceHistory::ClearanceHistory(const Scenario& scenario)
     : monitor_(scenario.clearance, scenario.shapes), now_(monitor_.get()), tracks_(now_.size()) {
-  for (std::size_t i = 0; i < tracks_.size(); ++i)
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    tracks_[i].size = monitor_.get_size(i);
     tracks_[i].whole = tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));
+  }
+  places_.resize(scenario.model.bodies.size());
+  for (const Clearance& pair : now_)
+    for (const int body : {pair.a, pair.b})
+      if (!has(watched_, body)) watched_.push_back(body);
+}
+
+const std::vector<Clearance>& ClearanceHistory::get() const {
+  for (std::size_t i = 0; i < now_.size(); ++i) refresh(i);
+  return now_;
+}
+
+void ClearanceHistory::refresh(std::size_t pair) const {
+  if (!tracks_[pair].stale) return;
+  tracks_[pair].stale = false;
+  const MotionPiece& piece = window_->get_present();
+  const double before = calc(*window_, static_cast<int>(pair), piece.from);
+  now_[pair].now = calc(*window_, static_cast<int>(pair), piece.to);
+  if (piece.to > piece.from) now_[pair].rate = (now_[pair].now - before) / (piece.to - piece.from);
+}
+
+ClearanceHistory::Place ClearanceHistory::get_place(const BodyState& body, const Spatial& acceleration) {
+  const geometry::Placement at = to_placement(body);
+  return {at, body.v, at.R_WB * body.w, acceleration};
+}
+
+ClearanceHistory::Relative ClearanceHistory::calc_relative(std::size_t pair, const Place& a, const Place& b) const {
+  const ClearanceMonitor::Reach& reach = monitor_.get_reach(pair);
+  const Place &seen = reach.of_b ? b : a, &from = reach.of_b ? a : b;
+  const Vec3 arm = seen.at.R_WB * reach.centre, between = (seen.at.p_WB + arm) - from.at.p_WB;
+  const Vec3 turn = seen.w - from.w;
+  const Vec3 v = ((seen.v + cross(seen.w, arm)) - from.v) - cross(from.w, between);
+  const Mat3 &R = from.at.R_WB, &S = seen.at.R_WB;
+  return {transpose_times(R, between),
+          {transpose_times(R, S.x), transpose_times(R, S.y), transpose_times(R, S.z)},
+          norm(v) + reach.bound * norm(turn),
+          norm(seen.acceleration.lin - from.acceleration.lin) +
+              reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
+}
+
+// The difference of two attitudes turns a point at distance r from the centre by at most r |R − R'| / √2 (Frobenius).
+double ClearanceHistory::calc_change(std::size_t pair, const Relative& from, const Relative& to) const {
+  const Vec3 x = to.R.x - from.R.x, y = to.R.y - from.R.y, z = to.R.z - from.R.z;
+  return norm(to.centre - from.centre) +
+         monitor_.get_reach(pair).bound * std::sqrt(0.5 * ((dot(x, x) + dot(y, y)) + dot(z, z)));
+}
+
+// True if the pair cannot be smaller in the present piece than it was, or does not move.
+bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
+  const MotionPiece& piece = window.get_present();
+  Track& track = tracks_[pair];
+  if (!std::isfinite(monitor_.get_reach(pair).bound)) return false;
+  const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
+  const double h = piece.to - piece.from;
+  if (!window.is_smooth()) {
+    track.latest =
+        calc_relative(pair, get_place(piece.start[a], piece.at_start[a]), get_place(piece.start[b], piece.at_start[b]));
+    track.moved = calc_change(pair, track.reference, track.latest);
+  }
+  const Relative before = track.latest;
+  const double moved_before = track.moved;
+  track.latest = calc_relative(pair, places_[a], places_[b]);
+  track.moved = calc_change(pair, track.reference, track.latest);
+  // Inside the piece the interpolated motion leaves the knots by less than twice the greater speed times the step.
+  const double path =
+      2 * std::max(before.speed, track.latest.speed) * h + std::max(before.increase, track.latest.increase) * h * h;
+  const double most = std::max(moved_before, track.moved) + path;
+  if (most <= kStill * track.size) {
+    now_[pair].now = track.value;
+    now_[pair].rate = 0;
+    track.stale = false;
+    if (track.value <= track.tie + kTie && piece.to > now_[pair].tie.to) {
+      now_[pair].tie.to = piece.to;
+      ++now_[pair].tie.count;
+    }
+    return true;
+  }
+  const double limit =
+      track.after_release ? std::max(track.whole.get_value(), track.released.get_value()) : track.whole.get_value();
+  if (!(track.value - most > limit + kTie)) return false;
+  track.stale = true;
+  return true;
 }
 
 double ClearanceHistory::get_resolution(int pair) const {
@@ -39,8 +125,7 @@ void ClearanceHistory::add_value(std::size_t pair, double time, double value) {
   Clearance& clearance = now_[pair];
   Track& track = tracks_[pair];
   clearance.now = value;
-  clearance.smallest = track.whole.get_value();
-  clearance.time = track.whole.get_time();
+  publish(pair);
   if (track.whole.get_value() < track.tie - kTie) {
     track.tie = track.whole.get_value();
     clearance.tie = {.from = track.whole.get_time(), .to = track.whole.get_time(), .count = 1};
@@ -49,6 +134,13 @@ void ClearanceHistory::add_value(std::size_t pair, double time, double value) {
     clearance.tie.to = time;
     ++clearance.tie.count;
   }
+}
+
+void ClearanceHistory::publish(std::size_t pair) {
+  Clearance& clearance = now_[pair];
+  const Track& track = tracks_[pair];
+  clearance.smallest = track.whole.get_value();
+  clearance.time = track.whole.get_time();
   if (track.after_release && track.released.has_value())
     clearance.after_release = {track.release_time, track.released.get_value(), track.released.get_time()};
 }
@@ -60,6 +152,12 @@ void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
     track.at_b = to_placement(bodies[static_cast<std::size_t>(now_[i].b)]);
     const double value = monitor_.calc(i, track.at_a, track.at_b).least.distance;
     track.whole.add(time, value);
+    track.value = value;
+    track.moved = 0;
+    track.idle = track.stale = false;
+    const Spatial none{{0, 0, 0}, {0, 0, 0}};
+    track.reference = calc_relative(i, get_place(bodies[static_cast<std::size_t>(now_[i].a)], none),
+                                    get_place(bodies[static_cast<std::size_t>(now_[i].b)], none));
     track.tie = value;
     now_[i].tie = {.from = time, .to = time, .count = 1};
     if (value <= 0) now_[i].touch = time;
@@ -74,13 +172,13 @@ void ClearanceHistory::keep_places(const MotionWindow& window, std::size_t pair)
 }
 
 // The first zero, by bisection: between the knots, or before the bottom of a dip between them.
-void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, double before, double value,
+void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, bool crosses,
                                   const Smallest::Function& function) {
   constexpr int kHalvings = 40;
   const Smallest& whole = tracks_[pair].whole;
   if (now_[pair].touch || !(whole.get_value() <= 0)) return;
   double from = window.get_present().from, to = window.get_present().to;
-  if (!(value <= 0) || before <= 0) {
+  if (!crosses) {
     to = whole.get_time();
     if (to <= from) from = window.get_previous().from;
   }
@@ -93,19 +191,38 @@ void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, 
 
 void ClearanceHistory::add(const MotionWindow& window) {
   const MotionPiece& piece = window.get_present();
+  window_ = &window;
+  for (const int body : watched_) {
+    const auto b = static_cast<std::size_t>(body);
+    places_[b] = get_place(piece.end[b], piece.at_end[b]);
+  }
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const int pair = static_cast<int>(i);
     const auto function = [&](double time) { return calc(window, pair, time); };
-    const double before = now_[i].now, value = function(piece.to);
     Track& track = tracks_[i];
     const double smallest_time = track.whole.get_time();
-    for (Smallest* smallest : {&track.whole, track.after_release ? &track.released : nullptr}) {
-      if (smallest == nullptr) continue;
-      if (!window.is_smooth()) smallest->finish(function);
-      smallest->add(piece.from, before, piece.to, value, !window.is_smooth(), function);
+    const bool skips = skip(window, i), ends = !track.idle && (skips || !window.is_smooth());
+    if (ends) {
+      track.whole.finish(function);
+      if (track.after_release) track.released.finish(function);
     }
+    if (skips) {
+      track.idle = true;
+      if (track.whole.get_time() != smallest_time) keep_places(window, i);
+      find_touch(window, i, false, function);
+      publish(i);
+      continue;
+    }
+    const double before = track.idle ? function(piece.from) : now_[i].now, value = function(piece.to);
+    const bool begins = track.idle || !window.is_smooth();
+    track.idle = track.stale = false;
+    track.reference = track.latest;
+    track.value = value;
+    track.moved = 0;
+    track.whole.add(piece.from, before, piece.to, value, begins, function);
+    if (track.after_release) track.released.add(piece.from, before, piece.to, value, begins, function);
     if (track.whole.get_time() != smallest_time) keep_places(window, i);
-    find_touch(window, i, before, value, function);
+    find_touch(window, i, before > 0 && value <= 0, function);
     if (piece.to > piece.from) now_[i].rate = (value - before) / (piece.to - piece.from);
     add_value(i, piece.to, value);
   }
@@ -115,6 +232,7 @@ void ClearanceHistory::release(double time, const std::vector<int>& a, const std
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Clearance& pair = now_[i];
     if (!((has(a, pair.a) && has(b, pair.b)) || (has(a, pair.b) && has(b, pair.a)))) continue;
+    refresh(i);
     tracks_[i].after_release = true;
     tracks_[i].release_time = time;
     tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));

@@ -1,5 +1,7 @@
-// Clearances over a run: the smallest of the whole run and of the time after a pair was released, located inside the
-// steps; ties told as such; and how fast they change at the end.
+// Clearances over a run: computed only where they can be smallest (conservative advancement, Mirtich 1996): between two
+// knots a distance changes by no more than the bodies move relative to one another. Results: the smallest of the whole
+// run and of the time after a pair was released, located inside the steps; ties told as such; and how fast they change
+// at the end.
 #pragma once
 
 #include <vector>
@@ -27,28 +29,59 @@ class ClearanceHistory {
   // Depth of a dip that is no noise, m.
   [[nodiscard]] double get_resolution(int pair) const;
   // At the end of the present piece, m; and at any time of the window.
-  [[nodiscard]] double get_now(int pair) const { return now_[static_cast<std::size_t>(pair)].now; }
+  [[nodiscard]] double get_now(int pair) const {
+    refresh(static_cast<std::size_t>(pair));
+    return now_[static_cast<std::size_t>(pair)].now;
+  }
   [[nodiscard]] double calc(const MotionWindow& window, int pair, double time) const;
-  [[nodiscard]] const std::vector<Clearance>& get() const { return now_; }
+  [[nodiscard]] const std::vector<Clearance>& get() const;
   // Witnesses and nearest shapes of a pair when it was smallest.
   [[nodiscard]] PairDistance calc_witnesses(int pair) const;
 
  private:
+  // A body at the end of the present piece.
+  struct Place {
+    geometry::Placement at;
+    Vec3 v{0, 0, 0}, w{0, 0, 0};  // of the origin; angular velocity; W axes
+    Spatial acceleration{};       // of the origin, W axes
+  };
+  // The bounding sphere of one side of a pair as the other side sees it.
+  struct Relative {
+    Vec3 centre{0, 0, 0};  // m
+    Mat3 R = kIdentity3;
+    double speed = 0;     // m/s, at most, of any of its points
+    double increase = 0;  // m/s², of any of its points, without the centripetal part
+  };
   struct Track {
     Smallest whole, released;
+    double size = 0;                 // m
+    Relative reference;              // when the distance was computed last
+    double value = 0;                // m, then
+    double moved = 0;                // m, at most, by which the distance has changed since, at the latest knot
+    Relative latest;                 // at the latest knot
+    bool idle = false;               // pieces were skipped; the next that is not begins anew
+    mutable bool stale = false;      // `now` and `rate` of the latest knot are not computed
     geometry::Placement at_a, at_b;  // when it was smallest
     double tie = 0;                  // m: the value that later ones are compared with
     bool after_release = false;
     double release_time = 0;
   };
   void add_value(std::size_t pair, double time, double value);
+  void refresh(std::size_t pair) const;
+  static Place get_place(const BodyState& body, const Spatial& acceleration);
+  [[nodiscard]] Relative calc_relative(std::size_t pair, const Place& a, const Place& b) const;
+  [[nodiscard]] double calc_change(std::size_t pair, const Relative& from, const Relative& to) const;
+  bool skip(const MotionWindow& window, std::size_t pair);
   void keep_places(const MotionWindow& window, std::size_t pair);
-  void find_touch(const MotionWindow& window, std::size_t pair, double before, double value,
-                  const Smallest::Function& function);
+  void publish(std::size_t pair);
+  void find_touch(const MotionWindow& window, std::size_t pair, bool crosses, const Smallest::Function& function);
 
   ClearanceMonitor monitor_;
-  std::vector<Clearance> now_;
+  mutable std::vector<Clearance> now_;
   std::vector<Track> tracks_;
+  std::vector<Place> places_;             // by body; of those that are in a pair
+  std::vector<int> watched_;              // these bodies
+  const MotionWindow* window_ = nullptr;  // the latest
 };
 
 }  // namespace unlatch::hil

@@ -3,11 +3,31 @@
 #include "kernel/geometry/penetration.h"
 
 namespace unlatch::geometry {
+namespace {
+
+constexpr double kCertified = 1e-10;  // of the pair's size: a gap that needs no third method
+
+// Of cores so near one another that the direction between their nearest points says little (millionths of their size
+// apart): B moved away along the normal, as for a depth; there the same direction is well determined.
+void sharpen(const Core& a, const Core& b, Closest& closest) {
+  const Depth width = calc_depth_near(a, b, closest.n, calc_pair_size(a, b));
+  const Vec3 between = width.b - width.a;
+  const double distance = norm(between), gap = distance + width.depth;
+  if (!(width.depth < 0) || !(gap < closest.gap)) return;
+  closest.a = width.a;
+  closest.b = width.b;
+  closest.n = width.n;
+  closest.distance = -width.depth;  // of the slab: the truth is not below it
+  closest.gap = gap > 0 ? gap : 0;
+}
+
+}  // namespace
 
 Distance calc_convex(const Rounded& a, const Rounded& b) {
   Distance out;
-  const Closest closest = calc_closest(a.core, b.core);
+  Closest closest = calc_closest(a.core, b.core);
   if (closest.apart) {
+    if (closest.gap > kCertified * calc_pair_size(a.core, b.core)) sharpen(a.core, b.core, closest);
     out = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
   } else {
     const Depth depth = calc_depth(a.core, b.core);

@@ -10,7 +10,7 @@ import re
 import struct
 import unittest
 
-from processes import BIN, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
+from processes import BIN, BOOSTERS, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
 
 EXAMPLES = SOURCE / "bridge/examples"
 LOSSY = SOURCE / "hil/scenarios/boosters/faults/lossy-line.yaml"
@@ -113,6 +113,15 @@ class ClientsTest(ProcessTest):
             self.assertLess(abs(report["samples"][-1]["bodies"]["satellite"]["w"][2]), 1e-4)  # rad/s: it has stopped
             hashes.add(report["hash"])
         self.assertEqual(len(hashes), 1)
+
+    def test_a_client_of_the_standard_library_flies_the_boosters_to_the_hash_of_the_reference_flight_software(self):
+        boosters = [UNLATCH, "hil", BOOSTERS, "--pace", "lockstep", "--until", "2", "--transport"]
+        wanted = self.run_json(*boosters, "inproc", code=None)
+        process = self.begin("/usr/bin/env", "python3", EXAMPLES / "udp/boosters.py")
+        report = self.run_json(*boosters, "udp", "--set", "flight_software.timeout=30", code=None)
+        self.assertIn("4 contacts", self.finish(process))
+        self.assertEqual((report["status"], report["hash"]), ("ok", wanted["hash"]))
+        self.assertEqual(sum(report["timing"]["rejected"].values()), 0)
 
     def test_lcm_logger_records_and_lcm_logplayer_plays(self):
         recorded, heard = self.folder / "recorded.lcm", self.folder / "heard.lcm"

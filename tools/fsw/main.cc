@@ -5,6 +5,7 @@
 #include "tools/command_line.h"
 #include "tools/exit_codes.h"
 #include "tools/fsw/participant.h"
+#include "tools/fsw/separation_sequence.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"
 #include "tools/unlatch/manual.h"
@@ -43,7 +44,8 @@ int main(int argc, char** argv) {
   try {
     const auto port = tools::open_port(transport, bridge::Role::kParticipant);
     std::fprintf(stderr, "unlatch-fsw: '%s' waits for a simulator on %s\n", name.c_str(), transport.name.c_str());
-    fsw::ParticipantClient participant(*port, name, session);
+    fsw::SeparationSequence sequence;
+    fsw::ParticipantClient participant(*port, sequence, name, session);
     const auto outcome = participant.run(patience_s, stop);
     std::fprintf(stderr, "unlatch-fsw: %s\n", outcome.explanation.c_str());
     return outcome.done || stop ? tools::kExitDone : tools::kExitFailed;

@@ -28,8 +28,8 @@ std::int32_t draw_id() { return static_cast<std::int32_t>(std::random_device{}()
 
 }  // namespace
 
-ParticipantClient::ParticipantClient(bridge::Port& port, const std::string& name, std::int64_t session)
-    : port_(port), name_(name), id_(draw_id()), wanted_session_(session) {}
+ParticipantClient::ParticipantClient(bridge::Port& port, ControlLaw& law, const std::string& name, std::int64_t session)
+    : port_(port), law_(law), name_(name), id_(draw_id()), wanted_session_(session) {}
 
 ParticipantClient::Outcome ParticipantClient::run(double patience_s, const std::atomic<bool>& stop) {
   Outcome outcome;
@@ -112,7 +112,7 @@ void ParticipantClient::tell_of_other(const hil::HelloMessage& hello) {
 void ParticipantClient::answer_hello() {
   if (session_ == 0 || !vehicle_.is_known() || !refusal_.empty()) return;
   if (!attached_) {
-    const std::string missing = sequence_.attach(vehicle_);
+    const std::string missing = law_.attach(vehicle_);
     if (!missing.empty()) return refuse("the vehicle lacks " + missing);
     attached_ = true;
   }
@@ -155,7 +155,7 @@ void ParticipantClient::hear_state(const hil::StateMessage& state) {
   const bool again = state.tick == answered_tick_;
   if (!again) {
     commands_.clear();
-    sequence_.update(state.time_ns, vehicle_, commands_);
+    law_.update(state.time_ns, vehicle_, commands_);
     answered_tick_ = state.tick;
     answer_commands_.clear();
     for (const Commands::Setting& setting : commands_.get()) {

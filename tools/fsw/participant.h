@@ -9,21 +9,23 @@
 #include <vector>
 
 #include "bridge/port.h"
-#include "tools/fsw/separation_sequence.h"
+#include "tools/fsw/control_law.h"
 #include "tools/fsw/vehicle.h"
 
 namespace unlatch::fsw {
 
 class ParticipantClient {
  public:
-  // `session`: takes part in the one of that number alone; 0: in the first that it hears of.
-  ParticipantClient(bridge::Port& port, const std::string& name, std::int64_t session = 0);
+  // `law`: what commands the channels; outlives this. `session`: takes part in the one of that number alone; 0: in the
+  // first that it hears of.
+  ParticipantClient(bridge::Port& port, ControlLaw& law, const std::string& name, std::int64_t session = 0);
 
   struct Outcome {
     bool done = false;        // a session came to its planned end
     std::string explanation;  // for people
   };
   // Takes part in one session. Gives up when nothing is heard of a simulator for `patience_s`, or when `stop` is set.
+  // Throws what the control law throws.
   Outcome run(double patience_s, const std::atomic<bool>& stop);
 
  private:
@@ -40,12 +42,12 @@ class ParticipantClient {
   [[nodiscard]] bool has_ended(const hil::StateMessage& state, Outcome& outcome) const;
 
   bridge::Port& port_;
+  ControlLaw& law_;
   const std::string name_;
   const std::int32_t id_;
   const std::int64_t wanted_session_;
 
   Vehicle vehicle_;
-  SeparationSequence sequence_;
   Commands commands_;
   std::int64_t session_ = 0;             // 0: none yet
   hil::HelloAckMessage agreed_;          // what this session was agreed on

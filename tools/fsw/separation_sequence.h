@@ -6,17 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "tools/fsw/vehicle.h"
+#include "tools/fsw/control_law.h"
 
 namespace unlatch::fsw {
 
-class SeparationSequence {
+class SeparationSequence final : public ControlLaw {
  public:
-  // Looks up every channel and sensor that it needs. Returns what is missing, in words; empty if nothing is.
-  [[nodiscard]] std::string attach(const Vehicle& vehicle);
-
-  // Called once for each tick: reads the sensors, commands the channels. Never called twice for the same tick.
-  void update(std::int64_t time_ns, const Vehicle& vehicle, Commands& commands);
+  [[nodiscard]] std::string attach(const Vehicle& vehicle) override;
+  void update(std::int64_t time_ns, const Vehicle& vehicle, Commands& commands) override;
 
  private:
   struct Booster {

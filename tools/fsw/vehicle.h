@@ -15,7 +15,7 @@ class Vehicle {
   // A new session: everything is unknown again.
   void begin(const hil::HelloMessage& hello);
   void learn(const hil::CatalogMessage& item);
-  // Every channel and sensor value that the Hello announced has been named.
+  // Every channel, body and sensor value that the Hello announced has been named.
   [[nodiscard]] bool is_known() const;
 
   // Takes one part of a tick's State; true once all parts of that tick are there (part 0 comes last).
@@ -23,14 +23,19 @@ class Vehicle {
 
   [[nodiscard]] int find_channel(const std::string& name) const { return find(channels_, name); }
   [[nodiscard]] int find_sensor(const std::string& name) const { return find(sensor_names_, name); }
+  [[nodiscard]] int find_body(const std::string& name) const { return find(body_names_, name); }
   [[nodiscard]] double get_sensor(int index) const { return sensors_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] const hil::BodyStateMessage& get_body(int index) const {
+    return bodies_[static_cast<std::size_t>(index)];
+  }
 
  private:
   using Names = std::map<std::string, int>;
   static int find(const Names& names, const std::string& name);
 
-  Names channels_, sensor_names_;
+  Names channels_, sensor_names_, body_names_;
   std::vector<double> sensors_;
+  std::vector<hil::BodyStateMessage> bodies_;
   std::size_t channel_count_ = 0;
   std::int64_t sensed_tick_ = -1;
   std::int32_t parts_sensed_ = 0;

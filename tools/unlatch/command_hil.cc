@@ -19,12 +19,12 @@
 #include "hil/run/run.h"
 #include "hil/simulation/source_text.h"
 #include "tools/exit_codes.h"
-#include "tools/fsw/participant.h"
 #include "tools/interrupt.h"
 #include "tools/transport.h"
 #include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/alike.h"
 #include "tools/unlatch/commands.h"
+#include "tools/unlatch/hosted_software.h"
 #include "tools/unlatch/pacing_options.h"
 #include "tools/unlatch/recording_watch.h"
 #include "tools/unlatch/report.h"
@@ -42,27 +42,9 @@ struct HilOptions {
   double start_timeout_s = 20;
   std::int64_t session = 0;  // 0: drawn at random
   PacingOptions pacing;
-  std::string faults;  // file
+  std::string faults;             // file
+  std::vector<std::string> fmus;  // FILE, or NAME=FILE
   OutputOptions output;
-};
-
-// With `--transport inproc` the reference flight software runs in a thread of this process; else it is a process of its
-// own.
-class FlightSoftwareThread {
- public:
-  FlightSoftwareThread(bridge::InprocHub& hub, const std::string& name)
-      : port_(hub.open(bridge::Role::kParticipant)), participant_(*port_, name) {
-    thread_ = std::jthread([this] { outcome_ = participant_.run(kPatience_s, stop_); });
-  }
-  ~FlightSoftwareThread() { stop_.store(true); }
-
- private:
-  static constexpr double kPatience_s = 60;
-  std::unique_ptr<bridge::Port> port_;
-  fsw::ParticipantClient participant_;
-  fsw::ParticipantClient::Outcome outcome_;
-  std::atomic<bool> stop_{false};
-  std::jthread thread_;
 };
 
 std::string describe(const hil::EventMessage& notice, const hil::FlightSoftware& flight_software) {
@@ -109,8 +91,10 @@ class Session {
     connect();
     recorder_.emplace(options_.output.log, header_);
     hil::LogEnd end = run_executive();
-    flight_software_.clear();
+    if (hosted_) hosted_->stop();
     connection_.reset();
+    const std::string failure = hosted_ ? hosted_->get_failure() : "";
+    if (!failure.empty()) end.message = failure;
     recorder_->close(end);
     if (faults_) tell_faults();
     return report(end);
@@ -131,11 +115,7 @@ class Session {
       port_ = open_port(options_.transport, bridge::Role::kSimulator);
     } else {
       port_ = hub_.open(bridge::Role::kSimulator);
-      if (options_.pace != hil::Pace::kFast) {
-        for (const std::string& name : scenario_.flight_software.required) {
-          flight_software_.push_back(std::make_unique<FlightSoftwareThread>(hub_, name));
-        }
-      }
+      if (options_.pace != hil::Pace::kFast) hosted_.emplace(options_.fmus, scenario_).start(hub_);
     }
     if (options_.pace == hil::Pace::kLockstep) {
       connection_ = std::make_unique<bridge::DirectConnection>(*port_);
@@ -217,7 +197,7 @@ class Session {
     for (int look = 0; !last_look; ++look) {
       last_look = ended.load(std::memory_order_acquire);
       if (look % kLooksPerSecond == 0) executive.watch_counts();
-      if (interrupted.load()) executive.request_stop();
+      if (interrupted.load() || (hosted_ && !hosted_->get_failure().empty())) executive.request_stop();
       hil::EventMessage notice;
       while (executive.take_notice(notice)) {
         progress.clear();
@@ -278,7 +258,7 @@ class Session {
   bridge::InprocHub hub_;
   std::unique_ptr<bridge::Port> port_;
   std::unique_ptr<hil::Connection> connection_;
-  std::vector<std::unique_ptr<FlightSoftwareThread>> flight_software_;
+  std::optional<HostedSoftware> hosted_;  // with --transport inproc
   std::optional<hil::FaultInjector> faults_;
   std::optional<hil::Recorder> recorder_;
 };
@@ -290,10 +270,11 @@ void add_hil(Command app, int& exit_code) {
   Command command = app.add_verb(
       "hil",
       "Runs a scenario with flight software in the loop. The flight software is another process, started before or "
-      "after this one. With --transport inproc the reference flight software runs in this process. Exit code 1 if a "
-      "requirement is not met.",
+      "after this one. With --transport inproc the reference flight software runs in this process, or with --fmu a "
+      "controller FMU. Exit code 1 if a requirement is not met.",
       "unlatch hil hil/scenarios/boosters/scenario.yaml --transport dds --pace realtime --log run.log &\n"
-      "unlatch-fsw --transport dds");
+      "unlatch-fsw --transport dds\n"
+      "unlatch hil hil/scenarios/boosters/scenario.yaml --fmu controller.fmu --transport inproc --pace lockstep");
   add_scenario_options(command, options->scenario);
   add_transport_options(command, options->transport, true);
   command
@@ -311,6 +292,11 @@ void add_hil(Command app, int& exit_code) {
           "number of this session, for flight software with the same --session; allows other simulators beside it")
       .type_name("NUMBER")
       .not_negative();
+  command
+      .add_option("--fmu", options->fmus,
+                  "FMU (FMI 2.0 or 3.0, co-simulation) as flight software, NAME=FILE for one of several; in lockstep, "
+                  "inproc. Inputs are named as sensors or states, outputs as channels")
+      .type_name("FILE");
   add_pacing_options(command, options->pacing);
   command.add_option("--faults", options->faults, "fault script (.yaml), see hil/scenarios/FAULTS.md")
       .type_name("FILE");
@@ -323,6 +309,8 @@ void add_hil(Command app, int& exit_code) {
       refuse_option("--pace", "fast is a run without flight software, and sends nothing over " +
                                   options->transport.name + "; use --transport inproc, or unlatch run");
     }
+    if (!options->fmus.empty() && (options->transport.name != "inproc" || options->pace != hil::Pace::kLockstep))
+      refuse_option("--fmu", "an FMU is stepped in this process and in lockstep: --transport inproc --pace lockstep");
     never_wait_for_stderr();
     options->pacing.add_overrides(options->scenario.overrides);
     exit_code = Session(*options).run();

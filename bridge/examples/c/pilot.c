@@ -118,7 +118,7 @@ static void hear_catalog(const unlatch_Catalog* item) {
   if (news) introduce();
 }
 
-/* What flight software is for: a decision from a state. False: nothing to command. */
+/* The decision from a state, for which flight software is there. False: nothing to command. */
 static bool decide(const unlatch_State* state, double* value) {
   *value = state->tick == kOpenAt ? 1 : 0;
   return state->tick == kOpenAt || state->tick == kShutAt;
