@@ -13,6 +13,14 @@ def run_case(bench, case):
     return bench.run(f"boosters/{file}", UNTIL, EVERY, *options)
 
 
+# Of synthesis.yaml: where it starts, and its optimum.
+DESIGNS = {
+    "start: 9 kN, 12 ms, 5 mm, spread 5 %": {"thrust": "9 kN", "delay": "12 ms", "stroke": "5 mm", "spread": "0.05"},
+    "optimum: 6.32 kN, 60 ms, 30 mm, spread 3.8 %": {"thrust": "6323.924 N", "delay": "60 ms", "stroke": "30 mm",
+                                                     "spread": "0.03822565"},
+}
+
+
 def add(figure, tools):
     @figure("boosters-separation")
     def separation(bench):
@@ -100,4 +108,29 @@ def add(figure, tools):
         axes.set_ylabel("least distance to the core, m")
         axes.set_title("How close the boosters come to the core after the ties are cut, and when", loc="left")
         axes.legend(ncols=4)
+        return drawn
+
+    @figure("boosters-synthesis")
+    def synthesis(bench):
+        import matplotlib.pyplot as plt
+        drawn, columns = plt.subplots(1, 2, figsize=(7.5, 3.4), sharey=True, constrained_layout=True)
+        for axes, (title, values) in zip(columns, DESIGNS.items()):
+            options = [text for name, value in values.items() for text in ("--set", f"constants.{name}={value}")]
+            run = bench.call("run", tools.SCENARIOS / "boosters/design.yaml", "--outputs", "clearance.core.*", "--json", "-",
+                             *options)
+            table = run["outputs"][0]
+            for k in (1, 3):
+                axes.plot(table["t"], [row[k - 1] for row in table["rows"]], color=COLOURS[k - 1], label=f"boosters {k}, {k + 1}",
+                          **tools.layer(k, 4))
+            axes.plot([2.5], [4], marker="^", color="0.2", linestyle="none", label="at least 4 m", clip_on=False, zorder=5)
+            axes.axvline(1.45, color="0.6", linewidth=0.8, linestyle="--", label="lifted off by 1.45 s")
+            axes.set_xlim(0, 2.5)
+            axes.set_ylim(0, 5)
+            axes.set_xlabel("t, s")
+            axes.set_title(title, loc="left", fontsize=tools.LABEL + 1)
+            liftoffs = ", ".join(f"{event['t']:.3f}" for event in run["events"]
+                                 if event["name"] == "liftoff" and event["subject"] in ("booster1", "booster3"))
+            axes.annotate(f"liftoffs {liftoffs} s", (0.03, 0.5), xycoords="axes fraction", fontsize=tools.LABEL)
+        columns[0].set_ylabel("distance to the core, m")
+        columns[0].legend(loc="upper left")
         return drawn

@@ -30,7 +30,7 @@ NOT_OF_SCENARIOS = {"unlatch_part"}
 
 
 def is_scenario(path):
-    return "faults" not in path.parts and path.name not in ("language.yaml", "campaign.yaml")
+    return "faults" not in path.parts and path.name != "language.yaml" and not path.name.startswith(("campaign", "synthesis"))
 
 
 def list_files():

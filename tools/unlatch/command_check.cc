@@ -12,6 +12,7 @@
 #include "tools/unlatch/check_json.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/graph.h"
+#include "tools/unlatch/optimize_report.h"
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
@@ -187,6 +188,13 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
   check_output(json);
   try {
     if (is_campaign(options)) return check_campaign(options, json);
+    if (!hil::is_standard_input(options.path) &&
+        hil::is_design_problem(hil::read_text_file(options.path, "scenario"))) {
+      const hil::DesignProblem problem = hil::load_design_problem(options.path);
+      print_problem(get_people_stream(json), problem);
+      if (!json.empty()) write_problem_json(problem, json);
+      return kExitDone;
+    }
     const hil::Scenario scenario = load(options);
     const auto simulation = hil::build_simulation(scenario);
     if (!graph.empty()) {

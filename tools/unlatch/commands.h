@@ -24,6 +24,7 @@ void add_diff(Command app, int& exit_code);
 void add_report(Command app, int& exit_code);
 void add_log(Command app, int& exit_code);
 void add_init(Command app, int& exit_code);
+void add_optimize(Command app, int& exit_code);
 void add_modes(Command app, int& exit_code);
 void add_export(Command app, int& exit_code);
 void add_import(Command app, int& exit_code);

@@ -8,6 +8,7 @@
 #include "hil/modules/module.h"
 #include "hil/recording/log_file.h"
 #include "hil/simulation/simulation.h"
+#include "hil/synthesis/evaluations.h"
 #include "tools/exit_codes.h"
 #include "tools/modes/calculix.h"
 #include "tools/unlatch/commands.h"
@@ -19,8 +20,8 @@ namespace {
 
 // In the order of --help.
 void add_verbs(Command program, int& exit_code) {
-  for (const auto add : {add_init, add_check, add_run, add_campaign, add_hil, add_replay, add_diff, add_report, add_export,
-                         add_import, add_log, add_watch, add_preflight, add_modes, add_completion, add_man}) {
+  for (const auto add : {add_init, add_check, add_run, add_campaign, add_optimize, add_hil, add_replay, add_diff, add_report,
+                         add_export, add_import, add_log, add_watch, add_preflight, add_modes, add_completion, add_man}) {
     add(program, exit_code);
   }
 }
@@ -68,6 +69,8 @@ int main(int argc, char** argv) {
   } catch (const hil::LogError& error) {
     return fail(error.what(), tools::kExitUsage);
   } catch (const bridge::PortError& error) {
+    return fail(error.what(), tools::kExitEnvironment);
+  } catch (const hil::JournalError& error) {
     return fail(error.what(), tools::kExitEnvironment);
   } catch (const hil::ModuleError& error) {
     return fail(error.what(), tools::kExitEnvironment);

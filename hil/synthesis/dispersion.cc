@@ -1,0 +1,47 @@
+#include "hil/synthesis/dispersion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hil/campaign/statistics.h"
+
+namespace unlatch::hil {
+
+DispersedDesign::DispersedDesign(const DesignProblem& problem, const DesignPoint& point, bool check)
+    : problem_(problem),
+      campaign_(make_campaign(*problem.campaign, make_settings(problem, point), check)),
+      evaluator_(*campaign_.tree) {
+  for (const DesignConstraint& constraint : problem.constraints)
+    margins_.emplace_back(constraint.probability > 0 ? static_cast<std::size_t>(count_samples()) : 0);
+}
+
+void DispersedDesign::fly(std::int64_t sample, const std::atomic<bool>& stop) {
+  const SampleResult result = evaluator_.evaluate(make_settings(campaign_, draw_inputs(campaign_, sample)), stop);
+  for (std::size_t i = 0; i < margins_.size(); ++i) {
+    if (margins_[i].empty()) continue;
+    const auto column = evaluator_.find(problem_.constraints[i].id + ".margin");
+    const double margin = result.status == SampleStatus::kDone && column ? result.values[*column] : std::nan("");
+    margins_[i][static_cast<std::size_t>(sample)] =
+        std::isfinite(margin) ? margin : -std::numeric_limits<double>::infinity();
+  }
+}
+
+double DispersedDesign::calc_margin(std::size_t constraint) const {
+  std::vector<double> sorted = margins_[constraint];
+  std::sort(sorted.begin(), sorted.end());
+  const double margin = calc_quantile(sorted, 1 - problem_.constraints[constraint].probability);
+  return std::isfinite(margin) ? margin : std::nan("");
+}
+
+std::int64_t DispersedDesign::count_failures(std::size_t constraint) const {
+  const std::vector<double>& margins = margins_[constraint];
+  return std::count_if(margins.begin(), margins.end(), [](double margin) { return margin < 0; });
+}
+
+bool has_probabilities(const DesignProblem& problem) {
+  return std::any_of(problem.constraints.begin(), problem.constraints.end(),
+                     [](const DesignConstraint& constraint) { return constraint.probability > 0; });
+}
+
+}  // namespace unlatch::hil

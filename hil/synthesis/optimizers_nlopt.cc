@@ -1,0 +1,120 @@
+// NLopt behind the interface of hil/synthesis/optimizers.h.
+#include <algorithm>
+#include <map>
+#include <nlopt.hpp>
+
+#include "hil/synthesis/optimizers.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr double kTolerance = 1e-7;  // of a variable's range
+constexpr int kMaxEvaluations = 2000;
+
+// Values and derivatives at one point, by one batch; NLopt asks for the functions one after the other.
+class Values {
+ public:
+  explicit Values(const ScaledProblem& problem) : problem_(problem) {}
+
+  const ScaledSample& get(const std::vector<double>& x) {
+    fetch({x});
+    return known_.at(x);
+  }
+
+  // derivatives[variable]; differences at a bound are one-sided.
+  const std::vector<ScaledSample>& get_derivatives(const std::vector<double>& x) {
+    if (const auto found = derivatives_.find(x); found != derivatives_.end()) return found->second;
+    std::vector<std::vector<double>> points{x};
+    for (std::size_t i = 0; i < x.size(); ++i)
+      for (const double sign : {-1.0, 1.0}) {
+        points.push_back(x);
+        points.back()[i] = std::clamp(x[i] + sign * problem_.difference, 0.0, 1.0);
+      }
+    fetch(points);
+    std::vector<ScaledSample> derivatives(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const std::vector<double>&low = points[2 * i + 1], &high = points[2 * i + 2];
+      const ScaledSample &a = known_.at(low), &b = known_.at(high);
+      const double width = high[i] - low[i];
+      for (std::size_t k = 0; k < a.objectives.size(); ++k)
+        derivatives[i].objectives.push_back((b.objectives[k] - a.objectives[k]) / width);
+      for (std::size_t k = 0; k < a.constraints.size(); ++k)
+        derivatives[i].constraints.push_back((b.constraints[k] - a.constraints[k]) / width);
+    }
+    return derivatives_[x] = derivatives;
+  }
+
+ private:
+  void fetch(const std::vector<std::vector<double>>& points) {
+    std::vector<std::vector<double>> missing;
+    for (const std::vector<double>& point : points)
+      if (known_.count(point) == 0 && std::find(missing.begin(), missing.end(), point) == missing.end())
+        missing.push_back(point);
+    if (missing.empty()) return;
+    std::vector<ScaledSample> samples;
+    if (!problem_.evaluate(missing, samples)) throw nlopt::forced_stop();
+    for (std::size_t i = 0; i < missing.size(); ++i) known_[missing[i]] = samples[i];
+  }
+
+  const ScaledProblem& problem_;
+  std::map<std::vector<double>, ScaledSample> known_;
+  std::map<std::vector<double>, std::vector<ScaledSample>> derivatives_;
+};
+
+struct Constraint {
+  Values* values;
+  std::size_t index;
+};
+
+double calc_objective(const std::vector<double>& x, std::vector<double>& gradient, void* data) {
+  Values& values = *static_cast<Values*>(data);
+  if (!gradient.empty())
+    for (std::size_t i = 0; i < x.size(); ++i) gradient[i] = values.get_derivatives(x)[i].objectives[0];
+  return values.get(x).objectives[0];
+}
+
+double calc_constraint(const std::vector<double>& x, std::vector<double>& gradient, void* data) {
+  const Constraint& constraint = *static_cast<const Constraint*>(data);
+  if (!gradient.empty())
+    for (std::size_t i = 0; i < x.size(); ++i)
+      gradient[i] = constraint.values->get_derivatives(x)[i].constraints[constraint.index];
+  return constraint.values->get(x).constraints[constraint.index];
+}
+
+// The point where it ended. False: the search must end now.
+bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& values, double step,
+            std::vector<double>& x) {
+  nlopt::opt optimizer(algorithm, static_cast<unsigned>(problem.variables));
+  optimizer.set_lower_bounds(0.0);
+  optimizer.set_upper_bounds(1.0);
+  optimizer.set_min_objective(calc_objective, &values);
+  std::vector<Constraint> constraints(problem.constraints);
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    constraints[i] = {&values, i};
+    optimizer.add_inequality_constraint(calc_constraint, &constraints[i], 0);
+  }
+  optimizer.set_xtol_abs(kTolerance);
+  optimizer.set_maxeval(kMaxEvaluations);
+  if (step > 0) optimizer.set_initial_step(step);
+  double value = 0;
+  try {
+    optimizer.optimize(x, value);
+  } catch (const nlopt::forced_stop&) {
+    return false;
+  } catch (const nlopt::roundoff_limited&) {  // as near as it can come
+  } catch (const std::runtime_error&) {       // NLOPT_FAILURE: no progress from here
+  }
+  for (double& coordinate : x) coordinate = std::clamp(coordinate, 0.0, 1.0);
+  return true;
+}
+
+}  // namespace
+
+extern "C" void unlatch_search_local(const ScaledProblem& problem) {
+  constexpr double kAround = 0.02;  // of the ranges: the first steps of the second search
+  Values values(problem);
+  std::vector<double> x = problem.start;
+  if (search(nlopt::LD_SLSQP, problem, values, 0, x)) search(nlopt::LN_COBYLA, problem, values, kAround, x);
+}
+
+}  // namespace unlatch::hil

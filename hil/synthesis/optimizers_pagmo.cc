@@ -1,0 +1,81 @@
+// pagmo behind the interface of hil/synthesis/optimizers.h.
+#include <algorithm>
+#include <pagmo/algorithm.hpp>
+#include <pagmo/algorithms/gaco.hpp>
+#include <pagmo/algorithms/nsga2.hpp>
+#include <pagmo/batch_evaluators/member_bfe.hpp>
+#include <pagmo/bfe.hpp>
+#include <pagmo/population.hpp>
+#include <pagmo/problem.hpp>
+
+#include "hil/synthesis/optimizers.h"
+
+namespace unlatch::hil {
+namespace {
+
+struct MustEnd {};
+
+// Samples that miss a constraint come behind all that meet them, by their largest violation.
+constexpr double kBehind = 1e6;
+
+pagmo::vector_double rank(const ScaledSample& sample) {
+  double violation = 0;
+  for (const double constraint : sample.constraints) violation = std::max(violation, constraint);
+  if (violation <= 0) return sample.objectives;
+  return pagmo::vector_double(sample.objectives.size(), kBehind * (1 + violation));
+}
+
+struct Box {
+  const ScaledProblem* problem = nullptr;
+
+  [[nodiscard]] pagmo::vector_double batch_fitness(const pagmo::vector_double& all) const {
+    const std::size_t n = problem->variables;
+    std::vector<std::vector<double>> points;
+    for (std::size_t at = 0; at < all.size(); at += n)
+      points.emplace_back(all.begin() + static_cast<std::ptrdiff_t>(at),
+                          all.begin() + static_cast<std::ptrdiff_t>(at + n));
+    std::vector<ScaledSample> samples;
+    if (!problem->evaluate(points, samples)) throw MustEnd();
+    pagmo::vector_double fitness;
+    for (const ScaledSample& sample : samples) {
+      const pagmo::vector_double ranked = rank(sample);
+      fitness.insert(fitness.end(), ranked.begin(), ranked.end());
+    }
+    return fitness;
+  }
+  [[nodiscard]] pagmo::vector_double fitness(const pagmo::vector_double& point) const { return batch_fitness(point); }
+  [[nodiscard]] std::pair<pagmo::vector_double, pagmo::vector_double> get_bounds() const {
+    const std::size_t n = problem == nullptr ? 1 : problem->variables;
+    return {pagmo::vector_double(n, 0.0), pagmo::vector_double(n, 1.0)};
+  }
+  [[nodiscard]] pagmo::vector_double::size_type get_nobj() const {
+    return problem == nullptr ? 1 : problem->objectives;
+  }
+  template <typename Archive>
+  void serialize(Archive&, unsigned) {}
+};
+
+template <typename Algorithm>
+void evolve(const ScaledProblem& problem, Algorithm algorithm) {
+  const pagmo::bfe batches{pagmo::member_bfe{}};
+  try {
+    algorithm.set_bfe(batches);
+    pagmo::population population(pagmo::problem(Box{&problem}), batches, problem.population, problem.seed);
+    algorithm.evolve(population);
+  } catch (const MustEnd&) {
+  }
+}
+
+}  // namespace
+
+extern "C" void unlatch_search_global(const ScaledProblem& problem) {
+  const auto kernel = static_cast<unsigned>(problem.population);
+  evolve(problem, pagmo::gaco(static_cast<unsigned>(problem.generations), kernel, 1.0, 0.0, 0.01, 1, 7, 100000, 100000,
+                              0.0, false, problem.seed));
+}
+
+extern "C" void unlatch_search_pareto(const ScaledProblem& problem) {
+  evolve(problem, pagmo::nsga2(static_cast<unsigned>(problem.generations), 0.95, 10.0, 0.1, 50.0, problem.seed));
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,81 @@
+#include "hil/synthesis/problem.h"
+
+#include <cmath>
+
+#include "hil/campaign/result_file.h"
+#include "hil/language/expression.h"
+#include "hil/run/run.h"
+
+namespace unlatch::hil {
+namespace {
+
+YamlNode make_scalar(std::string text) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::kScalar;
+  node.text = std::move(text);
+  return node;
+}
+
+double get_number(const DesignVariable& variable, double value) {
+  if (!variable.is_catalogue()) return value;
+  return variable.numbers.empty() ? value : variable.numbers.at(static_cast<std::size_t>(value));
+}
+
+}  // namespace
+
+const std::vector<std::string> kSearchMethodNames{"auto", "local", "global", "pareto"};
+
+std::string write_value(const DesignVariable& variable, double value) {
+  if (variable.is_catalogue())
+    return to_text(Setting{"", variable.catalogue.at(static_cast<std::size_t>(value))}).substr(1);
+  return to_text(value) + (variable.unit.empty() ? "" : " " + variable.unit);
+}
+
+std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point) {
+  std::vector<Setting> settings;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const DesignVariable& variable = problem.variables[i];
+    const YamlNode value = variable.is_catalogue() ? variable.catalogue.at(static_cast<std::size_t>(point[i]))
+                                                   : make_scalar(write_value(variable, point[i]));
+    for (const std::string& path : variable.paths) settings.push_back({path, value});
+  }
+  return settings;
+}
+
+Campaign make_campaign(const DesignCampaign& campaign, const std::vector<Setting>& design, bool check) {
+  std::vector<std::string> overrides = campaign.overrides;
+  for (const Setting& setting : design) overrides.push_back(to_text(setting));
+  Campaign made = load_campaign_text(campaign.text, campaign.file, campaign.folder, overrides);
+  made.plan.samples = check ? campaign.checks : campaign.samples;
+  if (check) ++made.plan.seed;
+  return made;
+}
+
+std::uint64_t calc_fingerprint(const DesignProblem& problem) {
+  std::string all = UNLATCH_VERSION;
+  const auto add = [&](const std::string& text) { (all += '\0') += text; };
+  const auto add_scenario = [&](const Scenario& scenario) {
+    add(scenario.text);
+    for (const std::string& text : scenario.overrides) add(text);
+    add(std::to_string(build_simulation(scenario)->get_model_hash()));  // of the binary files that it names, too
+  };
+  add(problem.text);
+  add_scenario(problem.tree->get_nominal());
+  if (problem.campaign) {
+    add(std::to_string(get_shape(*problem.campaign->nominal, *problem.campaign->evaluator).fingerprint));
+    add_scenario(problem.campaign->nominal->tree->get_nominal());
+  }
+  return calc_digest(all);
+}
+
+Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point) {
+  Constants constants;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const DesignVariable& variable = problem.variables[i];
+    if (!variable.is_catalogue() || !variable.numbers.empty())
+      constants[variable.name] = {get_number(variable, point[i]), variable.dimension};
+  }
+  return evaluate_expression(objective.text, constants);
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,219 @@
+#include "hil/synthesis/search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/modules/module.h"
+#include "hil/synthesis/scaled_space.h"
+#include "hil/synthesis/study.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr double kForPolish = 0.25;   // of the budget, after a global search
+constexpr double kForFeasible = 0.5;  // of what is left, for a phase that looks for a first point that meets all
+constexpr double kAgainst = 0.99;     // of the largest violation: such constraints bound it together
+
+class Search {
+ public:
+  Search(const DesignProblem& problem, DesignEvaluations& evaluations)
+      : problem_(problem), evaluations_(evaluations), merit_(start()), none_(problem.constraints.size(), 0.0) {}
+
+  DesignResult run() {
+    if (!evaluations_.get_samples().empty()) look();
+    result_.search_runs = evaluations_.get_runs();
+    if (evaluations_.was_stopped())
+      result_.end = DesignResult::End::kStopped;
+    else if (cut_)
+      result_.end = DesignResult::End::kBudget;
+    if (evaluations_.get_samples().empty()) return result_;
+    take_best();
+    if (!evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
+    return result_;
+  }
+
+ private:
+  // The first sample, by whose size everything is scaled.
+  DesignMerit start() {
+    evaluations_.set_limit(problem_.budget.runs);
+    evaluations_.set_deadline(problem_.budget.seconds);
+    std::vector<std::int64_t> first;
+    cut_ = !evaluations_.evaluate({get_start()}, first);
+    return DesignMerit(problem_, cut_ ? nullptr : &evaluations_.get_samples().front());
+  }
+
+  [[nodiscard]] DesignPoint get_start() const {
+    DesignPoint point;
+    for (const DesignVariable& variable : problem_.variables) point.push_back(variable.start);
+    return point;
+  }
+
+  void look() {
+    const bool several = problem_.objectives.size() > 1, automatic = problem_.method == SearchMethod::kAuto;
+    const bool catalogue = list_continuous(problem_).size() < problem_.variables.size();
+    result_.method = several ? SearchMethod::kPareto : problem_.method;
+    if (try_all()) return;
+    if (several) return evolve("unlatch_search_pareto", kParetoSize, problem_.budget.runs);
+    if (problem_.method == SearchMethod::kGlobal || (automatic && catalogue)) return search_global();
+    result_.method = SearchMethod::kLocal;
+    search_local(get_start());
+    if (automatic && !is_over() && !is_feasible()) search_global();
+  }
+
+  // Catalogues alone, all of their combinations within the budget.
+  bool try_all() {
+    if (!list_continuous(problem_).empty()) return false;
+    double count = 1;
+    for (const DesignVariable& variable : problem_.variables) count *= static_cast<double>(variable.catalogue.size());
+    if (count > static_cast<double>(problem_.budget.runs)) return false;
+    std::vector<DesignPoint> points{DesignPoint(problem_.variables.size(), 0.0)};
+    for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
+      std::vector<DesignPoint> more;
+      for (const DesignPoint& point : points)
+        for (std::size_t k = 0; k < problem_.variables[i].catalogue.size(); ++k) {
+          more.push_back(point);
+          more.back()[i] = static_cast<double>(k);
+        }
+      points = std::move(more);
+    }
+    std::vector<std::int64_t> indices;
+    for (std::size_t at = 0; at < points.size() && !cut_; at += kBatch) {
+      const auto begin = points.begin() + static_cast<std::ptrdiff_t>(at);
+      const std::vector<DesignPoint> batch(
+          begin, points.begin() + static_cast<std::ptrdiff_t>(std::min(points.size(), at + kBatch)));
+      cut_ = !evaluations_.evaluate(batch, indices);
+    }
+    if (result_.method == SearchMethod::kAuto) result_.method = SearchMethod::kGlobal;
+    result_.exhaustive = !cut_;
+    return true;
+  }
+
+  // The continuous variables around `from`, catalogues as they are there. From a point that misses constraints: the
+  // problem itself; then the least violation, until a point meets all; then the problem from there. The first two have
+  // a part of the budget each, so that neither takes it all.
+  void search_local(const DesignPoint& from) {
+    if (list_continuous(problem_).empty() || is_over()) return;
+    const bool lost = !is_feasible();
+    search_problem(from, lost ? kForFeasible : 1);
+    if (!lost || is_over()) return;
+    if (is_feasible()) {
+      if (cut_) search_problem(get_best().point, 1);
+      return;
+    }
+    search_least_violation(get_best().point);
+    if (!is_over() && is_feasible()) search_problem(get_best().point, 1);
+  }
+
+  // `share`: of the runs that are left.
+  void begin_phase(double share) {
+    const double left = static_cast<double>(problem_.budget.runs - evaluations_.get_runs());
+    evaluations_.set_limit(evaluations_.get_runs() + static_cast<std::int64_t>(std::ceil(share * left)));
+    cut_ = false;
+  }
+
+  void search_problem(const DesignPoint& from, double share) {
+    begin_phase(share);
+    find_local()(prepare(list_continuous(problem_), from));
+  }
+
+  // The least t that no violation exceeds.
+  void search_least_violation(const DesignPoint& from) {
+    begin_phase(kForFeasible);
+    ScaledProblem least = prepare(list_continuous(problem_), from);
+    ++least.variables;
+    least.start.push_back(std::clamp(merit_.calc_violation(get_best()).size / kLargest + kLeastTarget, 0.0, 1.0));
+    const auto evaluate = least.evaluate;
+    least.evaluate = [&](const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
+      if (is_feasible()) return false;  // found: the next phase begins here
+      std::vector<std::vector<double>> real = points;
+      for (std::vector<double>& point : real) point.pop_back();
+      if (!evaluate(real, samples)) return false;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double t = points[i].back() - kLeastTarget;
+        samples[i].objectives = {t};
+        for (double& constraint : samples[i].constraints) constraint = constraint / kLargest - t;
+      }
+      return true;
+    };
+    find_local()(least);
+  }
+
+  void search_global() {
+    result_.method = SearchMethod::kGlobal;
+    const bool polish = !list_continuous(problem_).empty();
+    const auto left = static_cast<double>(problem_.budget.runs - evaluations_.get_runs());
+    evolve("unlatch_search_global", kColony + kColonyEach * problem_.variables.size(),
+           evaluations_.get_runs() + static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * left));
+    if (polish && !is_over()) search_local(get_best().point);
+  }
+
+  // Repeated points cost nothing, so that there may be more generations than the budget has runs for.
+  void evolve(const char* function, std::size_t population, std::int64_t limit) {
+    std::vector<std::size_t> list(problem_.variables.size());
+    for (std::size_t i = 0; i < list.size(); ++i) list[i] = i;
+    ScaledProblem scaled = prepare(list, get_start());
+    scaled.population = (population + 3) / 4 * 4;
+    scaled.generations = 2 * static_cast<std::size_t>(problem_.budget.runs) / scaled.population + 1;
+    evaluations_.set_limit(std::max(evaluations_.get_runs(), limit));
+    cut_ = false;
+    find_function<GlobalSearch>(kOptimizersModule, function)(scaled);
+  }
+
+  ScaledProblem prepare(std::vector<std::size_t> list, DesignPoint base) {
+    ScaledProblem scaled = make_scaled(problem_, evaluations_, merit_, std::move(list), std::move(base), none_);
+    scaled.evaluate = [this, evaluate = scaled.evaluate](const std::vector<std::vector<double>>& points,
+                                                         std::vector<ScaledSample>& samples) {
+      if (evaluate(points, samples)) return true;
+      cut_ = true;
+      return false;
+    };
+    return scaled;
+  }
+
+  static LocalSearch* find_local() { return find_function<LocalSearch>(kOptimizersModule, "unlatch_search_local"); }
+
+  // Nothing may follow.
+  [[nodiscard]] bool is_over() const {
+    return evaluations_.was_stopped() || evaluations_.is_late() || evaluations_.get_runs() >= problem_.budget.runs;
+  }
+  // The best of all samples so far; each is looked at once.
+  const DesignSample& get_best() {
+    const std::vector<DesignSample>& samples = evaluations_.get_samples();
+    for (; seen_ < samples.size(); ++seen_)
+      if (merit_.is_better(samples[seen_], samples[best_])) best_ = seen_;
+    return samples[best_];
+  }
+  [[nodiscard]] bool is_feasible() { return merit_.is_feasible(get_best()); }
+
+  void take_best() {
+    const DesignSample& best = get_best();
+    result_.best = best_;
+    result_.violation = merit_.calc_violation(best);
+    result_.feasible = result_.violation.size == 0;
+    for (std::size_t i = 0; i < problem_.constraints.size() && !result_.feasible; ++i)
+      if (merit_.calc_violation(best, i) >= kAgainst * result_.violation.size) result_.against.push_back(i);
+    if (problem_.objectives.size() == 1 || !result_.feasible) return;
+    result_.front = merit_.find_front(evaluations_.get_samples());
+    result_.best = merit_.find_middle(evaluations_.get_samples(), result_.front);
+  }
+
+  static constexpr double kLargest = 10;       // violation that t covers
+  static constexpr double kLeastTarget = 0.1;  // t may fall below 0, where all are met
+  static constexpr std::size_t kBatch = 64, kParetoSize = 40, kColony = 16, kColonyEach = 4;
+
+  const DesignProblem& problem_;
+  DesignEvaluations& evaluations_;
+  bool cut_ = false;  // the limit of the last phase ended it
+  const DesignMerit merit_;
+  const std::vector<double> none_;
+  DesignResult result_;
+  std::size_t seen_ = 0, best_ = 0;
+};
+
+}  // namespace
+
+DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations) {
+  return Search(problem, evaluations).run();
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,304 @@
+#!/usr/bin/env python3
+"""`unlatch optimize` against optima in closed form. Run by ctest:
+
+    optimize_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import csv
+import json
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import yaml
+from processes import SCENARIOS, UNLATCH, ProcessTest, main
+
+MODULE = Path(UNLATCH).parent.parent / "lib"
+SCENARIO = """unlatch: 1
+name: push
+step: {dt: 10 ms, until: 1 s}
+bodies: {block: {mass: 1 kg, inertia: [1, 1, 1]}}
+elements:
+  px: {type: force, body: block, direction: [1, 0, 0], profile: 1 N}
+  py: {type: force, body: block, direction: [0, 1, 0], profile: 1 N}
+requirements:
+  - {id: far, position: {body: block, along: [1, 1, 0]}, take: final, at_least: 1 m}
+"""
+# The block comes to (a/2, b/2) m, so (a + b) / sqrt(8) >= L: the optimum has a = 4 b, value 6.4 L^2, shadow 12.8 L.
+PROBLEM = """unlatch_synthesis: 1
+name: least-push
+scenario: s.yaml
+variables:
+  a: {path: elements.px.profile, between: [0 N, 5 N]}
+  b: {path: elements.py.profile, between: [0 N, 5 N]}
+objectives: [{minimise: a^2 + 4*b^2}]
+"""
+CATALOGUE = PROBLEM.replace("between: [0 N, 5 N]", "values: [0 N, 1 N, 2 N, 3 N]")
+FRONT = PROBLEM.replace("[{minimise: a^2 + 4*b^2}]", "[{minimise: a}, {minimise: b}]") + "budget: {runs: 2000}\n"
+
+VALUE = 1e-5   # relative: constraints are kept by 1e-6 of their limit
+SHADOW = 1e-2  # relative: the limit is moved by 1 %
+
+
+class OptimizeTest(ProcessTest):
+    def setUp(self):
+        if not list(MODULE.rglob("libunlatch-optimizers.so")):
+            self.skipTest("built without NLopt or pagmo")
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "s.yaml").write_text(SCENARIO)
+
+    def start(self, text, out, *options):
+        (self.folder / "p.yaml").write_text(text)
+        return subprocess.Popen([UNLATCH, "optimize", self.folder / "p.yaml", "--out", self.folder / out, *options],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def optimize(self, text, out, *options, code=0):
+        process = self.start(text, out, *options)
+        printed, errors = process.communicate(timeout=250)
+        self.assertEqual(process.returncode, code, printed + errors)
+        return json.loads((self.folder / out / "result.json").read_text())
+
+    def optimize_any(self, text, out):
+        """Whatever it finds."""
+        process = self.start(text, out)
+        process.communicate(timeout=250)
+        return self.folder / out
+
+    def test_finds_the_optimum_in_closed_form_and_its_shadow(self):
+        result = self.optimize(PROBLEM, "o")
+        self.assertEqual(result["status"], "optimal")
+        self.assertAlmostEqual(result["objectives"][0]["value"] / 6.4, 1, delta=VALUE)
+        self.assertAlmostEqual(result["variables"]["a"]["value"] / (4 * result["variables"]["b"]["value"]), 1, delta=1e-2)
+        self.assertAlmostEqual(result["constraints"][0]["shadow"] / 12.8, 1, delta=SHADOW)
+        self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
+
+    def test_patch_runs_as_it_is(self):
+        self.optimize(PROBLEM, "o")
+        (self.folder / "s.yaml").unlink()
+        subprocess.run([UNLATCH, "run", self.folder / "o/patch.yaml"], check=True, capture_output=True)
+
+    def test_global_search_finds_the_same_optimum(self):
+        result = self.optimize(PROBLEM + "method: global\n", "o")
+        self.assertEqual(result["method"], "global")
+        self.assertAlmostEqual(result["objectives"][0]["value"] / 6.4, 1, delta=VALUE)
+
+    def test_catalogues_are_tried_in_all_combinations(self):
+        result = self.optimize(CATALOGUE, "o")
+        best = min(a * a + 4 * b * b for a in range(4) for b in range(4) if a + b >= 8 ** 0.5)
+        self.assertTrue(result["exhaustive"])
+        self.assertEqual(result["objectives"][0]["value"], best)
+
+    def test_pareto_front_lies_on_the_line_of_the_constraint(self):
+        front = self.optimize(FRONT, "o")["front"]
+        self.assertGreater(len(front), 20)
+        for point in front:
+            self.assertGreaterEqual(sum(point["objectives"]), 8 ** 0.5)
+        excess = sorted(sum(point["objectives"]) - 8 ** 0.5 for point in front)
+        self.assertLess(excess[len(excess) // 2], 0.1)  # of 2.8 N, at the median of 2000 runs
+
+    def test_same_result_with_one_job_and_with_eight(self):
+        for name, text in ("local", PROBLEM), ("global", PROBLEM + "method: global\n"), ("pareto", FRONT):
+            self.optimize(text, name + "1", "--jobs", "1")
+            self.optimize(text, name + "8", "--jobs", "8")
+            for file in "result.json", "history.csv", "patch.yaml":
+                self.assertEqual((self.folder / (name + "1") / file).read_bytes(),
+                                 (self.folder / (name + "8") / file).read_bytes(), name + file)
+
+    def test_resume_gives_the_same_from_any_part_of_the_history(self):
+        text = PROBLEM + "method: global\n"
+        self.optimize(text, "whole")
+        whole = (self.folder / "whole/history.csv").read_bytes()
+        for part in 0, 30, len(whole) // 2, len(whole) - 7:
+            out = self.folder / f"part{part}"
+            out.mkdir()
+            if part > 30:
+                (out / "history.csv").write_bytes(whole[:part])
+                (out / "manifest.json").write_bytes((self.folder / "whole/manifest.json").read_bytes())
+            self.optimize(text, out.name, "--resume")
+            for file in "result.json", "history.csv", "patch.yaml":
+                self.assertEqual((out / file).read_bytes(), (self.folder / "whole" / file).read_bytes())
+
+    def test_resume_after_a_kill_gives_the_same(self):
+        text = PROBLEM + "method: global\n"
+        self.optimize(text, "whole")
+        process = self.start(text, "killed")
+        process.stderr.readline()  # the first tenth is done, or more
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        self.optimize(text, "killed", "--resume")
+        self.assertEqual((self.folder / "killed/history.csv").read_bytes(), (self.folder / "whole/history.csv").read_bytes())
+
+    def test_resume_refuses_a_folder_of_another_problem_and_says_what_differs(self):
+        self.optimize(PROBLEM, "o")
+        for text, part in ((PROBLEM.replace("5 N", "4 N"), "problem"), (PROBLEM + "seed: 2\n", "problem")):
+            process = self.start(text, "o", "--resume")
+            errors = process.communicate(timeout=60)[1]
+            self.assertEqual(process.returncode, 2)
+            self.assertIn(f"its {part} differs", errors)
+        (self.folder / "s.yaml").write_text(SCENARIO.replace("mass: 1 kg", "mass: 2 kg"))  # the columns are the same
+        process = self.start(PROBLEM, "o", "--resume")
+        self.assertIn("its scenario differs", process.communicate(timeout=60)[1])
+        self.assertEqual(process.returncode, 2)
+
+    def test_ctrl_c_leaves_the_best_so_far(self):
+        process = self.start(PROBLEM + "method: global\nbudget: {runs: 1000000}\n", "o")
+        while not (self.folder / "o/history.csv").exists() or (self.folder / "o/history.csv").stat().st_size < 4000:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1)
+        result = json.loads((self.folder / "o/result.json").read_text())
+        self.assertEqual(result["status"], "interrupted")
+        with open(self.folder / "o/history.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        objective = next(name for name in rows[0] if name.startswith("a^2"))
+        met = [float(row[objective]) for row in rows if float(row["far.margin [m]"]) >= 0]
+        self.assertEqual(result["objectives"][0]["value"], min(met))
+        subprocess.run([UNLATCH, "run", self.folder / "o/patch.yaml"], check=True, capture_output=True)
+
+    def test_search_for_a_feasible_point_leaves_budget_for_the_optimum(self):
+        start = PROBLEM.replace("[0 N, 5 N]}", "[0 N, 5 N], start: 0 N}")  # nothing is met there
+        result = self.optimize(start + "method: local\nbudget: {runs: 200}\n", "o")
+        self.assertAlmostEqual(result["objectives"][0]["value"] / 6.4, 1, delta=VALUE)
+
+    def test_budget_is_kept(self):
+        for budget in 1, 7, 60:
+            out = f"o{budget}"
+            result = json.loads((self.optimize_any(PROBLEM + f"budget: {{runs: {budget}}}\n", out) / "result.json").read_text())
+            self.assertEqual(result["runs"], budget)
+
+    def test_slices_lead_through_the_optimum(self):
+        result = self.optimize(PROBLEM, "o")
+        for name, other in ("a", "b"), ("b", "a"):
+            values = [point["value"] for point in result["slices"][name]]
+            self.assertEqual((values[0], values[-1]), (0, 5))
+            self.assertIn(result["variables"][name]["value"], values)
+            for point in result["slices"][name]:  # the other variable keeps its value
+                push = point["value"] + result["variables"][other]["value"]
+                self.assertAlmostEqual(point["margins"][0], push / 8 ** 0.5 - 1, delta=1e-9)
+
+    def test_probability_is_the_quantile_of_the_campaign_and_other_samples_confirm_it(self):
+        (self.folder / "c.yaml").write_text(
+            "unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 200\nsampling: latin-hypercube\n"
+            "parameters: {m: {path: bodies.block.mass, normal: {mean: 1 kg, sigma: 5 %, within: 3}}}\n")
+        text = (PROBLEM + "campaign: {file: c.yaml, samples: 200, checks: 2000}\n"
+                "constraints: [{requirement: far, probability: 0.9}]\n")
+        result = self.optimize(text, "o")
+        # (a + b) / (sqrt(8) m) >= 1 with probability 0.9: the mass at its 0.9 quantile, 1 + 0.05 * 1.2784 (cut at 3 sigma)
+        self.assertAlmostEqual(result["objectives"][0]["value"] / (6.4 * 1.06392 ** 2), 1, delta=5e-3)  # of 200 samples
+        settings = [f"--set=elements.p{x}.profile={result['variables'][v]['value']!r}" for x, v in (("x", "a"), ("y", "b"))]
+        done = subprocess.run([UNLATCH, "campaign", self.folder / "c.yaml", "--out", self.folder / "d", "--json", "-", *settings],
+                              capture_output=True, text=True)
+        column = next(c for c in json.loads(done.stdout)["columns"] if c["name"] == "far.margin")
+        with open(self.folder / "d/samples.csv", newline="", encoding="utf-8") as file:
+            margins = sorted(float(row["far.margin [m]"]) for row in csv.DictReader(file))
+        at = 0.1 * 199
+        quantile = margins[int(at)] + (at - int(at)) * (margins[int(at) + 1] - margins[int(at)])
+        self.assertEqual(column["count"], 200)
+        self.assertAlmostEqual(result["constraints"][0]["margin"], quantile, delta=1e-14)
+        checked = result["verification"]["dispersed"][0]
+        self.assertEqual(checked["samples"], 2000)
+        self.assertLess(checked["probability"][0], 0.1)
+        self.assertGreater(checked["probability"][1], 0.1)  # the quantile of 200 lies near that of all
+
+    def test_probability_has_the_same_bits_with_one_job_and_with_three(self):
+        (self.folder / "c.yaml").write_text(
+            "unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 20\n"
+            "parameters: {m: {path: bodies.block.mass, uniform: {min: 0.9 kg, max: 1.1 kg}}}\n")
+        text = PROBLEM + "campaign: {file: c.yaml, samples: 20}\nconstraints: [far, {requirement: far, probability: 0.9}]\n"
+        for jobs in 1, 3:
+            self.optimize(text, f"o{jobs}", "--jobs", str(jobs))
+        for file in "result.json", "history.csv":
+            self.assertEqual((self.folder / "o1" / file).read_bytes(), (self.folder / "o3" / file).read_bytes())
+
+    def test_infeasible_problem_is_told_with_its_cause(self):
+        result = self.optimize(PROBLEM.replace("5 N", "1 N"), "o", code=1)
+        self.assertEqual(result["status"], "infeasible")
+        self.assertEqual(result["violation"]["constraint"], "far")
+        self.assertAlmostEqual(result["violation"]["size"], 1 - 2 / 8 ** 0.5, delta=VALUE)
+        self.assertIn("at their bounds: a, b", result["violation"]["text"])
+
+    def test_all_mistakes_are_told_at_once(self):
+        wrong = PROBLEM.replace("a: {path: elements.px.profile", "a: {path: elements.nothing.profile").replace(
+            "b: {path: elements.py.profile, between: [0 N, 5 N]", "b: {path: elements.py.profile, between: [0 m, 5 m]")
+        (self.folder / "p.yaml").write_text(wrong + "constraints: [fra]\n")
+        done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        for place in "p.yaml:5:", "p.yaml:6:", "p.yaml:8:", "did you mean 'far'":
+            self.assertIn(place, done.stderr)
+
+    def test_mistakes_of_probabilities_are_told(self):
+        (self.folder / "c.yaml").write_text(
+            "unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 20\n"
+            "parameters: {m: {path: bodies.block.mass, uniform: {min: 0.9 kg, max: 1.1 kg}}}\n")
+        cases = {"constraints: [{requirement: far, probability: 0.9}]\n": "without a usable campaign",
+                 "campaign: none.yaml\n": "none.yaml",
+                 "campaign: c.yaml\nconstraints: [{requirement: far, probability: 1.5}]\n": "between 0 and 1",
+                 "campaign: c.yaml\nconstraints: [{requirement: near, probability: 0.5}]\n": "near",
+                 "campaign: {file: c.yaml, samples: 20}\nconstraints: [{requirement: far, probability: 0.99}]\n": "samples: 100 or more"}
+        for text, told in cases.items():
+            (self.folder / "p.yaml").write_text(PROBLEM + text)
+            done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, text)
+            self.assertIn(told, done.stderr)
+
+    # --- The shipped problems ----------------------------------------------------------------------------------------
+
+    def optimize_shipped(self, file, out, runs, code=0):
+        """A shipped problem with another budget, beside copies of the scenarios that it names."""
+        shutil.copytree(SCENARIOS / "boosters", self.folder / "boosters", dirs_exist_ok=True)
+        path = self.folder / "boosters" / file
+        path.write_text(re.sub(r"budget: {runs: \d+}", f"budget: {{runs: {runs}}}", path.read_text()))
+        done = subprocess.run([UNLATCH, "optimize", path, "--out", self.folder / out], capture_output=True, text=True)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return json.loads((self.folder / out / "result.json").read_text())
+
+    def test_boosters_become_cheaper_and_still_clear_the_core(self):
+        result = self.optimize_shipped("synthesis.yaml", "o", 40)
+        cost = lambda nozzle, opening, slide, unlike: nozzle / 1e3 - opening / 0.02 - slide / 0.005 - unlike / 0.05
+        self.assertLess(result["objectives"][0]["value"], cost(9e3, 0.012, 0.005, 0.05) - 3)
+        values = [variable["value"] for variable in result["variables"].values()]
+        self.assertAlmostEqual(result["objectives"][0]["value"], cost(*values), delta=1e-9)
+        self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
+        self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
+
+    def test_dead_nozzle_is_told_as_what_no_design_makes_good(self):
+        result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 40, code=1)
+        self.assertEqual(result["status"], "infeasible")
+        self.assertIn(result["violation"]["constraint"], ("clear1", "distance1"))  # of the booster whose nozzle is dead
+        self.assertGreater(result["violation"]["size"], 0.5)
+
+    def test_no_design_of_a_scan_is_better_than_the_boosters_optimum(self):
+        result = self.optimize_shipped("synthesis.yaml", "o", 300)
+        levels = 5
+        names = {"nozzle": ("thrust", 3e3, 15e3), "opening": ("delay", 5e-3, 60e-3), "slide": ("stroke", 2e-3, 30e-3),
+                 "unlike": ("spread", 0, 0.2)}
+        problem = yaml.safe_load((SCENARIOS / "boosters/synthesis.yaml").read_text())
+        (self.folder / "boosters/scan.yaml").write_text(yaml.safe_dump(
+            {"unlatch_campaign": 1, "name": "scan", "scenario": "design.yaml", "set": problem["set"], "sampling": "grid",
+             "levels": levels, "parameters": {name: {"path": f"constants.{constant}", "uniform": {"min": low, "max": high}}
+                                              for name, (constant, low, high) in names.items()}}))
+        subprocess.run([UNLATCH, "campaign", self.folder / "boosters/scan.yaml", "--out", self.folder / "scan"],
+                       capture_output=True)
+        with open(self.folder / "scan/samples.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), levels ** 4)
+        margins = [name for name in rows[0] if name.split(".margin")[0] in problem["constraints"] and ".margin" in name]
+        self.assertEqual(len(margins), len(problem["constraints"]))
+        met = [row for row in rows if all(row[name] and float(row[name]) >= 0 for name in margins)]
+        self.assertGreater(len(met), 20)
+        costs = [float(row["nozzle"]) / 1e3 - float(row["opening"]) / 0.02 - float(row["slide"]) / 0.005 - float(row["unlike"]) / 0.05
+                 for row in met]
+        optimum = result["objectives"][0]["value"]
+        self.assertLessEqual(optimum, min(costs))
+        self.assertGreater(optimum, min(costs) - 4)  # half a step of each variable: 1.2 + 0.28 + 0.56 + 0.4, and of what they bound
+
+
+if __name__ == "__main__":
+    main()
