@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/campaign/distribution.h"
-#include "hil/campaign/sampling.h"
 #include "hil/language/setting.h"
+#include "hil/sampling/distribution.h"
+#include "hil/sampling/sampling.h"
 #include "hil/scenario/scenario_tree.h"
 
 namespace unlatch::hil {

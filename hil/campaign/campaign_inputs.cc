@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "hil/campaign/campaign.h"
-#include "hil/campaign/normal.h"
-#include "hil/campaign/philox.h"
+#include "hil/sampling/normal.h"
+#include "hil/sampling/philox.h"
 
 namespace unlatch::hil {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "hil/campaign/campaign_reader.h"
-#include "hil/campaign/normal.h"
+#include "hil/sampling/normal.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "hil/campaign/campaign_reader.h"
-#include "hil/campaign/philox.h"
+#include "hil/sampling/philox.h"
 
 namespace unlatch::hil {
 namespace {

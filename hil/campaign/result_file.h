@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hil/campaign/campaign.h"
-#include "hil/campaign/evaluation.h"
+#include "hil/evaluation/evaluation.h"
 
 namespace unlatch::hil {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hil/campaign/statistics.h"
+#include "hil/statistics/statistics.h"
 
 namespace unlatch::hil {
 

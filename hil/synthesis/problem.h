@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "hil/campaign/campaign.h"
-#include "hil/campaign/evaluation.h"
+#include "hil/evaluation/evaluation.h"
 #include "hil/language/quantity.h"
 #include "hil/language/setting.h"
 #include "hil/scenario/scenario_tree.h"

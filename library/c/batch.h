@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/campaign/evaluation.h"
+#include "hil/evaluation/evaluation.h"
 #include "library/c/catalogue.h"
 #include "library/c/engine.h"
 #include "library/include/unlatch.h"

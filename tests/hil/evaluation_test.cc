@@ -1,5 +1,5 @@
 // Facts about one sample of a scenario: it has the bits of a run of its own, whoever evaluates it and after whatever.
-#include "hil/campaign/evaluation.h"
+#include "hil/evaluation/evaluation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

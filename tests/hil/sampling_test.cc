@@ -1,5 +1,5 @@
 // Facts about random numbers, quantiles and points of the unit cube.
-#include "hil/campaign/sampling.h"
+#include "hil/sampling/sampling.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <set>
 
-#include "hil/campaign/distribution.h"
-#include "hil/campaign/normal.h"
-#include "hil/campaign/philox.h"
+#include "hil/sampling/distribution.h"
+#include "hil/sampling/normal.h"
+#include "hil/sampling/philox.h"
 
 namespace unlatch::test {
 namespace {

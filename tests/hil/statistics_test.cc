@@ -1,6 +1,6 @@
 // Facts about the statistics of campaigns: against closed forms and published numbers. tests/tools/campaign_test.py has
 // those against OpenTURNS.
-#include "hil/campaign/statistics.h"
+#include "hil/statistics/statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/campaign/sampling.h"
+#include "hil/sampling/sampling.h"
 
 namespace unlatch::test {
 namespace {

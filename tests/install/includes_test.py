@@ -11,7 +11,7 @@ MODULES = ("kernel", "hil", "library", "bridge", "tools")  # from below
 KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dynamics", "compile", "solver", "dispatch",
           "step")  # from below
 HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "motion", "notices",
-       "separations", "analysis", "outputs", "run", "campaign", "synthesis", "session", "faults", "executive")  # from below
+       "separations", "analysis", "outputs", "run", "evaluation", "sampling", "statistics", "campaign", "synthesis", "session", "faults", "executive")  # from below
 LIBRARY = ("include", "c", "python", "fmi")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "hil/campaign/sampling.h"
-#include "hil/campaign/statistics.h"
 #include "hil/language/setting.h"
+#include "hil/sampling/sampling.h"
+#include "hil/statistics/statistics.h"
 #include "tools/unlatch/terminal.h"
 
 namespace unlatch::tools {

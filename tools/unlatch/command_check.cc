@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/campaign/campaign.h"
-#include "hil/campaign/philox.h"
 #include "hil/run/run.h"
+#include "hil/sampling/philox.h"
 #include "tools/exit_codes.h"
 #include "tools/unlatch/alike.h"
 #include "tools/unlatch/check_findings.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "hil/campaign/statistics.h"
+#include "hil/statistics/statistics.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
 

@@ -1,10 +1,10 @@
-#include "hil/campaign/distribution.h"
+#include "hil/sampling/distribution.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "hil/campaign/normal.h"
+#include "hil/sampling/normal.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

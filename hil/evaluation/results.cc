@@ -1,4 +1,4 @@
-#include "hil/campaign/results.h"
+#include "hil/evaluation/results.h"
 
 #include <algorithm>
 #include <limits>

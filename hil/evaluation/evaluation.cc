@@ -1,4 +1,4 @@
-#include "hil/campaign/evaluation.h"
+#include "hil/evaluation/evaluation.h"
 
 #include <limits>
 

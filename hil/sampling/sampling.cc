@@ -1,11 +1,11 @@
-#include "hil/campaign/sampling.h"
+#include "hil/sampling/sampling.h"
 
 #include <algorithm>
 #include <bit>
 #include <stdexcept>
 
-#include "hil/campaign/philox.h"
-#include "hil/campaign/sobol.h"
+#include "hil/sampling/philox.h"
+#include "hil/sampling/sobol.h"
 
 namespace unlatch::hil {
 namespace {

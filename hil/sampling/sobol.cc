@@ -1,8 +1,8 @@
-#include "hil/campaign/sobol.h"
+#include "hil/sampling/sobol.h"
 
 #include <stdexcept>
 
-#include "hil/campaign/sampling.h"
+#include "hil/sampling/sampling.h"
 
 #ifdef UNLATCH_BOOST
 #include <boost/random/sobol.hpp>

@@ -1,4 +1,4 @@
-#include "hil/campaign/normal.h"
+#include "hil/sampling/normal.h"
 
 #include <cmath>
 #include <cstddef>

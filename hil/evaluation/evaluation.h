@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/campaign/results.h"
+#include "hil/evaluation/results.h"
 #include "hil/language/setting.h"
 #include "hil/messages/messages.h"
 #include "hil/scenario/scenario_tree.h"

@@ -1,4 +1,4 @@
-#include "hil/campaign/statistics.h"
+#include "hil/statistics/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "hil/campaign/philox.h"
+#include "hil/sampling/philox.h"
 
 namespace unlatch::hil {
 namespace {
