@@ -110,6 +110,26 @@ def add(figure, tools):
         axes.legend(ncols=4)
         return drawn
 
+    @figure("boosters-recontact")
+    def recontact(bench):
+        import matplotlib.pyplot as plt
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3), constrained_layout=True)
+        cases = (("cyclogram.yaml", ("--set", "events.contact:booster1.enabled=false"), "without contact: it flies through", "0.55"),
+                 ("recontact.yaml", (), "with contact", COLOURS[0]))
+        for file, options, label, colour in cases:
+            for axes, first, last, every, scale in ((left, 2.2, 3.35, 0.01, 100), (right, 2.54, 2.6, 0.0005, 1000)):
+                run = bench.run(f"boosters/{file}", 3.35 if axes is left else 2.6, every, *options)
+                shown = [(sample["t"], scale * sample["clearance"][0]) for sample in run["samples"] if first <= sample["t"] <= last + 1e-9]
+                axes.plot(*zip(*shown), color=colour, label=label)
+        for axes, unit in ((left, "cm"), (right, "mm")):
+            axes.axhline(0, color="0.3", linewidth=0.8)
+            axes.set_xlabel("time, s")
+            axes.set_ylabel(f"core to booster 1, {unit}")
+        left.legend(loc="upper left")
+        left.set_title("A booster whose nozzle stays shut", loc="left")
+        right.set_title("The strike, 18 ms", loc="left")
+        return drawn
+
     @figure("boosters-synthesis")
     def synthesis(bench):
         import matplotlib.pyplot as plt

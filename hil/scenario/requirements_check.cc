@@ -6,6 +6,8 @@
 namespace unlatch::hil {
 namespace {
 
+using Measure = Requirement::Measure;
+
 // The earliest time at which a condition can hold, s: of those on time alone; any other might hold at the start.
 double calc_earliest(const Condition& condition) {
   double time = condition.kind == Condition::Kind::kAny ? std::numeric_limits<double>::infinity() : 0;
@@ -78,7 +80,6 @@ namespace {
 
 // Its value is never below 0. A clearance may be, once it is signed; the time from one event to another as well.
 bool is_size(const Requirement& requirement) {
-  using Measure = Requirement::Measure;
   if (requirement.take == Requirement::Take::kPeak) return true;
   switch (requirement.quantity) {
     case Measure::kRate:

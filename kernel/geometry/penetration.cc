@@ -154,9 +154,12 @@ Vec3 calc_shrunk_normal(const Core& a, const Core& b) {
   return length > 0 ? (1.0 / length) * way : Vec3{0, 0, 1};
 }
 
-// Of equal depths the one whose witnesses lie opposite each other.
+// Of equal depths the one whose witnesses lie opposite each other: equal but for the rounding of the normal, on which
+// they depend in first order, where only the new ones do.
 bool is_better(double depth, double gap, const Depth& best, double size) {
-  const double same = 1e-14 * size;
+  constexpr double kOpposite = 1e-9, kRounded = 1e-11, kSame = 1e-14;
+  const bool only_new = gap <= kOpposite * size && best.gap > kOpposite * size;
+  const double same = (only_new ? kRounded : kSame) * size;
   return depth < best.depth - same || (depth <= best.depth + same && gap < best.gap);
 }
 

@@ -9,6 +9,7 @@
 #include "hil/realtime/clock.h"
 #include "hil/realtime/executive_timing.h"
 #include "hil/realtime/real_time.h"
+#include "tests/hil/scenario_support.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"
 
@@ -73,8 +74,7 @@ TEST(CyclicThread, TakesNothingFromTheHeapInAnyScenario) {
   int scenarios = 0;
   const std::filesystem::recursive_directory_iterator begin(UNLATCH_SOURCE_DIR "/hil/scenarios");
   for (auto file = begin; file != std::filesystem::recursive_directory_iterator(); ++file) {
-    if (file.depth() != 1 || file->path().extension() != ".yaml") continue;  // deeper are others' files, no scenarios
-    if (file->path().filename() == "campaign.yaml") continue;                // many scenarios
+    if (file.depth() != 1 || !is_scenario_file(file->path())) continue;
     SCOPED_TRACE(file->path());
     const hil::Scenario scenario = hil::load_scenario(file->path());
     constexpr std::int64_t kTicks = 10'000;  // the boosters' events are in the first 1000, the array's latches before

@@ -2,12 +2,23 @@
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "hil/scenario/scenario.h"
 
 namespace unlatch::test {
+
+// A scenario, not a campaign or a problem of synthesis, which are about scenarios and have a key of their own.
+inline bool is_scenario_file(const std::filesystem::path& path) {
+  if (path.extension() != ".yaml") return false;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("unlatch:")) return true;
+  return false;
+}
 
 // Every section once. Line 1 is `unlatch: 1`.
 inline const char* const kGoodScenario = R"(unlatch: 1

@@ -67,6 +67,20 @@ class BoostersTest(ProcessTest):
     def test_a_dead_nozzle_keeps_its_nose_as_long_as_the_reference_says(self):
         self.compare("dead-nozzle", "cyclogram.yaml", "--set", "events.nozzle:booster1.enabled=false", missed=["distance1"])
 
+    # Beside the same flight without contact: what the strike changed, whose size the law's own sum tells.
+    def test_a_strike_gives_booster_and_core_opposite_momenta_and_the_impulse_told(self):
+        dead = ("--set", "events.contact:booster1.enabled=false")
+        without = self.run_at("cyclogram.yaml", [2.58], *dead, "--until", "3", code=1)["samples"][0]["bodies"]
+        struck = self.run_at("recontact.yaml", [2.58], code=1)
+        bodies, (strike,) = struck["samples"][0]["bodies"], struck["contacts"]
+        core, booster = ([mass * (a - b) for a, b in zip(bodies[name]["v"], without[name]["v"])]
+                         for name, mass in (("core", 98500), ("booster1", 4380)))
+        for a, b in zip(core, booster):
+            self.assertAlmostEqual(a, -b, delta=0.05)  # N s; the loads of the two flights differ by the way since
+        normal, slip = strike["impulse"], 0.3 * strike["impulse"]  # it slips all the while
+        self.assertAlmostEqual(math.hypot(*booster), math.hypot(normal, slip), delta=0.005 * normal)
+        self.assertEqual([entry["id"] for entry in struck["verdict"] if not entry["met"]], ["distance1"])
+
     def test_dispersed_tail_offs_let_each_go_at_its_own_time(self):
         report = self.compare("dispersed", "dispersed.yaml")
         times = sorted(e["t"] for e in report["events"] if e["name"] == "liftoff")

@@ -218,9 +218,10 @@ struct OneSided {
   bool pulls = false;       // s = −1
   int joint = kNone;        // x is the displacement or angle of this joint along `axis`; kNone: between two points
   int axis = kX;            // Row
-  // Between two points: indices of the bodies, and the ends, base axes and follower axes, m.
+  // Between two points: indices of the bodies, and the ends.
   int base = kGround, follower = 0;
-  Eigen::Vector3d point_base = Eigen::Vector3d::Zero(), point_follower = Eigen::Vector3d::Zero();
+  Eigen::Vector3d point_base = Eigen::Vector3d::Zero();      // base axes, m
+  Eigen::Vector3d point_follower = Eigen::Vector3d::Zero();  // follower axes, m
   // x is the length of the line between them; with a guide, the place of the follower's point along this axis of the
   // base, unit, base axes: the force is along it, at the follower's point, whatever the point does across it.
   std::optional<Eigen::Vector3d> guide{};
