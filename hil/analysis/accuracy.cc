@@ -74,12 +74,11 @@ void add_requirements(const Scenario& scenario, const RunAnalysis& analysis, std
 void add_reactions(const Model& model, const RunAnalysis& analysis, std::vector<NamedValue>& values) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     for (int row = 0; row < kRows; ++row) {
-      const auto& peaks = analysis.peaks[j];
       const int first = row < kRotX ? kX : kRotX;
       double largest = 0;
       for (int i = first; i < first + 3; ++i)
-        largest = std::max(largest, std::abs(peaks[static_cast<std::size_t>(i)].value));
-      const PeakReaction& peak = peaks[static_cast<std::size_t>(row)];
+        largest = std::max(largest, std::abs(analysis.get_peak(j, static_cast<std::size_t>(i)).value));
+      const PeakReaction peak = analysis.get_peak(j, static_cast<std::size_t>(row));
       if (peak.value == 0) continue;
       values.push_back({"peak reaction " + model.joints[j].name + " " + kRowNames[row], row < kRotX ? "N" : "N m",
                         Kind::kReaction, peak.value, largest, peak.time});

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/from_eigen.h"
+#include "hil/scenario/index.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -10,10 +13,6 @@ using Measure = Requirement::Measure;
 using Take = Requirement::Take;
 
 constexpr double kTwoPi = 6.283185307179586;
-
-Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
 
@@ -36,29 +35,6 @@ void set_margin(const Requirement& requirement, double value, double time, Verdi
 }
 
 }  // namespace
-
-// --- Sampled quantities ---------------------------------------------------------------------------------------------
-
-void SampledCurve::add(double time, double value, bool begins) {
-  if (begins) count_ = 0;
-  if (count_ == kPoints) {
-    std::copy(times_ + 1, times_ + kPoints, times_);
-    std::copy(values_ + 1, values_ + kPoints, values_);
-    --count_;
-  }
-  times_[count_] = time;
-  values_[count_++] = value;
-}
-
-// Neville's scheme.
-double SampledCurve::calc(double time) const {
-  double p[kPoints];
-  std::copy(values_, values_ + count_, p);
-  for (int k = 1; k < count_; ++k)
-    for (int i = 0; i + k < count_; ++i)
-      p[i] = ((time - times_[i + k]) * p[i] + (times_[i] - time) * p[i + 1]) / (times_[i] - times_[i + k]);
-  return p[0];
-}
 
 // --- The quantities -------------------------------------------------------------------------------------------------
 
@@ -214,6 +190,12 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     track.last_time = to.time;
     track.fresh = false;
   }
+}
+
+double RequirementMonitor::get_now(std::size_t i) const {
+  const Track& track = tracks_[i];
+  const bool open = track.phase == Phase::kOpen && track.has_last && !is_of_events(track.requirement->quantity);
+  return open ? track.last : std::nan("");
 }
 
 // --- The verdict ----------------------------------------------------------------------------------------------------

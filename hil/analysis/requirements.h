@@ -11,6 +11,7 @@
 #include "hil/motion/extreme.h"
 #include "hil/motion/joint_frame.h"
 #include "hil/motion/motion_window.h"
+#include "hil/motion/sampled_curve.h"
 #include "hil/scenario/scenario.h"
 #include "unlatch/step.h"
 
@@ -26,18 +27,6 @@ struct Verdict {
   [[nodiscard]] bool is_met() const { return evaluated && margin >= 0; }
 };
 
-// A quantity that is known at knots alone: between them the polynomial through the latest five of a smooth run.
-class SampledCurve {
- public:
-  void add(double time, double value, bool begins);
-  [[nodiscard]] double calc(double time) const;
-
- private:
-  static constexpr int kPoints = 5;
-  double times_[kPoints] = {}, values_[kPoints] = {};
-  int count_ = 0;
-};
-
 class RequirementMonitor {
  public:
   // All are referred to.
@@ -49,6 +38,9 @@ class RequirementMonitor {
   void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
   // Of the run so far, whose end is the end of the window.
   [[nodiscard]] std::vector<Verdict> judge(const MotionWindow& window) const;
+  // The quantity of requirement number i at the latest knot, in the requirement's unit; NaN outside its interval, and
+  // where it is of events.
+  [[nodiscard]] double get_now(std::size_t i) const;
 
  private:
   enum class Phase { kWaiting, kOpen, kClosed };

@@ -5,17 +5,15 @@
 
 namespace unlatch::hil {
 
-RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, std::vector<std::int64_t> samples_in)
-    : peaks(scenario.model.joints.size()),
-      scenario_(scenario),
+RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation)
+    : scenario_(scenario),
       simulation_(simulation),
-      sample_ticks_(std::move(samples_in)),
       clearance_(scenario),
       contacts_(scenario, simulation),
+      peaks_(scenario.model.joints.size()),
       requirements_(scenario, clearance_, contacts_),
       separations_(scenario),
       accuracy_(scenario, simulation) {
-  std::sort(sample_ticks_.begin(), sample_ticks_.end());
   simulation.keep_motion();
 }
 
@@ -26,21 +24,12 @@ void RunAnalysis::update(const StepReport& report) {
 
   update_shared(report);
 
-  const double time = simulation_.get_time();
-  for (std::size_t joint = 0; joint < peaks.size(); ++joint) {
-    for (std::size_t row = 0; row < kRows; ++row) {
-      const double value = simulation_.workspace().multipliers[joint * kRows + row];
-      if (std::abs(value) > std::abs(peaks[joint][row].value)) peaks[joint][row] = {value, time};
-    }
-  }
   if (report.substeps == 0) {
-    clearance_.begin(time, simulation_.state().bodies);
+    clearance_.begin(simulation_.get_time(), simulation_.state().bodies);
     contacts_.begin(simulation_.state());
+    peaks_.begin(simulation_.get_time(), simulation_.workspace().multipliers);
   } else {
     add_motion(report.events);
-  }
-  for (; next_sample_ < sample_ticks_.size() && sample_ticks_[next_sample_] <= simulation_.get_tick(); ++next_sample_) {
-    if (sample_ticks_[next_sample_] == simulation_.get_tick()) take_sample();
   }
 }
 
@@ -69,6 +58,7 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       window_.move_on(from, to);
       clearance_.add(window_);
       contacts_.add(window_, from, to);
+      peaks_.add(from, to, window_.is_smooth());
       requirements_.add_piece(window_, from, to);
       separations_.add_piece(window_, from, to);
       continue;
@@ -93,30 +83,6 @@ void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& after) {
     const auto body = static_cast<std::size_t>(joint.follower);
     const std::string base = joint.base == kGround ? "ground" : model.bodies[static_cast<std::size_t>(joint.base)].name;
     tip_offs.push_back({fired.time, model.bodies[body].name, base, joint.name, after.state.bodies[body].w});
-  }
-}
-
-void RunAnalysis::take_sample() {
-  Sample& sample = samples.emplace_back();
-  sample.tick = simulation_.get_tick();
-  sample.time = simulation_.get_time();
-  sample.bodies.assign(simulation_.state().bodies.begin(), simulation_.state().bodies.end());
-  sample.modal.resize(sample.bodies.size());
-  for (std::size_t b = 0; b < sample.modal.size(); ++b) {
-    const std::span<const double> eta =
-        get_modal_coordinates(simulation_.plan(), simulation_.state(), static_cast<int>(b));
-    sample.modal[b].assign(eta.begin(), eta.end());
-  }
-  for (std::size_t i = 0; i < scenario_.model.joints.size(); ++i) {
-    const Joint& joint = scenario_.model.joints[i];
-    const JointMode& mode = joint.modes[static_cast<std::size_t>(simulation_.state().joints[i].mode)];
-    ReactionSample& reaction = sample.reactions.emplace_back();
-    reaction.joint = joint.name;
-    reaction.mode = mode.name;
-    reaction.rows = mode.rows;
-    for (std::size_t row = 0; row < kRows; ++row) {
-      reaction.multipliers[row] = simulation_.workspace().multipliers[i * kRows + row];
-    }
   }
 }
 

@@ -39,7 +39,7 @@ SampleResult SampleEvaluator::evaluate(std::span<const Setting> settings, const 
     const Scenario scenario = tree_.read(settings);
     const auto simulation = build_simulation(scenario);
     std::optional<RunAnalysis> analysis;
-    if (run.judges) analysis.emplace(scenario, *simulation, std::vector<std::int64_t>{});
+    if (run.judges) analysis.emplace(scenario, *simulation);
     const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario.until, scenario.dt);
     const LogEnd end =
         run_fast(*simulation, analysis ? &*analysis : nullptr, nullptr, last, stop, [&](const StepReport& report) {

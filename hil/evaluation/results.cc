@@ -82,7 +82,7 @@ struct Results {
             return get_separation(separation, column.part);
         return kNone;
       case Kind::kPeak:
-        return analysis.peaks[column.index][column.part].value;
+        return analysis.get_peak(column.index, column.part).value;
     }
     return kNone;
   }

@@ -1,12 +1,8 @@
 #include "hil/motion/joint_frame.h"
 
+#include "hil/scenario/from_eigen.h"
+
 namespace unlatch::hil {
-namespace {
-
-Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Mat3 to_mat3(const Eigen::Matrix3d& m) { return {to_vec3(m.col(0)), to_vec3(m.col(1)), to_vec3(m.col(2))}; }
-
-}  // namespace
 
 JointGeometry::JointGeometry(const Model& model, int joint) {
   const Joint& own = model.joints[static_cast<std::size_t>(joint)];

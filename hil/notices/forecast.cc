@@ -6,11 +6,13 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <set>
 
 #include "hil/motion/clearance.h"
 #include "hil/notices/contact_resolution.h"
 #include "hil/notices/notices.h"
 #include "hil/notices/resolution.h"
+#include "hil/scenario/index.h"
 #include "hil/scenario/requirements_check.h"
 #include "unlatch/readings.h"
 
@@ -28,7 +30,6 @@ std::string format(const char* text, Values... values) {
   return line;
 }
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 std::string quoted(const char* kind, const std::string& name) { return std::string(kind) + " '" + name + "'"; }
 
 // --- Places ---------------------------------------------------------------------------------------------------------
@@ -197,7 +198,58 @@ void find_plates(const Model& model, std::vector<Finding>& findings) {
   }
 }
 
-// Pairs that are watched, and neighbours that are not joined.
+// Bodies that lie in each other at the start, of those that no joint, contact or watched pair lets meet.
+void find_intruders(const Scenario& scenario, std::vector<Finding>& findings) {
+  constexpr double kTouching = 1e-6;  // of the smaller body: faces that mate
+  constexpr std::size_t kMost = 10;
+  const Model& model = scenario.model;
+  std::set<std::pair<int, int>> meet;
+  // Markers count as the flexible body that carries them.
+  const auto get_structure = [&](int body) {
+    const bool carried = body != kGround && model.bodies[at(body)].marker.has_value();
+    return carried ? model.bodies[at(body)].marker->body : body;
+  };
+  const auto let_meet = [&](int a, int b) { meet.insert(std::minmax(get_structure(a), get_structure(b))); };
+  for (const ClearancePair& pair : scenario.clearance) let_meet(pair.a.body, pair.b.body);
+  for (const Contact& contact : model.contacts)
+    let_meet(model.surfaces[at(contact.base)].body, model.surfaces[at(contact.follower)].body);
+  for (const Joint& joint : model.joints) let_meet(joint.base, joint.follower);
+
+  struct Solid {
+    int body;
+    geometry::ShapeGroup group;
+    geometry::Placement place;
+  };
+  std::vector<Solid> solids;
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    std::vector<geometry::Shape> shapes;
+    for (const BodyShape& shape : scenario.shapes[at(b)]) shapes.push_back(shape.shape);
+    if (!shapes.empty())
+      solids.push_back({b, geometry::build_group(model.bodies[at(b)].name, shapes), to_placement(get_pose(model, b))});
+  }
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < solids.size(); ++k) {
+    for (std::size_t i = 0; i < k; ++i) {
+      const Solid &a = solids[i], &b = solids[k];
+      const std::pair<int, int> pair = std::minmax(get_structure(a.body), get_structure(b.body));
+      if (pair.first == pair.second || meet.contains(pair) ||
+          geometry::calc_lower_bound(a.group, a.place, b.group, b.place) > 0)
+        continue;
+      const double depth = -geometry::calc_distance(a.group, a.place, b.group, b.place).least.distance;
+      if (!(depth > kTouching * std::min(a.group.bound, b.group.bound)) || ++count > kMost) continue;
+      findings.push_back(
+          {"overlap", quoted("body", model.bodies[at(b.body)].name),
+           format("lies %.4g m within '%s' at the start, to which nothing joins it: move one of them, or "
+                  "make the shapes smaller",
+                  depth, model.bodies[at(a.body)].name.c_str())});
+    }
+  }
+  if (count > kMost)
+    findings.push_back(
+        {"overlap", "bodies", format("%zu more pairs lie within each other at the start", count - kMost)});
+}
+
+// Pairs that are watched.
 void find_overlaps(const Scenario& scenario, std::vector<Finding>& findings) {
   const Model& model = scenario.model;
   if (scenario.clearance.empty()) return;
@@ -400,6 +452,7 @@ std::vector<Finding> find_surprises(const Scenario& scenario, const Simulation& 
   find_directionless(model, findings);
   find_free_springs(scenario, findings);
   find_overlaps(scenario, findings);
+  find_intruders(scenario, findings);
   find_event_surprises(scenario, findings);
   find_step_surprises(scenario, simulation, findings);
   for (const RequirementProblem& problem : find_trivial(scenario))

@@ -3,14 +3,13 @@
 #include <numeric>
 
 #include "hil/motion/motion_window.h"
+#include "hil/scenario/index.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
 
 using Kind = Output::Kind;
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 void put(const Vec3& v, std::span<double> to) { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
 void put(std::span<const double> values, std::span<double> to) { std::ranges::copy(values, to.begin()); }

@@ -1,6 +1,7 @@
 // Shapes of bodies, and the points whose path is drawn.
 #include <algorithm>
 
+#include "hil/scenario/from_eigen.h"
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
@@ -27,8 +28,6 @@ constexpr KindOfShape kKinds[] = {
     {"hollow_frustum", ShapeKind::kHollow},
     {"hollow_profile", ShapeKind::kHollow},
 };
-
-Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 // The key of a scenario in which a member of Shape was written.
 std::vector<std::string> list_keys(const std::string& member) {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/from_eigen.h"
+
 namespace unlatch::hil {
 namespace {
 
 constexpr std::size_t kMost = 1000;  // separations: joints that open again and again would fill the memory
-
-Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 bool has(const std::vector<int>& list, int body) { return std::find(list.begin(), list.end(), body) != list.end(); }
 

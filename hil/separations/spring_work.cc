@@ -1,11 +1,10 @@
 #include "hil/separations/spring_work.h"
 
+#include "hil/scenario/from_eigen.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
-
-Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 // The line from one end of a one-sided force to the other, and the velocity of its second end relative to the first.
 struct Line {

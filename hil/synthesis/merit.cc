@@ -68,11 +68,11 @@ std::vector<std::size_t> DesignMerit::find_front(const std::vector<DesignSample>
   std::sort(points.begin(), points.end());  // so that no later one dominates an earlier one
   std::vector<std::vector<double>> front;
   std::vector<std::size_t> indices;
-  for (const auto& [objectives, index] : points) {
-    if (std::any_of(front.begin(), front.end(), [&](const auto& other) { return dominates(other, objectives); }))
+  for (const auto& point : points) {
+    if (std::any_of(front.begin(), front.end(), [&](const auto& other) { return dominates(other, point.first); }))
       continue;
-    front.push_back(objectives);
-    indices.push_back(index);
+    front.push_back(point.first);
+    indices.push_back(point.second);
   }
   return indices;
 }
@@ -88,7 +88,7 @@ std::size_t DesignMerit::find_middle(const std::vector<DesignSample>& samples,
       most[k] = std::max(most[k], point[k]);
     }
   std::size_t middle = 0;
-  double nearest = INFINITY;
+  double nearest = HUGE_VAL;
   for (std::size_t i = 0; i < points.size(); ++i) {
     double distance = 0;
     for (std::size_t k = 0; k < least.size(); ++k)

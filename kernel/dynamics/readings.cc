@@ -2,11 +2,10 @@
 
 #include "kernel/dynamics/one_sided.h"
 #include "kernel/dynamics/springs.h"
+#include "kernel/model/from_eigen.h"
 
 namespace unlatch {
 namespace {
-
-Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 double get_time(const Plan& plan, const State& state) {
   return static_cast<double>(state.header->tick) * plan.get_options().dt;
@@ -38,8 +37,8 @@ PointSpringForce calc_point_spring(const PointSpring& spring, const BodyState& b
                             spring.follower,
                             kNone,
                             spring.push_only,
-                            to_vec3(spring.point_base),
-                            to_vec3(spring.point_follower),
+                            to_vec(spring.point_base),
+                            to_vec(spring.point_follower),
                             spring.stiffness,
                             spring.damping,
                             spring.free_length};

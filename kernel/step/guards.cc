@@ -149,18 +149,19 @@ void update_pair_guards(const Instant& now, Evaluation& ev) {
 }  // namespace
 
 void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept {
-  const EventState* states = now.state.events.data();
-  for (std::size_t e = 0; e < now.plan.events.size(); ++e) {
-    const PlanEvent& event = now.plan.events[e];
-    const EventPhase phase = states[e].phase;
+  const PlanCondition* conditions = now.plan.conditions.data();
+  const EventState* state = now.state.events.data();
+  double* guard = ev.guards.data();
+  for (const PlanEvent& event : now.plan.events) {
+    const EventPhase phase = (state++)->phase;
     const bool asleep = phase == EventPhase::kPending || (phase == EventPhase::kSpent && !event.repeat);
-    const PlanCondition* first = now.plan.conditions.data() + event.first_condition;
+    const PlanCondition* first = conditions + event.first_condition;
     if (asleep)
-      ev.guards[e] = kNo;
+      *guard++ = kNo;
     else if (event.flat_parts > 0)
-      ev.guards[e] = calc_all(now, ev, {first, at(event.flat_parts)});
+      *guard++ = calc_all(now, ev, {first, at(event.flat_parts)});
     else
-      ev.guards[e] = calc_nested(now, ev, stack, {first, at(event.condition_count)});
+      *guard++ = calc_nested(now, ev, stack, {first, at(event.condition_count)});
   }
   if (!ev.pair_distances.empty()) update_pair_guards(now, ev);
 }

@@ -30,6 +30,13 @@ void update_joint_velocities(const PlanData& plan, const State& state, Evaluatio
   if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
 }
 
+// Before a solve: no friction yet. True if solve_friction() is to follow.
+bool begin_friction(const Instant& now, Evaluation& ev) {
+  if (now.plan.frictions.empty()) return false;
+  clear_friction(ev);
+  return has_friction(now);
+}
+
 // After a solve: the friction that belongs to its reactions, again and again.
 void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
   const PlanData& plan = now.plan;
@@ -45,8 +52,7 @@ void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
 int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
   const PlanData& plan = now.plan;
   update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
-  const bool rubs = has_friction(now);
-  clear_friction(ev);
+  const bool rubs = begin_friction(now, ev);
   update_forces(now, ev);
   Sweep own = sweep;
   own.multipliers = sweep.multipliers || rubs;
@@ -128,11 +134,11 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
 // Forces alone are new: the factor serves.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
-  clear_friction(ev);
+  const bool rubs = begin_friction(now, ev);
   update_forces(now, ev);
   get_kernels(now.plan).solve(now.plan, ev, {});
   if (ev.loop_redundant > 0) split_redundant_rows(now.plan, now.state, ev);
-  if (has_friction(now)) solve_friction(now, {}, ev);
+  if (rubs) solve_friction(now, {}, ev);
   if (!now.plan.rigid) update_modal_rates(now.plan, ev);
   return kNone;
 }

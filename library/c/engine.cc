@@ -228,7 +228,7 @@ void Engine::begin_anew() {
   event_count_ = 0;
   lost_events_ = 0;
   if ((flags_ & UNLATCH_JUDGE) == 0) return;
-  analysis_ = std::make_unique<hil::RunAnalysis>(scenario_, *simulation_, std::vector<std::int64_t>{});
+  analysis_ = std::make_unique<hil::RunAnalysis>(scenario_, *simulation_);
   analysis_->update(StepReport{});
   for (std::size_t i = 0; i < clearances_.size(); ++i) clearances_[i] = analysis_->clearances()[i].now;
   has_extras_ = true;

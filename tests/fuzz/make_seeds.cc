@@ -97,7 +97,7 @@ void write_logs(const fs::path& folder) {
   constexpr std::int64_t kLast = 4;
   hil::write_checkpoint(folder / "checkpoint" / "begin", scenario, *simulation, kLast);
   const hil::LogHeader header = hil::build_log_header(scenario, *simulation, hil::Pace::kFast, 1, kLast);
-  hil::RunAnalysis analysis(scenario, *simulation, {});
+  hil::RunAnalysis analysis(scenario, *simulation);
   {
     hil::Recorder recorder(folder / "log" / "whole", header);
     const std::atomic<bool> stop{false};

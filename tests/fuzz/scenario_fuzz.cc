@@ -10,7 +10,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const hil::Scenario scenario = hil::load_scenario_text(fuzz::to_text(data, size), "fuzz.yaml");
     if (scenario.model.bodies.size() > kMaxBodies) return 0;
     const auto simulation = hil::build_simulation(scenario);
-    hil::RunAnalysis analysis(scenario, *simulation, {});
+    hil::RunAnalysis analysis(scenario, *simulation);
     analysis.update(StepReport{});
     fuzz::step_a_little(*simulation, [&](const StepReport& report) { analysis.update(report); });
     for (const hil::Verdict& verdict : analysis.judge())

@@ -16,7 +16,7 @@ struct AnalysedRun {
   explicit AnalysedRun(const std::string& text)
       : scenario(hil::load_scenario_text(text, "run.yaml")),
         simulation(hil::build_simulation(scenario)),
-        analysis(scenario, *simulation, {}) {
+        analysis(scenario, *simulation) {
     analysis.update(StepReport{});
     const std::int64_t last = hil::calc_nearest_tick(scenario.until, scenario.dt);
     while (simulation->get_tick() < last) {

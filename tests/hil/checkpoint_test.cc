@@ -149,7 +149,7 @@ TEST(Checkpoint, ARecordingOfARunTakenUpAgainReplays) {
   const hil::Scenario scenario = load_memory();
   const std::atomic<bool> stop{false};
   const auto run = [&](hil::Simulation& simulation, const std::string& log, const std::function<void()>& look) {
-    hil::RunAnalysis analysis(scenario, simulation, {});
+    hil::RunAnalysis analysis(scenario, simulation);
     hil::Recorder recorder(log, hil::build_log_header(scenario, simulation, hil::Pace::kFast, 0, 400));
     hil::LogEnd end = hil::run_fast(simulation, analysis, &recorder, 400, stop, look);
     recorder.close(end);

@@ -8,18 +8,20 @@
 #include <random>
 #include <stdexcept>
 
+#include "hil/scenario/from_eigen.h"
+
 namespace unlatch::test {
 namespace {
 
 using geometry::Shape;
 using hil::ClearanceMonitor;
 using hil::Pose;
+using hil::to_vec3;
 using Kind = geometry::ShapeKind;
 using Vector = Eigen::Vector3d;
 
 constexpr double kExact = 1e-12;  // metres, for shapes of some metres
 
-Vec3 to_vec3(const Vector& v) { return {v.x(), v.y(), v.z()}; }
 Shape capsule(const Vector& from, const Vector& to, double radius) {
   return {.kind = Kind::kCapsule, .from = to_vec3(from), .to = to_vec3(to), .radius = radius};
 }

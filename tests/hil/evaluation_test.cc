@@ -45,7 +45,7 @@ Hashes run_anew(const std::vector<Setting>& settings) {
   for (const Setting& setting : settings) overrides.push_back(to_text(setting));
   const hil::Scenario scenario = hil::load_scenario(kBoosters, overrides);
   const auto simulation = hil::build_simulation(scenario);
-  hil::RunAnalysis analysis(scenario, *simulation, {});
+  hil::RunAnalysis analysis(scenario, *simulation);
   const std::atomic<bool> stop{false};
   const hil::LogEnd end =
       hil::run_fast(*simulation, analysis, nullptr, hil::calc_nearest_tick(scenario.until, scenario.dt), stop, [] {});

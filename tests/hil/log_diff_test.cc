@@ -23,7 +23,7 @@ void record(const std::string& path, const Program& program, const std::vector<s
             std::int64_t ticks = kTicks) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
   const auto simulation = hil::build_simulation(scenario);
-  hil::RunAnalysis analysis(scenario, *simulation, {});
+  hil::RunAnalysis analysis(scenario, *simulation);
   hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 1, kTicks));
   const std::atomic<bool> stop{false};
   hil::LogEnd end = hil::run_fast(*simulation, analysis, &recorder, ticks, stop, [&] {
@@ -227,7 +227,7 @@ TEST_F(LogDiff, ARunTakenUpAgainAgreesFromItsCheckpointOn) {
   const std::string checkpoint = make_path("checkpoint");
   hil::write_checkpoint(checkpoint, scenario, *first, kTicks);
   hil::read_checkpoint(checkpoint, scenario, *second);
-  hil::RunAnalysis analysis(scenario, *second, {});
+  hil::RunAnalysis analysis(scenario, *second);
   hil::Recorder recorder(b_, hil::build_log_header(scenario, *second, Pace::kFast, 1, kTicks));
   const std::atomic<bool> stop{false};
   hil::LogEnd end = hil::run_fast(*second, analysis, &recorder, kTicks, stop, [] {});

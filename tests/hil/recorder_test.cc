@@ -211,7 +211,7 @@ TEST(Recording, WhatTheRingHadNoRoomForIsCountedAndTheRecordingIsNotReplayable) 
 TEST(Recording, AtOtherPacesTheCyclicThreadWaitsForRoom) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
   const auto simulation = hil::build_simulation(scenario);
-  hil::RunAnalysis analysis(scenario, *simulation, {});
+  hil::RunAnalysis analysis(scenario, *simulation);
   const std::string path = make_path("log");
   hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 50), 4);
   const std::atomic<bool> stop{false};

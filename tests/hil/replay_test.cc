@@ -202,7 +202,7 @@ TEST(FastRun, AFaultIsReportedRecordedAndReplayed) {
       kSessionScenario, "session.yaml",
       {"elements.engine.profile=1e308", "elements.engine.direction=[0, 1000, 0]", "elements.engine.point=[1, 0, 0]"});
   const auto simulation = hil::build_simulation(scenario);
-  hil::RunAnalysis analysis(scenario, *simulation, {});
+  hil::RunAnalysis analysis(scenario, *simulation);
   const std::string path = make_path("log");
   hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 50));
   const std::atomic<bool> stop{false};
@@ -219,7 +219,7 @@ TEST(FastRun, AFaultIsReportedRecordedAndReplayed) {
 TEST(FastRun, RecordsAndReplays) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", {"bodies.core.mass=120"});
   const auto simulation = hil::build_simulation(scenario);
-  hil::RunAnalysis analysis(scenario, *simulation, {0, 50});
+  hil::RunAnalysis analysis(scenario, *simulation);
   const std::string path = make_path("log");
   hil::Recorder recorder(path, hil::build_log_header(scenario, *simulation, Pace::kFast, 0, 50));
   const std::atomic<bool> stop{false};
@@ -230,8 +230,6 @@ TEST(FastRun, RecordsAndReplays) {
   EXPECT_NEAR(analysis.timeline[0].time, 0.0205, 1e-12);  // a time is a scheduled split: rounding alone
   ASSERT_EQ(analysis.tip_offs.size(), 1u);
   EXPECT_EQ(analysis.tip_offs[0].body, "pod");
-  ASSERT_EQ(analysis.samples.size(), 2u);
-  EXPECT_EQ(analysis.samples[1].reactions[0].mode, "free");
   const ReplayedLog replayed = replay_log(path);
   EXPECT_TRUE(replayed.result.agrees());
   EXPECT_EQ(replayed.result.compared, 51);

@@ -78,6 +78,17 @@ TEST_F(ScenarioFlexible, ItsTextHoldsTheModesToo) {
   EXPECT_EQ(again.text, scenario.text);
 }
 
+TEST_F(ScenarioFlexible, ModesThatWereChangedWhenTheyWereReadAreTold) {
+  EXPECT_TRUE(load(kText).remarks.empty());
+  modes_.points.back().mass *= 1.2;  // no longer the masses that the modes are of
+  std::ofstream(folder_ / "mast.modes") << hil::write_modes_text(modes_);
+  const hil::Scenario scenario = load(kText);
+  ASSERT_EQ(scenario.remarks.size(), 1u);
+  EXPECT_EQ(scenario.remarks[0].kind, "modes");
+  EXPECT_EQ(scenario.remarks[0].where, "body 'mast'");
+  EXPECT_THAT(scenario.remarks[0].text, HasSubstr("changed when the file was read"));
+}
+
 TEST_F(ScenarioFlexible, MistakesAreNamed) {
   EXPECT_THAT(get_errors("mast.modes", "nothing.modes"), HasSubstr("s.yaml:7:23: its modes cannot be read"));
   EXPECT_THAT(get_errors("[1, 3]", "[1, 9]"), HasSubstr("the file has no elastic mode 9"));

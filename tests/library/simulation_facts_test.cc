@@ -242,7 +242,7 @@ TEST(CLibrary, JudgesAsARunDoes) {
   const Loaded sim(kReference, &options);
   const hil::Scenario scenario = hil::load_scenario(kReference);
   const auto direct = hil::build_simulation(scenario);
-  hil::RunAnalysis analysis(scenario, *direct, {});
+  hil::RunAnalysis analysis(scenario, *direct);
   analysis.update(StepReport{});
   for (int tick = 0; tick < 1200; ++tick) {
     const StepReport report = direct->step();

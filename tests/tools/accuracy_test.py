@@ -212,6 +212,27 @@ class AccuracyTest(ProcessTest):
         plan = self.run_json(UNLATCH, "check", self.write(text.replace("stiffness: 100}", "stiffness: 100, while_free: true}")))
         self.assertNotIn("free_spring", [w["name"] for w in plan["warnings"]])
 
+    def test_bodies_that_lie_in_each_other_at_the_start_are_told_unless_they_are_joined(self):
+        balls = """unlatch: 1
+name: balls
+step: {dt: 0.001, until: 0.1}
+bodies:
+  one: {mass: 1, inertia: [1, 1, 1], shape: [{sphere: {radius: 0.5}}]}
+  two: {mass: 1, inertia: [1, 1, 1], position: [0.7, 0, 0], shape: [{sphere: {radius: 0.5}}]}
+"""
+        told = [(w["where"], w["text"]) for w in self.run_json(UNLATCH, "check", self.write(balls))["warnings"] if w["name"] == "overlap"]
+        self.assertEqual([where for where, _ in told], ["body 'two'"])
+        self.assertIn("lies 0.3 m within 'one'", told[0][1])
+        for mended in (balls.replace("0.7", "1.0"),  # they touch
+                       balls + "joints:\n  latch: {between: [one, two], point: [0.7, 0, 0], modes: {held: {kind: weld}}}\n"):
+            self.assertNotIn("overlap", [w["name"] for w in self.run_json(UNLATCH, "check", self.write(mended))["warnings"]])
+
+    def test_rows_that_drift_are_told(self):
+        wild = LINKAGE.replace("700", "1400").replace("1400]", "2800]").replace("until: 0.05", "until: 0.02")
+        notices = {n["name"]: n for n in json.loads(call(UNLATCH, "run", self.write(wild), "--json", "-").stdout)["notices"]}
+        self.assertIn("accuracy.drift", notices)
+        self.assertIn("off by", notices["accuracy.drift"]["text"])
+
     def test_a_plate_with_rounded_inertias_is_a_warning_and_runs(self):
         text = PAIR.replace("STIFFNESS", "4e4").replace("LENGTH", "1.1")
         plate = self.write(text.replace("inertia: [100, 100, 100]", "inertia: [10.01, 20.02, 30.04]"))

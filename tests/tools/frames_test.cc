@@ -37,7 +37,7 @@ TEST(Frames, HaveTheModalCoordinatesOfFlexibleBodies) {
   scenario.model.bodies = {rigid, build_swinging_body()};
   scenario.shapes.resize(2);
   hil::Simulation simulation(scenario.model, {.dt = scenario.dt});
-  hil::RunAnalysis analysis(scenario, simulation, {});
+  hil::RunAnalysis analysis(scenario, simulation);
   tools::FrameRecorder frames(scenario, simulation, analysis);
   StepReport report;
   for (int tick = 0; tick < 20; ++tick) {

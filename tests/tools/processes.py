@@ -18,7 +18,7 @@ REFERENCE = str(SCENARIOS / "boosters/reference.yaml")
 CACHE = BIN.parent / "CMakeCache.txt"
 SANITIZED = CACHE.exists() and re.search("^UNLATCH_SANITIZE:STRING=.", CACHE.read_text(encoding="utf-8"), re.M) is not None
 
-HANG = 120  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
+HANG = 240  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
 PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine is no dead flight software
 
 

@@ -94,6 +94,9 @@ class ReportTest(ProcessTest):
         self.assertEqual([(limit["id"], limit["value"], limit["met"]) for limit in limits],
                          [("far", 1.5, False), ("distance1, distance2, distance3, distance4", 1, True)])
         self.assertEqual(self.ask("window.struck"), None)
+        own = "unlatchReport.plots.cards.find((card) => card.group.title === 'Quantities required')"
+        self.assertEqual(self.ask(own + ".group.choices.map((choice) => choice.name)")[0], "far")
+        self.assertEqual(self.ask(own + ".limits"), [{"id": "far", "value": 1.5, "met": False}])
         separations = self.ask("[...document.querySelectorAll('h2')].some((title) => title.textContent === 'Separations')")
         self.assertTrue(separations)
 

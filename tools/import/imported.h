@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/scenario/from_eigen.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::tools {
@@ -61,7 +62,7 @@ ImportedModel read_urdf(const std::string& text, const std::string& path, bool f
 ImportedModel read_mjcf(const std::string& path);
 
 // Vectors and attitudes in the kernel's types, as its shapes have them.
-inline Vec3 to_vec3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+using hil::to_vec3;
 inline Quat to_quat(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
 // The axis as z of a right-handed frame.

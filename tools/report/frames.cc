@@ -39,7 +39,8 @@ FrameLayout::FrameLayout(const hil::Scenario& scenario, std::size_t sensor_value
       sensors(channels + scenario.model.channels.size()),
       points(sensors + sensor_values),
       springs(points + kPointColumns * scenario.points.size()),
-      width(springs + kSpringColumns * scenario.model.point_springs.size()) {
+      requirements(springs + kSpringColumns * scenario.model.point_springs.size()),
+      width(requirements + scenario.requirements.size()) {
   for (const Body& body : scenario.model.bodies) {
     modal.push_back(width);
     if (body.flexible) width += static_cast<std::size_t>(body.flexible->frequencies.size());
@@ -107,6 +108,8 @@ FrameRecorder::Frame FrameRecorder::take() const {
   for (const double value : simulation_.workspace().sensors) *to++ = static_cast<float>(value);
   take_points(to);
   take_springs(frame.values.data() + layout_.springs);
+  for (std::size_t i = 0; i < scenario_.requirements.size(); ++i)
+    frame.values[layout_.requirements + i] = static_cast<float>(analysis_.get_requirement_now(i));
   take_modal(frame.values.data());
   return frame;
 }

@@ -21,10 +21,11 @@ namespace unlatch::tools {
 //   sensor   the values of the model's sensors, one after the other
 //   point    its position (3, m) in the axes and from the origin of the body that it is seen from
 //   spring   of springs between points: force (N), length (m), switch scale
+//   requirement   the present value of its quantity, in its unit; NaN outside its interval
 //   modal    of flexible bodies, in the model's order: the modal coordinates
 struct FrameLayout {
   FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values);
-  std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, springs, width;
+  std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, springs, requirements, width;
   std::vector<std::size_t> modal;  // per body: its first modal column
 };
 inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3, kSpringColumns = 3;

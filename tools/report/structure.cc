@@ -66,7 +66,10 @@ Json build_joints(const hil::Scenario& scenario, const hil::RunAnalysis& analysi
     const Joint& joint = scenario.model.joints[i];
     Json modes = Json::array(), peaks = Json::array();
     for (const JointMode& mode : joint.modes) modes.push_back({{"name", mode.name}, {"rows", mode.rows}});
-    for (const hil::PeakReaction& peak : analysis.peaks[i]) peaks.push_back({{"value", peak.value}, {"t", peak.time}});
+    for (std::size_t row = 0; row < kRows; ++row) {
+      const hil::PeakReaction peak = analysis.get_peak(i, row);
+      peaks.push_back({{"value", peak.value}, {"t", peak.time}});
+    }
     list.push_back({{"name", joint.name},
                     {"base", joint.base},
                     {"follower", joint.follower},
@@ -147,6 +150,13 @@ Json build_sensors(const Model& model, const FrameLayout& layout) {
   return list;
 }
 
+Json build_requirements(const hil::Scenario& scenario, const FrameLayout& layout) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < scenario.requirements.size(); ++i)
+    list.push_back({{"id", scenario.requirements[i].id}, {"column", layout.requirements + i}});
+  return list;
+}
+
 }  // namespace
 
 nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil::RunAnalysis& analysis,
@@ -173,7 +183,8 @@ nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil:
           {"pairs_in_all", analysis.clearances().size()},
           {"channels", channels},
           {"sensors", build_sensors(model, layout)},
-          {"points", points}};
+          {"points", points},
+          {"requirements", build_requirements(scenario, layout)}};
 }
 
 }  // namespace unlatch::tools

@@ -28,7 +28,7 @@ Comparison run_at(const ScenarioOptions& options, double dt, double until) {
   other.until = until;
   Comparison run{load(other), nullptr, {}, ""};
   run.simulation = hil::build_simulation(run.scenario);
-  hil::RunAnalysis analysis(run.scenario, *run.simulation, {});
+  hil::RunAnalysis analysis(run.scenario, *run.simulation);
   const hil::LogEnd end =
       hil::run_fast(*run.simulation, analysis, nullptr, calc_last_tick(run.scenario), catch_interrupts(), [] {});
   if (end.status != hil::RunStatus::kDone) run.failure = end.message;

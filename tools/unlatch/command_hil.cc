@@ -221,7 +221,7 @@ class Session {
   int report(const hil::LogEnd& end) {
     const std::string& error = recorder_->get_error();
     const auto again = hil::build_simulation(scenario_);
-    hil::RunAnalysis analysis(scenario_, *again, {});
+    hil::RunAnalysis analysis(scenario_, *again);
     hil::RunOutputs outputs(scenario_, *again, {end.tick}, scenario_.outputs);
     hil::RecordingReader recording(open_recording());
     std::optional<hil::ReplayResult> replayed;

@@ -29,7 +29,7 @@ DesignVerification verify(const hil::DesignProblem& problem, const std::string& 
                           const hil::DesignSample& sample) {
   const hil::Scenario scenario = hil::load_scenario(patch);
   const auto simulation = hil::build_simulation(scenario);
-  hil::RunAnalysis analysis(scenario, *simulation, {});
+  hil::RunAnalysis analysis(scenario, *simulation);
   const hil::LogEnd end =
       hil::run_fast(*simulation, analysis, nullptr, calc_last_tick(scenario), catch_interrupts(), [] {});
   DesignVerification verification{end.status == hil::RunStatus::kDone, end.hash == sample.hash, end.hash};

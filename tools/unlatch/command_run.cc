@@ -150,7 +150,7 @@ int run(const RunOptions& given) {
   if (span.first > span.last) {
     refuse_option("--resume", options.resume + ": is of a time after the end of this run");
   }
-  hil::RunAnalysis analysis(scenario, simulation, {});
+  hil::RunAnalysis analysis(scenario, simulation);
   hil::RunOutputs outputs(scenario, simulation, calc_sample_ticks(options, span),
                           choose_outputs(scenario, options.outputs));
   Checkpoints checkpoints(options, scenario, simulation, span);

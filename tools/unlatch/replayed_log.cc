@@ -26,7 +26,7 @@ OpenedLog::OpenedLog(const std::string& path)
 
 ReplayedLog::ReplayedLog(const std::string& path, const std::string& chosen)
     : opened(path),
-      analysis(opened.scenario, *opened.simulation, {}),
+      analysis(opened.scenario, *opened.simulation),
       outputs(opened.scenario, *opened.simulation, {opened.recording.header.last_tick},
               choose_outputs(opened.scenario, chosen)) {}
 

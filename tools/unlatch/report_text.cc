@@ -129,7 +129,7 @@ void print_reactions(std::FILE* to, const RunReport& report) {
     for (std::size_t row = 0; row < kRows; ++row) {
       double largest = 0;
       for (const std::size_t i : group) {
-        const double value = report.analysis.peaks[i][row].value;
+        const double value = report.analysis.get_peak(i, row).value;
         if (std::abs(value) > std::abs(largest)) largest = value;
       }
       std::fprintf(to, " %12.5g", largest);

@@ -152,9 +152,22 @@ const ownSensors = (run) => run.sensors.filter((sensor) => !DUPLICATED.has(senso
   Array.from({ length: sensor.width }, (_, k) => ({ unit: sensor.unit, column: sensor.column + k,
     name: sensor.width > 1 ? `${sensor.name}.${XYZ[k] ?? k}` : sensor.name }))));
 
+// What each requirement judges, in its interval: also displacements, angles, speeds and components that have no plot of their own.
+function requirements(runs) {
+  const ids = [...new Set(runs.flatMap((run) => run.verdict.map((item) => item.id)))];
+  const build = (id) => (run) => {
+    const item = run.verdict.find((entry) => entry.id === id), place = run.requirements.find((entry) => entry.id === id);
+    if (!item || !place || !run.column(place.column).some(Number.isFinite)) return [];
+    return [{ name: item.quantity, colour: 1, values: run.column(place.column), marks: item.evaluated ? [{ t: item.t, value: item.value }] : [] }];
+  };
+  const choices = ids.map((id) => ({ name: id, unit: runs.flatMap((run) => run.verdict).find((item) => item.id === id).unit || '1', build: build(id) }));
+  return { kind: 'requirement', title: 'Quantities required', note: 'each in its interval, with its limits; the triangle marks the value that counts',
+    choices: choices.filter((choice) => runs.some((run) => choice.build(run).length > 0)) };
+}
+
 export function buildQuantities(runs) {
   const all = [
-    clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
+    requirements(runs), clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
     { kind: 'rate', ...vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG) }, relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true), springs(),
     { kind: 'sensor', ...byUnit('Sensors', 'received by flight software; positions, rates and reactions have plots of their own', runs, ownSensors) },
     byUnit('Commands', 'channels that change, as the steps read them', runs, changingChannels),

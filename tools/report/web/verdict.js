@@ -53,6 +53,7 @@ export const SEPARATION_HEADINGS = ['bodies', 'released, s', 'end of push, s', '
 // A requirement limits the curves of this choice; `scale` turns its SI unit into the plot's.
 function limits(item, first, group, choice) {
   const { kind, row, relative_to: reference } = item.of;
+  if (group.kind === 'requirement') return choice.name === item.id ? 1 : null;
   if (kind !== group.kind) return null;
   if (kind === 'clearance') return 1;
   if (kind === 'reaction') return choice.name === (SIZE[row] ?? row) ? 1 : null;
