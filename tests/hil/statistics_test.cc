@@ -24,7 +24,8 @@ TEST(Statistics, QuantilesAreNumPys) {
 
 TEST(Statistics, ClopperPearsonSolvesTheBinomialTails) {
   constexpr double kSolved = 1e-12;
-  for (const auto& [hits, trials] : {std::pair{0, 10}, {3, 1000}, {5, 10}, {10, 10}, {1, 100000}}) {
+  for (const auto& pair : {std::pair{0, 10}, {3, 1000}, {5, 10}, {10, 10}, {1, 100000}}) {
+    const int hits = pair.first, trials = pair.second;
     const hil::Interval bounds = hil::calc_clopper_pearson(hits, trials);
     const auto tail = [&](double p, int k) {  // P(X ≤ k), summed
       double term = std::pow(1 - p, trials), sum = 0;

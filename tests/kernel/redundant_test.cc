@@ -401,7 +401,7 @@ TEST(RedundantReactions, AreListedByTheJointsThatShareThem) {
   EXPECT_EQ(listed[0].joints, (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(listed[0].rows, 7);
   EXPECT_EQ(listed[0].redundant, 4);
-  for (const std::size_t k : {0, 1, 3, 4}) s.state.joints[k].mode = 1;
+  for (const std::size_t k : {0u, 1u, 3u, 4u}) s.state.joints[k].mode = 1;
   solve(s);
   EXPECT_TRUE(list_redundant_rows(s.plan, s.state, s.workspace).empty());
 }

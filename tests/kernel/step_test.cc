@@ -99,7 +99,8 @@ TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
         const auto first = reinterpret_cast<double*>(&body.start), end = reinterpret_cast<double*>(&body.R);
         poison({first, end});
       }
-      for (CompliantSpring& spring : ev.compliant) spring = {NAN, NAN, NAN, NAN, NAN, NAN};
+      constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+      for (CompliantSpring& spring : ev.compliant) spring = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
       ASSERT_EQ(clean.advance().status, StepStatus::kOk);
       ASSERT_EQ(poisoned.advance().status, StepStatus::kOk);
       ASSERT_TRUE(poisoned.workspace.data().kept.is_of(poisoned.state)) << "tick " << i;

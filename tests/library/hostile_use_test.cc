@@ -317,7 +317,7 @@ std::vector<std::int64_t> get_integers(unlatch_batch* batch, std::int32_t which)
 
 TEST(Batches, ASampleHasTheBitsOfASingleRunOnAnyNumberOfThreads) {
   std::vector<std::int64_t> hashes[2];
-  for (const std::size_t threads : {1, 3}) {
+  for (const std::size_t threads : {1u, 3u}) {
     unlatch_batch* batch = nullptr;
     ASSERT_EQ(unlatch_open_batch(kReference, nullptr, &batch), UNLATCH_OK);
     for (const char* text :

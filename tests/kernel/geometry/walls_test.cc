@@ -32,11 +32,11 @@ Distance measure(const Shape& a, const Shape& b) {
 double search_wall(const Shape& wall, const CompiledShape& b, const Placement& at_b) {
   double least = 1e9;
   for (std::size_t i = 0; i + 1 < wall.profile.size(); ++i) {
-    const auto [z0, r0] = wall.profile[i];
-    const auto [z1, r1] = wall.profile[i + 1];
+    const auto &from = wall.profile[i], &to = wall.profile[i + 1];
     const auto at = [&](double angle) {
       const double c = std::cos(angle), s = std::sin(angle);
-      const Shape line{.kind = ShapeKind::kCapsule, .from = {r0 * c, r0 * s, z0}, .to = {r1 * c, r1 * s, z1}};
+      const Shape line{
+          .kind = ShapeKind::kCapsule, .from = {from.r * c, from.r * s, from.z}, .to = {to.r * c, to.r * s, to.z}};
       return std::max(0.0, calc_distance(geometry::compile_shape(line), {}, b, at_b).distance);
     };
     constexpr int kAngles = 720;
