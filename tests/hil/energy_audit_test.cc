@@ -62,6 +62,20 @@ std::string spring(const std::string& stiffness, const std::string& damping) {
 }
 
 // x'' + 2 ζ ω x' + ω² x = 0 with the reduced mass 1 kg: what is left after t is E(t), and the damper has the rest.
+// From rest, with a force that begins as t, the energy is as t⁴: a trapezoid takes twice of it in the first tick.
+TEST(EnergyAudit, AForceThatBeginsFromZeroAtRestIsExplained) {
+  const Audited run(R"(unlatch: 1
+name: sine
+step: {dt: 0.0005, until: 0.4}
+bodies:
+  a: {mass: 500, inertia: [1, 1, 1]}
+elements:
+  thruster: {type: thrust, body: a, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 1500, frequency: 6, phase: 0}]}}
+)");
+  EXPECT_THAT(run.get_names(), testing::IsEmpty());
+  EXPECT_EQ(run.watch.describe_failure(), "");
+}
+
 TEST(EnergyAudit, ASpringAndItsDamperBalanceAsTheClosedFormSays) {
   const Audited run(spring("400", "1.2"));
   const double omega = 20, decay = 0.6, swing = std::sqrt(omega * omega - decay * decay), t = 1, x0 = 0.5;

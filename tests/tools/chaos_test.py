@@ -5,7 +5,7 @@
 
 UNLATCH_CYCLES: in how many sessions something is killed or stopped (6). A thousand, by hand:
 
-    UNLATCH_CYCLES=1000 tests/support/netns.sh tests/tools/chaos_test.py build/release/bin . ChaosTest.test_sessions_survive_what_befalls_their_processes
+    UNLATCH_CYCLES=1000 tests/support/netns.sh python3 tests/tools/chaos_test.py build/release/bin . ChaosTest.test_sessions_survive_what_befalls_their_processes
 """
 
 import collections
