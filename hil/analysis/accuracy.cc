@@ -86,6 +86,22 @@ void add_reactions(const Model& model, const RunAnalysis& analysis, std::vector<
   }
 }
 
+void add_contacts(const RunAnalysis& analysis, double length, std::vector<NamedValue>& values) {
+  for (const ContactRecord& contact : analysis.list_contacts()) {
+    if (contact.touches == 0 && !contact.closed_at_start) continue;
+    const std::string of = " of " + contact.name;
+    const auto add = [&](const char* what, const char* unit, double value, double size, double time) {
+      values.push_back({what + of, unit, Kind::kContact, value, size, time});
+    };
+    if (contact.touch) add("first touch", "s", *contact.touch, length, *contact.touch);
+    if (contact.lift) add("last lift", "s", *contact.lift, length, *contact.lift);
+    add("peak force", "N", contact.peak_force, contact.peak_force, contact.peak_time);
+    add("greatest depth", "m", contact.depth, contact.depth, contact.peak_time);
+    add("impulse", "N s", contact.totals.impulse, contact.totals.impulse, contact.peak_time);
+    add("loss", "J", contact.totals.dissipated, contact.totals.dissipated, contact.peak_time);
+  }
+}
+
 void add_poses(const Model& model, const Simulation& simulation, std::vector<NamedValue>& values) {
   const double time = simulation.get_time();
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
@@ -169,8 +185,6 @@ std::string text(const char* pattern, double number, const std::string& name) {
 std::string find_reason(const Scenario& scenario, const Method& method, const AccuracyEntry& entry,
                         const std::vector<AccuracyEntry>& all, double dt) {
   if (!method.stiff.empty()) return "spring '" + method.stiff + "' is stiffer than the step resolves";
-  if (entry.value.kind == Kind::kReaction)
-    return "an extreme taken at ticks: its instant, or the event that ends it, lies between two";
   const AccuracyEntry* mover = nullptr;
   for (const AccuracyEntry& other : all) {
     if (other.value.kind != Kind::kTime || other.settles || other.value.time > entry.value.time) continue;
@@ -196,6 +210,7 @@ std::vector<NamedValue> list_values(const Scenario& scenario, const Simulation& 
   add_rates(analysis, values);
   add_separations(scenario.model, analysis, values);
   add_reactions(scenario.model, analysis, values);
+  add_contacts(analysis, simulation.get_time(), values);
   add_poses(scenario.model, simulation, values);
   add_requirements(scenario, analysis, values);
   return values;

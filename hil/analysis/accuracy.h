@@ -18,7 +18,7 @@ namespace unlatch::hil {
 
 // A number that a run ends with. Runs of one scenario at several steps have the same ones, by `what`.
 struct NamedValue {
-  enum class Kind { kTime, kClearance, kRate, kSeparation, kReaction, kPose, kRequirement };
+  enum class Kind { kTime, kClearance, kRate, kSeparation, kReaction, kContact, kPose, kRequirement };
   std::string what;  // "time of release booster1", "smallest clearance core – booster1", …
   std::string unit;
   Kind kind = Kind::kTime;
@@ -27,7 +27,8 @@ struct NamedValue {
   double time = 0;  // s: the instant that it is of
 };
 
-// Event times, smallest clearances, rates at release, separations, peak reactions, final poses, values of requirements.
+// Event times, smallest clearances, rates at release, separations, peak reactions, contacts, final
+// poses, values of requirements.
 std::vector<NamedValue> list_values(const Scenario& scenario, const Simulation& simulation,
                                     const RunAnalysis& analysis);
 

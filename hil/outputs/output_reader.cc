@@ -4,6 +4,7 @@
 
 #include "hil/motion/motion_window.h"
 #include "hil/scenario/index.h"
+#include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -16,6 +17,7 @@ void put(std::span<const double> values, std::span<double> to) { std::ranges::co
 
 bool is_of_body(Kind kind) { return kind <= Kind::kModalRate; }
 bool is_of_joint(Kind kind) { return kind >= Kind::kMode && kind <= Kind::kAngleRate; }
+bool is_of_contact(Kind kind) { return kind >= Kind::kContactForce && kind <= Kind::kContactDissipated; }
 bool is_of_element(Kind kind) { return kind >= Kind::kElementForce && kind <= Kind::kElementScale; }
 
 }  // namespace
@@ -52,6 +54,8 @@ void OutputReader::read(std::span<const std::size_t> outputs, std::span<double> 
       read_joint(output, own);
     } else if (is_of_element(output.kind)) {
       read_element(output, own);
+    } else if (is_of_contact(output.kind)) {
+      read_contact(output, own);
     } else if (output.kind == Kind::kSensor) {
       put(simulation_.workspace().sensors.subspan(first_sensor_value_[at(output.subject)], own.size()), own);
     } else if (output.kind == Kind::kSignal) {
@@ -143,6 +147,33 @@ void OutputReader::read_element(const Output& output, std::span<double> to) cons
       break;
     default:
       to[0] = reading.length;
+  }
+}
+
+void OutputReader::read_contact(const Output& output, std::span<double> to) const {
+  const Plan& plan = simulation_.plan();
+  const State& state = simulation_.state();
+  switch (output.kind) {
+    case Kind::kContactForce:
+      to[0] = calc_contact(plan, state, output.subject).normal;
+      break;
+    case Kind::kContactFriction:
+      to[0] = calc_contact(plan, state, output.subject).friction;
+      break;
+    case Kind::kContactDepth:
+      to[0] = calc_contact(plan, state, output.subject).depth;
+      break;
+    case Kind::kContactSlipSpeed:
+      to[0] = calc_contact(plan, state, output.subject).slip;
+      break;
+    case Kind::kContactImpulse:
+      to[0] = get_contact_totals(plan, state, output.subject).impulse;
+      break;
+    case Kind::kContactSlip:
+      to[0] = get_contact_totals(plan, state, output.subject).slip;
+      break;
+    default:
+      to[0] = get_contact_totals(plan, state, output.subject).dissipated;
   }
 }
 

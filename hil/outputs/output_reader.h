@@ -32,6 +32,7 @@ class OutputReader {
  private:
   void read_body(const Output& output, std::span<double> to) const;
   void read_joint(const Output& output, std::span<double> to) const;
+  void read_contact(const Output& output, std::span<double> to) const;
   void read_element(const Output& output, std::span<double> to) const;
   void update_clearances();
 

@@ -124,6 +124,16 @@ class List {
     add(Kind::kElementRate, of, "rate", "rate", "", angular ? "rad/s" : "m/s", {"rate"});
   }
 
+  void add_contact(const Subject& of) {
+    add(Kind::kContactForce, of, "force", "force", "", "N", {"force"});
+    add(Kind::kContactFriction, of, "friction", "friction", "", "N", {"friction"});
+    add(Kind::kContactDepth, of, "depth", "depth", "", "m", {"depth"});
+    add(Kind::kContactSlipSpeed, of, "slip_speed", "slip_speed", "", "m/s", {"slip_speed"});
+    add(Kind::kContactImpulse, of, "impulse", "impulse", "", "N s", {"impulse"});
+    add(Kind::kContactSlip, of, "slip", "slip", "", "m", {"slip"});
+    add(Kind::kContactDissipated, of, "dissipated", "dissipated", "", "J", {"dissipated"});
+  }
+
   // Numbered as State::elements are.
   void add_elements() {
     std::size_t number = 0;
@@ -155,7 +165,10 @@ class List {
       add_coordinate(of, true);
       finish(of);
     }
-    number += model_.contacts.size();
+    for (std::size_t i = 0; i < model_.contacts.size(); ++i) {
+      add_contact({"element", model_.contacts[i].name, i});
+      finish({"element", model_.contacts[i].name, number++});
+    }
     for (const OneSided& force : model_.one_sided) {
       const Subject of{"element", force.name, number++};
       const bool angular = force.joint != kNone && force.axis >= kRotX;

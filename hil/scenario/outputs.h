@@ -39,6 +39,13 @@ struct Output {
     kElementCoordinate,    // of a joint spring, plane torsion, one-sided force or friction, m or rad
     kElementRate,          // rate of the length or coordinate, m/s or rad/s
     kElementScale,         // of an element's switch, 0 to 1
+    kContactForce,         // of a contact (unlatch/contacts.h): sum of the pairs' normal forces, N
+    kContactFriction,      // sum of the sizes of their friction, N
+    kContactDepth,         // of the deepest pair, m; 0 while it is open
+    kContactSlipSpeed,     // weighted by the normal forces, m/s
+    kContactImpulse,       // of the normal forces since the start, N s
+    kContactSlip,          // path of the slip since the start, m
+    kContactDissipated,    // what damping and friction took since the start, J
     kSensor,               // values of a sensor, as measured at this tick, without the rates of groups
     kSignal,               // of a signal, 0 or 1
     kCommand,              // commanded value of a channel, in its unit
@@ -50,7 +57,7 @@ struct Output {
   };
 
   Kind kind = Kind::kPosition;
-  int subject = 0;              // body, joint, element, sensor, signal, channel or pair, by its number
+  int subject = 0;              // body, joint, element, contact, sensor, signal, channel or pair, by its number
   std::string group, of, what;  // "body", "core", "velocity"
   std::string name;             // "body.core.velocity"; "signal.armed", "clearance.core.booster1" have no third part
   std::string key;              // in JSON: "v"

@@ -1,6 +1,8 @@
 // Contacts of the language, and what a run tells of them, against closed forms.
 #include <cmath>
+#include <map>
 
+#include "hil/analysis/accuracy.h"
 #include "hil/notices/forecast.h"
 #include "tests/hil/analysed_run.h"
 
@@ -56,6 +58,34 @@ TEST(Contacts, ABlowHasItsForceImpulseAndTimes) {
   EXPECT_NEAR(run.judge("touch").value, half, kLocated);
   EXPECT_EQ(run.analysis.timeline.size(), 2u);
   EXPECT_EQ(find_notice(run, "contact"), nullptr);
+}
+
+TEST(Contacts, EstimatedErrorsBoundTheTrueOnesOfABlow) {
+  const auto list = [](const std::string& dt) {
+    std::string text = build_blow("stiffness: 0.2 MN/m");
+    text.replace(text.find("dt: 1 ms"), 8, "dt: " + dt);
+    const AnalysedRun run(text);
+    return hil::list_values(run.scenario, *run.simulation, run.analysis);
+  };
+  const std::vector<hil::NamedValue> full = list("2 ms"), half = list("1 ms"), quarter = list("0.5 ms");
+  const AnalysedRun run(build_blow("stiffness: 0.2 MN/m"));
+  const hil::AccuracyReport report = hil::compare_steps(run.scenario, *run.simulation, full, half, quarter);
+  EXPECT_EQ(report.mismatch, "");
+  const double omega = std::sqrt(2e5 / 2), swing = std::acos(-1.0) / omega;
+  const std::map<std::string, double> truths{{"first touch of blow", 0.1},
+                                             {"last lift of blow", 0.1 + swing},
+                                             {"peak force of blow", 3 * std::sqrt(2e5 * 2)},
+                                             {"greatest depth of blow", 3 / omega},
+                                             {"impulse of blow", 12}};
+  std::size_t found = 0;
+  for (const hil::AccuracyEntry& entry : report.entries) {
+    const auto truth = truths.find(entry.value.what);
+    if (truth == truths.end()) continue;
+    ++found;
+    EXPECT_LT(std::abs(entry.value.value - truth->second), 3 * entry.error + 1e-10 * truth->second) << truth->first;
+    EXPECT_LT(entry.error, 1e-3 * truth->second) << truth->first;
+  }
+  EXPECT_EQ(found, truths.size());
 }
 
 TEST(Contacts, TheAuditExplainsTheEnergyThatABlowTakes) {

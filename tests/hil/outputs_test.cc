@@ -166,6 +166,31 @@ elements:
   EXPECT_EQ(read("element.pusher.force")[0], 0);
 }
 
+// 2 kg at 3 m/s on 0.2 MN/m: the depth is 3/w sin(w t) after the touch at 0.1 s, w = 316 rad/s.
+TEST_F(OutputsTest, ContactsTellTheirForceDepthAndTotals) {
+  scenario = hil::load_scenario_text(R"(unlatch: 1
+name: blow
+step: {dt: 1 ms, until: 0.2, contact_substeps: 8}
+bodies:
+  wall: {mass: 1e9, inertia: [1e9, 1e9, 1e9], shape: [{box: {size: [2, 10, 10]}}]}
+  ball: {mass: 2, inertia: [1, 1, 1], position: [1.8, 0, 0], velocity: [-3, 0, 0], shape: [{sphere: {radius: 0.5}}]}
+contacts:
+  blow: {between: [wall, ball], stiffness: 0.2 MN/m}
+)",
+                                     "blow.yaml");
+  simulation = hil::build_simulation(scenario);
+  step(50);
+  for (const char* what : {"force", "friction", "depth", "slip_speed", "impulse", "slip", "dissipated"})
+    EXPECT_EQ(read("element.blow." + std::string(what))[0], 0) << what;
+  EXPECT_EQ(read("element.blow.scale")[0], 1);
+  step(53);  // 3 ms after the touch
+  const double omega = std::sqrt(2e5 / 2), depth = 3 / omega * std::sin(omega * 0.003);
+  EXPECT_NEAR(read("element.blow.depth")[0], depth, 1e-7);
+  EXPECT_NEAR(read("element.blow.force")[0], 2e5 * depth, 2e5 * 1e-7);
+  EXPECT_NEAR(read("element.blow.impulse")[0], 6 * (1 - std::cos(omega * 0.003)), 1e-5);
+  EXPECT_NEAR(read("element.blow.slip_speed")[0], 0, 1e-9);
+}
+
 TEST_F(OutputsTest, GroupsHaveRatesOfTheirOwn) {
   load(
       "outputs:\n  - {select: [ball.velocity, \"*.force\"], every: 100}\n  - {select: [spring.length], rate: 200 "
