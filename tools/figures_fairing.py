@@ -5,6 +5,12 @@ import math
 MODES = "fairing/fairing.modes"
 CENTRE = (0, 1.153, 5.700)  # of mass of a half, in the file's axes, m
 
+# Of synthesis.yaml: where it starts, and its optimum.
+DESIGNS = {
+    "start: 140 kN/m, 0.52 m, 65 deg": {"stiffness": "140 kN/m", "stroke": "0.52 m", "release_angle": "65 deg"},
+    "optimum: 50 kN/m, 0.730 m, 59.7 deg": {"stiffness": "50 kN/m", "stroke": "0.7303993 m", "release_angle": "1.0424943 rad"},
+}
+
 
 def read_modes(path):
     """Frequencies in Hz and points (mass, place, displacements by mode) of a modes file."""
@@ -146,4 +152,28 @@ def add(figure, tools):
         gap.set(xlim=(0, 1.2), ylim=(0.2, 1.2), xlabel="t, s", ylabel="distance, m")
         gap.legend(ncols=2, loc="upper left")
         gap.set_title("Distance of half 1's free edge from the payload, elastic and stiff (its eighth mode alone)", loc="left")
+        return drawn
+
+    @figure("fairing-synthesis")
+    def synthesis(bench):
+        import matplotlib.pyplot as plt
+        drawn, columns = plt.subplots(1, 2, figsize=(7.5, 3.4), sharey=True, constrained_layout=True)
+        edges = ("base", "middle", "top")
+        for axes, (title, values) in zip(columns, DESIGNS.items()):
+            options = [text for name, value in values.items() for text in ("--set", f"constants.{name}={value}")]
+            run = bench.call("run", tools.SCENARIOS / "fairing/design.yaml", "--outputs",
+                             ",".join(f"clearance.core.half1_{edge}_left" for edge in edges), "--json", "-", *options)
+            table = run["outputs"][0]
+            release = next(event["t"] for event in run["events"] if event["name"] == "release")
+            for k, (edge, colour) in enumerate(zip(edges, ("#c1121f", "#e09f3e", "#457b9d"))):
+                axes.plot(table["t"], [row[k] for row in table["rows"]], color=colour, label=edge)
+            axes.plot([0, release], [0.22, 0.22], color="0.3", linewidth=0.8, linestyle="--", label="zone")
+            axes.plot([release, 3], [0.6, 0.6], color="0.3", linewidth=0.8, linestyle="--")
+            axes.axvline(release, color="0.7", linewidth=0.8)
+            axes.annotate(f"release {release:.3f} s", (release, 1.4), xytext=(-3, 0), textcoords="offset points", rotation=90,
+                          fontsize=tools.LABEL, ha="right", va="top")
+            axes.set(xlim=(0, 3), ylim=(0, 1.5), xlabel="t, s")
+            axes.set_title(title, loc="left", fontsize=tools.LABEL + 1)
+        columns[0].set_ylabel("edge of half 1 to the payload, m")
+        columns[0].legend(loc="lower left", ncols=4)
         return drawn

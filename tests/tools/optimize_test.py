@@ -250,10 +250,10 @@ class OptimizeTest(ProcessTest):
 
     # --- The shipped problems ----------------------------------------------------------------------------------------
 
-    def optimize_shipped(self, file, out, runs, code=0):
+    def optimize_shipped(self, file, out, runs, code=0, folder="boosters"):
         """A shipped problem with another budget, beside copies of the scenarios that it names."""
-        shutil.copytree(SCENARIOS / "boosters", self.folder / "boosters", dirs_exist_ok=True)
-        path = self.folder / "boosters" / file
+        shutil.copytree(SCENARIOS / folder, self.folder / folder, dirs_exist_ok=True)
+        path = self.folder / folder / file
         path.write_text(re.sub(r"budget: {runs: \d+}", f"budget: {{runs: {runs}}}", path.read_text()))
         done = subprocess.run([UNLATCH, "optimize", path, "--out", self.folder / out], capture_output=True, text=True)
         self.assertEqual(done.returncode, code, done.stderr)
@@ -298,6 +298,33 @@ class OptimizeTest(ProcessTest):
         optimum = result["objectives"][0]["value"]
         self.assertLessEqual(optimum, min(costs))
         self.assertGreater(optimum, min(costs) - 4)  # half a step of each variable: 1.2 + 0.28 + 0.56 + 0.4, and of what they bound
+
+    def test_no_design_of_a_scan_is_better_than_the_fairings_optimum(self):
+        result = self.optimize_shipped("synthesis.yaml", "o", 100, folder="fairing")
+        self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
+        self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
+        problem = yaml.safe_load((SCENARIOS / "fairing/synthesis.yaml").read_text())
+        scanned = {"spring": (50, 250, "kN/m"), "travel": (0.3, 0.8, "m"), "angle": (50, 75, "deg")}
+        for name, (low, high, unit) in scanned.items():  # catalogues: every combination is flown, no optimiser chooses
+            self.assertEqual(problem["variables"][name]["between"], [f"{low} {unit}", f"{high} {unit}"])
+            problem["variables"][name] = {"path": problem["variables"][name]["path"],
+                                          "values": [f"{low + (high - low) * k / 4:g} {unit}" for k in range(5)]}
+        problem["budget"] = {"runs": 125}
+        (self.folder / "fairing/scan.yaml").write_text(yaml.safe_dump(problem))
+        done = subprocess.run([UNLATCH, "optimize", self.folder / "fairing/scan.yaml", "--out", self.folder / "scan"],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.folder / "scan/history.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))[:125]
+        margins = [name for name in rows[0] if ".margin" in name]
+        self.assertEqual(len(margins), len(problem["constraints"]))
+        energy = next(name for name in rows[0] if name.startswith("spring * travel^2"))
+        met = [float(row[energy]) for row in rows if all(row[name] and float(row[name]) >= 0 for name in margins)]
+        self.assertEqual(len({tuple(list(row.values())[3:6]) for row in rows}), 125)  # the variables
+        self.assertGreater(len(met), 5)
+        optimum = result["objectives"][0]["value"]
+        self.assertLessEqual(optimum, min(met))
+        self.assertGreater(optimum, min(met) - 9e3)  # J: a step of the stroke at the softest spring
 
 
 if __name__ == "__main__":
