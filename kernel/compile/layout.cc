@@ -405,7 +405,8 @@ class Layout {
       used_ += kRows;
     }
     plan_.block_numbers = used_;
-    plan_.joint_constants.assign(at(constants_), 0.0);
+    // A group without a joint points to the first of them, which is there also if no group has one.
+    plan_.joint_constants.assign(std::max(at(constants_), std::size_t{kEight}), 0.0);
   }
 
   const Model& model_;

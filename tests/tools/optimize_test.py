@@ -304,27 +304,26 @@ class OptimizeTest(ProcessTest):
         self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
         problem = yaml.safe_load((SCENARIOS / "fairing/synthesis.yaml").read_text())
-        scanned = {"spring": (50, 250, "kN/m"), "travel": (0.3, 0.8, "m"), "angle": (50, 75, "deg")}
-        for name, (low, high, unit) in scanned.items():  # catalogues: every combination is flown, no optimiser chooses
-            self.assertEqual(problem["variables"][name]["between"], [f"{low} {unit}", f"{high} {unit}"])
-            problem["variables"][name] = {"path": problem["variables"][name]["path"],
-                                          "values": [f"{low + (high - low) * k / 4:g} {unit}" for k in range(5)]}
-        problem["budget"] = {"runs": 125}
+        scanned = {"spring": ((50, 60, 80), "kN/m"), "travel": ((0.6, 0.64, 0.68, 0.7, 0.72, 0.74, 0.76, 0.78, 0.8), "m"),
+                   "angle": ((54, 57, 60, 63, 66), "deg")}
+        for name, (values, unit) in scanned.items():  # catalogues: every combination is flown, no optimiser chooses
+            problem["variables"][name] = {"path": problem["variables"][name]["path"], "values": [f"{value:g} {unit}" for value in values]}
+        problem["budget"] = {"runs": 135}
         (self.folder / "fairing/scan.yaml").write_text(yaml.safe_dump(problem))
         done = subprocess.run([UNLATCH, "optimize", self.folder / "fairing/scan.yaml", "--out", self.folder / "scan"],
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(self.folder / "scan/history.csv", newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))[:125]
+            rows = list(csv.DictReader(file))[:135]
         margins = [name for name in rows[0] if ".margin" in name]
         self.assertEqual(len(margins), len(problem["constraints"]))
         energy = next(name for name in rows[0] if name.startswith("spring * travel^2"))
         met = [float(row[energy]) for row in rows if all(row[name] and float(row[name]) >= 0 for name in margins)]
-        self.assertEqual(len({tuple(list(row.values())[3:6]) for row in rows}), 125)  # the variables
-        self.assertGreater(len(met), 5)
+        self.assertEqual(len({tuple(list(row.values())[3:6]) for row in rows}), 135)  # the variables
+        self.assertGreater(len(met), 20)
         optimum = result["objectives"][0]["value"]
         self.assertLessEqual(optimum, min(met))
-        self.assertGreater(optimum, min(met) - 9e3)  # J: a step of the stroke at the softest spring
+        self.assertGreater(optimum, min(met) - 1.5e3)  # J: a step of the stroke at the softest spring
 
 
 if __name__ == "__main__":
