@@ -27,6 +27,26 @@ requirements:
 
 AnalysedRun pass(const std::string& requirements) { return AnalysedRun(kPass + requirements); }
 
+// An arm swings as a (1 - cos w t) with w² = 160 N m / 3 kg m²: its pull at the hinge is greatest in the middle,
+// between two ticks.
+TEST(PeakReactions, AreLocatedInsideTheStep) {
+  const AnalysedRun run(R"(unlatch: 1
+name: swing
+step: {dt: 1 ms, until: 0.4}
+bodies:
+  arm: {mass: 2, inertia: [1, 1, 1], position: [cos(0.3), -sin(0.3), 0], attitude: {rotate: [[z, -0.3]]}}
+joints:
+  hinge: {between: [ground, arm], point: [0, 0, 0], follower_point: [-1, 0, 0], modes: {hinge: {kind: revolute, axis: z}}}
+elements:
+  spring: {type: joint_spring, joint: hinge, axis: rot_z, stiffness: 160, rest: 0.3}
+)");
+  const double omega = std::sqrt(160.0 / 3), middle = 0.5 * std::acos(-1.0) / omega;
+  const hil::PeakReaction peak = run.analysis.get_peak(0, kX);
+  EXPECT_NEAR(peak.time, middle, 1e-6);
+  EXPECT_NEAR(peak.value, -2 * 0.09 * omega * omega, 1e-8);
+  EXPECT_EQ(run.analysis.get_peak(0, kRotZ).value, 0);  // the hinge does not hold it
+}
+
 TEST(Requirements, SmallestClearanceIsLocatedInsideTheStep) {
   const AnalysedRun run = pass(
       "  - {id: kept, clearance: [still, moving], at_least: 0.2}\n"
