@@ -27,6 +27,13 @@ class ScenarioError : public std::runtime_error {
   std::vector<ScenarioMistake> mistakes;
 };
 
+// A number with a unit that has been read at a node.
+struct NumberRead {
+  const YamlNode* node;
+  std::string unit;  // SI
+  double value;
+};
+
 // Collects mistakes while a scenario is read; knows what marks refer to, and the constants that numbers may name.
 class Mistakes {
  public:
@@ -47,6 +54,13 @@ class Mistakes {
   const Constants& constants() const { return constants_; }
   void add_constant(const std::string& name, const Quantity& value) { constants_[name] = value; }
 
+  // The numbers read from now on are kept: hil/language/yaml_numbers.h lists them.
+  void keep_numbers() { keeps_numbers_ = true; }
+  void note_number(const YamlNode& node, const std::string& unit, double value) {
+    if (keeps_numbers_) numbers_.push_back({&node, unit, value});
+  }
+  const std::vector<NumberRead>& numbers() const { return numbers_; }
+
  private:
   void fold_instances();
   void fold_repeated();
@@ -55,6 +69,8 @@ class Mistakes {
   std::vector<std::string> overrides_;
   std::vector<ScenarioMistake> list_;
   Constants constants_;
+  bool keeps_numbers_ = false;
+  std::vector<NumberRead> numbers_;
 };
 
 // The one of `known` that is nearest to `wrong`, by Levenshtein's distance; nullptr if that is more than `limit`.

@@ -80,7 +80,10 @@ double read_number(const YamlNode& node, const std::string& unit, double fallbac
   const auto quantity = read_expression(node, "a number" + (unit.empty() ? "" : ", in " + unit), mend, mistakes);
   if (!quantity) return fallback;
   const Dimension& given = quantity->dimension;
-  if (given.is_plain() || dimension_of(unit).takes(given)) return quantity->value;
+  if (given.is_plain() || dimension_of(unit).takes(given)) {
+    mistakes.note_number(node, unit, quantity->value);
+    return quantity->value;
+  }
   mistakes.add(
       node.mark,
       quote(node.text) + " is " + describe_dimension(given) + ", not " + describe_dimension(dimension_of(unit)), mend);

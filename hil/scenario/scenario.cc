@@ -39,7 +39,10 @@ Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::st
 Scenario read_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
   Mistakes mistakes(file, overrides);
   const YamlNode root = build_tree(sources, file, overrides, mistakes);
-  return read_tree(root, sources, file, overrides, mistakes);
+  mistakes.keep_numbers();
+  Scenario scenario = read_tree(root, sources, file, overrides, mistakes);
+  scenario.numbers = list_written_numbers(root, mistakes);
+  return scenario;
 }
 
 std::set<std::string> list_mistakes(const ScenarioSources& sources, const std::string& file,

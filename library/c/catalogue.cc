@@ -54,6 +54,8 @@ Catalogue::Catalogue(const hil::Scenario& scenario) {
   for (const hil::NamedConstant& constant : scenario.constants)
     add(UNLATCH_CONSTANT, constant.name, hil::describe_unit(constant.value.dimension), "constants." + constant.name)
         .initial = constant.value.value;
+  for (const hil::WrittenNumber& number : scenario.numbers)
+    add(UNLATCH_NUMBER, number.path, number.unit, "").initial = number.value;
 }
 
 unlatch_item& Catalogue::add(std::int32_t kind, std::string name, std::string unit, std::string text) {

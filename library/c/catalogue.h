@@ -14,7 +14,7 @@ namespace unlatch::library {
 
 class Catalogue {
  public:
-  static constexpr std::int32_t kKinds = UNLATCH_CONSTANT + 1;
+  static constexpr std::int32_t kKinds = UNLATCH_NUMBER + 1;
 
   explicit Catalogue(const hil::Scenario& scenario);
   Catalogue(const Catalogue&) = delete;

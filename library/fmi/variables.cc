@@ -20,6 +20,7 @@ class Lister {
     add_bodies();
     add_clearances();
     add_constants();
+    add_numbers();
     return good_ ? std::move(variables_) : std::vector<Variable>{};
   }
 
@@ -111,6 +112,16 @@ class Lister {
     for (std::size_t i = 0, n = count(UNLATCH_CONSTANT); i < n && good_; ++i) {
       const unlatch_item item = describe(UNLATCH_CONSTANT, i);
       variables_.push_back({item.text, item.unit, "constant of the scenario", Variable::Causality::kParameter,
+                            item.initial, 0, 0, nullptr});
+    }
+  }
+  // Without the version of the language, and the step and end of the run, which are the importer's.
+  void add_numbers() {
+    for (std::size_t i = 0, n = count(UNLATCH_NUMBER); i < n && good_; ++i) {
+      const unlatch_item item = describe(UNLATCH_NUMBER, i);
+      const std::string_view path = item.name;
+      if (path == "unlatch" || path == "step.dt" || path == "step.until") continue;
+      variables_.push_back({item.name, item.unit, "number of the scenario", Variable::Causality::kParameter,
                             item.initial, 0, 0, nullptr});
     }
   }

@@ -1,9 +1,9 @@
 // The variables of an FMU: the channels of a scenario as inputs; sensors, reactions, bodies and clearances as outputs;
-// its constants as parameters.
+// its constants, and the numbers that it writes out, as parameters.
 // The description and the running FMU make the same list from the same scenario.
 //
-//   value reference   0: time; 1 + i: channel i; then sensors, reactions, bodies, clearances, constants, numbered
-//                     on
+//   value reference   0: time; 1 + i: channel i; then sensors, reactions, bodies, clearances, constants, numbers,
+//                     counted on
 #pragma once
 
 #include <cstdint>

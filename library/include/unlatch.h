@@ -116,7 +116,9 @@ enum {
   UNLATCH_REQUIREMENT = 6,
   UNLATCH_CLEARANCE = 7,  /* watched pairs of bodies */
   UNLATCH_QUANTITY = 8,   /* what requirements can be about: "reaction.nose1.x" */
-  UNLATCH_CONSTANT = 9    /* the scenario's own constants; "constants.NAME=VALUE" overrides one */
+  UNLATCH_CONSTANT = 9,   /* the scenario's own constants; "constants.NAME=VALUE" overrides one */
+  UNLATCH_NUMBER = 10     /* numbers that the scenario writes out, by their path; "PATH=VALUE" overrides one. What
+                             follows from constants is not among them */
 };
 
 typedef struct unlatch_item {
@@ -127,7 +129,7 @@ typedef struct unlatch_item {
                            a requirement writes them; constants: their path, "constants.NAME"; else "" */
   int32_t first, width;  /* sensors: place of its first value, number of values; joints: 0, number of modes */
   int32_t a, b;          /* joints: base and follower; clearances: the bodies; -1: the ground; else -1 */
-  double initial;        /* channels; constants: the value */
+  double initial;        /* channels; constants, numbers: the value */
   double minimum, maximum; /* channels: their range; requirements: the limits, infinite where there is none */
   double safe;           /* channels */
 } unlatch_item;

@@ -117,6 +117,7 @@ class PythonTest(ProcessTest):
             self.assertEqual(sim.quantities["reaction.nose1.x"].text, "reaction: {joint: nose1, row: x}")
             self.assertEqual((sim.constants["slope"].value, sim.constants["slope"].unit), (0.06, "rad"))
             self.assertEqual(sim.get_unit("constant", "node_radius"), "m")
+            self.assertEqual(sim.numbers["bodies.core.mass"], unlatch.Number(98500, "kg"))
         # What the list writes is what the language reads.
         for name in ("rate.core", "clearance.core.booster1", "displacement.nose1.x", "sensor.kr1", "time.liftoff:booster3"):
             with unlatch.load(BOOSTERS) as sim:

@@ -137,6 +137,19 @@ TEST(CLibrary, ListsWhatRequirementsCanBeAboutAndTheConstantsWithUnits) {
   EXPECT_EQ(radius.initial, 1.32);
 }
 
+TEST(CLibrary, ListsTheNumbersThatAScenarioWritesOutByTheirPaths) {
+  const Loaded sim(kScenario);
+  const unlatch_item mass = sim.describe(UNLATCH_NUMBER, sim.find(UNLATCH_NUMBER, "bodies.core.mass"));
+  EXPECT_STREQ(mass.unit, "kg");
+  EXPECT_EQ(mass.initial, 98500);
+  std::set<std::string> paths;
+  for (std::size_t i = 0; i < sim.count(UNLATCH_NUMBER); ++i) paths.insert(sim.describe(UNLATCH_NUMBER, i).name);
+  EXPECT_EQ(paths.size(), sim.count(UNLATCH_NUMBER));
+  EXPECT_GT(paths.size(), 100u);
+  EXPECT_TRUE(paths.contains("bodies.booster4.mass"));                                       // of a template
+  for (const std::string& path : paths) EXPECT_FALSE(path.starts_with("constants.")) << path;  // a kind of their own
+}
+
 TEST(CLibrary, StopsAtEventsAndKeepsThem) {
   const Loaded sim(kReference);
   std::uint64_t done = 0;

@@ -18,8 +18,8 @@ Numbers = npt.NDArray[np.float64]
 Value = TypeVar("Value")
 
 # Kinds of items and arrays of unlatch.h.
-_BODY, _JOINT, _CHANNEL, _SENSOR, _SIGNAL, _EVENT, _REQUIREMENT, _CLEARANCE, _QUANTITY, _CONSTANT = range(10)
-_KINDS = ("body", "joint", "channel", "sensor", "signal", "event", "requirement", "clearance", "quantity", "constant")
+_BODY, _JOINT, _CHANNEL, _SENSOR, _SIGNAL, _EVENT, _REQUIREMENT, _CLEARANCE, _QUANTITY, _CONSTANT, _NUMBER = range(11)
+_KINDS = ("body", "joint", "channel", "sensor", "signal", "event", "requirement", "clearance", "quantity", "constant", "number")
 (_POSITIONS, _ATTITUDES, _VELOCITIES, _ANGULAR_VELOCITIES, _MODAL, _JOINT_MODES, _REACTIONS, _SENSORS, _SIGNALS, _CHANNELS,
  _CLEARANCES) = range(11)
 _STATUS_END = 2
@@ -60,6 +60,13 @@ class Quantity(NamedTuple):
 
 class Constant(NamedTuple):
     """A constant of the scenario, in SI; unit "" for a plain number. The override constants.NAME sets it."""
+
+    value: float
+    unit: str
+
+
+class Number(NamedTuple):
+    """A number that the scenario writes out, in `unit` (SI, "" for a plain number). The override PATH=VALUE sets it."""
 
     value: float
     unit: str
@@ -182,7 +189,7 @@ class Simulation:
         self.step: Callable[[], None] = native.step
         #: name of the scenario; its step and the end of its run, s
         self.name, self.dt, self.until = native.get_scenario()
-        self._items = [[Item(*item) for item in native.list(kind)] for kind in range(_CONSTANT + 1)]
+        self._items = [[Item(*item) for item in native.list(kind)] for kind in range(_NUMBER + 1)]
         bodies, joints = self._items[_BODY], self._items[_JOINT]
         #: bodies by name
         self.bodies = Named([b.name for b in bodies], [Body(native, b.name, i) for i, b in enumerate(bodies)], "body")
@@ -203,9 +210,12 @@ class Simulation:
         self.quantities = Named([q.name for q in quantities], [Quantity(q.unit, q.text) for q in quantities], "quantity")
         #: the scenario's own constants by name
         self.constants = Named([c.name for c in constants], [Constant(c.initial, c.unit) for c in constants], "constant")
+        numbers = self._items[_NUMBER]
+        #: the numbers that the scenario writes out, by the path by which an override reaches them: "bodies.core.mass"
+        self.numbers = Named([n.name for n in numbers], [Number(n.initial, n.unit) for n in numbers], "number")
 
     def get_unit(self, kind: str, name: str) -> str:
-        """Unit of the values of "channel", "sensor", "requirement", "clearance", "quantity" or "constant" `name`; "" if it has none."""
+        """Unit of the values of "channel", "sensor", "requirement", "clearance", "quantity", "constant" or "number" `name`; "" if it has none."""
         items = self._items[_KINDS.index(kind)]
         return Named([item.name for item in items], [item.unit for item in items], kind)[name]
 
