@@ -8,6 +8,7 @@
 #include "hil/flexible/flexible_body.h"
 #include "hil/flexible/modes_file.h"
 #include "hil/run/checkpoint.h"
+#include "library/fmi/zip.h"
 #include "tests/bridge/random_messages.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -142,6 +143,30 @@ void write_modes(const fs::path& folder) {
   write(folder / "modes" / "bars", hil::write_modes_text(modes));
 }
 
+// Descriptions of both versions, alone and in zip files.
+void write_fmus(const fs::path& folder) {
+  const std::string variables = R"(<ModelVariables>)"
+                                R"(<Float64 name="time" valueReference="0" causality="independent"/>)"
+                                R"(<Float64 name="core.gyro.x" valueReference="1" causality="input" start="0"/>)"
+                                R"(<Boolean name="go" valueReference="2" causality="output"/>)"
+                                R"(<Float64 name="many" valueReference="3"><Dimension start="3"/></Float64>)"
+                                R"(</ModelVariables>)";
+  const std::string three = R"(<?xml version="1.0"?><fmiModelDescription fmiVersion="3.0" modelName="a" )"
+                            R"(instantiationToken="{1}"><CoSimulation modelIdentifier="a"/>)" +
+                            variables + R"(<ModelStructure/></fmiModelDescription>)";
+  const std::string two = R"(<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" modelName="a" guid="{1}">)"
+                          R"(<CoSimulation modelIdentifier="a"/><ModelVariables>)"
+                          R"(<ScalarVariable name="u" valueReference="1" causality="input"><Real start="0"/>)"
+                          R"(</ScalarVariable></ModelVariables></fmiModelDescription>)";
+  for (const auto& [name, text] : {std::pair{"three", &three}, {"two", &two}}) {
+    write(folder / (std::string(name) + ".xml"), "\x01" + *text);
+    fmi::Zip zip;
+    zip.add("modelDescription.xml", *text);
+    zip.add("binaries/x86_64-linux/a.so", "no binary");
+    write(folder / (std::string(name) + ".fmu"), std::string(1, '\0') + zip.finish());
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -151,7 +176,7 @@ int main(int count, char** arguments) {
   }
   const fs::path folder(arguments[1]);
   for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults",
-                             "modes", "calculix", "lcm", "udp"}) {
+                             "modes", "calculix", "lcm", "udp", "campaign", "fmu"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }
@@ -161,5 +186,6 @@ int main(int count, char** arguments) {
   write_logs(folder);
   write_sessions(folder);
   write_modes(folder);
+  write_fmus(folder / "fmu");
   return 0;
 }

@@ -1,0 +1,76 @@
+// Campaigns and problems of synthesis, over a small scenario. Samples of what is accepted are drawn, and each makes a
+// scenario.
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "hil/campaign/campaign.h"
+#include "hil/synthesis/problem.h"
+#include "tests/fuzz/fuzz.h"
+
+using namespace unlatch;
+
+namespace {
+
+// small.yaml and samples.csv, which inputs name; removed at the end.
+class Folder {
+ public:
+  Folder() {
+    std::filesystem::create_directories(path_);
+    std::ofstream(path_ / "small.yaml") << fuzz::kSmallScenario;
+    std::ofstream(path_ / "samples.csv") << "mass,push\n100,5000\n101,4900\n";
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string get_path() const { return path_.string(); }
+
+ private:
+  const std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("unlatch-fuzz-" + std::to_string(getpid()));
+};
+
+// Beside those of the folder: a device might block.
+bool names_another_file(const std::string& text) {
+  for (const char* beginning : {" /", "\t/", "\n/", "\"/", "'/", "[/", "{/", ",/", ":/", ".."})
+    if (text.find(beginning) != std::string::npos) return true;
+  return false;
+}
+
+void draw_some(const hil::Campaign& campaign) {
+  const std::int64_t count = campaign.plan.samples;
+  for (const std::int64_t sample : {std::int64_t{0}, count / 2, count - 1}) {
+    const std::vector<double> inputs = hil::draw_inputs(campaign, sample);
+    fuzz::require(inputs.size() == hil::list_inputs(campaign).size(), "a sample with another number of inputs");
+    fuzz::require(std::all_of(inputs.begin(), inputs.end(), [](double x) { return std::isfinite(x); }),
+                  "an input that is not finite");
+    fuzz::require(inputs == hil::draw_inputs(campaign, sample), "a sample that is another one the second time");
+    try {
+      const auto simulation = hil::build_simulation(campaign.tree->read(hil::make_settings(campaign, inputs)));
+      fuzz::step_a_little(*simulation);
+    } catch (const hil::ScenarioError& error) {
+      fuzz::require(!error.mistakes.empty(), "a refusal without a mistake");
+    }
+  }
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const Folder folder;
+  const std::string text = fuzz::to_text(data, size);
+  if (names_another_file(text)) return 0;
+  try {
+    if (text.find("unlatch_synthesis") != std::string::npos) {
+      const hil::DesignProblem problem = hil::load_design_problem_text(text, "fuzz.yaml", folder.get_path());
+      fuzz::require(!problem.variables.empty() && !problem.objectives.empty(), "a problem with nothing to search");
+    } else {
+      draw_some(hil::load_campaign_text(text, "fuzz.yaml", folder.get_path()));
+    }
+  } catch (const hil::ScenarioError& error) {
+    fuzz::require(!error.mistakes.empty(), "a refusal without a mistake");
+  }
+  return 0;
+}
