@@ -16,6 +16,7 @@ import unittest
 from pathlib import Path
 
 import yaml
+from browser import Browser
 from processes import SCENARIOS, UNLATCH, ProcessTest, main
 
 MODULE = Path(UNLATCH).parent.parent / "lib"
@@ -103,11 +104,52 @@ class OptimizeTest(ProcessTest):
         excess = sorted(sum(point["objectives"]) - 8 ** 0.5 for point in front)
         self.assertLess(excess[len(excess) // 2], 0.1)  # of 2.8 N, at the median of 2000 runs
 
+    def look_at(self, out):
+        """(function that evaluates in the page of a result, in a browser without a network)"""
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.open(self.folder / out / "report.html")
+        self.assertEqual(browser.complaints, [])
+        self.assertEqual([url for url in browser.requests if not url.startswith(("file:", "data:"))], [])
+        return browser.evaluate
+
+    def test_the_page_shows_the_result_the_search_slices_and_the_flight_before_and_after(self):
+        hostile = "</script><script>window.struck = 1</script>"
+        far = "  - {id: far, position: {body: block, along: [1, 1, 0]}, take: final, at_least: 1 m}\n"
+        slow = "  - {id: slow, velocity: {body: block, along: [1, 1, 0]}, take: maximum, at_most: 5000 m/s}\n"
+        (self.folder / "s.yaml").write_text(SCENARIO.replace(far, far + slow))
+        self.optimize(PROBLEM + f"title: \"{hostile}\"\n", "o")
+        ask = self.look_at("o")
+        self.assertEqual(ask("document.getElementById('title').textContent"), hostile)
+        self.assertEqual(ask("window.struck === undefined"), True)
+        self.assertEqual(ask("document.querySelector('#constraints tr:nth-child(2) td:nth-child(6)').textContent"), "active")
+        self.assertGreater(ask("document.querySelectorAll('#search .run').length"), 10)
+        self.assertEqual(ask("document.querySelectorAll('#search .best').length"), 1)
+        ask("document.querySelector('#search .run').dispatchEvent(new Event('click'))")
+        self.assertIn("Run ", ask("document.getElementById('picked').textContent"))
+        # The position has a value at the end alone; the speed has one at every tick.
+        self.assertEqual(ask("[...document.querySelectorAll('#flights figcaption')].map((c) => c.textContent).includes('slow')"), True)
+        self.assertEqual(ask("document.querySelectorAll('#flight-1 .before, #flight-1 .after, #flight-1 .limit').length"), 3)
+        self.assertIn("5000", ask("[...document.querySelectorAll('#flight-1 text')].map((t) => t.textContent)"))
+        self.assertEqual(ask("document.querySelectorAll('#slices figure').length"), 4)  # objective and margins of both variables
+        self.assertIn("same bits", ask("document.getElementById('verification').textContent"))
+
+    def test_the_page_of_several_objectives_shows_the_front(self):
+        front = self.optimize(FRONT, "o")["front"]
+        ask = self.look_at("o")
+        self.assertEqual(ask("document.querySelectorAll('#search .front').length"), len(front))
+        self.assertEqual(ask("document.querySelectorAll('#search .chosen').length"), 1)
+
+    def test_the_page_says_that_no_point_meets_all_constraints(self):
+        self.optimize(PROBLEM.replace("between: [0 N, 5 N]", "between: [0 N, 1 N]"), "o", code=1)
+        ask = self.look_at("o")
+        self.assertIn("No point meets all constraints", ask("document.getElementById('verdict').textContent"))
+
     def test_same_result_with_one_job_and_with_eight(self):
         for name, text in ("local", PROBLEM), ("global", PROBLEM + "method: global\n"), ("pareto", FRONT):
             self.optimize(text, name + "1", "--jobs", "1")
             self.optimize(text, name + "8", "--jobs", "8")
-            for file in "result.json", "history.csv", "patch.yaml":
+            for file in "result.json", "history.csv", "patch.yaml", "report.html":
                 self.assertEqual((self.folder / (name + "1") / file).read_bytes(),
                                  (self.folder / (name + "8") / file).read_bytes(), name + file)
 

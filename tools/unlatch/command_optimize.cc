@@ -11,6 +11,7 @@
 #include "hil/run/run.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
+#include "tools/synthesis/page.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/optimize_report.h"
 #include "tools/unlatch/report.h"
@@ -147,10 +148,12 @@ int optimize(const OptimizeOptions& options) {
   progress.clear();
 
   DesignReport report{problem, evaluations, result, std::nullopt};
+  std::string patch_text;
   if (!evaluations.get_samples().empty()) {
     const hil::DesignSample& best = evaluations.get_samples()[result.best];
     const std::string patch = (out / "patch.yaml").string();
-    write_text(write_patch(problem, best.point), patch);
+    patch_text = write_patch(problem, best.point);
+    write_text(patch_text, patch);
     if (best.status != hil::SampleStatus::kInvalid && !evaluations.was_stopped())
       report.verification = verify(problem, patch, best);
     if (report.verification && result.feasible)
@@ -160,6 +163,15 @@ int optimize(const OptimizeOptions& options) {
   const nlohmann::ordered_json json = build_design_json(report);
   write_json(json, (out / "result.json").string());
   if (!options.json.empty()) write_json(json, options.json);
+  if (!evaluations.get_samples().empty()) {
+    hil::DesignPoint start;
+    for (const hil::DesignVariable& variable : problem.variables) start.push_back(variable.start);
+    const hil::DesignPoint& best = evaluations.get_samples()[result.best].point;
+    write_text(build_design_page({problem, evaluations, result, json, build_manifest(problem), patch_text,
+                                  fly_design(problem, start, catch_interrupts()),
+                                  fly_design(problem, best, catch_interrupts())}),
+               (out / "report.html").string());
+  }
   print_design(get_people_stream(options.json), report);
   const bool verified = report.verification && report.verification->met && report.verification->same_bits;
   return result.feasible && verified ? kExitDone : kExitFailed;
@@ -175,7 +187,7 @@ void add_optimize(Command app, int& exit_code) {
       "them.",
       "unlatch optimize hil/scenarios/boosters/synthesis.yaml --out design\nunlatch run design/patch.yaml");
   command.add_option("FILE", options->file, "problem of synthesis (.yaml)").required();
-  command.add_option("--out", options->out, "folder for patch.yaml, result.json, history.csv, front.csv")
+  command.add_option("--out", options->out, "folder for patch.yaml, report.html, result.json, history.csv, front.csv")
       .type_name("DIR")
       .required();
   command

@@ -1,0 +1,22 @@
+// Flights of two designs, for those who look at them: what each constraint's quantity does over time.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "hil/synthesis/problem.h"
+
+namespace unlatch::tools {
+
+struct DesignCurve {
+  std::vector<double> times;   // s
+  std::vector<double> values;  // in the constraint's unit; NaN outside the requirement's interval
+};
+
+// The nominal scenario at this point, flown once: a curve for each constraint, empty for those of events and where the
+// design makes no valid scenario. Of long flights the least and the greatest value of each interval of time are kept.
+std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil::DesignPoint& point,
+                                    const std::atomic<bool>& stop);
+
+}  // namespace unlatch::tools
