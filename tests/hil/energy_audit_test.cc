@@ -121,6 +121,29 @@ TEST(EnergyAudit, APusherThatEndsItsStrokeInsideAStepBalances) {
   EXPECT_THAT(run.get_names(), ::testing::IsEmpty());
 }
 
+// Every power is linear in time. The depth at the located end is 0 but for rounding, on either side.
+TEST(EnergyAudit, APusherBalancesOnEitherSideOfItsEndsRounding) {
+  for (int preload = 10; preload < 50; ++preload) {
+    const Audited run(kPair + "elements:\n  p: {type: pusher, between: [a, b], stroke: 0.3, preload: " +
+                      std::to_string(preload) + "}\n");
+    EXPECT_NEAR(run.energy().kinetic, 0.3 * preload, kExact * preload) << preload;
+    EXPECT_LT(run.get_part(), kExact) << preload;
+  }
+}
+
+// A damped stop lets go while its spring is still pressed: what it stores then is lost.
+TEST(EnergyAudit, AStopThatLetsGoBeforeItsSpringIsSlackBalances) {
+  std::string text = kPair;
+  text.insert(text.rfind('}'), ", velocity: [1, 0, 0]");
+  text += R"(joints: {j: {between: [a, b], point: [1.5, 0, 0], modes: {slide: {kind: prismatic, axis: x}}}}
+stops: {s: {joint: j, axis: x, at_most: 0.1, stiffness: 400, damping: )";
+  for (int damping = 5; damping < 45; ++damping) {
+    const Audited run(text + std::to_string(damping) + "}}\n");
+    EXPECT_LT(run.get_work(PowerSource::kDampers), -0.1) << damping;
+    EXPECT_LT(run.get_part(), 1e-4) << damping;  // (h ω)² of the energy, at the two events
+  }
+}
+
 // A speed of flight and a field of gravity add nothing to what is unexplained.
 TEST(EnergyAudit, AFlightOfKilometresASecondHidesNoSpring) {
   std::string text = spring("400", "1.2");
