@@ -63,18 +63,27 @@ void start_watching() {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
+void set_handler(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
 }  // namespace
 
 const std::atomic<bool>& catch_interrupts() {
   static std::once_flag once;
   std::call_once(once, start_watching);
-  struct sigaction action {};
-  action.sa_handler = [](int signal) {
+  set_handler([](int signal) {
     interrupted.store(true);
     if (signal == SIGTERM) sem_post(&terminated);
-  };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  });
+  return interrupted;
+}
+
+const std::atomic<bool>& catch_interrupts_patiently() {
+  set_handler([](int) { interrupted.store(true); });
   return interrupted;
 }
 

@@ -10,6 +10,9 @@ namespace unlatch::tools {
 // being computed is finished first.
 const std::atomic<bool>& catch_interrupts();
 
+// The same, but nothing ends a process that hangs: for programs whose starter does, such as mpirun.
+const std::atomic<bool>& catch_interrupts_patiently();
+
 // From now on writing to standard error never waits for a reader: what a full pipe does not take is lost. Other
 // programs that write to the same pipe are not affected. Files and terminals stay as they are.
 void never_wait_for_stderr();

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/campaign/campaign.h"
-#include "hil/evaluation/evaluation.h"
+#include "hil/campaign/sample_record.h"
 
 namespace unlatch::hil {
 
@@ -18,28 +17,6 @@ class ResultError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-
-// Numbers in a record, and all that decides them: files of one shape can be merged.
-struct ResultShape {
-  std::uint64_t fingerprint = 0;
-  std::uint32_t inputs = 0, values = 0;
-  bool operator==(const ResultShape&) const = default;
-};
-ResultShape get_shape(const Campaign& campaign, const SampleEvaluator& evaluator);
-
-struct SampleRecord {
-  std::int64_t sample = 0;
-  std::vector<double> inputs;
-  SampleResult result;  // its message cut to 120 bytes
-};
-
-// Of one sample: its number, inputs, status, hashes and values, to the bit.
-std::uint64_t calc_hash(const SampleRecord& record);
-// Adds one sample to the hash of a campaign: the order does not matter.
-constexpr std::uint64_t add_to_hash(std::uint64_t campaign, std::uint64_t sample) { return campaign + sample; }
-
-// FNV-1a over bytes.
-std::uint64_t calc_digest(const std::string& text);
 
 class ResultFile {
  public:
@@ -60,7 +37,6 @@ class ResultFile {
 
  private:
   ResultFile(int file, std::string path) : file_(file), path_(std::move(path)) {}
-  [[nodiscard]] std::size_t get_record_bytes() const;
   void scan(bool writable);
 
   int file_ = -1;

@@ -91,6 +91,28 @@ TEST_F(ResultFileTest, AFullDiskIsAnErrorAndTheFileStaysWhole) {
   EXPECT_EQ(ResultFile::open(path_, false).samples().size(), 2u);
 }
 
+TEST_F(ResultFileTest, BytesThatAreNoRecordAreRefused) {
+  std::vector<char> bytes(get_record_bytes(shape_));
+  encode_record(shape_, make(4), bytes);
+  ASSERT_TRUE(decode_record(shape_, bytes));
+  EXPECT_EQ(calc_hash(*decode_record(shape_, bytes)), calc_hash(make(4)));
+  for (std::size_t count = 0; count < bytes.size(); ++count)
+    EXPECT_FALSE(decode_record(shape_, std::span<const char>(bytes).first(count)));
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::vector<char> changed = bytes;
+    changed[i] = static_cast<char>(changed[i] ^ 1);
+    EXPECT_FALSE(decode_record(shape_, changed)) << i;
+  }
+  // With a checksum that fits: a sample below 0, a status that is none, and one of a sample that did not end.
+  for (const auto& [sample, status] : {std::pair{-1, 0}, std::pair{4, 3}, std::pair{4, -1}, std::pair{4, 99}}) {
+    SampleRecord record = make(4);
+    record.sample = sample;
+    record.result.status = static_cast<hil::SampleStatus>(status);
+    encode_record(shape_, record, bytes);
+    EXPECT_FALSE(decode_record(shape_, bytes)) << sample << " " << status;
+  }
+}
+
 TEST_F(ResultFileTest, OtherFilesAreRefused) {
   std::ofstream(path_) << "not results";
   EXPECT_THROW(ResultFile::open(path_, false), hil::ResultError);

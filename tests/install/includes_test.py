@@ -50,6 +50,10 @@ class IncludesTest(unittest.TestCase):
     def test_folders_of_the_library_include_only_what_is_below_them(self):
         self.check_folders("library", LIBRARY)
 
+    def test_one_folder_knows_mpi(self):
+        users = {path.parent.as_posix() for module in MODULES for path, _, foreign in list_includes(module) if foreign == "mpi.h"}
+        self.assertEqual(users, {"tools/mpi"})
+
     def test_the_library_knows_nothing_of_the_bus(self):
         for path, ours, _ in list_includes("library"):
             self.assertNotEqual(ours.split("/")[0], "bridge", f"{path} includes {ours}")

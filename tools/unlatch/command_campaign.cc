@@ -12,6 +12,7 @@
 #include "tools/campaign/summary.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
+#include "tools/unlatch/campaign_host.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/report.h"
 #include "tools/unlatch/terminal.h"
@@ -79,6 +80,7 @@ class CampaignProgress {
   void clear() const {
     if (terminal_) std::fputs("\r\033[K", stderr);
   }
+  [[nodiscard]] bool is_complete() const { return done_ == total_; }
   [[nodiscard]] double calc_rate() const {  // samples a second
     const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     return seconds > 0 ? static_cast<double>(done_ - first_) / seconds : 0;
@@ -119,8 +121,7 @@ hil::ResultFile open_results(const CampaignOptions& options, const hil::ResultSh
       refuse_option("--resume", path + " is of another campaign, scenario or version; choose another folder");
     return file;
   }
-  if (begun)
-    refuse_option("--out", options.out + " has results; --resume continues them, or choose another folder");
+  if (begun) refuse_option("--out", options.out + " has results; --resume continues them, or choose another folder");
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw OutputError(options.out + ": it cannot be made: " + error.message());
@@ -128,23 +129,30 @@ hil::ResultFile open_results(const CampaignOptions& options, const hil::ResultSh
   return hil::ResultFile::create(path, shape);
 }
 
-int run(const CampaignOptions& options) {
+// In this process, on threads.
+void run_here(const CampaignTask& task, hil::ResultFile& results, const std::function<void()>& finished) {
+  run_samples(task.campaign, task.evaluator, task.first, task.last, task.jobs, results, task.stop, finished);
+}
+
+int run(const CampaignOptions& options, const CampaignHost& host) {
   const hil::Campaign campaign = hil::load_campaign(options.arguments[0], options.overrides);
   const hil::SampleEvaluator evaluator(*campaign.tree);
   const auto [first, last] = read_range(options.samples, campaign.plan.samples);
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const CampaignTask task{campaign, evaluator, first, last, options.jobs, host.catch_signals()};
+  if (!host.run) {
+    host.evaluate(task);
+    return kExitDone;
+  }
   hil::ResultFile results = open_results(options, get_shape(campaign, evaluator), build_manifest(campaign, evaluator));
   std::int64_t done = 0;
   for (const std::int64_t sample : results.samples()) done += sample >= first && sample < last ? 1 : 0;
   if (done > 0) std::fprintf(stderr, "%lld samples are there already\n", static_cast<long long>(done));
   CampaignProgress progress(done, last - first);
-  const std::atomic<bool>& stop = catch_interrupts();
-  run_samples(campaign, evaluator, first, last, options.jobs > 0 ? options.jobs : cores, results, stop,
-              [&] { progress.add_one(); });
+  host.run(task, results, [&] { progress.add_one(); });
   progress.clear();
   const int code = finish(options.out, progress.calc_rate(), options.json);
-  if (stop) std::fprintf(stderr, "interrupted; --resume continues\n");
-  return stop ? kExitFailed : code;
+  if (!progress.is_complete()) std::fprintf(stderr, "interrupted; --resume continues\n");
+  return progress.is_complete() ? code : kExitFailed;
 }
 
 int merge(const CampaignOptions& options) {
@@ -166,28 +174,56 @@ int report(const CampaignOptions& options) {
   return kExitDone;
 }
 
-int dispatch(const CampaignOptions& options) {
+int dispatch(const CampaignOptions& options, const CampaignHost& host) {
   try {
-    if (options.arguments[0] == "merge") return merge(options);
-    if (options.arguments[0] == "report") return report(options);
     if (options.arguments.size() > 1) refuse_option(options.arguments[1], "one campaign file at a time");
-    return run(options);
+    return run(options, host);
   } catch (const hil::ResultError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return kExitEnvironment;
   }
 }
 
+int dispatch_alone(const CampaignOptions& options) {
+  try {
+    if (options.arguments[0] == "merge") return merge(options);
+    if (options.arguments[0] == "report") return report(options);
+  } catch (const hil::ResultError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return kExitEnvironment;
+  }
+  return dispatch(options, {catch_interrupts, run_here, {}});
+}
+
+constexpr const char* kSummary =
+    "Runs many samples of a scenario with dispersed values: results, probabilities of failure, sensitivities. ";
+constexpr const char* kPromise =
+    "The same table to the last bit for any number of jobs, in any order, resumed or not, on one machine or several. "
+    "Exit code 1: a sample faulted or failed a requirement.";
+
+// What does not depend on the program.
+void add_options(Command command, CampaignOptions& options) {
+  command.add_option("--samples", options.samples, "only these, from A to before B, counted from 0").type_name("A:B");
+  command.add_flag("--resume", options.resume, "continues what the folder has");
+  command
+      .add_option("--set", options.overrides,
+                  "replaces one value of the scenario for all samples, after the campaign's own `set`; repeatable")
+      .type_name("PATH=VALUE")
+      .repeatable();
+  command.add_json_option(options.json);
+}
+
 }  // namespace
 
 void add_campaign(Command app, int& exit_code) {
   auto options = std::make_shared<CampaignOptions>();
+  options->jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   Command command = app.add_verb(
       "campaign",
-      "Runs many samples of a scenario with dispersed values: results, probabilities of failure, sensitivities. `merge "
-      "DIR...` puts folders of one campaign together; `report DIR` writes one HTML page. The same table to the last "
-      "bit "
-      "for any number of jobs, in any order, resumed or not. Exit code 1: a sample faulted or failed a requirement.",
+      kSummary +
+          std::string("`merge DIR...` puts folders of one campaign together; `report DIR` writes one HTML page. ") +
+          kPromise +
+          " On several machines: `mpirun unlatch-mpi campaign`, or --samples A:B on each of them, and merge.",
       "unlatch campaign hil/scenarios/boosters/campaign.yaml --out boosters\n"
       "unlatch campaign report boosters --out boosters.html\n"
       "unlatch run hil/scenarios/boosters/campaign.yaml --sample 17 --log worst.log");
@@ -200,15 +236,32 @@ void add_campaign(Command app, int& exit_code) {
   command.add_option("--jobs", options->jobs, "threads (default: as many as the machine has)")
       .within(1, 1024)
       .type_name("N");
-  command.add_option("--samples", options->samples, "only these, from A to before B, counted from 0").type_name("A:B");
-  command.add_flag("--resume", options->resume, "continues what the folder has");
-  command
-      .add_option("--set", options->overrides,
-                  "replaces one value of the scenario for all samples, after the campaign's own `set`; repeatable")
-      .type_name("PATH=VALUE")
-      .repeatable();
-  command.add_json_option(options->json);
-  command.callback([options, &exit_code] { exit_code = dispatch(*options); });
+  add_options(command, *options);
+  command.callback([options, &exit_code] { exit_code = dispatch_alone(*options); });
+}
+
+void add_hosted_campaign(Command app, int& exit_code, const CampaignHost& host) {
+  auto options = std::make_shared<CampaignOptions>();
+  options->jobs = 1;
+  Command command =
+      app.add_verb("campaign",
+                   kSummary +
+                       std::string("Rank 0 hands out the samples and writes; every rank runs "
+                                   "some, slow ones fewer. All of them must be able to read the files. ") +
+                       kPromise,
+                   "mpirun -n 64 unlatch-mpi campaign hil/scenarios/boosters/campaign.yaml --out boosters\n"
+                   "mpirun -n 4 --map-by node:PE=16 unlatch-mpi campaign hil/scenarios/boosters/campaign.yaml "
+                   "--jobs 16 --out boosters --resume\n"
+                   "unlatch campaign report boosters --out boosters.html");
+  command.add_option("FILE", options->arguments, "campaign file (.yaml)").required().expected(1, 10000);
+  command.add_option("--out", options->out, "folder of the results, written by rank 0").required().type_name("DIR");
+  command.add_option("--jobs", options->jobs, "threads of each rank").within(1, 1024).type_name("N").default_shown();
+  add_options(command, *options);
+  command.callback([options, host, &exit_code] {
+    const std::string& verb = options->arguments[0];
+    if (verb == "merge" || verb == "report") refuse_option(verb, "it needs no ranks: unlatch campaign " + verb);
+    exit_code = dispatch(*options, host);
+  });
 }
 
 }  // namespace unlatch::tools

@@ -1,0 +1,59 @@
+#include "hil/campaign/handout.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace unlatch::hil {
+namespace {
+
+constexpr double kAhead = 0.5;          // s of work that a worker has
+constexpr std::int64_t kLargest = 256;  // samples; those of a killed job are run again
+
+}  // namespace
+
+Handout::Handout(std::int64_t first, std::int64_t last, const std::vector<std::int64_t>& done)
+    : first_(first), done_(static_cast<std::size_t>(std::max<std::int64_t>(0, last - first)), false) {
+  for (const std::int64_t sample : done)
+    if (sample >= first && sample < last) done_[static_cast<std::size_t>(sample - first)] = true;
+  missing_ = not_given_ = std::count(done_.begin(), done_.end(), false);
+}
+
+void Handout::join(int worker, int threads) {
+  workers_[worker].threads = threads;
+  threads_ += threads;
+}
+
+// Samples that the worker should have in hand.
+std::int64_t Handout::calc_share(const Worker& worker, double now) const {
+  const double time = now - worker.begin;  // s
+  const double ahead = worker.begin < 0 || time <= 0 ? 0 : kAhead * static_cast<double>(worker.came) / time;
+  const std::int64_t wanted =
+      std::max<std::int64_t>(worker.threads + 1, std::lround(std::min(ahead, static_cast<double>(kLargest))));
+  const std::int64_t fair = not_given_ * worker.threads / (2 * std::int64_t{threads_});
+  return std::min(wanted, std::max<std::int64_t>(worker.threads, fair));
+}
+
+std::vector<std::int64_t> Handout::give(int worker, double now) {
+  Worker& to = workers_.at(worker);
+  std::int64_t count = std::min(calc_share(to, now) - static_cast<std::int64_t>(to.samples.size()), not_given_);
+  std::vector<std::int64_t> samples;
+  for (; count > 0; ++next_) {
+    if (done_[next_]) continue;
+    samples.push_back(first_ + static_cast<std::int64_t>(next_));
+    --count;
+  }
+  to.samples.insert(samples.begin(), samples.end());
+  not_given_ -= static_cast<std::int64_t>(samples.size());
+  if (to.begin < 0 && !samples.empty()) to.begin = now;
+  return samples;
+}
+
+bool Handout::take(int worker, std::int64_t sample) {
+  const auto from = workers_.find(worker);
+  if (from == workers_.end() || from->second.samples.erase(sample) == 0) return false;
+  ++from->second.came;
+  --missing_;
+  return true;
+}
+
+}  // namespace unlatch::hil

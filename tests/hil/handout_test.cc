@@ -1,0 +1,139 @@
+// Facts about samples that are handed out to workers, and about the threads that run them.
+#include "hil/campaign/handout.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numeric>
+
+#include "hil/campaign/runner.h"
+#include "hil/campaign/sample_pool.h"
+#include "tests/hil/scenario_support.h"
+
+namespace unlatch::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+using hil::Handout;
+
+// Workers that need `cost` s for a sample each, one after the other; what each of them ran. `end`: s, of the last one.
+std::vector<std::vector<std::int64_t>> simulate(Handout& handout, const std::vector<double>& cost, double& end) {
+  constexpr double kTurn = 0.001;  // s
+  struct Worker {
+    std::vector<std::int64_t> waiting, ran;
+    double busy_until = 0;
+  };
+  std::vector<Worker> workers(cost.size());
+  for (std::size_t w = 0; w < cost.size(); ++w) handout.join(static_cast<int>(w), 1);
+  int turn = 0;
+  for (; !handout.is_finished() && turn < 1000000; ++turn) {
+    const double now = turn * kTurn;
+    for (std::size_t w = 0; w < cost.size(); ++w) {
+      Worker& worker = workers[w];
+      if (!worker.waiting.empty() && now >= worker.busy_until) {
+        EXPECT_TRUE(handout.take(static_cast<int>(w), worker.waiting.front()));
+        worker.ran.push_back(worker.waiting.front());
+        worker.waiting.erase(worker.waiting.begin());
+        worker.busy_until = now + cost[w];
+      }
+      const bool idle = worker.waiting.empty();
+      for (const std::int64_t sample : handout.give(static_cast<int>(w), now)) worker.waiting.push_back(sample);
+      if (idle) worker.busy_until = now + cost[w];
+    }
+  }
+  end = turn * kTurn;
+  std::vector<std::vector<std::int64_t>> ran;
+  for (const Worker& worker : workers) ran.push_back(worker.ran);
+  return ran;
+}
+
+TEST(Handout, EverySampleThatIsMissingIsGivenOnce) {
+  Handout handout(10, 60, {3, 12, 59, 60, 200});
+  double end = 0;
+  std::vector<std::int64_t> all;
+  for (const auto& ran : simulate(handout, {0.01, 0.02, 0.005}, end)) all.insert(all.end(), ran.begin(), ran.end());
+  std::sort(all.begin(), all.end());
+  std::vector<std::int64_t> expected(50);
+  std::iota(expected.begin(), expected.end(), 10);
+  std::erase(expected, 12);
+  std::erase(expected, 59);
+  EXPECT_EQ(all, expected);
+}
+
+TEST(Handout, SlowWorkersGetFewerAndAreNotWaitedForLong) {
+  Handout handout(0, 2000, {});
+  double end = 0;
+  const auto ran = simulate(handout, {0.01, 0.01, 1.0}, end);
+  EXPECT_LT(ran[2].size(), 20u);
+  EXPECT_GT(ran[0].size(), 900u);
+  EXPECT_LT(end, 2000 * 0.01 / 2 + 2.1);  // at most the two that the slow one had in hand
+}
+
+TEST(Handout, WhatAWorkerWasNotGivenIsNotTaken) {
+  Handout handout(0, 4, {});
+  handout.join(0, 1);
+  handout.join(1, 1);
+  const std::vector<std::int64_t> given = handout.give(0, 0);
+  ASSERT_FALSE(given.empty());
+  EXPECT_FALSE(handout.take(1, given[0]));  // of another one
+  EXPECT_FALSE(handout.take(7, given[0]));  // of nobody
+  EXPECT_FALSE(handout.take(0, -1));
+  EXPECT_FALSE(handout.take(0, 4));
+  EXPECT_TRUE(handout.take(0, given[0]));
+  EXPECT_FALSE(handout.take(0, given[0]));  // twice
+  EXPECT_FALSE(handout.is_finished());
+}
+
+TEST(Handout, NothingMissingIsFinished) { EXPECT_TRUE(Handout(0, 2, {1, 0}).is_finished()); }
+
+class SamplePoolTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "s.yaml") << kGoodScenario;
+    campaign_ = hil::load_campaign_text(
+        "unlatch_campaign: 1\nname: c\nscenario: s.yaml\nset: {step.until: 0.05 s}\nsamples: 12\nparameters:\n"
+        "  m: {path: bodies.core.mass, uniform: {min: 90 kg, max: 110 kg}}\n",
+        "c.yaml", folder_.string());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  const fs::path folder_ = fs::path(testing::TempDir()) / ("pool_" + std::to_string(getpid()));
+  hil::Campaign campaign_;
+};
+
+TEST_F(SamplePoolTest, GivesTheRecordsOfTheSamplesItGot) {
+  const hil::SampleEvaluator evaluator(*campaign_.tree);
+  hil::SamplePool pool(campaign_, evaluator, 2);
+  const std::vector<std::int64_t> samples{7, 1, 4, 11};
+  pool.add(samples);
+  std::map<std::int64_t, std::uint64_t> hashes;
+  while (hashes.size() < samples.size())
+    for (const hil::SampleRecord& record : pool.take(std::chrono::milliseconds(1)))
+      EXPECT_TRUE(hashes.emplace(record.sample, calc_hash(record)).second);
+  const std::atomic<bool> never{false};
+  for (const std::int64_t sample : samples)
+    EXPECT_EQ(hashes.at(sample), calc_hash(run_sample(campaign_, evaluator, sample, never)));
+}
+
+TEST_F(SamplePoolTest, EndsWithSamplesThatWait) {
+  const hil::SampleEvaluator evaluator(*campaign_.tree);
+  hil::SamplePool pool(campaign_, evaluator, 1);
+  pool.add(std::vector<std::int64_t>(100000, 3));
+}
+
+TEST_F(SamplePoolTest, HandsOnWhatASampleThrew) {
+  campaign_.plan.sampling = hil::Sampling::kCsv;  // without a table: no sample's fault
+  const hil::SampleEvaluator evaluator(*campaign_.tree);
+  hil::SamplePool pool(campaign_, evaluator, 2);
+  pool.add(std::vector<std::int64_t>{0});
+  EXPECT_ANY_THROW((void)pool.take(std::chrono::minutes(1)));
+}
+
+}  // namespace
+}  // namespace unlatch::test

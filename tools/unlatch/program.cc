@@ -1,0 +1,66 @@
+#include "tools/unlatch/program.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "bridge/port.h"
+#include "hil/modules/module.h"
+#include "hil/recording/log_file.h"
+#include "hil/simulation/simulation.h"
+#include "hil/synthesis/evaluations.h"
+#include "tools/exit_codes.h"
+#include "tools/modes/calculix.h"
+#include "tools/unlatch/commands.h"
+#include "tools/unlatch/graph.h"
+#include "tools/unlatch/report.h"
+
+namespace unlatch::tools {
+namespace {
+
+int fail(const char* what, int code) {
+  std::fprintf(stderr, "%s\n", what);
+  return code;
+}
+
+// A device that is full takes what is printed in silence, until now.
+int finish(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fprintf(stderr, "standard output cannot be written: %s\n", std::strerror(errno));
+  return code == kExitDone ? kExitEnvironment : code;
+}
+
+}  // namespace
+
+int run_program(CommandLine& command_line, int argc, char** argv, int& exit_code) {
+  try {
+    command_line.parse(argc, argv, exit_code);
+    return finish(exit_code);
+  } catch (const hil::ScenarioError& error) {
+    return fail(error.what(), kExitUsage);
+  } catch (const hil::SimulationError& error) {
+    return fail(error.what(), kExitUsage);
+  } catch (const hil::LogWriteError& error) {
+    return fail(error.what(), kExitEnvironment);
+  } catch (const hil::LogError& error) {
+    return fail(error.what(), kExitUsage);
+  } catch (const bridge::PortError& error) {
+    return fail(error.what(), kExitEnvironment);
+  } catch (const hil::JournalError& error) {
+    return fail(error.what(), kExitEnvironment);
+  } catch (const hil::ModuleError& error) {
+    return fail(error.what(), kExitEnvironment);
+  } catch (const GraphError& error) {
+    return fail(error.what(), kExitEnvironment);
+  } catch (const CalculixError& error) {
+    return fail(error.what(), kExitUsage);
+  } catch (const CalculixMissing& error) {
+    return fail(error.what(), kExitEnvironment);
+  } catch (const OutputError& error) {
+    return fail(error.what(), kExitEnvironment);
+  } catch (const std::exception& error) {
+    return fail(error.what(), kExitFailed);
+  }
+}
+
+}  // namespace unlatch::tools
