@@ -5,6 +5,7 @@
 """
 import json
 import math
+import re
 
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 
@@ -87,10 +88,16 @@ class DeployerTest(ProcessTest):
                 momentum = sum(mass * bodies[name]["v"][axis] for name, mass in (("stage", 850), ("cubesat", 4), ("door", 0.2)))
                 self.assertLess(abs(momentum), 1e-9)
 
-    # Two contacts that open within 1e-9 s of each other: the search for the smallest clearance between them ends.
+    # Events lie within 1e-9 s of each other here: the search for the smallest clearance between them ends.
     def test_a_slight_misalignment_ends_too(self):
         found = run(MISALIGNED, "--set", "constants.offset_y=0.001")
         self.assertEqual(found["status"], "ok")
+
+    # Micrometres are not rounded to "-0.0000 m".
+    def test_the_report_tells_depths_of_micrometres(self):
+        told = call(UNLATCH, "run", MISALIGNED).stdout
+        for line in ("  stage – cubesat ", "    smallest clearance "):
+            self.assertRegex(told, re.escape(line) + r" *-\d\.\d+e-0\d m ")
 
     def test_the_recording_replays(self):
         log = self.folder / "deployer.log"
