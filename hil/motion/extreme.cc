@@ -18,7 +18,9 @@ void Smallest::add(double time, double value) {
 
 void Smallest::search(double from, double to, const Function& function) {
   constexpr double kGolden = 0.6180339887498949;
-  const double stop = 1e-8 * (to - from);
+  constexpr double kInstants = 4;  // roundings of a time: nothing between them can be told apart
+  const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(from), std::abs(to));
+  const double stop = std::max(1e-8 * (to - from), kInstants * rounding);
   double a = from, b = to, x = b - kGolden * (b - a), y = a + kGolden * (b - a);
   double at_x = function(x), at_y = function(y);
   while (b - a > stop) {

@@ -8,7 +8,7 @@ namespace unlatch::hil {
 
 // Between knots the function is smooth but where a piece begins. A minimum lies where a knot is below its neighbours,
 // or within the first or the last interval of a smooth run of knots; there the function itself is searched by golden
-// section (J. Kiefer, 1953), to 1e-8 of the interval or to what its rounding shows.
+// section (J. Kiefer, 1953), to 1e-8 of the interval or to the rounding of times.
 class Smallest {
  public:
   using Function = std::function<double(double time)>;

@@ -196,11 +196,11 @@ void add_contacts(const PlanData& plan, const State& state, double t, const Eval
 }
 
 // What is stored within reach goes into the force or is lost. At the event that ends a push the depth is 0 but for
-// rounding, and the force still acts: the power before the event.
+// rounding, and the force still acts: the power before the event. After it nothing acts and nothing is lost.
 void add_one_sided(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
   for (const PlanOneSided& own : plan.one_sided) {
     const OneSidedMotion m = calc_motion(plan, ev, own);
-    if (m.depth <= 0 && state.engaged[at(own.number)] == 0) continue;
+    if (state.engaged[at(own.number)] == 0 && ends_with_depth(plan, own, m)) continue;
     const ElementState& element = state.elements[at(own.element)];
     const double scale = calc_scale(element, t);
     const OneSidedLaw law = get_law(plan, own);

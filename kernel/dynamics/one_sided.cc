@@ -72,6 +72,11 @@ double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedM
   return std::min(get_scale(law) * motion.depth, calc_sum(law, motion.depth, motion.depth_rate));
 }
 
+bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept {
+  const OneSidedLaw law = get_law(plan, own);
+  return motion.depth <= 0 || get_scale(law) * motion.depth < calc_sum(law, motion.depth, motion.depth_rate);
+}
+
 void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;
   const auto push = [&](std::int32_t body, const Spatial& wrench) {

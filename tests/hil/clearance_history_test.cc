@@ -1,6 +1,8 @@
 // Clearances over a run: located inside steps, signed, the same whether pieces were skipped or not.
 #include <cmath>
+#include <stdexcept>
 
+#include "hil/motion/extreme.h"
 #include "tests/hil/analysed_run.h"
 
 namespace unlatch::test {
@@ -24,6 +26,25 @@ bodies:
     shape: [{cone: {from: [-0.5, 0, 0], to: [0.8, 0, 0], radius: 0.3}}, {sphere: {centre: [0, 0.6, 0], radius: 0.1}}]
 clearance: all
 )";
+
+// Two events may lie as near to each other as times can be told apart.
+TEST(Smallest, IsLocatedBetweenKnotsThatAreRoundingsOfTimeApart) {
+  constexpr double kMiddle = 0.8589;  // s
+  for (double width = 1e-15; width < 1e-5; width *= 3) {
+    const auto function = [&](double time) { return (time - kMiddle) * (time - kMiddle) / (width * width) - 1; };
+    const double times[3] = {kMiddle - 2 * width, kMiddle + 0.1 * width, kMiddle + 2 * width};
+    int calls = 0;
+    const hil::Smallest::Function counted = [&](double time) {
+      EXPECT_LT(++calls, 100) << width;
+      if (calls > 200) throw std::runtime_error("the search does not end");
+      return function(time);
+    };
+    hil::Smallest smallest;
+    smallest.add(times[0], function(times[0]), times[1], function(times[1]), true, counted);
+    smallest.add(times[1], function(times[1]), times[2], function(times[2]), false, counted);
+    EXPECT_NEAR(smallest.get_time(), kMiddle, std::max(1e-7 * width, 2e-15)) << width;
+  }
+}
 
 // Every knot and a dense grid between the knots around the smallest.
 TEST(ClearanceHistory, IsTheSmallestOfADenseSearch) {

@@ -121,6 +121,34 @@ TEST(EnergyAudit, APusherThatEndsItsStrokeInsideAStepBalances) {
   EXPECT_THAT(run.get_names(), ::testing::IsEmpty());
 }
 
+// Every power is linear in time. A force against the push leaves the depth at the located end above 0 by rounding.
+TEST(EnergyAudit, APusherBalancesOnEitherSideOfItsEndsRounding) {
+  std::string text = kPair;
+  text.insert(text.rfind('}'), ", velocity: [3, 0, 0]");
+  text += R"(elements:
+  f: {type: force, body: b, direction: [-1, 0, 0], profile: 30}
+  p: {type: pusher, between: [a, b], stroke: 0.3, preload: )";
+  text.replace(text.find("until: 1"), 8, "until: 0.2");  // it has not come back
+  for (double preload = 5; preload < 15; preload += 0.25) {
+    const Audited run(text + std::to_string(preload) + "}\n");
+    EXPECT_NEAR(run.energy().strain, 0.3 * preload, kExact * preload) << preload;
+    EXPECT_LT(run.get_part(), kExact) << preload;
+  }
+}
+
+// A damped stop lets go while its spring is still pressed: what it stores then is lost.
+TEST(EnergyAudit, AStopThatLetsGoBeforeItsSpringIsSlackBalances) {
+  std::string text = kPair;
+  text.insert(text.rfind('}'), ", velocity: [1, 0, 0]");
+  text += R"(joints: {j: {between: [a, b], point: [1.5, 0, 0], modes: {slide: {kind: prismatic, axis: x}}}}
+stops: {s: {joint: j, axis: x, at_most: 0.1, stiffness: 400, damping: )";
+  for (int damping = 5; damping < 45; ++damping) {
+    const Audited run(text + std::to_string(damping) + "}}\n");
+    EXPECT_LT(run.get_work(PowerSource::kDampers), -0.1) << damping;
+    EXPECT_LT(run.get_part(), 1e-4) << damping;  // (h ω)² of the energy, at the two events
+  }
+}
+
 // A speed of flight and a field of gravity add nothing to what is unexplained.
 TEST(EnergyAudit, AFlightOfKilometresASecondHidesNoSpring) {
   std::string text = spring("400", "1.2");

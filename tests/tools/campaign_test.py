@@ -8,12 +8,14 @@ distributions and statistics against OpenTURNS.
 import csv
 import json
 import math
+import os
+import shutil
 import signal
 import subprocess
 import time
 
 from browser import Browser
-from processes import SCENARIOS, UNLATCH, ProcessTest, call, main
+from processes import HANG, SCENARIOS, UNLATCH, ProcessTest, call, main
 
 CAMPAIGN = SCENARIOS / "boosters" / "campaign.yaml"
 # A mass that falls for 5 steps: a sample takes no time. v: speed at the end, 0.05 s · 9.81 m/s2 + start.
@@ -213,6 +215,63 @@ class CampaignTest(ProcessTest):
         self.assertAlmostEqual(fast[1]["total"], 1, delta=0.15)
         self.assertAlmostEqual(fast[0]["total"], 0, delta=1e-9)
         self.assertTrue(math.isfinite(fast[0]["first"]))
+
+    def check_script(self, name, *options, stubs, times=1):
+        """The script with these programs before the others in the path gives the table of one campaign; what it printed."""
+        path = self.write("samples: 50\nparameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n", "a b.yaml")
+        for stub, text in stubs.items():
+            (self.folder / stub).write_text(text)
+            (self.folder / stub).chmod(0o755)
+        script = SCENARIOS / "cluster" / name
+        self.run_ok("bash", "-n", script)
+        out = self.folder / "the result"
+        environment = {**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}", "UNLATCH": UNLATCH, "FOLDER": str(self.folder)}
+        for _ in range(times):
+            done = subprocess.run([script, path, "50", out, "3", *options], capture_output=True, text=True, timeout=HANG, env=environment)
+            self.assertIn(done.returncode, (0, 1), done.stderr)  # 1: of the merge, since a requirement failed
+        self.assertEqual(len(list(self.folder.glob("the result.part*"))), 3)
+        self.run_campaign(path, "alone", code=1)
+        for table in ("samples.csv", "samples.parquet"):
+            if (out / table).exists():  # without Node.js there is no Parquet
+                self.assertEqual((out / table).read_bytes(), (self.folder / "alone" / table).read_bytes())
+        self.assertEqual(call(script).returncode, 2)
+        return done
+
+    def test_the_slurm_script_gives_the_table_of_one_campaign(self):
+        # A Slurm that runs a job at once, its tasks one after the other.
+        sbatch = """#!/bin/bash
+echo "$@" >>"$FOLDER/sbatch.txt"
+first=0 last=0
+while [[ $1 == --* ]]; do
+  case $1 in --array=*) range=${1#--array=}; first=${range%-*}; last=${range#*-} ;; esac
+  shift
+done
+cp "$1" "$FOLDER/spooled"  # as Slurm does
+for ((k = first; k <= last; ++k)); do
+  SLURM_ARRAY_TASK_ID=$k SLURM_CPUS_PER_TASK=2 bash "$FOLDER/spooled" "${@:2}" >>"$FOLDER/jobs.txt" 2>&1 || echo "failed: $?" >>"$FOLDER/jobs.txt"
+done
+echo "4711;cluster"
+"""
+        self.check_script("slurm-array", "--partition=long", stubs={"sbatch": sbatch}, times=2)  # then nothing is missing
+        submitted = (self.folder / "sbatch.txt").read_text().splitlines()
+        self.assertEqual(len(submitted), 4)
+        self.assertIn("--array=0-2 --partition=long", submitted[0])
+        self.assertIn("--dependency=afterany:4711 ", submitted[1])
+        self.assertEqual((self.folder / "jobs.txt").read_text().count("failed: "), 2)  # the merges: a requirement failed
+
+    def test_the_gnu_parallel_script_gives_the_table_of_one_campaign(self):
+        # Where GNU parallel is not installed: its lines one after the other.
+        parallel = """#!/bin/bash
+while read -r one two three; do
+  command=${@: -1}
+  command=${command//"{1}"/$one} command=${command//"{2}"/$two}
+  bash -c "${command//"{3}"/$three}" </dev/null || failed=1
+done
+exit ${failed:-0}
+"""
+        installed = shutil.which("parallel")
+        genuine = installed is not None and "GNU parallel" in call(installed, "--version").stdout
+        self.check_script("gnu-parallel", "--jobs", "2", stubs={} if genuine else {"parallel": parallel})
 
 
 if __name__ == "__main__":

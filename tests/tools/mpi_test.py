@@ -6,6 +6,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import struct
@@ -27,6 +28,8 @@ bodies:
 requirements:
   - {id: fast, text: it is slow, velocity: {body: top, relative_to: base}, at_most: 2.5}
 """
+# Samples enough for each rank to get some, however late it begins.
+MANY = "set: {step.until: 8 s}\nsamples: 200\nparameters:\n  m: {path: bodies.top.mass, uniform: {min: 1, max: 3}}\n"
 # Each rank leaves its process number where the test finds it.
 NUMBERED = 'echo $$ > "$0/$OMPI_COMM_WORLD_RANK.pid"; exec "$@"'
 
@@ -181,18 +184,39 @@ class MpiTest(ProcessTest):
         self.assertIn("mpirun", page.read_text())
         self.assertRegex(self.run_ok(PROGRAM, "--version").stdout, r"^unlatch-mpi \d")
 
-    def run_unlike(self, here, there, code):
-        """Rank 0 with one file, rank 1 with another."""
-        def part(path):
-            return ["-n", "1", PROGRAM, "campaign", str(path), "--out", str(self.folder / "out")]
-        done = self.mpirun(["mpirun", *part(here), ":", *part(there)])
+    def run_beside(self, path, *other, code):
+        """Rank 0 with this file, rank 1 another program; standard error."""
+        done = self.mpirun(["mpirun", "-n", "1", PROGRAM, "campaign", str(path), "--out", str(self.folder / "out"), ":", "-n", "1",
+                            *map(str, other)])
         self.assertEqual(done.returncode, code, done.stderr)
         return done.stderr
+
+    def run_unlike(self, here, there, code):
+        return self.run_beside(here, PROGRAM, "campaign", there, "--out", self.folder / "out", code=code)
 
     def test_a_rank_that_reads_another_file_ends_the_job(self):
         text = "samples: 900\nparameters:\n  m: {path: bodies.top.mass, uniform: {min: 1, max: 3}}\n"
         stderr = self.run_unlike(self.write(text), self.write(text + "seed: 2\n", "other.yaml"), 3)
         self.assertEqual(stderr.count("rank 1 reads another campaign or scenario than rank 0"), 1, stderr)
+
+    def test_bytes_that_are_not_of_the_protocol_end_the_job(self):
+        path = self.write(MANY)
+        for mode, told in (("hello", "began with a message of no known kind"), ("twice", "began with a message of no known kind"),
+                           ("version", "is another version of unlatch-mpi"), ("jobs", "no possible number of threads"),
+                           ("size", "sent 1000000 bytes"), ("kind", "sent a message of no known kind"),
+                           ("bye", "sent a message after its last one"), ("record", "no record of a sample"),
+                           ("short", "no record of a sample"), ("sample", "sample 205, which it was not given"),
+                           ("again", "which it was not given"), ("inputs", "drew other inputs for sample")):
+            with self.subTest(mode):
+                stderr = self.run_beside(path, BIN / "mpi_stranger", mode, path, code=3)
+                self.assertEqual(len(re.findall(f"^rank 1 .*{told}", stderr, re.M)), 1, stderr)
+                shutil.rmtree(self.folder / "out")
+
+    def test_a_foreign_rank_that_keeps_to_the_protocol_changes_nothing(self):
+        path = self.write(MANY)  # so that the messages of the fact above end the job for what is wrong in them alone
+        alone = self.run_alone(path, "alone")["hash"]
+        self.run_beside(path, BIN / "mpi_stranger", "honest", path, code=0)
+        self.assertEqual(json.loads((self.folder / "out/summary.json").read_text())["hash"], alone)
 
     def test_a_rank_that_cannot_read_its_file_says_so(self):
         good = self.write("samples: 4\nparameters:\n  m: {path: bodies.top.mass, uniform: {min: 1, max: 3}}\n")

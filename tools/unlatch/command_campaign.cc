@@ -223,7 +223,9 @@ void add_campaign(Command app, int& exit_code) {
       kSummary +
           std::string("`merge DIR...` puts folders of one campaign together; `report DIR` writes one HTML page. ") +
           kPromise +
-          " On several machines: `mpirun unlatch-mpi campaign`, or --samples A:B on each of them, and merge.",
+          " On several machines: `mpirun unlatch-mpi campaign`, or --samples A:B on each of them, and merge; scripts "
+          "for "
+          "Slurm and GNU parallel are in hil/scenarios/cluster.",
       "unlatch campaign hil/scenarios/boosters/campaign.yaml --out boosters\n"
       "unlatch campaign report boosters --out boosters.html\n"
       "unlatch run hil/scenarios/boosters/campaign.yaml --sample 17 --log worst.log");

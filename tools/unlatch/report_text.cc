@@ -79,12 +79,12 @@ void print_clearances(std::FILE* to, const RunReport& report) {
     });
     const hil::Clearance& clearance = clearances[least];
     const std::string of_group = "  the smallest of " + std::to_string(group.size()) + " pairs " + keys[least];
-    std::fprintf(to, "  %-28s %9.4f m %s%s%s\n", pairs[least].c_str(), clearance.smallest,
+    std::fprintf(to, "  %-28s %12.6g m %s%s%s\n", pairs[least].c_str(), clearance.smallest,
                  describe_time(clearance).c_str(),
                  clearance.smallest > 0 ? "" : paint(to, Colour::kRed, describe_touch(clearance)).c_str(),
                  group.size() == 1 ? "" : of_group.c_str());
     if (!clearance.after_release || clearance.after_release->smallest == clearance.smallest) continue;
-    std::fprintf(to, "  %-28s %9.4f m at %9.4f s, from the release at %.4f s on\n", "",
+    std::fprintf(to, "  %-28s %12.6g m at %9.4f s, from the release at %.4f s on\n", "",
                  clearance.after_release->smallest, clearance.after_release->time, clearance.after_release->from);
   }
 }

@@ -84,7 +84,7 @@ void print_separation(std::FILE* to, const RunReport& report, const hil::Separat
   const hil::Clearance* const clearance = find_clearance(report, pair);
   if (clearance == nullptr) return;
   const hil::Clearance::AfterRelease& after = *clearance->after_release;
-  std::fprintf(to, "    smallest clearance       %.4f m at %.6f s, after the release (%s – %s)", after.smallest,
+  std::fprintf(to, "    smallest clearance       %.6g m at %.6f s, after the release (%s – %s)", after.smallest,
                after.time, clearance->name_a.c_str(), clearance->name_b.c_str());
   if (is_closing(*clearance)) {
     char text[80];
