@@ -215,6 +215,31 @@ class ReportTest(ProcessTest):
         self.assertGreater(max(values), 0.09)
         self.assert_silent()
 
+    def test_contacts_have_a_table_and_curves(self):
+        self.open(self.record("strike", "run", SCENARIOS / "boosters/recontact.yaml", code=1))
+        table = "[...document.querySelectorAll('.card')].find((card) => card.querySelector('small')?.textContent.startsWith('those that touch'))"
+        self.assertIn("2.5552", self.ask(f"{table}.textContent"))
+        card = self.get_card("Contacts")
+        self.assertEqual(self.ask(f"{card}.group.choices.map((choice) => choice.name)"), ["normal force", "friction", "depth", "slip speed"])
+        peak = self.ask(f"Math.max(...{card}.group.choices[0].build(unlatchReport.plots.runs[0])[0].values)")
+        self.assertGreater(peak, 0.9 * 39966)  # N; the peak itself is located inside a step
+        self.assertLess(peak, 1.000001 * 39967)
+        self.assert_silent()
+
+    def test_pushers_have_forces_and_are_drawn_while_they_push(self):
+        self.open(self.record("stage", "run", SCENARIOS / "interstage/scenario.yaml"))
+        card = self.get_card("Pushers, stops and cords")
+        self.assertIn("force", self.ask(f"{card}.group.choices.map((choice) => choice.name)"))
+        lines = "unlatchReport.stage.actors[0].pushers.map((pusher) => pusher.line.visible)"
+        first, last = self.ask("[unlatchReport.clock.first, unlatchReport.clock.last]")
+        self.ask(f"unlatchReport.clock.set({first})")
+        self.browser.settle()
+        self.assertGreaterEqual(self.ask(lines).count(True), 6)
+        self.ask(f"unlatchReport.clock.set({last})")
+        self.browser.settle()
+        self.assertEqual(self.ask(lines).count(True), 0)
+        self.assert_silent()
+
     def test_the_nearest_approach_has_a_view_of_its_own(self):
         self.open(self.record("run", "run", SCENARIOS / "boosters/cyclogram.yaml", "--until", "4"))
         card = self.get_card("Clearances")

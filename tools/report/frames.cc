@@ -7,6 +7,7 @@
 #include <span>
 
 #include "tools/report/base64.h"
+#include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::tools {
@@ -39,7 +40,9 @@ FrameLayout::FrameLayout(const hil::Scenario& scenario, std::size_t sensor_value
       sensors(channels + scenario.model.channels.size()),
       points(sensors + sensor_values),
       springs(points + kPointColumns * scenario.points.size()),
-      requirements(springs + kSpringColumns * scenario.model.point_springs.size()),
+      one_sided(springs + kSpringColumns * scenario.model.point_springs.size()),
+      contacts(one_sided + kOneSidedColumns * scenario.model.one_sided.size()),
+      requirements(contacts + kContactColumns * scenario.model.contacts.size()),
       width(requirements + scenario.requirements.size()) {
   for (const Body& body : scenario.model.bodies) {
     modal.push_back(width);
@@ -108,6 +111,8 @@ FrameRecorder::Frame FrameRecorder::take() const {
   for (const double value : simulation_.workspace().sensors) *to++ = static_cast<float>(value);
   take_points(to);
   take_springs(frame.values.data() + layout_.springs);
+  take_one_sided(frame.values.data() + layout_.one_sided);
+  take_contacts(frame.values.data() + layout_.contacts);
   for (std::size_t i = 0; i < scenario_.requirements.size(); ++i)
     frame.values[layout_.requirements + i] = static_cast<float>(analysis_.get_requirement_now(i));
   take_modal(frame.values.data());
@@ -138,6 +143,24 @@ void FrameRecorder::take_springs(float* to) const {
   for (std::size_t i = 0; i < scenario_.model.point_springs.size(); ++i) {
     const SpringReading spring = calc_point_spring(simulation_.plan(), simulation_.state(), static_cast<int>(i));
     for (const double value : {spring.force, spring.length, spring.scale}) *to++ = static_cast<float>(value);
+  }
+}
+
+void FrameRecorder::take_one_sided(float* to) const {
+  const Model& model = scenario_.model;
+  const int first = model.element_count() - static_cast<int>(model.frictions.size() + model.one_sided.size());
+  for (int i = 0; i < static_cast<int>(model.one_sided.size()); ++i) {
+    const ElementReading force =
+        calc_element(simulation_.plan(), simulation_.state(), simulation_.workspace(), first + i);
+    for (const double value : {force.force, force.length, force.scale, force.stroke}) *to++ = static_cast<float>(value);
+  }
+}
+
+void FrameRecorder::take_contacts(float* to) const {
+  for (std::size_t i = 0; i < scenario_.model.contacts.size(); ++i) {
+    const ContactReading contact = calc_contact(simulation_.plan(), simulation_.state(), static_cast<int>(i));
+    for (const double value : {contact.normal, contact.friction, contact.depth, contact.slip})
+      *to++ = static_cast<float>(value);
   }
 }
 

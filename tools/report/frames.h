@@ -21,14 +21,19 @@ namespace unlatch::tools {
 //   sensor   the values of the model's sensors, one after the other
 //   point    its position (3, m) in the axes and from the origin of the body that it is seen from
 //   spring   of springs between points: force (N), length (m), switch scale
+//   one-sided force (pusher, stop, cord)   force along its coordinate (N or N m), coordinate (m or rad), switch scale,
+//            depth (m or rad; it acts where it is on and above 0)
+//   contact  F_n (N), |F_t| (N), depth (m), slip (m/s)
 //   requirement   the present value of its quantity, in its unit; NaN outside its interval
 //   modal    of flexible bodies, in the model's order: the modal coordinates
 struct FrameLayout {
   FrameLayout(const hil::Scenario& scenario, std::size_t sensor_values);
-  std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, springs, requirements, width;
+  std::size_t bodies = 0, joints, loads, pairs, channels, sensors, points, springs, one_sided, contacts, requirements,
+              width;
   std::vector<std::size_t> modal;  // per body: its first modal column
 };
-inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3, kSpringColumns = 3;
+inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3, kSpringColumns = 3,
+                             kOneSidedColumns = 4, kContactColumns = 4;
 
 class FrameRecorder {
  public:
@@ -53,6 +58,8 @@ class FrameRecorder {
   void take_loads(float* to) const;
   void take_points(float* to) const;
   void take_springs(float* to) const;
+  void take_one_sided(float* to) const;
+  void take_contacts(float* to) const;
   void take_modal(float* frame) const;
   void settle();
   void thin();

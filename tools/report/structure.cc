@@ -114,6 +114,34 @@ Json build_springs(const Model& model, const FrameLayout& layout) {
   return list;
 }
 
+// `between`: the ends of a pusher or cord that acts along the line between two points, else null.
+Json build_one_sided(const Model& model, const FrameLayout& layout) {
+  constexpr const char* kKinds[] = {"pusher", "stop", "cord"};
+  Json list = Json::array();
+  for (std::size_t i = 0; i < model.one_sided.size(); ++i) {
+    const OneSided& force = model.one_sided[i];
+    Json one{{"name", force.name},
+             {"kind", kKinds[static_cast<std::size_t>(force.kind)]},
+             {"angle", force.joint != kNone && force.axis >= kRotX},
+             {"between", nullptr},
+             {"column", layout.one_sided + kOneSidedColumns * i}};
+    if (force.joint == kNone)
+      one["between"] = {{"base", force.base},
+                        {"follower", force.follower},
+                        {"point_base", to_json(force.point_base)},
+                        {"point_follower", to_json(force.point_follower)}};
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+Json build_contacts(const Model& model, const FrameLayout& layout) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < model.contacts.size(); ++i)
+    list.push_back({{"name", model.contacts[i].name}, {"column", layout.contacts + kContactColumns * i}});
+  return list;
+}
+
 // Of many pairs those that come nearest.
 Json build_pairs(const hil::RunAnalysis& analysis, const FrameLayout& layout) {
   const std::vector<hil::Clearance>& clearances = analysis.clearances();
@@ -179,6 +207,8 @@ nlohmann::ordered_json build_structure(const hil::Scenario& scenario, const hil:
           {"joints", build_joints(scenario, analysis, layout)},
           {"loads", build_loads(model, layout)},
           {"springs", build_springs(model, layout)},
+          {"one_sided", build_one_sided(model, layout)},
+          {"contact_curves", build_contacts(model, layout)},
           {"pairs", build_pairs(analysis, layout)},
           {"pairs_in_all", analysis.clearances().size()},
           {"channels", channels},

@@ -133,6 +133,31 @@ function springs() {
     { name: 'length', unit: 'm', build: curves((run, spring) => run.column(spring.column + 1)) } ] };
 }
 
+// Pushers, stops and cords: forces while they act.
+function oneSided(runs) {
+  const curves = (angle, pick) => (run) => run.one_sided.flatMap((force, i) => (
+    force.angle !== angle || isSilent(run, force.column, 1) ? [] : [{ name: force.name, colour: i, values: pick(run, force), marks: [] }]));
+  const force = (run, { column }) => run.column(column);
+  const travel = (run, { column }) => {
+    const places = run.column(column + 1), scales = run.column(column + 2), depths = run.column(column + 3);
+    return map(run.count, (i) => (scales[i] !== 0 && depths[i] > 0 ? places[i] : NaN));
+  };
+  const choices = [
+    { name: 'force', unit: 'N', build: curves(false, force) }, { name: 'place', unit: 'm', build: curves(false, travel) },
+    { name: 'moment', unit: 'N m', build: curves(true, force) }, { name: 'angle', unit: 'rad', build: curves(true, travel) } ];
+  return { title: 'Pushers, stops and cords', note: 'along their coordinate on the follower; places while they act',
+    choices: choices.filter((choice) => runs.some((run) => choice.build(run).length > 0)) };
+}
+
+// Of the contacts that close at some time.
+function contacts() {
+  const curves = (column) => (run) => run.contact_curves.flatMap((contact, i) => (
+    isSilent(run, contact.column, 1) ? [] : [{ name: contact.name, colour: i, values: run.column(contact.column + column), marks: [] }]));
+  return { title: 'Contacts', note: 'sums over the pairs of shapes of each contact that touches; depth: of the deepest pair', choices: [
+    { name: 'normal force', unit: 'N', build: curves(0) }, { name: 'friction', unit: 'N', build: curves(1) },
+    { name: 'depth', unit: 'm', build: curves(2) }, { name: 'slip speed', unit: 'm/s', build: curves(3) } ] };
+}
+
 // Generalised coordinates of bodies that bend, if there are any.
 function modal() {
   return { title: 'Modal coordinates', note: 'of flexible bodies, mass-normalised', choices: [{ name: 'all', unit: 'kg½ m',
@@ -168,7 +193,7 @@ function requirements(runs) {
 export function buildQuantities(runs) {
   const all = [
     requirements(runs), clearances(runs), points(), reactions(0, 'N', 'Reaction forces'), reactions(3, 'N m', 'Reaction moments'),
-    { kind: 'rate', ...vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG) }, relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true), springs(),
+    { kind: 'rate', ...vectors('Angular rates', 'body axes', 'deg/s', BODY.w, DEG) }, relative(runs), relativeVelocity(runs), modal(), loads(false), loads(true), springs(), oneSided(runs), contacts(),
     { kind: 'sensor', ...byUnit('Sensors', 'received by flight software; positions, rates and reactions have plots of their own', runs, ownSensors) },
     byUnit('Commands', 'channels that change, as the steps read them', runs, changingChannels),
   ];

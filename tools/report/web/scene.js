@@ -20,6 +20,7 @@ export class Actors {
     this.loads = ghost ? [] : run.loads.map(() => new Arrow(true));
     for (const arrow of [...this.reactions, ...this.loads]) this.group.add(arrow.group);
     this.springs = ghost ? [] : run.springs.map(() => this.addLine(2));
+    this.pushers = ghost ? [] : run.one_sided.filter((force) => force.between !== null).map((force) => ({ force, line: this.addLine(2) }));
     this.paths = run.points.map((point) => this.addPath(point));
     this.unit = this.calcUnit();
   }
@@ -66,7 +67,7 @@ export class Actors {
     this.bodies.forEach((body, i) => body.userData.paint(colour(i)));
     for (const arrow of this.reactions) arrow.material.color.set(reaction);
     for (const arrow of this.loads) arrow.material.color.set(load);
-    for (const line of this.springs) line.material.color.set(colour(5));
+    for (const line of [...this.springs, ...this.pushers.map((pusher) => pusher.line)]) line.material.color.set(colour(5));
     for (const { point, whole, past, dot } of this.paths) {
       for (const part of [whole, past, dot]) part.material.color.set(colour(point.body));
     }
@@ -100,6 +101,7 @@ export class Actors {
     this.reactions.forEach((arrow, i) => this.updateReaction(arrow, run.joints[i], place, metresPerNewton, thickness));
     this.loads.forEach((arrow, i) => this.updateLoad(arrow, run.loads[i], place, metresPerNewton, thickness));
     this.springs.forEach((line, i) => this.updateSpring(line, run.springs[i], place));
+    for (const { force, line } of this.pushers) this.updatePusher(line, force, place);
     for (const path of this.paths) this.updatePath(path, place, thickness);
   }
 
@@ -132,9 +134,19 @@ export class Actors {
   updateSpring(line, spring, place) {
     line.visible = this.run.at(spring.column + 2, place, true) !== 0
       && !(spring.push_only && this.run.at(spring.column + 1, place) >= spring.free_length);
+    this.putLine(line, spring);
+  }
+
+  // A pusher, stop or cord between two points is drawn while it acts.
+  updatePusher(line, force, place) {
+    line.visible = this.run.at(force.column + 2, place, true) !== 0 && this.run.at(force.column + 3, place, true) > 0;
+    this.putLine(line, force.between);
+  }
+
+  putLine(line, { base, follower, point_base: from, point_follower: to }) {
     const ends = line.geometry.getAttribute('position');
-    ends.setXYZ(0, ...this.toView(spring.base, spring.point_base));
-    ends.setXYZ(1, ...this.toView(spring.follower, spring.point_follower));
+    ends.setXYZ(0, ...this.toView(base, from));
+    ends.setXYZ(1, ...this.toView(follower, to));
     ends.needsUpdate = true;
   }
 

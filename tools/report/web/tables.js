@@ -68,6 +68,16 @@ function buildPeaks(runs, clock) {
       run.finalModes[joint.name]] }))));
 }
 
+function buildContacts(runs, clock) {
+  const time = (t) => (t === null ? '–' : go(clock, t));
+  return both(runs, ['contact', 'first touch, s', 'latest lift, s', 'touches', 'closed for, s', 'peak force, N', 'at t, s', 'largest depth, m', 'impulse, N s',
+    'slip, m', 'loss, J'], (run) => run.contacts.filter((item) => item.touches > 0 || item.closed_at_start).map((item) => ({
+    name: item.name, rank: item.peak_force, cells: [
+      item.name, item.closed_at_start && item.touch === null ? 'closed at the start' : time(item.touch), item.closed ? 'closed at the end' : time(item.lift),
+      item.touches, digits(item.duration, 5), digits(item.peak_force, 6), time(item.t), digits(item.depth, 4), digits(item.impulse, 6), digits(item.slip, 4),
+      digits(item.dissipated, 5)] })));
+}
+
 function buildRedundant(runs, clock) {
   return both(runs, ['joints', 'redundant rows', 'from t, s', 'to t, s'], (run) => run.redundant.map((item) => ({
     name: null, cells: [item.joints.join(', '), `${item.redundant} of ${item.rows}`, go(clock, item.from), go(clock, item.until)] })));
@@ -110,7 +120,8 @@ export function buildTables(data, runs, clock) {
   return el('div', {}, [
     add('Smallest clearances', 'located inside the step', buildClearances(runs, clock)),
     add('Separations', 'velocities and rates at the end of push, in the inertial frame; axial: about the separation axis', buildSeparations(runs, clock)),
-    add('Peak reactions', 'of every tick, signed, on the follower; click to go there', runs.some((run) => run.joints.length) ? buildPeaks(runs, clock) : null),
+    add('Peak reactions', 'located inside the step, signed, on the follower; click to go there', runs.some((run) => run.joints.length) ? buildPeaks(runs, clock) : null),
+    add('Contacts', 'those that touch; located inside the step', buildContacts(runs, clock)),
     add('Reactions that are not unique', 'rows of these joints are redundant; split by equal stiffnesses, or as `share` says', buildRedundant(runs, clock)),
     add('Audit of momentum and energy', 'changes by events beyond the allowed ones', buildAudit(runs, clock)),
     section('Where this comes from', '', buildProvenance(data, runs), buildTexts(runs)),
