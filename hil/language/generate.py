@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes hil/scenarios/REFERENCE.md and unlatch.schema.json from language.yaml. --check: only says whether they are current."""
+"""Writes hil/scenarios/REFERENCE.md and unlatch.schema.json from language.yaml, campaign.schema.json and synthesis.schema.json from
+campaign.yaml and synthesis.yaml. --check: only says whether they are current."""
 
 import json
 import sys
@@ -25,7 +26,8 @@ class Schema:
     def __init__(self, sections):
         self.sections = sections
 
-    def build(self):
+    def build_defs(self, top):
+        """Of all types, and of all sections but the top."""
         defs = {
             "quantity": {"anyOf": [{"type": "number"}, {"type": "string", "pattern": EXPRESSION}]},
             "name": {"type": "string", "pattern": NAME, "not": {"pattern": NOT_A_NAME}},
@@ -36,9 +38,14 @@ class Schema:
             "rotation": {"type": "array", "prefixItems": [{"enum": ["x", "y", "z"]}, {"$ref": "#/$defs/quantity"}],
                          "items": False, "minItems": 2},
         }
-        for name, section in self.sections.items():
-            if name != "scenario":
-                defs[name] = self.of_section(section)
+        return {**defs, **{name: self.of_section(section) for name, section in self.sections.items() if name != top}}
+
+    def build_plain(self, top):
+        return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": f"unlatch {top}",
+                **self.of_section(self.sections[top]), "$defs": self.build_defs(top)}
+
+    def build(self):
+        defs = self.build_defs("scenario")
         top = self.of_section(self.sections["scenario"])
         required = top.pop("required")
         required.remove("unlatch")
@@ -218,13 +225,16 @@ def main():
     sections = load_sections()
     files = {OUT / "unlatch.schema.json": json.dumps(Schema(sections).build(), indent=1, ensure_ascii=False) + "\n",
              OUT / "REFERENCE.md": write_reference(sections)}
+    for top in ("campaign", "synthesis"):
+        schema = Schema(load_sections(top)).build_plain(top)
+        files[OUT / f"{top}.schema.json"] = json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
     stale = [path for path, text in files.items() if not path.exists() or path.read_text() != text]
     if "--check" not in sys.argv:
         for path in stale:
             path.write_text(files[path])
         return 0
     for path in stale:
-        print(f"{path.name} is not what language.yaml says: run hil/language/generate.py", file=sys.stderr)
+        print(f"{path.name} is not what its table says: run hil/language/generate.py", file=sys.stderr)
     return 1 if stale else 0
 
 

@@ -28,8 +28,9 @@ def load_yaml(text):
     return yaml.load(text, Loader)
 
 
-def load_sections():
-    return load_yaml((HERE / "language.yaml").read_text())["sections"]
+def load_sections(name="language"):
+    """Of scenarios ("language"), of campaign files ("campaign"), or of problems of synthesis ("synthesis")."""
+    return load_yaml((HERE / f"{name}.yaml").read_text())["sections"]
 
 
 class Type:

@@ -154,7 +154,7 @@ TEST(HostileUse, StructsOfUnknownSizeAndUnknownNumbersAreRefused) {
   array.size = sizeof array;
   EXPECT_EQ(unlatch_get_array(sim.get(), 4711, 0, &array), UNLATCH_ERROR_ARGUMENT);
   std::size_t count = 0;
-  for (const std::int32_t kind : {-1, 10, 4711}) {
+  for (const std::int32_t kind : {-1, UNLATCH_NUMBER + 1, 4711}) {
     EXPECT_EQ(unlatch_count(sim.get(), kind, &count), UNLATCH_ERROR_ARGUMENT);
   }
   EXPECT_EQ(unlatch_advance(sim.get(), 1, 1u << 9, nullptr), UNLATCH_ERROR_ARGUMENT);
