@@ -234,7 +234,8 @@ def main():
             path.write_text(files[path])
         return 0
     for path in stale:
-        print(f"{path.name} is not what its table says: run hil/language/generate.py", file=sys.stderr)
+        table = path.name.replace(".schema.json", ".yaml") if path.name.startswith(("campaign", "synthesis")) else "language.yaml"
+        print(f"{path.name} is not what {table} says: run hil/language/generate.py", file=sys.stderr)
     return 1 if stale else 0
 
 

@@ -146,7 +146,7 @@ TEST(CLibrary, ListsTheNumbersThatAScenarioWritesOutByTheirPaths) {
   for (std::size_t i = 0; i < sim.count(UNLATCH_NUMBER); ++i) paths.insert(sim.describe(UNLATCH_NUMBER, i).name);
   EXPECT_EQ(paths.size(), sim.count(UNLATCH_NUMBER));
   EXPECT_GT(paths.size(), 100u);
-  EXPECT_TRUE(paths.contains("bodies.booster4.mass"));                                       // of a template
+  EXPECT_TRUE(paths.contains("bodies.booster4.mass"));                                         // of a template
   for (const std::string& path : paths) EXPECT_FALSE(path.starts_with("constants.")) << path;  // a kind of their own
 }
 
