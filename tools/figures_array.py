@@ -1,6 +1,13 @@
 """Figures of the solar array: hinge angles, what hinges bear around the latches, the shock's spectrum, residual rates."""
 import math
 
+# Of synthesis.yaml: the array as it is, and the optimum.
+DESIGNS = {
+    "before: springs of 0.6 N m,\ncables of 150 N m/rad": {},
+    "optimum: springs of 1.48, 1.17, 0.50, 0.50 N m,\ncables of 0.92 N m/rad": {
+        "root": "1.480771 N m", "second": "1.166904 N m", "outer": "0.497968 N m", "cable": "0.921203 N m/rad"},
+}
+
 COLOURS = ("#c1121f", "#457b9d", "#e09f3e", "#2a9d5c", "#6a4c93", "#555555", "#b5838d", "#1d3557")
 
 
@@ -108,4 +115,36 @@ def add(figure, tools):
         right.set_xticks(counts, counts)
         right.set_xlabel("panels")
         right.legend()
+        return drawn
+
+    @figure("array-synthesis")
+    def synthesis(bench):
+        import matplotlib.pyplot as plt
+        drawn, rows = plt.subplots(2, 2, figsize=(7.5, 5.2), sharex=True, sharey="row", constrained_layout=True)
+        hinges = range(1, 5)
+        selected = [f"joint.hinge{k}.angle" for k in hinges] + [f"element.latch{k}.moment" for k in hinges]
+        for column, (title, values) in enumerate(DESIGNS.items()):
+            options = [text for name, value in values.items() for text in ("--set", f"constants.{name}={value}")]
+            run = bench.call("run", tools.SCENARIOS / "array/design.yaml", "--outputs", ",".join(selected), "--json", "-", *options)
+            table, (angles, moments) = run["outputs"][0], rows[:, column]
+            columns = list(zip(*table["rows"]))  # x, y, z of each angle, then the moments
+            latched = {event["subject"]: event["t"] for event in run["events"] if event["name"] == "latch"}
+            for k in hinges:
+                angles.plot(table["t"], [math.degrees(v) for v in columns[3 * k - 1]], color=COLOURS[k - 1],
+                            label=f"hinge {k}", **tools.layer(k - 1))
+                moments.plot(table["t"], [v if t >= latched[f"panel{k}"] else math.nan
+                                          for t, v in zip(table["t"], columns[11 + k])],
+                             color=COLOURS[k - 1], linewidth=0.8)
+            for limit in (-75, 75):
+                moments.axhline(limit, color="0.3", linewidth=0.8, linestyle="--")
+            for axes in (angles, moments):
+                axes.set_xlim(3, 9)
+                tools.mark_events(axes, run, ("latch",), labels=False)
+            angles.set_title(title, loc="left", fontsize=tools.LABEL + 1)
+            moments.set_xlabel("t, s")
+        rows[0][0].set_ylabel("hinge angle, deg")
+        rows[1][0].set_ylabel("moment of the latch, N m")
+        rows[1][0].set_ylim(-100, 100)
+        rows[0][0].legend(loc="lower right", ncols=2)
+        drawn.suptitle("Four panels unfold: a line at each latch, dashed the shock that a latch may bear", fontsize=10)
         return drawn

@@ -302,6 +302,25 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(done.returncode, code, done.stderr)
         return json.loads((self.folder / out / "result.json").read_text())
 
+    def scan_shipped(self, folder, objective, scanned):
+        """The objectives of those designs that meet all constraints, of all combinations of {variable: (values, unit)}."""
+        problem = yaml.safe_load((SCENARIOS / folder / "synthesis.yaml").read_text())
+        designs = math.prod(len(values) for values, _ in scanned.values())
+        for name, (values, unit) in scanned.items():  # catalogues: every combination is flown, no optimiser chooses
+            problem["variables"][name] = {"path": problem["variables"][name]["path"], "values": [f"{value:.16g} {unit}" for value in values]}
+        problem["budget"] = {"runs": designs}
+        (self.folder / folder / "scan.yaml").write_text(yaml.safe_dump(problem))
+        out = Path(tempfile.mkdtemp(dir=self.folder))
+        done = subprocess.run([UNLATCH, "optimize", self.folder / folder / "scan.yaml", "--out", out], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(out / "history.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))[:designs]
+        margins = [name for name in rows[0] if ".margin" in name]
+        self.assertEqual(len(margins), len(json.loads((out / "result.json").read_text())["constraints"]))
+        column = next(name for name in rows[0] if name.startswith(objective))
+        self.assertEqual(len({tuple(list(row.values())[3:3 + len(scanned)]) for row in rows}), designs)  # the variables
+        return [float(row[column]) for row in rows if all(row[name] and float(row[name]) >= 0 for name in margins)]
+
     def test_boosters_become_cheaper_and_still_clear_the_core(self):
         result = self.optimize_shipped("synthesis.yaml", "o", 40)
         cost = lambda nozzle, opening, slide, unlike: nozzle / 1e3 - opening / 0.02 - slide / 0.005 - unlike / 0.05
@@ -346,30 +365,33 @@ class OptimizeTest(ProcessTest):
         result = self.optimize_shipped("synthesis.yaml", "o", 100, folder="fairing")
         self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
-        problem = yaml.safe_load((SCENARIOS / "fairing/synthesis.yaml").read_text())
         # Over all that the variables may be, finer towards the soft springs and long ways of the optimum.
         scanned = {"spring": ((50, 60, 80, 120, 170, 250), "kN/m"),
                    "travel": ((0.3, 0.36, 0.42, 0.48, 0.54, 0.6, 0.64, 0.68, 0.7, 0.72, 0.74, 0.76, 0.78, 0.8), "m"),
                    "angle": ((50, 54, 57, 60, 63, 66, 75), "deg")}
-        designs = math.prod(len(values) for values, _ in scanned.values())
-        for name, (values, unit) in scanned.items():  # catalogues: every combination is flown, no optimiser chooses
-            problem["variables"][name] = {"path": problem["variables"][name]["path"], "values": [f"{value:g} {unit}" for value in values]}
-        problem["budget"] = {"runs": designs}
-        (self.folder / "fairing/scan.yaml").write_text(yaml.safe_dump(problem))
-        done = subprocess.run([UNLATCH, "optimize", self.folder / "fairing/scan.yaml", "--out", self.folder / "scan"],
-                              capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        with open(self.folder / "scan/history.csv", newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))[:designs]
-        margins = [name for name in rows[0] if ".margin" in name]
-        self.assertEqual(len(margins), len(problem["constraints"]))
-        energy = next(name for name in rows[0] if name.startswith("spring * travel^2"))
-        met = [float(row[energy]) for row in rows if all(row[name] and float(row[name]) >= 0 for name in margins)]
-        self.assertEqual(len({tuple(list(row.values())[3:6]) for row in rows}), designs)  # the variables
+        met = self.scan_shipped("fairing", "spring * travel^2", scanned)
         self.assertGreater(len(met), 20)
         optimum = result["objectives"][0]["value"]
         self.assertLessEqual(optimum, min(met))
         self.assertGreater(optimum, min(met) - 1.5e3)  # J: a step of the stroke at the softest spring
+
+    def test_no_design_of_a_scan_is_better_than_the_arrays_optimum(self):
+        result = self.optimize_shipped("synthesis.yaml", "o", 600, folder="array")
+        self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
+        self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
+        active = {constraint["id"] for constraint in result["constraints"] if constraint["active"]}
+        self.assertEqual(active, {"order21", "shock3", "shock4"})
+        optimum = result["objectives"][0]["value"]
+        units = {"root": "N m", "second": "N m", "outer": "N m", "cable": "N m/rad"}
+        whole = {"root": (0.3, 0.6, 0.7, 0.8, 0.9, 1, 1.2, 1.5), "second": (0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.3),
+                 "outer": (0.1, 0.16, 0.22, 0.3, 0.4, 0.7), "cable": (0.3, 0.5, 0.8, 1.5, 3)}
+        met = self.scan_shipped("array", "unfolded", {name: (values, units[name]) for name, values in whole.items()})
+        self.assertGreater(len(met), 20)
+        self.assertLess(optimum, min(met))
+        self.assertGreater(optimum, min(met) - 1)  # s: a step of the spring at the bus and of the next
+        parts = (0.98, 0.99, 1, 1.006, 1.012)  # around the optimum, within the bounds; in its middle the optimum itself
+        near = {name: ([part * variable["value"] for part in parts], units[name]) for name, variable in result["variables"].items()}
+        self.assertAlmostEqual(min(self.scan_shipped("array", "unfolded", near)), optimum, delta=1e-6)  # s: as printed numbers
 
 
 if __name__ == "__main__":
