@@ -116,7 +116,7 @@ class OptimizeTest(ProcessTest):
     def test_the_page_shows_the_result_the_search_slices_and_the_flight_before_and_after(self):
         hostile = "</script><script>window.struck = 1</script>"
         far = "  - {id: far, position: {body: block, along: [1, 1, 0]}, take: final, at_least: 1 m}\n"
-        slow = "  - {id: slow, velocity: {body: block, along: [1, 1, 0]}, take: maximum, at_most: 5000 m/s}\n"
+        slow = "  - {id: slow, velocity: {body: block, along: [1, 1, 0]}, take: peak, at_most: 5000 m/s}\n"
         (self.folder / "s.yaml").write_text(SCENARIO.replace(far, far + slow))
         self.optimize(PROBLEM + f"title: \"{hostile}\"\n", "o")
         ask = self.look_at("o")

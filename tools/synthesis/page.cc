@@ -37,6 +37,13 @@ Json build_variables(const hil::DesignProblem& problem) {
   return list;
 }
 
+// The requirement limits the size of its quantity.
+bool is_of_size(const hil::DesignProblem& problem, const hil::DesignConstraint& constraint) {
+  for (const hil::Requirement& requirement : problem.tree->get_nominal().requirements)
+    if (requirement.id == constraint.id) return requirement.take == hil::Requirement::Take::kPeak;
+  return false;
+}
+
 Json build_constraints(const hil::DesignProblem& problem) {
   Json list = Json::array();
   for (const hil::DesignConstraint& constraint : problem.constraints)
@@ -45,6 +52,7 @@ Json build_constraints(const hil::DesignProblem& problem) {
                     {"limit", constraint.limit},
                     {"at_least", constraint.at_least},
                     {"both", constraint.both},
+                    {"of_size", is_of_size(problem, constraint)},
                     {"probability", constraint.probability}});
   return list;
 }
