@@ -1,10 +1,17 @@
-// An index of a model, which is an int, as that of a vector.
+// Indices of a model, which are ints, as those of vectors, and in the one numbering of elements.
 #pragma once
 
 #include <cstddef>
 
+#include "unlatch/model.h"
+
 namespace unlatch::hil {
 
 constexpr std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+// The element (as in State::elements) that is the model's first one-sided force; the others follow it.
+inline int get_first_one_sided(const Model& model) {
+  return model.element_count() - static_cast<int>(model.frictions.size() + model.one_sided.size());
+}
 
 }  // namespace unlatch::hil

@@ -1,6 +1,7 @@
 #include "hil/separations/spring_work.h"
 
 #include "hil/scenario/from_eigen.h"
+#include "hil/scenario/index.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -31,7 +32,7 @@ std::optional<SpringWork> SpringWork::make(const Model& model, int element) {
     return work;
   }
   const std::size_t joints = model.joint_springs.size();
-  const std::size_t first = loads + points + joints + model.plane_torsions.size() + model.contacts.size();
+  const std::size_t first = at(get_first_one_sided(model));
   if (i >= first && i < first + model.one_sided.size()) {
     work.number_ = i - first;
     work.one_sided_ = model.one_sided[work.number_];

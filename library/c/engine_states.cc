@@ -146,7 +146,7 @@ unlatch_status Engine::reset() {
 unlatch_status Engine::start_recording(const char* path) {
   if (const unlatch_status status = refuse_while_busy("beginning to record"); status != UNLATCH_OK) return status;
   if (*path == 0) return fail(UNLATCH_ERROR_ARGUMENT, "an empty path; name the file to write");
-  const std::int64_t end = std::llround(scenario_.until / scenario_.dt);
+  const std::int64_t end = hil::calc_nearest_tick(scenario_.until, scenario_.dt);
   hil::LogHeader header =
       hil::build_log_header(scenario_, *simulation_, hil::Pace::kFast, 0, std::max(end, simulation_->get_tick()));
   std::vector<std::uint64_t> now = simulation_->save();

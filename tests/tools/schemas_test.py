@@ -11,22 +11,13 @@ import sys
 from pathlib import Path
 
 from jsonschema import Draft202012Validator
+from optimize_test import SCENARIO
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
 sys.path.insert(0, str(SOURCE / "hil/language"))
 sys.dont_write_bytecode = True
 from language import load_sections, load_yaml, parse_type  # noqa: E402
 
-SCENARIO = """unlatch: 1
-name: push
-step: {dt: 10 ms, until: 1 s}
-bodies: {block: {mass: 1 kg, inertia: [1, 1, 1]}}
-elements:
-  px: {type: force, body: block, direction: [1, 0, 0], profile: 1 N}
-  py: {type: force, body: block, direction: [0, 1, 0], profile: 1 N}
-requirements:
-  - {id: far, position: {body: block, along: [1, 1, 0]}, take: final, at_least: 1 m}
-"""
 # Every key once.
 CAMPAIGN = """unlatch_campaign: 1
 name: all

@@ -5,7 +5,7 @@
 
 #include "tools/pages/embed.h"
 
-UNLATCH_EMBED(unlatch_page_style, UNLATCH_PAGES "/page.css");
+UNLATCH_EMBED(unlatch_page_head, UNLATCH_PAGES "/head.html");
 UNLATCH_EMBED(unlatch_page_script, UNLATCH_PAGES "/page.js");
 
 namespace unlatch::tools {
@@ -34,7 +34,7 @@ std::string build_page(std::string_view page, const nlohmann::ordered_json& data
     text += content;
     page.remove_prefix(at + place.size());
   };
-  put("%UNLATCH_STYLE%", UNLATCH_EMBEDDED(unlatch_page_style));
+  put("%UNLATCH_HEAD%", UNLATCH_EMBEDDED(unlatch_page_head));
   put("%UNLATCH_DATA%", written);
   put("%UNLATCH_SCRIPT%", UNLATCH_EMBEDDED(unlatch_page_script));
   return text += page;

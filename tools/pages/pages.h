@@ -1,6 +1,6 @@
 // HTML pages with data in them: one file each, without a network. A page is a text with three places:
 //
-//   %UNLATCH_STYLE%    page.css
+//   %UNLATCH_HEAD%     head.html: the policy that allows no connection, and the style
 //   %UNLATCH_SCRIPT%   page.js: elements, numbers, tables, plots
 //   %UNLATCH_DATA%     the data as JSON, in an element with the id `data`
 #pragma once

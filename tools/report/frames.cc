@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "hil/scenario/index.h"
 #include "tools/report/base64.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"
@@ -148,7 +149,7 @@ void FrameRecorder::take_springs(float* to) const {
 
 void FrameRecorder::take_one_sided(float* to) const {
   const Model& model = scenario_.model;
-  const int first = model.element_count() - static_cast<int>(model.frictions.size() + model.one_sided.size());
+  const int first = hil::get_first_one_sided(model);
   for (int i = 0; i < static_cast<int>(model.one_sided.size()); ++i) {
     const ElementReading force =
         calc_element(simulation_.plan(), simulation_.state(), simulation_.workspace(), first + i);

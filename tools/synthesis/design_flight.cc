@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "hil/run/run.h"
 
@@ -10,13 +9,6 @@ namespace unlatch::tools {
 namespace {
 
 constexpr std::int64_t kIntervals = 400;  // of a curve
-
-// The requirement of this id in a scenario; none: the campaign's alone has it.
-std::optional<std::size_t> find_requirement(const hil::Scenario& scenario, const std::string& id) {
-  for (std::size_t i = 0; i < scenario.requirements.size(); ++i)
-    if (scenario.requirements[i].id == id) return i;
-  return std::nullopt;
-}
 
 // Keeps the least and the greatest value of each interval, in the order in which they came.
 class CurveKeeper {
@@ -60,6 +52,12 @@ class CurveKeeper {
 
 }  // namespace
 
+std::optional<std::size_t> find_requirement(const hil::Scenario& scenario, const std::string& id) {
+  for (std::size_t i = 0; i < scenario.requirements.size(); ++i)
+    if (scenario.requirements[i].id == id) return i;
+  return std::nullopt;
+}
+
 std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil::DesignPoint& point,
                                     const std::atomic<bool>& stop) {
   std::vector<DesignCurve> curves(problem.constraints.size());
@@ -76,7 +74,7 @@ std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil
     requirements.push_back(find_requirement(scenario, constraint.id));
   std::vector<CurveKeeper> keepers(curves.size());
   hil::RunAnalysis analysis(scenario, *simulation);
-  const std::int64_t last = std::max<std::int64_t>(1, std::llround(scenario.until / scenario.dt));
+  const std::int64_t last = hil::calc_nearest_tick(scenario.until, scenario.dt);
   std::int64_t tick = 0;
   hil::run_fast(*simulation, analysis, nullptr, last, stop, [&] {
     for (std::size_t i = 0; i < curves.size(); ++i)

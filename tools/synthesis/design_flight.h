@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ struct DesignCurve {
   std::vector<double> times;   // s
   std::vector<double> values;  // in the constraint's unit; NaN outside the requirement's interval
 };
+
+// The requirement of this id in a scenario; none: the campaign's alone has it.
+std::optional<std::size_t> find_requirement(const hil::Scenario& scenario, const std::string& id);
 
 // The nominal scenario at this point, flown once: a curve for each constraint, empty for those of events and where the
 // design makes no valid scenario. Of long flights the least and the greatest value of each interval of time are kept.

@@ -39,9 +39,9 @@ Json build_variables(const hil::DesignProblem& problem) {
 
 // The requirement limits the size of its quantity.
 bool is_of_size(const hil::DesignProblem& problem, const hil::DesignConstraint& constraint) {
-  for (const hil::Requirement& requirement : problem.tree->get_nominal().requirements)
-    if (requirement.id == constraint.id) return requirement.take == hil::Requirement::Take::kPeak;
-  return false;
+  const hil::Scenario& scenario = problem.tree->get_nominal();
+  const auto at = find_requirement(scenario, constraint.id);
+  return at && scenario.requirements[*at].take == hil::Requirement::Take::kPeak;
 }
 
 Json build_constraints(const hil::DesignProblem& problem) {

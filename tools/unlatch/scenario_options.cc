@@ -132,6 +132,6 @@ std::vector<hil::OutputGroup> choose_outputs(const hil::Scenario& scenario, cons
   }
 }
 
-std::int64_t calc_last_tick(const hil::Scenario& scenario) { return std::llround(scenario.until / scenario.dt); }
+std::int64_t calc_last_tick(const hil::Scenario& scenario) { return hil::calc_nearest_tick(scenario.until, scenario.dt); }
 
 }  // namespace unlatch::tools
