@@ -1,4 +1,6 @@
-"""Figures of the strap-on boosters: who is where, how they turn, what the nodes bear, how close they come."""
+"""Figures of the strap-on boosters: who is where, how they turn, what the nodes bear, how close they come, who holds the core."""
+import cmath
+import importlib.util
 import math
 
 COLOURS = ("#c1121f", "#457b9d", "#e09f3e", "#2a9d5c")
@@ -21,7 +23,118 @@ DESIGNS = {
 }
 
 
+NOZZLES = (("both open", ()), ("fuel shut", ("fuel_nozzle",)), ("oxidizer shut", ("nozzle",)), ("both shut", ("nozzle", "fuel_nozzle")))
+
+
+def load_margins(tools):
+    spec = importlib.util.spec_from_file_location("loop_margins", tools.SCENARIOS / "boosters/loop_margins.py")
+    margins = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(margins)
+    return margins
+
+
+def fly(bench, tools, name):
+    """The columns of a flight with the reference flight software in the loop, by name, each 10 ms."""
+    log = bench.folder / f"{name}.log"
+    bench.call("hil", tools.SCENARIOS / f"boosters/{name}.yaml", "--transport", "inproc", "--pace", "lockstep", "--set",
+               "flight_software.timeout=30", "--json", "-", "--log", log)
+    run = bench.call("replay", log, "--outputs", "body.core.*@10,command.swing*@10", "--json", "-")
+    table = run["outputs"][0]
+    names = [column["name"] for output in table["outputs"] for column in output["columns"]]
+    return run, table["t"], dict(zip(names, zip(*table["rows"])))
+
+
+def plot_bode(columns, loop, colour, lines):
+    frequencies = [10**(-1 + 0.005 * i) for i in range(480)]
+    values = [loop.calc_open_loop(w) for w in frequencies]
+    phases, last = [], -math.pi
+    for value in values:  # unwound
+        phase = cmath.phase(value)
+        last = phase + 2 * math.pi * round((last - phase) / (2 * math.pi))
+        phases.append(math.degrees(last))
+    columns[0].semilogx(frequencies, [20 * math.log10(abs(v)) for v in values], lines, color=colour, label=loop.name)
+    columns[1].semilogx(frequencies, phases, lines, color=colour)
+
+
 def add(figure, tools):
+    @figure("boosters-nozzles")
+    def nozzles(bench):
+        import matplotlib.pyplot as plt
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.2), constrained_layout=True)
+        for k, (label, shut) in enumerate(NOZZLES):
+            options = [text for event in shut for text in ("--set", f"events.{event}:booster1.enabled=false")]
+            run = bench.run("boosters/both-nozzles.yaml", UNTIL, EVERY, *options)
+            style = dict(color=COLOURS[(1, 3, 2, 0)[k]], label=label, **tools.layer(k))
+            left.plot(tools.get_times(run), [sample["clearance"][0] for sample in run["samples"]], **style)
+            angles = []
+            for sample in run["samples"]:
+                core, body = sample["bodies"]["core"], sample["bodies"]["booster1"]
+                x, y, _ = tools.into(core["q"], tools.rotate(body["q"], (1, 0, 0)))
+                angles.append(math.degrees(math.atan2(y, x)))
+            right.plot(tools.get_times(run), angles, **style)
+        left.set(xlim=(1, 2.5), ylim=(0, 3), xlabel="t, s", ylabel="core to booster 1, m")
+        right.set(xlim=(1, 2.5), xlabel="t, s", ylabel="nose of booster 1 outwards, deg")
+        left.set_title("Nozzles of booster 1", loc="left")
+        left.legend()
+        return drawn
+
+    @figure("boosters-attitude-loop")
+    def attitude_loop(bench):
+        import matplotlib.pyplot as plt
+        drawn, grid = plt.subplots(3, 2, figsize=(7.5, 7.6), constrained_layout=True)
+        for column, (name, title) in zip(range(2), (("open-loop", "open loop"), ("attitude-loop", "closed loop"))):
+            run, times, values = fly(bench, tools, name)
+            for i, axis in enumerate("xyz"):
+                grid[0][column].plot(times, [math.degrees(2 * v) for v in values[f"core.q{axis}"]], color=COLOURS[i], label=f"about {axis}")
+            grid[0][column].set_title(f"{title}: turn of the core", loc="left")
+            grid[0][column].set_ylabel("deg")
+            if column == 1:
+                for k in range(4):
+                    grid[1][0].plot(times, [math.degrees(v) for v in values[f"swing{k + 1}"]], color=COLOURS[k], label=f"chamber {k + 1}")
+                for i, axis in enumerate("xyz"):
+                    grid[1][1].plot(times, [math.degrees(v) for v in values[f"core.w{axis}"]], color=COLOURS[i], label=f"about {axis}")
+        grid[1][0].set_title("closed loop: swing of the verniers", loc="left")
+        grid[1][1].set_title("closed loop: rate of the core", loc="left")
+        grid[1][0].set_ylabel("deg")
+        grid[1][1].set_ylabel("deg/s")
+        for axes in (*grid[0], *grid[1]):
+            axes.set(xlabel="t, s", xlim=(0, 8))
+            axes.axvspan(1.27, 1.35, color="0.9", zorder=0)
+        for axes in (grid[0][0], grid[1][0]):
+            axes.legend()
+        loops = load_margins(tools).list_loops()
+        for loop in loops:
+            plot_bode(grid[2], loop, COLOURS[1] if loop.name.startswith("y") else COLOURS[0], "-" if "alone" in loop.name else "--")
+        margins = loops[0].calc_margins()
+        grid[2][0].plot([margins["gain_at"]] * 2, [-20 * math.log10(margins["gain"]), 0], color="0.2", linewidth=2)
+        grid[2][0].annotate(f"{20 * math.log10(margins['gain']):.0f} dB", (margins["gain_at"], 3), ha="center", fontsize=tools.LABEL)
+        grid[2][1].plot([margins["phase_at"]] * 2, [-180, -180 + math.degrees(margins["phase"])], color="0.2", linewidth=2)
+        grid[2][1].annotate(f"{math.degrees(margins['phase']):.0f} deg", (margins["phase_at"] * 1.2, -172), fontsize=tools.LABEL)
+        grid[2][0].axhline(0, color="0.5", linewidth=0.8)
+        grid[2][1].axhline(-180, color="0.5", linewidth=0.8)
+        grid[2][0].set(ylabel="open loop, dB", xlabel="1/s", ylim=(-50, 60))
+        grid[2][1].set(ylabel="phase, deg", xlabel="1/s", ylim=(-270, -90))
+        grid[2][0].legend(fontsize=tools.LABEL - 1)
+        return drawn
+
+    @figure("boosters-assumptions")
+    def assumptions(bench):
+        import matplotlib.pyplot as plt
+        drawn, axes = plt.subplots(figsize=(7.5, 3.2), constrained_layout=True)
+        base = run_case(bench, CASES[0])
+        for file, label, colour in (("variable-mass", "core and boosters burn", COLOURS[0]), ("central-field", "central field", COLOURS[1])):
+            run = bench.run(f"boosters/{file}.yaml", UNTIL, EVERY)
+            gaps = []
+            for one, other in zip(base["samples"], run["samples"]):
+                places = [tools.seen_from(sample["bodies"]["core"], sample["bodies"]["booster1"], (0, 0, 0)) for sample in (one, other)]
+                gaps.append(max(math.dist(*places), 1e-9))
+            axes.semilogy(tools.get_times(run), gaps, color=colour, label=label)
+        axes.set(xlim=(0, UNTIL), ylim=(1e-8, 1), xlabel="t, s", ylabel="difference of place, m")
+        axes.set_title("Booster 1 seen from the core, against constant masses in a uniform field", loc="left")
+        tools.mark_events(axes, base, ("ties_cut", "cutoff", "release", "liftoff"), labels=False)
+        axes.legend()
+        return drawn
+
     @figure("boosters-separation")
     def separation(bench):
         import matplotlib.pyplot as plt

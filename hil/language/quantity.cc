@@ -121,8 +121,8 @@ std::string describe_dimension(const Dimension& dimension) {
 }
 
 std::string describe_unit(const Dimension& dimension) {
-  for (const char* derived : {"N", "N m", "N/m", "Pa", "N m/rad"})
-    if (dimension == dimension_of(derived)) return derived;
+  for (const Named& named : kNamed)
+    if (named.dimension == dimension) return named.si;
   static const char* const kNames[] = {"m", "kg", "s", "rad", "Hz"};
   std::array<int, 5> exponents = dimension.exponents;
   exponents[Dimension::kTime] += exponents[Dimension::kCycle];

@@ -42,7 +42,7 @@ std::vector<std::string> list_unit_names();
 // "a mass (kg)", "a plain number", "a quantity in kg m"
 std::string describe_dimension(const Dimension& dimension);
 
-// SI units that an expression takes after a number: "m2 kg/s2"; "" if plain.
+// SI units that an expression takes after a number: "N m", "m2/s"; "" if plain. Energies are torques here.
 std::string describe_unit(const Dimension& dimension);
 
 // The dimension of an SI unit such as "N m s/rad"; "" is plain. Throws std::logic_error: units are the program's own.

@@ -252,7 +252,7 @@ class ProblemReader {
     try {
       DesignPoint start;
       for (const DesignVariable& variable : problem_.variables) start.push_back(variable.start);
-      objective.unit = write_unit(calc_expression(problem_, objective, start).dimension);
+      objective.unit = describe_objective(calc_expression(problem_, objective, start).dimension);
       problem_.objectives.push_back(objective);
     } catch (const ExpressionError& error) {
       mistakes_.add(node.mark,
@@ -260,6 +260,13 @@ class ProblemReader {
                         "' is neither a result of the scenario nor an expression of the variables: " + error.what(),
                     suggest(objective.text, known));
     }
+  }
+
+  // A force times a length is an energy, unless a variable of the problem is a torque.
+  [[nodiscard]] std::string describe_objective(const Dimension& dimension) const {
+    const bool torque = std::ranges::any_of(
+        problem_.variables, [&](const DesignVariable& variable) { return variable.dimension == dimension; });
+    return !torque && dimension == find_unit("J")->dimension ? "J" : describe_unit(dimension);
   }
 
   // Each end of each variable, the others at their start: what the scenario's own reader says of it.

@@ -79,7 +79,7 @@ class VariableReader {
     variable.upper = upper->value;
     variable.start = 0.5 * (lower->value + upper->value);
     variable.dimension = upper->dimension;
-    variable.unit = write_unit(upper->dimension);
+    variable.unit = describe_unit(upper->dimension);
   }
 
   void read_catalogue(const YamlNode& node, DesignVariable& variable) {
@@ -94,7 +94,7 @@ class VariableReader {
       if (variable.numbers.empty()) variable.dimension = number->dimension;
       variable.numbers.push_back(number->value);
     }
-    variable.unit = write_unit(variable.dimension);
+    variable.unit = describe_unit(variable.dimension);
   }
 
   void read_start(const YamlNode& node, DesignVariable& variable, bool sound) {
@@ -128,27 +128,6 @@ class VariableReader {
 
 void read_variables(YamlMap& top, DesignProblem& problem, Mistakes& mistakes) {
   VariableReader(problem, mistakes).read(top);
-}
-
-std::string write_unit(const Dimension& dimension) {
-  for (const std::string& name : list_unit_names()) {
-    const Unit* const unit = find_unit(name);
-    if (unit->factor == 1 && unit->divisor == 1 && unit->dimension == dimension && name != "%") return name;
-  }
-  constexpr std::array<const char*, 5> kBases{"m", "kg", "s", "rad", "Hz"};
-  std::array<int, 5> exponents = dimension.exponents;
-  exponents[Dimension::kTime] += exponents[Dimension::kCycle];  // a Hz is a cycle per second
-  std::string above, below;
-  for (std::size_t i = 0; i < kBases.size(); ++i) {
-    if (exponents[i] == 0) continue;
-    const std::string power =
-        std::string(kBases[i]) + (std::abs(exponents[i]) == 1 ? "" : std::to_string(std::abs(exponents[i])));
-    if (exponents[i] > 0)
-      above += (above.empty() ? "" : " ") + power;
-    else
-      below += " / " + power;
-  }
-  return above.empty() && !below.empty() ? below.substr(1) : above + below;
 }
 
 }  // namespace unlatch::hil

@@ -1,8 +1,6 @@
 // The variables of a problem of synthesis: paths, bounds or catalogue, start.
 #pragma once
 
-#include <string>
-
 #include "hil/language/yaml_reader.h"
 #include "hil/synthesis/problem.h"
 
@@ -10,8 +8,5 @@ namespace unlatch::hil {
 
 // Those without mistakes go to the problem.
 void read_variables(YamlMap& top, DesignProblem& problem, Mistakes& mistakes);
-
-// The SI unit of a dimension as the language writes it: "N", "kg m2 / s3".
-std::string write_unit(const Dimension& dimension);
 
 }  // namespace unlatch::hil

@@ -4,11 +4,12 @@
 
     boosters_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
+import importlib.util
 import json
 import math
 import sys
 
-from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
+from processes import FSW, PATIENT, SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
 BOOSTERS = SCENARIOS / "boosters"
 REFERENCE = json.loads((SOURCE / "tests/data/boosters_cyclogram.json").read_text())
@@ -24,9 +25,13 @@ class BoostersTest(ProcessTest):
 
     def compare(self, name, file, *overrides, missed=()):
         """`missed`: requirements that this flight does not meet."""
+        times = sorted(map(float, REFERENCE[name]["samples"]))
+        report = self.run_at(file, times, *overrides, code=1 if missed else 0)
+        return self.compare_report(name, report, missed)
+
+    def compare_report(self, name, report, missed):
         reference = REFERENCE[name]
         states = {float(t): bodies for t, bodies in reference["samples"].items()}
-        report = self.run_at(file, sorted(states), *overrides, code=1 if missed else 0)
         self.assertEqual([entry["id"] for entry in report["verdict"] if not entry["met"]], list(missed))
         self.assertEqual(report["status"], "ok")
         found = {(e["name"], e["subject"]): e["t"] for e in report["events"]
@@ -66,6 +71,116 @@ class BoostersTest(ProcessTest):
 
     def test_a_dead_nozzle_keeps_its_nose_as_long_as_the_reference_says(self):
         self.compare("dead-nozzle", "cyclogram.yaml", "--set", "events.nozzle:booster1.enabled=false", missed=["distance1"])
+
+    def test_nozzles_of_both_tanks_go_as_the_reference_does(self):
+        self.compare("both-nozzles", "both-nozzles.yaml")
+
+    def test_the_fuel_tanks_nozzle_alone_takes_the_booster_away(self):
+        shut = ("--set", "events.nozzle:booster1.enabled=false")
+        report = self.compare("oxidizer-shut", "both-nozzles.yaml", *shut)
+        both = self.compare("both-shut", "both-nozzles.yaml", *shut, "--set", "events.fuel_nozzle:booster1.enabled=false",
+                            missed=["distance1"])
+        liftoffs = [next(e["t"] for e in run["events"] if (e["name"], e["subject"]) == ("liftoff", "booster1"))
+                    for run in (report, both)]
+        self.assertLess(liftoffs[0], liftoffs[1] - 0.3)
+
+    def test_the_oxidizer_tanks_nozzle_alone_takes_the_booster_away(self):
+        self.compare("fuel-shut", "both-nozzles.yaml", "--set", "events.fuel_nozzle:booster1.enabled=false")
+
+    # --- What the paper assumes, dropped --------------------------------------------------------------------------
+
+    def test_masses_that_burn_go_as_the_reference_does(self):
+        self.compare("variable-mass", "variable-mass.yaml")
+
+    def test_a_central_field_goes_as_the_reference_does(self):
+        self.compare("central-field", "central-field.yaml")
+
+    # By the rocket equation: the thrusts act along the core alone, or lean with their boosters.
+    def test_before_the_ties_are_cut_burning_adds_the_rocket_equations_speed(self):
+        constant, burning = (self.run_at(file, [0.09])["samples"][0]["bodies"]["core"]["v"][0] + 6.2 * 0.09
+                             for file in ("cyclogram.yaml", "variable-mass.yaml"))
+        thrust = 990000 + 4 * (FULL + 70000 * math.cos(TILT))
+        flow = 990000 / (315 * 9.80665) + 4 * (FULL + 70000) / (310 * 9.80665)
+        self.assertAlmostEqual(constant, thrust / MASS * 0.09, delta=ROUND_OFF)
+        self.assertAlmostEqual(burning, -thrust / flow * math.log(1 - flow * 0.09 / MASS), delta=1e-8)
+
+    # --- The attitude loop --------------------------------------------------------------------------------------
+
+    def fly(self, file, *options, transport="inproc", code=0, log=None):
+        if transport != "inproc":
+            self.begin(FSW, "--transport", transport)
+        recording = ["--log", log] if log else []
+        return self.run_json(UNLATCH, "hil", BOOSTERS / file, "--transport", transport, "--pace", "lockstep", *PATIENT, *recording,
+                             *options, code=code)
+
+    def read_back(self, log, *options, code=0):
+        """The replay, with the bodies' states each 0.1 s as samples."""
+        report = self.run_json(UNLATCH, "replay", log, "--outputs", "body.*@100", *options, code=code)
+        self.assertTrue(report["replay"]["agrees"])
+        table = report["outputs"][0]
+        columns = [column["name"] for output in table["outputs"] for column in output["columns"]]
+        report["samples"] = []
+        for t, row in zip(table["t"], table["rows"]):
+            values = dict(zip(columns, row))
+            bodies = {name: {key: [values[f"{name}.{part}"] for part in parts] for key, parts in
+                             (("p", "x y z".split()), ("q", "qw qx qy qz".split()), ("v", "vx vy vz".split()), ("w", "wx wy wz".split()))}
+                      for name in ("core", "booster1", "booster2", "booster3", "booster4")}
+            report["samples"].append({"t": t, "bodies": bodies})
+        return report
+
+    def compare_loop(self, name, missed=()):
+        log, code = self.folder / f"{name}.log", 1 if missed else 0
+        self.fly(f"{name}.yaml", log=log, code=code)
+        report = self.read_back(log, code=code)
+        wanted = {float(t) for t in REFERENCE[name]["samples"]}
+        report["samples"] = [sample for sample in report["samples"] if round(sample["t"], 9) in wanted]
+        self.assertEqual(len(report["samples"]), len(wanted))
+        return self.compare_report(name, report, missed)
+
+    def test_the_closed_loop_goes_as_the_reference_does_and_holds_the_core(self):
+        self.compare_loop("attitude-loop")
+
+    def test_without_the_loop_the_core_goes_as_the_reference_does_and_turns_away(self):
+        self.compare_loop("open-loop", missed=["pointing", "roll", "quiet"])
+
+    def test_the_closed_loop_flies_the_same_over_every_transport(self):
+        reports = [self.fly("attitude-loop.yaml", "--until", "2", transport=transport, code=1)  # not yet at rest
+                   for transport in ("inproc", "dds", "lcm", "udp")]
+        self.assertEqual(len({report["hash"] for report in reports}), 1)
+        self.assertTrue(all(report["replay"]["agrees"] for report in reports))
+
+    # A margin that is told must be that at which the flight begins to swing: nine tenths of it die down, eleven do not.
+    def test_the_gain_margin_is_that_at_which_the_core_swings(self):
+        spec = importlib.util.spec_from_file_location("loop_margins", BOOSTERS / "loop_margins.py")
+        margins = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(margins)
+        loops = {loop.name: loop for loop in margins.list_loops()}
+        loop = loops["y and z, core alone"]
+        gain = loop.calc_margins()["gain"]
+
+        def fly_with(factor):
+            report = self.fly("attitude-loop.yaml", "--set", f"channels.attitude_gain.initial={factor * loop.attitude}",
+                              "--set", f"channels.rate_gain.initial={factor * loop.rate}", code=None)
+            return next(entry["value"] for entry in report["verdict"] if entry["id"] == "quiet")
+
+        stable, swinging = fly_with(0.9 * gain), fly_with(1.1 * gain)
+        print(f"gain margin {gain:.2f}: rate at the end {stable:.1e} and {swinging:.1e} rad/s", file=sys.stderr)
+        self.assertLess(stable, 0.1 * swinging)
+        # Beyond it the chambers go from stop to stop: a first harmonic of (4/pi) 0.6 rad at most, at that frequency.
+        harmonic = 4 / math.pi * 0.6 * loop.acceleration / loop.calc_margins()["gain_at"]
+        self.assertGreater(swinging, 0.3 * harmonic)
+        self.assertLess(swinging, 2 * harmonic)
+
+    def test_a_vehicle_without_a_gain_is_refused_by_its_name(self):
+        folder = self.folder / "boosters"
+        (folder / "parts").mkdir(parents=True)
+        for file in ("scenario.yaml", "parts/fuel-nozzles.yaml"):
+            (folder / file).write_text((BOOSTERS / file).read_text())
+        text = (BOOSTERS / "attitude-loop.yaml").read_text()
+        (folder / "lame.yaml").write_text(text.replace("  roll_rate_gain:", "  another_gain:"))
+        report = self.run_json(UNLATCH, "hil", folder / "lame.yaml", "--transport", "inproc", "--pace", "lockstep", code=1)
+        self.assertEqual(report["status"], "aborted")
+        self.assertIn("lacks channel roll_rate_gain", report["message"])
 
     # Beside the same flight without contact: what the strike changed, whose size the law's own sum tells.
     def test_a_strike_gives_booster_and_core_opposite_momenta_and_the_impulse_told(self):

@@ -1,5 +1,7 @@
 #include "tools/fsw/separation_sequence.h"
 
+#include "tools/fsw/needs.h"
+
 namespace unlatch::fsw {
 namespace {
 
@@ -11,7 +13,7 @@ constexpr std::int64_t kVerniersOff_ns = 250 * kMs;
 constexpr std::int64_t kRuddersNeutral_ns = 300 * kMs;
 constexpr std::int64_t kCutTies_ns = 450 * kMs;
 constexpr std::int64_t kCutoff_ns = 500 * kMs;
-constexpr std::int64_t kNozzleDelay_ns = 12 * kMs;  // from a booster's contact to its nozzle
+constexpr std::int64_t kNozzleDelay_ns = 12 * kMs;  // from a booster's contact to its nozzles
 
 constexpr double kSeparationThrottle = 0.84;  // of full thrust
 constexpr double kClosed = 0.5;               // a contact that reads more has fired
@@ -20,25 +22,23 @@ constexpr double kClosed = 0.5;               // a contact that reads more has f
 
 std::string SeparationSequence::attach(const Vehicle& vehicle) {
   *this = SeparationSequence{};
-  std::string missing;
-  const auto need = [&missing](int index, const std::string& name) {
-    if (index < 0) missing += (missing.empty() ? "" : ", ") + name;
-    return index;
-  };
-  verniers_ = need(vehicle.find_channel("verniers"), "channel verniers");
+  Needs needs(vehicle);
+  verniers_ = needs.channel("verniers");
   for (int i = 1; i == 1 || vehicle.find_channel("nozzle" + std::to_string(i)) >= 0; ++i) {
     const std::string n = std::to_string(i);
-    const auto channel = [&](const std::string& name) { return need(vehicle.find_channel(name), "channel " + name); };
     Booster booster{};
-    booster.throttle = channel("throttle" + n);
-    booster.rudder = channel("rudder" + n);
-    booster.cut_ties = channel("cut_ties" + n);
-    booster.cutoff = channel("cutoff" + n);
-    booster.nozzle = channel("nozzle" + n);
-    booster.contact = need(vehicle.find_sensor("kr" + n), "sensor kr" + n);
+    booster.throttle = needs.channel("throttle" + n);
+    booster.rudder = needs.channel("rudder" + n);
+    booster.cut_ties = needs.channel("cut_ties" + n);
+    booster.cutoff = needs.channel("cutoff" + n);
+    booster.nozzle = needs.channel("nozzle" + n);
+    booster.fuel_nozzle = vehicle.find_channel("fuel_nozzle" + n);
+    booster.contact = needs.sensor("kr" + n);
     boosters_.push_back(booster);
   }
-  return missing;
+  const std::string of_the_loop = attitude_loop_.attach(vehicle);
+  const std::string& missing = needs.get_missing();
+  return missing + (missing.empty() || of_the_loop.empty() ? "" : ", ") + of_the_loop;
 }
 
 void SeparationSequence::update(std::int64_t time_ns, const Vehicle& vehicle, Commands& commands) {
@@ -64,14 +64,16 @@ void SeparationSequence::update(std::int64_t time_ns, const Vehicle& vehicle, Co
     ++next_step_;
   }
 
-  // Each booster on its own: its nozzle opens after its contact has fired, and pushes the nose away.
+  // Each booster on its own: its nozzles open after its contact has fired, and push it away.
   for (Booster& booster : boosters_) {
     if (booster.contact_ns == kNever && vehicle.get_sensor(booster.contact) > kClosed) booster.contact_ns = time_ns;
-    if (booster.contact_ns != kNever && !booster.nozzle_open && time_ns >= booster.contact_ns + kNozzleDelay_ns) {
+    if (booster.contact_ns != kNever && !booster.nozzles_open && time_ns >= booster.contact_ns + kNozzleDelay_ns) {
       commands.set(booster.nozzle, 1);
-      booster.nozzle_open = true;
+      if (booster.fuel_nozzle >= 0) commands.set(booster.fuel_nozzle, 1);
+      booster.nozzles_open = true;
     }
   }
+  attitude_loop_.update(vehicle, commands);
 }
 
 }  // namespace unlatch::fsw

@@ -4,14 +4,18 @@ namespace unlatch::fsw {
 
 void Vehicle::begin(const hil::HelloMessage& hello) {
   *this = Vehicle{};
-  channel_count_ = static_cast<std::size_t>(hello.channel_count);
+  limits_.assign(static_cast<std::size_t>(hello.channel_count), {});
   sensors_.assign(static_cast<std::size_t>(hello.sensor_count), 0);
   bodies_.assign(static_cast<std::size_t>(hello.body_count), {});
 }
 
 void Vehicle::learn(const hil::CatalogMessage& item) {
   const std::string name(hil::get_name(item.name));
-  if (item.kind == static_cast<int>(hil::CatalogKind::kChannel)) channels_[name] = item.index;
+  if (item.kind == static_cast<int>(hil::CatalogKind::kChannel) &&
+      static_cast<std::size_t>(item.index) < limits_.size()) {
+    channels_[name] = item.index;
+    limits_[static_cast<std::size_t>(item.index)] = {item.minimum, item.maximum, item.initial};
+  }
   if (item.kind == static_cast<int>(hil::CatalogKind::kSensor) &&
       static_cast<std::size_t>(item.index) < sensors_.size()) {
     sensor_names_[name] = item.index;
@@ -22,7 +26,7 @@ void Vehicle::learn(const hil::CatalogMessage& item) {
 }
 
 bool Vehicle::is_known() const {
-  return channels_.size() == channel_count_ && sensor_names_.size() == sensors_.size() &&
+  return channels_.size() == limits_.size() && sensor_names_.size() == sensors_.size() &&
          body_names_.size() == bodies_.size();
 }
 

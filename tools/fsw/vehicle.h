@@ -24,6 +24,12 @@ class Vehicle {
   [[nodiscard]] int find_channel(const std::string& name) const { return find(channels_, name); }
   [[nodiscard]] int find_sensor(const std::string& name) const { return find(sensor_names_, name); }
   [[nodiscard]] int find_body(const std::string& name) const { return find(body_names_, name); }
+  // Of a channel, in its unit.
+  struct Limits {
+    double minimum = 0, maximum = 0;
+    double initial = 0;  // before any command
+  };
+  [[nodiscard]] const Limits& get_limits(int channel) const { return limits_[static_cast<std::size_t>(channel)]; }
   [[nodiscard]] double get_sensor(int index) const { return sensors_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] const hil::BodyStateMessage& get_body(int index) const {
     return bodies_[static_cast<std::size_t>(index)];
@@ -34,9 +40,9 @@ class Vehicle {
   static int find(const Names& names, const std::string& name);
 
   Names channels_, sensor_names_, body_names_;
+  std::vector<Limits> limits_;  // of channels
   std::vector<double> sensors_;
   std::vector<hil::BodyStateMessage> bodies_;
-  std::size_t channel_count_ = 0;
   std::int64_t sensed_tick_ = -1;
   std::int32_t parts_sensed_ = 0;
 };
