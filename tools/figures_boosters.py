@@ -45,7 +45,7 @@ def fly(bench, tools, name):
 
 
 def plot_bode(columns, loop, colour, lines):
-    frequencies = [10**(-1 + 0.005 * i) for i in range(480)]
+    frequencies = [10**(-1 + 0.005 * i) for i in range(660)]
     values = [loop.calc_open_loop(w) for w in frequencies]
     phases, last = [], -math.pi
     for value in values:  # unwound
@@ -90,7 +90,7 @@ def add(figure, tools):
             grid[0][column].set_ylabel("deg")
             if column == 1:
                 for k in range(4):
-                    grid[1][0].plot(times, [math.degrees(v) for v in values[f"swing{k + 1}"]], color=COLOURS[k], label=f"chamber {k + 1}")
+                    grid[1][0].plot(times, [math.degrees(v) for v in values[f"channel.swing{k + 1}"]], color=COLOURS[k], label=f"chamber {k + 1}")
                 for i, axis in enumerate("xyz"):
                     grid[1][1].plot(times, [math.degrees(v) for v in values[f"core.w{axis}"]], color=COLOURS[i], label=f"about {axis}")
         grid[1][0].set_title("closed loop: swing of the verniers", loc="left")
@@ -100,8 +100,8 @@ def add(figure, tools):
         for axes in (*grid[0], *grid[1]):
             axes.set(xlabel="t, s", xlim=(0, 8))
             axes.axvspan(1.27, 1.35, color="0.9", zorder=0)
-        for axes in (grid[0][0], grid[1][0]):
-            axes.legend()
+        grid[0][0].legend()
+        grid[1][0].legend(loc="upper right")
         loops = load_margins(tools).list_loops()
         for loop in loops:
             plot_bode(grid[2], loop, COLOURS[1] if loop.name.startswith("y") else COLOURS[0], "-" if "alone" in loop.name else "--")
