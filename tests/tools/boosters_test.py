@@ -11,6 +11,7 @@ import sys
 
 from processes import FSW, PATIENT, SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
+sys.dont_write_bytecode = True  # nothing beside the scenarios
 BOOSTERS = SCENARIOS / "boosters"
 REFERENCE = json.loads((SOURCE / "tests/data/boosters_cyclogram.json").read_text())
 EVENT_TIME = 1e-6                                     # s, asked for at 1 ms
