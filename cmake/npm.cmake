@@ -8,6 +8,11 @@ mark_as_advanced(UNLATCH_NODE UNLATCH_NPM)
 # file changes, and sets RESULT to the folder node_modules; to "" if it cannot, with a message about WHAT that leaves out.
 function(unlatch_npm_packages WHAT RESULT)
   set(${RESULT} "" PARENT_SCOPE)
+  get_property(refused GLOBAL PROPERTY UNLATCH_NPM_REFUSED)  # in this run of CMake: asking again would only take time
+  if(refused)
+    message(STATUS "${WHAT}: left out, because npm could not install other packages")
+    return()
+  endif()
   if(NOT UNLATCH_NODE OR NOT UNLATCH_NPM)
     message(STATUS "${WHAT}: left out, because Node.js or npm is missing")
     return()
@@ -23,9 +28,10 @@ function(unlatch_npm_packages WHAT RESULT)
   if(NOT installed STREQUAL wanted)
     configure_file(package.json package.json COPYONLY)
     configure_file(package-lock.json package-lock.json COPYONLY)
-    execute_process(COMMAND ${UNLATCH_NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline
+    execute_process(COMMAND ${UNLATCH_NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --fetch-retries=1 --fetch-retry-mintimeout=1000
       WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said TIMEOUT 300)
     if(failed)
+      set_property(GLOBAL PROPERTY UNLATCH_NPM_REFUSED ON)
       message(WARNING "${WHAT}: left out, because npm could not install its packages; configure again to retry\n${said}")
       return()
     endif()

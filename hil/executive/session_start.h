@@ -21,7 +21,7 @@ namespace unlatch::hil {
 
 class SessionStart {
  public:
-  // What it works with; all must outlive it.
+  // References to the parts that it works with; all must outlive it.
   struct Parts {
     const SessionOptions& options;
     const Clock& clock;

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "unlatch/inertia.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -40,8 +42,8 @@ MassProperties calc_mass_properties(const std::vector<ModalPoint>& points) {
     const Vector3d r = point.position - total.centre;
     total.inertia += point.mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(total.inertia, Eigen::EigenvaluesOnly);
-  if (!(principal.eigenvalues()[0] > kFlat * principal.eigenvalues()[2]))
+  const Vector3d principal = calc_principal_moments(total.inertia);
+  if (!(principal[0] > kFlat * principal[2]))
     throw std::invalid_argument("the points with mass lie on one line: a rigid rotation about it has no inertia");
   return total;
 }

@@ -1,6 +1,5 @@
 #include "hil/notices/forecast.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +13,7 @@
 #include "hil/notices/resolution.h"
 #include "hil/scenario/index.h"
 #include "hil/scenario/requirements_check.h"
+#include "unlatch/inertia.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -189,7 +189,7 @@ void find_plates(const Model& model, std::vector<Finding>& findings) {
   constexpr double kRounding = 1e-9;  // relative
   for (const Body& body : model.bodies) {
     if (body.marker || !(body.inertia.trace() > 0)) continue;
-    const Vector m = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+    const Vector m = calc_principal_moments(body.inertia);
     if (m[0] + m[1] >= m[2] * (1 - kRounding)) continue;
     findings.push_back({"inertia", quoted("body", body.name),
                         format("its largest principal moment exceeds the sum of the others by %.2g of it: a plate's, "

@@ -1,4 +1,4 @@
-// What acts on one side only: pushers, cords, stops; friction in joints; and events that come with them.
+// One-sided elements: pushers, cords, stops; friction in joints; and events that come with them.
 #include <algorithm>
 
 #include "hil/scenario/scenario_reader.h"

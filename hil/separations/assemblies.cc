@@ -1,10 +1,11 @@
 #include "hil/separations/assemblies.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "unlatch/inertia.h"
 
 namespace unlatch::hil {
 namespace {
@@ -106,11 +107,11 @@ Coning calc_coning(const AssemblyMotion& motion) {
   const double size = motion.angular_momentum.norm();
   constexpr double kSlowest = 1e-9;  // rad/s: slower is the rounding of a run
   if (!(motion.mass > 0) || !(size > kSlowest * motion.inertia.trace())) return coning;
-  const Eigen::SelfAdjointEigenSolver<Matrix> principal(motion.inertia);
-  const Vector moments = principal.eigenvalues();  // rising
+  const PrincipalAxes principal = calc_principal_axes(motion.inertia);
+  const Vector& moments = principal.moments;
   const int axis = moments[1] - moments[0] > moments[2] - moments[1] ? 0 : 2;
   const double across = axis == 0 ? 0.5 * (moments[1] + moments[2]) : 0.5 * (moments[0] + moments[1]);
-  const Vector e = principal.eigenvectors().col(axis);
+  const Vector e = principal.axes.col(axis);
   const double along = std::abs(e.dot(motion.angular_momentum));
   coning.half_angle = std::atan2(e.cross(motion.angular_momentum).norm(), along);
   coning.period = 2 * 3.141592653589793 * across / size;

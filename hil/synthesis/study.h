@@ -1,4 +1,4 @@
-// What is known about a result where it lies: differences, slices through it, and for each active constraint what it
+// The surroundings of a result: differences, slices through it, and for each active constraint what it
 // costs. Runs on top of the search's budget, at most as many again and at most kStudyRuns.
 #pragma once
 

@@ -195,7 +195,7 @@ void add_contacts(const PlanData& plan, const State& state, double t, const Eval
   }
 }
 
-// What is stored within reach goes into the force or is lost. At the event that ends a push the depth is 0 but for
+// Energy stored within reach goes into the force or is lost. At the event that ends a push the depth is 0 but for
 // rounding, and the force still acts: the power before the event. After it nothing acts and nothing is lost.
 void add_one_sided(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
   for (const PlanOneSided& own : plan.one_sided) {

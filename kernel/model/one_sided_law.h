@@ -83,7 +83,7 @@ inline double calc_table_energy(const OneSidedLaw& law, double u) {
   return sum;
 }
 
-// What it stores: the work that it does from here to its limit without resistance, J.
+// Stored energy, J: the work that it does from here to its limit without resistance.
 inline double calc_stored_energy(const OneSidedLaw& law, double depth) {
   const double u = law.stroke - depth, end = law.stroke;
   switch (law.kind) {

@@ -1,8 +1,9 @@
 // Mistakes of a model: all at once, each with its place and the remedy.
 #include "kernel/model/validate.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "unlatch/inertia.h"
 
 namespace unlatch {
 namespace {
@@ -78,8 +79,7 @@ void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErro
   const double scale = J.cwiseAbs().maxCoeff();
   if ((J - J.transpose()).cwiseAbs().maxCoeff() > kRelative * scale)
     return report("its inertia is not symmetric", "entry (i, j) equals entry (j, i)");
-  const Eigen::Vector3d moments =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(J, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
+  const Eigen::Vector3d moments = calc_principal_moments(J);
   if (!(moments[0] > 0))
     return report("its inertia is not positive definite: principal moments " + show(moments),
                   "all principal moments are greater than 0");

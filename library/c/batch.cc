@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "hil/run/run.h"
+#include "library/c/calls.h"
 
 namespace unlatch::library {
 namespace {
@@ -168,6 +169,9 @@ using unlatch::library::Batch;
 using unlatch::library::fail;
 using unlatch::library::guard;
 using unlatch::library::HandleKind;
+using unlatch::library::LoadOptions;
+using unlatch::library::make_handle;
+using unlatch::library::refuse_null;
 
 namespace {
 
@@ -181,32 +185,21 @@ unlatch_status with_batch(const void* handle, const Function& function) {
 }  // namespace
 
 unlatch_status unlatch_open_batch(const char* path, const unlatch_options* options, unlatch_batch** batch) {
-  if (batch == nullptr) return fail(UNLATCH_ERROR_ARGUMENT, "null: the place for the batch");
+  if (batch == nullptr) return refuse_null("the place for the batch");
   *batch = nullptr;
-  if (path == nullptr) return fail(UNLATCH_ERROR_ARGUMENT, "null: the path of the scenario");
+  if (path == nullptr) return refuse_null("the path of the scenario");
   return guard([&] {
-    const unlatch::library::ErrorSource source{path, ""};
-    return guard(
-        [&]() -> unlatch_status {
-          unlatch::library::LoadOptions read;
-          if (!read_options(options, read)) return UNLATCH_ERROR_ARGUMENT;
-          auto made = std::make_unique<Batch>(path, read);
-          void* const handle = unlatch::library::open_handle(kBatch, made.get());
-          if (handle == nullptr) return fail(UNLATCH_ERROR_MEMORY, "16,384 handles are open; close some");
-          (void)made.release();
-          *batch = static_cast<unlatch_batch*>(handle);
-          return UNLATCH_OK;
-        },
-        source);
+    return make_handle(kBatch, {path, ""}, options, batch,
+                       [&](const LoadOptions& read) { return std::make_unique<Batch>(path, read); });
   });
 }
 
 unlatch_status unlatch_add_sample(unlatch_batch* batch, const char* const* overrides, size_t count) {
-  if (overrides == nullptr && count > 0) return fail(UNLATCH_ERROR_ARGUMENT, "null: the overrides");
+  if (overrides == nullptr && count > 0) return refuse_null("the overrides");
   return with_batch(batch, [&](Batch& found) -> unlatch_status {
     std::vector<std::string> read;
     for (size_t i = 0; i < count; ++i) {
-      if (overrides[i] == nullptr) return fail(UNLATCH_ERROR_ARGUMENT, "null: one of the overrides");
+      if (overrides[i] == nullptr) return refuse_null("one of the overrides");
       read.emplace_back(overrides[i]);
     }
     found.add(std::move(read));
@@ -221,14 +214,14 @@ unlatch_status unlatch_run_batch(unlatch_batch* batch, double until, size_t thre
 }
 
 unlatch_status unlatch_get_batch_array(unlatch_batch* batch, int32_t which, unlatch_array* array) {
-  if (array == nullptr) return fail(UNLATCH_ERROR_ARGUMENT, "null: the place for the array");
+  if (array == nullptr) return refuse_null("the place for the array");
   if (array->size < sizeof(unlatch_array))
     return fail(UNLATCH_ERROR_ARGUMENT, "unlatch_array::size is not set; set it to sizeof(unlatch_array)");
   return with_batch(batch, [&](Batch& found) { return found.get_array(which, *array); });
 }
 
 unlatch_status unlatch_get_sample_text(unlatch_batch* batch, size_t sample, const char** text) {
-  if (text == nullptr) return fail(UNLATCH_ERROR_ARGUMENT, "null: the place for the text");
+  if (text == nullptr) return refuse_null("the place for the text");
   return with_batch(batch, [&](Batch& found) -> unlatch_status {
     if (sample >= found.size())
       return fail(UNLATCH_ERROR_RANGE, "sample " + std::to_string(sample) + " of " + std::to_string(found.size()));
@@ -246,9 +239,5 @@ unlatch_status unlatch_describe_in_batch(unlatch_batch* batch, int32_t kind, siz
 }
 
 unlatch_status unlatch_close_batch(unlatch_batch* batch) {
-  Access access(kBatch, batch);
-  if (!access) return fail(access);
-  delete &access.get<Batch>();
-  access.close();
-  return UNLATCH_OK;
+  return unlatch::library::close_handle<Batch>(kBatch, batch);
 }

@@ -15,18 +15,10 @@
 #include "hil/simulation/simulation.h"
 #include "library/c/catalogue.h"
 #include "library/c/errors.h"
+#include "library/c/options.h"
 #include "library/include/unlatch.h"
 
 namespace unlatch::library {
-
-// unlatch_options, read and checked.
-struct LoadOptions {
-  std::vector<std::string> overrides;
-  std::uint32_t flags = 0;
-  std::size_t event_capacity = 4096;
-};
-// `options` may be null. False, and an error of this thread, if they are refused.
-[[nodiscard]] bool read_options(const unlatch_options* options, LoadOptions& read);
 
 // Steps of a recording: its commands, and the hashes to compare.
 class ReplayFeed {

@@ -39,12 +39,4 @@ unlatch_status guard(const Function& function, const ErrorSource& source = {}) n
   }
 }
 
-// The same with the object of a handle.
-template <class Object, class Function>
-unlatch_status with(HandleKind kind, const void* handle, const Function& function) noexcept {
-  const Access access(kind, handle);
-  if (!access) return fail(access);
-  return guard([&] { return function(access.get<Object>()); });
-}
-
 }  // namespace unlatch::library

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "hil/run/replay.h"
+#include "library/c/calls.h"
 #include "library/c/engine.h"
 
 using unlatch::library::Access;
@@ -11,22 +12,12 @@ using unlatch::library::fail;
 using unlatch::library::guard;
 using unlatch::library::HandleKind;
 using unlatch::library::LoadOptions;
+using unlatch::library::make_handle;
+using unlatch::library::refuse_null;
 
 namespace {
 
 constexpr auto kSimulation = HandleKind::kSimulation;
-
-unlatch_status refuse_null(const char* what) {
-  return guard([&] { return fail(UNLATCH_ERROR_ARGUMENT, std::string("null: ") + what); });
-}
-
-unlatch_status give(std::unique_ptr<Engine> engine, unlatch_simulation** simulation) {
-  void* const handle = unlatch::library::open_handle(kSimulation, engine.get());
-  if (handle == nullptr) return fail(UNLATCH_ERROR_MEMORY, "16,384 handles are open; close some");
-  (void)engine.release();
-  *simulation = static_cast<unlatch_simulation*>(handle);
-  return UNLATCH_OK;
-}
 
 template <class Function>
 unlatch_status with_engine(const void* handle, const Function& function) {
@@ -40,14 +31,9 @@ unlatch_status unlatch_load(const char* path, const unlatch_options* options, un
   *simulation = nullptr;
   if (path == nullptr) return refuse_null("the path of the scenario");
   return guard([&] {
-    const ErrorSource source{path, ""};
-    return guard(
-        [&]() -> unlatch_status {
-          LoadOptions read;
-          if (!read_options(options, read)) return UNLATCH_ERROR_ARGUMENT;
-          return give(std::make_unique<Engine>(unlatch::hil::load_scenario(path, read.overrides), read), simulation);
-        },
-        source);
+    return make_handle(kSimulation, {path, ""}, options, simulation, [&](const LoadOptions& read) {
+      return std::make_unique<Engine>(unlatch::hil::load_scenario(path, read.overrides), read);
+    });
   });
 }
 
@@ -57,17 +43,11 @@ unlatch_status unlatch_load_text(const char* text, size_t length, const char* na
   *simulation = nullptr;
   if (text == nullptr) return refuse_null("the text of the scenario");
   if (name == nullptr) name = "<text>";
-  return guard([&]() -> unlatch_status {
-    LoadOptions read;
-    if (!read_options(options, read)) return UNLATCH_ERROR_ARGUMENT;
-    const std::string copy(text, length);
-    const ErrorSource source{name, copy};
-    return guard(
-        [&] {
-          return give(std::make_unique<Engine>(unlatch::hil::load_scenario_text(copy, name, read.overrides), read),
-                      simulation);
-        },
-        source);
+  return guard([&] {
+    const ErrorSource source{name, std::string(text, length)};
+    return make_handle(kSimulation, source, options, simulation, [&](const LoadOptions& read) {
+      return std::make_unique<Engine>(unlatch::hil::load_scenario_text(source.text, name, read.overrides), read);
+    });
   });
 }
 
@@ -77,27 +57,21 @@ unlatch_status unlatch_open_recording(const char* path, const unlatch_options* o
   *simulation = nullptr;
   if (path == nullptr) return refuse_null("the path of the recording");
   return guard([&] {
-    const ErrorSource source{path, ""};
-    return guard(
-        [&]() -> unlatch_status {
-          LoadOptions read;
-          if (!read_options(options, read)) return UNLATCH_ERROR_ARGUMENT;
-          if (!read.overrides.empty())
-            return fail(UNLATCH_ERROR_ARGUMENT, "a recording has its own overrides; it takes no others");
-          unlatch::hil::RecordingReader recording{unlatch::hil::LogFileReader(path)};
-          unlatch::hil::Scenario scenario = unlatch::hil::load_recorded_scenario(recording.header);
-          return give(std::make_unique<Engine>(std::move(recording), std::move(scenario), read), simulation);
-        },
-        source);
+    return make_handle(kSimulation, {path, ""}, options, simulation,
+                       [&](const LoadOptions& read) -> std::unique_ptr<Engine> {
+                         if (!read.overrides.empty()) {
+                           (void)fail(UNLATCH_ERROR_ARGUMENT, "a recording has its own overrides; it takes no others");
+                           return nullptr;
+                         }
+                         unlatch::hil::RecordingReader recording{unlatch::hil::LogFileReader(path)};
+                         unlatch::hil::Scenario scenario = unlatch::hil::load_recorded_scenario(recording.header);
+                         return std::make_unique<Engine>(std::move(recording), std::move(scenario), read);
+                       });
   });
 }
 
 unlatch_status unlatch_close(unlatch_simulation* simulation) {
-  Access access(kSimulation, simulation);
-  if (!access) return fail(access);
-  delete &access.get<Engine>();
-  access.close();
-  return UNLATCH_OK;
+  return unlatch::library::close_handle<Engine>(kSimulation, simulation);
 }
 
 // --- Contents -------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// What the binaries of both versions of FMI have in common: functions by name, statuses, messages.
+// Parts that the binaries of both versions of FMI share: functions by name, statuses, messages.
 #pragma once
 
 #include <string>

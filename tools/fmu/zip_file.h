@@ -10,7 +10,7 @@
 
 namespace unlatch::fmu {
 
-// What is wrong with an FMU, in a sentence that begins with the place in it.
+// A mistake of an FMU, in a sentence that begins with the place in it.
 class FmuError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

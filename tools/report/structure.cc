@@ -1,11 +1,11 @@
 #include "tools/report/structure.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "tools/shape_json.h"
+#include "unlatch/inertia.h"
 
 namespace unlatch::tools {
 namespace {
@@ -27,10 +27,7 @@ Json to_json(const Eigen::Matrix3d& m) {
 // For a body without a shape: the homogeneous box of its mass and inertia. About an axis its inertia is m (b² + c²)/12,
 // so the edge along x has a² = 6 (Iyy + Izz − Ixx)/m.
 geometry::Shape build_equivalent_box(const Body& body) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.inertia);
-  Eigen::Matrix3d axes = solver.eigenvectors();
-  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
-  const Eigen::Vector3d& principal = solver.eigenvalues();
+  const auto [principal, axes] = calc_principal_axes(body.inertia);
   const Eigen::Vector3d squares = 6 / body.mass * (principal.sum() - 2 * principal.array()).matrix();
   const double least = 1e-3 * std::sqrt(squares.maxCoeff());  // a thin rod stays visible
   geometry::Shape box{.kind = geometry::ShapeKind::kBox};
