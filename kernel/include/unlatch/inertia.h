@@ -13,6 +13,7 @@ struct PrincipalAxes {
   Eigen::Vector3d moments;
   Eigen::Matrix3d axes;
 };
+// Principal moments and axes of a symmetric inertia, kg m².
 [[nodiscard]] PrincipalAxes calc_principal_axes(const Eigen::Matrix3d& inertia);
 
 }  // namespace unlatch
