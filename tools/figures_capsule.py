@@ -1,5 +1,8 @@
-"""Figures of the dual-spin capsule: the paper's phase portraits 6 and 7, the retro-burn's error against spin-up."""
+"""Figures of the dual-spin capsule: the paper's phase portraits 6 and 7, its condition for falling amplitude, the retro-burn's
+error against spin-up, and where the capsule lands."""
+import importlib.util
 import math
+import subprocess
 
 # Limit points (integral of p, integral of q) of the paper's L0 = 0.75; the runs have a thousandth of it.
 LIMITS = {"figure6": (0.0670992388580498, -0.0325242635870585), "figure7": (-0.176649962112910, -0.844573734013524)}
@@ -12,7 +15,75 @@ def calc_angles(q):
     return math.asin(2 * (x * z + w * y)), math.atan2(-2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
 
 
+def load(tools, name):
+    spec = importlib.util.spec_from_file_location(name, tools.SCENARIOS / f"capsule/{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def draw_amplitudes(bench, tools, axes, falling, make, xs, ys):
+    """Ratios of runs as colours, where the paper's condition changes sign as lines. `make`: a Case of x and y."""
+    ratios = []
+    for y in ys:
+        ratios.append([])
+        for x in xs:
+            run = bench.call("run", tools.SCENARIOS / "capsule/reference.yaml", "--dt", "0.004", "--json", "-", *make(x, y).list_options())
+            ratios[-1].append(math.log2(falling.calc_run_ratio(run["samples"])))
+    image = axes.pcolormesh(xs, ys, ratios, cmap="RdBu_r", vmin=-2, vmax=2, shading="nearest")
+    fine_x, fine_y = ([v[0] + (v[-1] - v[0]) * i / 100 for i in range(101)] for v in (xs, ys))
+    for condition, style in ((lambda case: case.calc_condition(), "-"), (lambda case: math.prod(case.calc_omega_mu()), ":")):
+        axes.contour(fine_x, fine_y, [[condition(make(x, y)) for x in fine_x] for y in fine_y], levels=[0], colors="0.1", linestyles=style)
+    axes.grid(False)
+    return image
+
+
 def add(figure, tools):
+    @figure("capsule-amplitude")
+    def amplitude(bench):
+        import matplotlib.pyplot as plt
+        falling = load(tools, "falling_amplitude")
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.5), constrained_layout=True)
+        draw_amplitudes(bench, tools, left, falling, lambda x, y: falling.Case(C1k=60 * (1 - x), A1k=90 - 270 * y),
+                        [0.02 + 0.04 * i for i in range(11)], [0.01 + 0.02 * i for i in range(10)])
+        left.set(xlabel="axial inertia that the motor loses", ylabel="lateral inertia that the whole loses")
+        left.set_title("Burn law, capsule without spin", loc="left")
+        image = draw_amplitudes(bench, tools, right, falling, lambda x, y: falling.Case(C1k=50, C2=y, r0=x, sigma0=6 - x),
+                                [-3 + 0.5 * i for i in range(13)], [40 + 20 * i for i in range(11)])
+        right.set(xlabel="spin of the capsule, rad/s (motor 6 rad/s)", ylabel="axial inertia of the capsule, kg m²")
+        right.set_title("Spin and inertia", loc="left")
+        drawn.colorbar(image, ax=[left, right], label="amplitude: end by beginning", ticks=(-2, -1, 0, 1, 2)).set_ticklabels(
+            ("1/4", "1/2", "1", "2", "4"))
+        return drawn
+
+    @figure("capsule-landing")
+    def places(bench):
+        import matplotlib.pyplot as plt
+        landing = load(tools, "landing")
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.6), constrained_layout=True)
+        spins, sizes = (4, 6, 12), []
+        for spin, colour in zip(spins, ("#c1121f", "#e09f3e", "#457b9d")):
+            folder = bench.folder / f"landing{spin}"
+            subprocess.run([bench.program, "campaign", tools.SCENARIOS / "capsule/campaign.yaml", "--out", folder, "--set",
+                            f"constants.spin={spin} rad/s"], check=True, capture_output=True)
+            found = landing.land(landing.read_states(folder))
+            mean, axes, vectors = landing.calc_ellipse(found)
+            sizes.append(axes / 1e3)
+            left.plot(*((found.T - mean) / 1e3).T, ".", color=colour, markersize=3, label=f"{spin} rad/s")
+            turns = [2 * math.pi * i / 100 for i in range(101)]
+            left.plot(*zip(*((axes[0] * math.cos(t) * vectors[:, 0] + axes[1] * math.sin(t) * vectors[:, 1]) / 1e3 for t in turns)),
+                      color=colour, linewidth=0.9)
+        left.set(xlabel="along the track, km", ylabel="across, km")
+        left.set_title("Places of landing, 3σ, by the motor's spin", loc="left")
+        left.legend()
+        for i, label in enumerate(("along", "across")):
+            right.loglog(spins, [size[i] for size in sizes], "o-", color=("#1d3557", "#c1121f")[i], label=f"{label} (3σ)")
+        right.set_xticks(spins, [str(spin) for spin in spins])
+        right.minorticks_off()
+        right.set(xlabel="spin of the motor, rad/s", ylabel="semi-axis of the ellipse, km")
+        right.legend()
+        return drawn
+
     @figure("capsule-portraits")
     def portraits(bench):
         import matplotlib.pyplot as plt

@@ -1,5 +1,6 @@
 """Figures of the elastic fairing halves: modes (the paper's figure 10) beside the curved beam's, the way of the halves, the
-elastic displacement of the dangerous points (figure 11)."""
+elastic displacement of the dangerous points (figure 11), the room that is left to the payload."""
+import importlib.util
 import math
 
 MODES = "fairing/fairing.modes"
@@ -12,20 +13,15 @@ DESIGNS = {
 }
 
 
-def read_modes(path):
-    """Frequencies in Hz and points (mass, place, displacements by mode) of a modes file."""
-    hz, points, left = [], [], 0
-    for line in path.read_text().splitlines():
-        words = line.split("#")[0].split()
-        if left > 0 and words:
-            values = list(map(float, words))
-            points.append((values[0], values[1:4], [values[4 + 3 * k:7 + 3 * k] for k in range(len(hz))]))
-            left -= 1
-        elif words[:1] == ["frequencies"]:
-            hz = list(map(float, words[1:]))
-        elif words[:1] == ["points"]:
-            left = int(words[1])
-    return hz, points
+FLOWN = 16  # samples of campaign.yaml
+
+
+def load_zone(tools):
+    """safe_zone.py, which reads modes files."""
+    spec = importlib.util.spec_from_file_location("safe_zone", tools.SCENARIOS / "fairing/safe_zone.py")
+    zone = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(zone)
+    return zone
 
 
 def add(figure, tools):
@@ -36,7 +32,7 @@ def add(figure, tools):
     def modes(bench):
         import matplotlib.pyplot as plt
         from matplotlib.tri import Triangulation
-        hz, points = read_modes(tools.SCENARIOS / MODES)
+        hz, points, _ = load_zone(tools).read_modes()
         beams = {1: "R1", 4: "R2", 5: "R3"}  # as `unlatch modes shell` matches them
         places = [place for _, place, _ in points]
         # The shell is unrolled, so that adjacent points are adjacent in the plane.
@@ -64,6 +60,35 @@ def add(figure, tools):
         bar = drawn.colorbar(shell, cax=scale, orientation="horizontal", ticks=(0, 0.5, 1))
         bar.set_label("displacement, of the largest", fontsize=8)
         bar.ax.tick_params(labelsize=6)
+        return drawn
+
+    @figure("fairing-zone")
+    def zone(bench):
+        import matplotlib.pyplot as plt
+        import numpy as np
+        safe = load_zone(tools)
+        shell = safe.Shell()
+        folder = tools.SCENARIOS / "fairing"
+        nominal = bench.call("run", folder / "scenario.yaml", "--until", 1.6, "--outputs", safe.OUTPUTS, "--json", "-")
+        curves = [("stiff", safe.calc_zone(nominal, shell, elastic=False)[0], "0.55"), ("elastic", safe.calc_zone(nominal, shell)[0], "#457b9d")]
+        flown = [safe.calc_zone(bench.call("run", folder / "campaign.yaml", "--sample", i, "--outputs", safe.OUTPUTS, "--json", "-"), shell)[0]
+                 for i in range(FLOWN)]
+        curves.append((f"worst of {FLOWN} dispersed", np.fmin.reduce(flown), "#e09f3e"))
+        dead = bench.call("run", folder / "scenario.yaml", "--until", 1.6, "--outputs", safe.OUTPUTS, "--json", "-", "--set",
+                          "elements.push1_left.enabled=false")
+        curves.append(("one pusher dead", safe.calc_zone(dead, shell)[0], "#c1121f"))
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.8), sharey=True, constrained_layout=True)
+        image = left.pcolormesh(safe.AZIMUTHS, safe.STATIONS, 1000 * (curves[0][1] - curves[2][1]), cmap="viridis_r", vmin=0)
+        drawn.colorbar(image, ax=left, label="room lost to a stiff half's, mm")
+        left.set(xlabel="azimuth from the middle of half 1, deg", ylabel="station from the base, m")
+        left.set_title(f"Half 1, {FLOWN} dispersed flights", loc="left")
+        left.grid(False)
+        for label, zones, colour in curves:
+            least = np.array([np.nanmin(row) if not np.isnan(row).all() else np.nan for row in zones])
+            right.step(np.append(least, least[-1]), safe.STATIONS, where="post", color=colour, label=label)
+        right.plot([1.6, 1.6, 0], [0.3, 8, 8], color="0.2", linestyle="--", label="payload")
+        right.set(xlabel="smallest radius, m", xlim=(1.4, 2.05), ylim=(0, 10))
+        right.legend(loc="upper right")
         return drawn
 
     @figure("fairing-arc")

@@ -68,6 +68,9 @@ std::vector<InputColumn> list_inputs(const Campaign& campaign);
 std::vector<double> draw_inputs(const Campaign& campaign, std::int64_t sample);
 // Those at one point of the unit cube.
 std::vector<double> calc_inputs(const Campaign& campaign, const std::vector<double>& point);
+// Of a path: numbers at constants keep the unit that the file gives them, because expressions check it; all others are
+// in SI.
+bool is_constant(const std::string& path);
 // The scenario's values of these inputs.
 std::vector<Setting> make_settings(const Campaign& campaign, const std::vector<double>& inputs);
 

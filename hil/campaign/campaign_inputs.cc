@@ -59,6 +59,8 @@ std::vector<double> draw_inputs(const Campaign& campaign, std::int64_t sample) {
   return calc_inputs(campaign, calc_point(campaign.plan, sample));
 }
 
+bool is_constant(const std::string& path) { return path.starts_with("constants."); }
+
 std::vector<Setting> make_settings(const Campaign& campaign, const std::vector<double>& inputs) {
   std::vector<Setting> settings;
   std::size_t at = 0;
@@ -71,6 +73,8 @@ std::vector<Setting> make_settings(const Campaign& campaign, const std::vector<d
         settings.push_back({path, parameter.choices.at(static_cast<std::size_t>(inputs[at]))});
       else
         settings.push_back(make_setting(path, inputs[at]));
+      if (is_constant(path) && width == 1 && parameter.choices.empty() && !parameter.unit.empty())
+        settings.back().value.text += " " + parameter.unit;
     }
     at += width;
   }

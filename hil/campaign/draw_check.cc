@@ -33,7 +33,8 @@ bool check_units(const Campaign& campaign, const std::vector<double>& median, Mi
   for (const CampaignParameter& parameter : campaign.parameters) {
     std::vector<Setting> settings = make_settings(campaign, inputs);
     for (Setting& setting : settings)
-      if (setting.path == parameter.paths[0] && setting.value.is_scalar() && !parameter.unit.empty())
+      if (setting.path == parameter.paths[0] && setting.value.is_scalar() && !parameter.unit.empty() &&
+          !is_constant(setting.path))
         setting.value.text += " " + parameter.unit;
     std::erase_if(settings, [&](const Setting& setting) {
       return std::find(parameter.paths.begin(), parameter.paths.end(), setting.path) == parameter.paths.end();

@@ -89,6 +89,16 @@ class CampaignTest(ProcessTest):
         self.assertEqual(self.run_campaign(path, "killed", "--resume")["hash"], whole)
         self.assertEqual((out / "samples.csv").read_bytes(), (self.folder / "whole" / "samples.csv").read_bytes())
 
+    def test_numbers_drawn_for_constants_keep_their_units(self):
+        (self.folder / "ball.yaml").write_text(BALL.replace("velocity: [0, 0, 0]", "velocity: [way / span, 0, 0]", 1)
+                                               + "constants: {way: 2 m, span: 1 s}\n")
+        path = self.folder / "c.yaml"
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\nsamples: 4\nparameters:\n"
+                        "  way: {path: constants.way, uniform: {min: 1 m, max: 3 m}}\n")
+        self.run_campaign(path, "o", code=(0, 1))
+        for row in read_table(self.folder / "o"):
+            self.assertAlmostEqual(float(row["fast [m/s]"]), float(row["way [m]"]), delta=1e-12)  # m/s: both fall alike
+
     def test_a_folder_with_results_is_not_overwritten_and_not_mixed(self):
         text = "samples: 4\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n"
         path = self.write(text)

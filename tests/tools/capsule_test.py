@@ -1,16 +1,27 @@
 #!/usr/bin/env python3
-"""The dual-spin capsule as users run it, against the exact phase, the paper's ordinary differential equations (2.1)-(2.3), and
-the Fresnel integrals of its figures 6 and 7. Run by ctest:
+"""The dual-spin capsule as users run it, against the exact phase, the paper's ordinary differential equations (2.1)-(2.3),
+the Fresnel integrals of its figures 6 and 7, its condition for falling amplitude, and places of landing. Run by ctest:
 
     capsule_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
 import json
 import math
+import random
 import sys
+import unittest
 
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
 CAPSULE = SCENARIOS / "capsule"
+sys.dont_write_bytecode = True  # nothing beside the scenarios
+sys.path.insert(0, str(CAPSULE))
+import falling_amplitude  # noqa: E402
+
+try:
+    import landing
+    from scipy.integrate import solve_ivp
+except ImportError:
+    landing = None
 ODE = json.loads((SOURCE / "tests/data/capsule_ode.json").read_text())
 FRESNEL = json.loads((SOURCE / "tests/data/capsule_fresnel.json").read_text())
 SCALE = 1e-3  # figure6.yaml and figure7.yaml have a thousandth of the paper's L0
@@ -19,6 +30,7 @@ A2, C2, A1, A1K, C1, C1K, T = 180, 120, 90, 30, 60, 15, 20
 R0, SIGMA0, P0, Q0 = 0.2, 6.0, 0.03, 0.05
 ODE_AGREES = 1e-9      # rad, rad/s: RK4 at 1 ms
 FRESNEL_AGREES = 1e-6  # of L0 = 0.75: what is left of small angles squared, and of RK4 at 0.5 ms
+AMPLITUDE_AGREES = 1e-4  # relative: the circle through three points, 0.1 s apart
 LIMIT_AGREES = 2e-6    # the same, and the third term of the tail
 
 
@@ -126,6 +138,85 @@ class CapsuleTest(ProcessTest):
 
     def test_portraits_are_what_their_generator_writes(self):
         self.run_ok(CAPSULE / "make-portraits", "--check")
+
+    # --- The condition for falling amplitude ----------------------------------------------------------------------
+
+    def test_the_amplitude_falls_where_the_condition_says(self):
+        seed = 2003
+        draw, falls, corrected = random.Random(seed), 0, 0
+        for i in range(16):
+            case = falling_amplitude.Case(A1k=draw.uniform(36, 80), C1k=draw.uniform(35, 58), C2=draw.uniform(60, 200), r0=draw.uniform(-3, 3),
+                                          sigma0=draw.uniform(2, 8))
+            with self.subTest(seed=seed, case=i):
+                report = self.run_json(UNLATCH, "run", CAPSULE / "reference.yaml", "--dt", "0.004", *case.list_options(), code=None)
+                ratio = falling_amplitude.calc_run_ratio(report["samples"])
+                self.assertAlmostEqual(ratio / case.calc_ratio(), 1, delta=AMPLITUDE_AGREES)
+                if abs(case.calc_turning(0)) > 0.05 and case.calc_turning(0) * case.calc_turning(case.T) > 0:  # it does not stop
+                    start, next_one = abs(case.calc_turning(0)), abs(case.calc_turning(1e-3))
+                    self.assertEqual(case.calc_condition() > 0, next_one > start)
+                    omega, mu = case.calc_omega_mu()
+                    corrected += (omega * mu > 0) != (case.calc_condition() > 0)
+                falls += ratio < 1
+        print(f"seed {seed}: falls in {falls} of 16, the paper's own condition is wrong in {corrected}", file=sys.stderr)
+        self.assertGreater(falls, 2)
+        self.assertLess(falls, 14)
+        self.assertGreater(corrected, 0)
+
+    # --- Where it lands -------------------------------------------------------------------------------------------
+
+    def read_state(self, *options):
+        capsule = self.sample("deorbit.yaml", [22], *options, code=None)[0]["bodies"]["capsule"]
+        return [*capsule["p"], *capsule["v"]]
+
+    @unittest.skipIf(landing is None, "needs python3-numpy, python3-scipy")
+    def test_the_burn_gives_the_speed_of_the_rocket_equation(self):
+        gained = self.read_state("--set", "constants.mu=0 km3/s2", "--set", "constants.spin=12 rad/s", "--set", "constants.line_x=0 mm")[5]
+        wanted = 280 * 9.80665 * math.log(700 / 500)
+        self.assertAlmostEqual(gained / wanted, 1, delta=2e-3)  # the axis nutates by 0.05 rad
+
+    @unittest.skipIf(landing is None, "needs python3-numpy, python3-scipy")
+    def test_places_of_landing_are_those_of_an_integration_with_an_event(self):
+        states = [self.read_state("--set", f"constants.axis_y={angle} deg") for angle in (0, 0.2)]
+        places = landing.land(list(zip(*states)))
+
+        def ground(_, y):
+            return math.hypot(*y[:3]) - 6371e3
+        ground.terminal = True
+
+        def rates(_, y):
+            r, v, area = math.hypot(*y[:3]), math.hypot(*y[3:]), math.pi * 0.9**2
+            pull, drag = -398600.4418e9 / r**3, -0.5 * 1.225 * math.exp(-(r - 6371e3) / 7200) * v * area / 400
+            return [*y[3:], *(pull * x + drag * u for x, u in zip(y[:3], y[3:]))]
+        for state, (along, across) in zip(states, places.T):
+            start = [state[0] + 6721e3, *state[1:]]
+            end = solve_ivp(rates, (0, 5000), start, method="DOP853", rtol=1e-11, atol=1e-6, events=ground).y[:, -1]
+            self.assertAlmostEqual(along, 6371e3 * math.atan2(-end[2], end[0]), delta=1)  # m
+            self.assertAlmostEqual(across, 6371e3 * math.asin(end[1] / 6371e3), delta=1)
+        self.assertGreater(abs(places[0, 1] - places[0, 0]), 1e3)
+
+    @unittest.skipIf(landing is None, "needs python3-numpy, python3-scipy")
+    def test_less_spin_enlarges_the_landing_area_which_is_that_of_its_single_causes(self):
+        areas = {}
+        for spin in (6, 12):
+            folder = self.folder / f"spin{spin}"
+            self.run_ok(UNLATCH, "campaign", CAPSULE / "campaign.yaml", "--out", folder, "--set", f"constants.spin={spin} rad/s", "--samples",
+                        "0:64", code=None)
+            states = landing.read_states(folder)
+            places = landing.land(states)
+            self.assertEqual(places.shape, (2, 64))
+            _, axes, _ = landing.calc_ellipse(places)
+            areas[spin] = math.pi * axes[0] * axes[1]
+        self.assertGreater(areas[6], 4 * areas[12])
+        # Of 12 rad/s, by runs with one error each: what every cause adds to the variances.
+        fixed = ("--set", "constants.spin=12 rad/s", "--set", "constants.line_x=0 mm", "--set", "constants.turn_x=0 rad/s", "--set",
+                 "constants.turn_y=0 rad/s")
+        sigmas = {"axis_x": "0.1 deg", "axis_y": "0.1 deg", "turn_x": "0.01 rad/s", "turn_y": "0.01 rad/s", "line_x": "0.5 mm", "line_y": "0.5 mm",
+                  "tilt_x": "0.9e-3", "tilt_y": "0.9e-3", "thrust": "27733.59 N", "impulse": "280.84 s"}
+        states = [self.read_state(*fixed)] + [self.read_state(*fixed, "--set", f"constants.{name}={value}") for name, value in sigmas.items()]
+        found = landing.land(list(zip(*states)))
+        wanted = ((found[:, 1:] - found[:, :1])**2).sum(axis=1)
+        for variance, estimate in zip(places.var(axis=1, ddof=1), wanted):
+            self.assertAlmostEqual(math.sqrt(variance / estimate), 1, delta=0.2)  # 64 samples cut at 3 sigma
 
 
 if __name__ == "__main__":
