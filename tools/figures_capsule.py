@@ -74,11 +74,12 @@ def add(figure, tools):
             left.plot(*zip(*((axes[0] * math.cos(t) * vectors[:, 0] + axes[1] * math.sin(t) * vectors[:, 1]) / 1e3 for t in turns)),
                       color=colour, linewidth=0.9)
         left.set(xlabel="along the track, km", ylabel="across, km")
-        left.set_title("Places of landing, 3σ, by the motor's spin", loc="left")
+        left.set_title("Places of landing by the motor's spin, 3σ", loc="left")
         left.legend()
         for i, label in enumerate(("along", "across")):
             right.loglog(spins, [size[i] for size in sizes], "o-", color=("#1d3557", "#c1121f")[i], label=f"{label} (3σ)")
         right.set_xticks(spins, [str(spin) for spin in spins])
+        right.set_yticks((10, 20, 50, 100, 200, 500), ("10", "20", "50", "100", "200", "500"))
         right.minorticks_off()
         right.set(xlabel="spin of the motor, rad/s", ylabel="semi-axis of the ellipse, km")
         right.legend()

@@ -87,8 +87,8 @@ def add(figure, tools):
             least = np.array([np.nanmin(row) if not np.isnan(row).all() else np.nan for row in zones])
             right.step(np.append(least, least[-1]), safe.STATIONS, where="post", color=colour, label=label)
         right.plot([1.6, 1.6, 0], [0.3, 8, 8], color="0.2", linestyle="--", label="payload")
-        right.set(xlabel="smallest radius, m", xlim=(1.4, 2.05), ylim=(0, 10))
-        right.legend(loc="upper right")
+        right.set(xlabel="smallest radius, m", xlim=(1.1, 2.05), ylim=(0, 10))
+        right.legend(loc="lower left")
         return drawn
 
     @figure("fairing-arc")
