@@ -146,7 +146,7 @@ struct FinalEvaluation {
 struct EventSearch {
   // per event, then per pair of shapes of contacts
   std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located
-  std::span<double> guards_middle;            // at its first iterate
+  std::span<double> guards_middle;            // at the end of it that was replaced last
   std::span<double> tolerances;               // how far below zero a guard may stand and still count as reached
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // evaluates one guard

@@ -2,14 +2,15 @@
 //
 //   inputs latched → forces → rows of the active modes → factor → solve → (four stages) → project → events → outputs
 //
-// An event splits the step: a sub-step to its end shows which guards cross zero; two iterations, each a fresh sub-step
-// from the same beginning, locate the first of them; the events act there, and the rest of the step follows.
+// An event splits the step: a sub-step to its end shows which guards cross zero; tries, each a fresh sub-step from the
+// same beginning, locate the first of them; the events act there, and the rest of the step follows.
 #include "unlatch/step.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "kernel/step/crossing.h"
 #include "kernel/step/events.h"
 #include "kernel/step/guards.h"
 #include "kernel/step/integrator.h"
@@ -21,6 +22,9 @@ namespace {
 
 // Of the guard's change over the sub-step: events that would cross within this part of it are taken as simultaneous.
 constexpr double kSimultaneous = 1e-6;
+// Of the sub-step: an event is located when the next try would be nearer than this to the last one.
+constexpr double kLocated = 1e-6;
+constexpr int kMostTries = 24;
 
 double get_time(const PlanData& plan, std::int64_t tick) { return static_cast<double>(tick) * plan.options.dt; }
 
@@ -92,54 +96,81 @@ bool try_substep(Run& run, const SubstepStart& start, double end) {
   return true;
 }
 
-// Zero of the straight line through (0, low) and (h, high).
-double interpolate(double low, double high, double h) { return h * (low / (low - high)); }
+// The first crossing within the bracket whose ends are in guards_low and guards_high, its third point in guards_middle.
+// `first`: the event.
+Crossing estimate(const Run& run, const Bracket& bracket, std::size_t& first) {
+  const EventSearch& s = run.search;
+  Crossing least{bracket.to, false};
+  bool found = false;
+  for (std::size_t e = 0; e < run.ev.guards.size(); ++e) {
+    if (!crosses(run, e)) continue;
+    const Crossing own = interpolate(bracket, s.guards_low[e], s.guards_high[e], s.guards_middle[e]);
+    if (found && !(own.time < least.time)) continue;
+    least = own;
+    first = e;
+    found = true;
+  }
+  return least;
+}
 
-// Zero of the inverse parabola through (0, low), (x, middle), (h, high); of the chord of the bracketing pair instead
-// where the parabola leaves the bracket.
-double interpolate(double low, double x, double middle, double h, double high) {
-  const double left = middle >= 0 ? 0 : x, right = middle >= 0 ? x : h;
-  const double at_left = middle >= 0 ? low : middle, at_right = middle >= 0 ? middle : high;
-  const double chord = left + interpolate(at_left, at_right, right - left);
-  if (!((low < middle && middle < high))) return chord;
-  const double parabola =
-      x * (low * high) / ((middle - low) * (middle - high)) + h * (low * middle) / ((high - low) * (high - middle));
-  return parabola > left && parabola < right ? parabola : chord;
+// The bracket less what the latest try, at `x`, rules out.
+void narrow(const Run& run, double x, Bracket& bracket) {
+  const EventSearch& s = run.search;
+  bool crossed = false;
+  for (std::size_t e = 0; e < run.ev.guards.size(); ++e) crossed |= run.ev.guards[e] >= 0 && crosses(run, e);
+  const std::span<double> end = crossed ? s.guards_high : s.guards_low;
+  std::copy(end.begin(), end.end(), s.guards_middle.begin());
+  std::copy(run.ev.guards.begin(), run.ev.guards.end(), end.begin());
+  bracket.narrow(x, crossed);
+}
+
+// Some event that crosses begins within its tolerance of zero, as the lift of a contact that has just closed.
+bool begins_at_zero(const Run& run) {
+  const EventSearch& s = run.search;
+  bool found = false;
+  for (std::size_t e = 0; e < run.ev.guards.size(); ++e)
+    found |= crosses(run, e) && -s.guards_low[e] <= s.tolerances[e];
+  return found;
 }
 
 // Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the evaluation of
 // that instant and returns its time, or a negative number on failure. `first`: the event.
+//
+// Tries follow the inverse parabola, after the second only where it is through values that rise; else the middle of the
+// bracket is tried. A guard that begins at zero and first falls would hold the parabola there: then the middle is tried
+// until it falls short. Ends when the next try would be within the tolerance of the last one.
 double locate(Run& run, const SubstepStart& start, double end, std::size_t& first) {
-  const EventSearch& s = run.search;
-  const std::size_t events = run.ev.guards.size();
-  const double h = end - start.t;
-  double x = h, reached = end;
-  for (int iteration = 0; iteration < 2; ++iteration) {
-    const double previous = x;
-    x = h;
-    for (std::size_t e = 0; e < events; ++e) {
-      if (!crosses(run, e)) continue;
-      const double estimate = iteration == 0
-                                  ? interpolate(s.guards_low[e], s.guards_high[e], h)
-                                  : interpolate(s.guards_low[e], previous, s.guards_middle[e], h, s.guards_high[e]);
-      if (estimate < x || first == events) {
-        x = estimate;
-        first = e;
-      }
-    }
-    reached = std::min(start.t + x, end);  // h may be rounded up
+  const double least = kSameInstant * run.plan.options.dt, tolerance = std::max(kLocated * (end - start.t), least);
+  const bool at_zero = begins_at_zero(run);
+  Bracket bracket{0, end - start.t, 0};
+  Crossing next = estimate(run, bracket, first);
+  bool falls = false;  // from the beginning of the bracket
+  double reached = end;
+  for (int i = 0; i < kMostTries; ++i) {
+    double x = next.time;
+    const bool beside = at_zero && x - bracket.from < tolerance, steps = beside && next.sure && !falls;
+    if (steps)
+      x = std::max(x, bracket.from + least);
+    else if (beside || falls || (i > 1 && !next.sure))
+      x = 0.5 * (bracket.from + bracket.to);
+    reached = std::min(start.t + x, end);  // the length may be rounded up
     if (!try_substep(run, start, reached)) return -1;
-    std::copy(run.ev.guards.begin(), run.ev.guards.end(), s.guards_middle.begin());
+    narrow(run, x, bracket);
+    if (bracket.from == x) falls = steps;
+    std::size_t other = first;
+    next = estimate(run, bracket, other);
+    const bool close = (next.sure || !at_zero) && std::fabs(next.time - x) <= tolerance;
+    if (i > 0 && (close || bracket.to - bracket.from <= tolerance)) break;
+    first = other;
   }
   return reached;
 }
 
-// After locate(): events that have reached their guards, rounding and simultaneity granted.
-void update_tolerances(Run& run, std::size_t first) {
+// How far below its guard an event may stand and still act with the first: simultaneity granted.
+void update_tolerances(Run& run) {
   EventSearch& s = run.search;
   for (std::size_t e = 0; e < s.tolerances.size(); ++e)
     s.tolerances[e] = crosses(run, e) ? kSimultaneous * (s.guards_high[e] - s.guards_low[e]) : 0;
-  s.tolerances[first] = std::max(s.tolerances[first], -run.ev.guards[first]);
 }
 
 // The latest try holds.
@@ -217,9 +248,10 @@ double advance(Run& run, double now, double step_end, int& splits) {
   const int crossings = count_crossings(run);
   if (crossings > 0 && may_split) {
     std::size_t first = run.ev.guards.size();
+    update_tolerances(run);
     reached = locate(run, start, target, first);
     if (reached < 0) return step_end;
-    update_tolerances(run, first);
+    search.tolerances[first] = std::max(search.tolerances[first], -run.ev.guards[first]);
   } else {
     run.report.postponed += crossings;
   }

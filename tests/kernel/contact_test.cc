@@ -294,6 +294,33 @@ TEST(Contact, ItsStepsAllocateNothing) {
   EXPECT_GT(get_contact_totals(s.plan, s.state, 0).impulse, 0) << "nothing has touched";
 }
 
+// A ball passes a thin rail: its distance is √(s² + b²) − R, s = 2 m/s · t, in closed form.
+constexpr double kRail = 5e-5;         // m, radius
+constexpr double kLocatedPass = 2e-9;  // s: 1e-6 of a step is the tolerance, and the integration is exact
+
+TEST(Contact, TouchesLiftsAndGuardsOfStronglyCurvedDistancesAreLocated) {
+  constexpr double kNear = 2e-5;  // m, threshold of the guard
+  for (const double depth : {1e-3, 3e-4, 1e-4})
+    for (int phase = 0; phase < 20; ++phase) {
+      const double start = 0.0504 + 1e-4 * phase;
+      Model model = build_passing_ball(kRail, depth, start);
+      Event near;
+      near.name = "near";
+      near.when = when(Condition::Kind::kDistance, 1, 0, kNear);
+      near.when.below = true;
+      model.events.push_back(near);
+      Simulation s(model);
+      const std::vector<Logged> events = run(s, model, 60);
+      ASSERT_EQ(events.size(), 3u);
+      const double half = calc_half_chord(kRail, depth), sum = kPassingRadius + kRail;
+      EXPECT_EQ(events[0].name, "near");
+      EXPECT_NEAR(events[0].time, (start - std::sqrt((depth + kNear) * (2 * sum - depth + kNear))) / kPassingSpeed,
+                  kLocatedPass);
+      EXPECT_NEAR(events[1].time, (start - half) / kPassingSpeed, kLocatedPass) << depth << " " << phase;
+      EXPECT_NEAR(events[2].time, (start + half) / kPassingSpeed, kLocatedPass) << depth << " " << phase;
+    }
+}
+
 TEST(Contact, AConditionOnADistanceIsLocatedAndASensorReadsIt) {
   Model model = build_dropped_ball(0.1);
   model.contacts.clear();

@@ -2,6 +2,7 @@
 // bits.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 #include "tests/support/small_models.h"
@@ -54,6 +55,30 @@ inline Model build_resting_ball(double stiffness) {
   Model model = build_dropped_ball(-kGravity / stiffness);
   model.contacts[0].stiffness = stiffness;
   return model;
+}
+
+inline constexpr double kPassingRadius = 0.006;  // m
+inline constexpr double kPassingSpeed = 2;       // m/s
+
+// A ball of 6 mm that passes a rail along z at the origin, `depth` deeper than it would touch, from `start` before it.
+// The contact is so soft that the ball goes straight on: it touches and lifts at −/+ calc_half_chord() beside the rail.
+inline Model build_passing_ball(double rail_radius, double depth, double start) {
+  Model model;
+  model.name = "passing";
+  model.bodies.push_back(box("ball", 1, 1e-5, 1e-5, 1e-5));
+  model.bodies[0].p_WB = {-start, kPassingRadius + rail_radius - depth, 0};
+  model.bodies[0].v_WB = {kPassingSpeed, 0, 0};
+  geometry::Shape rail = build_sphere(rail_radius, {0, 0, -0.5});
+  rail.kind = geometry::ShapeKind::kCapsule;
+  rail.to = {0, 0, 0.5};
+  model.surfaces = {{"rail", kGround, {rail}}, {"ball", 0, {build_sphere(kPassingRadius)}}};
+  model.contacts = {touch("ball on rail", 0, 1, 1e-6)};
+  add_contact_events(model);
+  return model;
+}
+inline double calc_half_chord(double rail_radius, double depth) {
+  const double sum = kPassingRadius + rail_radius;
+  return std::sqrt(depth * (2 * sum - depth));
 }
 
 // A block of 2 kg on four feet, at rest on the floor z = 0; damped.
