@@ -19,6 +19,9 @@ BodyFrame read_body_frame(const State& state, std::int32_t body) {
   return {R, own.p, own.v, R * own.w};
 }
 
+// Of the material at a point of W.
+Vec3 calc_velocity(const BodyFrame& body, const Vec3& point) { return body.v + cross(body.w, point - body.p); }
+
 geometry::Distance calc_pair_distance(const PlanData& plan, const ContactPair& pair, const BodyFrame& base,
                                       const BodyFrame& follower) {
   const PlanContact& contact = plan.contacts[at(pair.contact)];
@@ -26,6 +29,16 @@ geometry::Distance calc_pair_distance(const PlanData& plan, const ContactPair& p
                                  plan.shapes[at(contact.follower)].group.shapes[at(pair.follower_shape)],
                                  get_placement(follower));
 }
+
+Vec3 calc_middle(const geometry::Distance& distance) { return 0.5 * (distance.on_a + distance.on_b); }
+
+// Of the follower's material at a point of W, seen from the base's there.
+Vec3 calc_velocity(const BodyFrame& base, const BodyFrame& follower, const Vec3& point) {
+  return calc_velocity(follower, point) - calc_velocity(base, point);
+}
+
+// Of the distance: the witnesses lie along the normal, about which they may turn.
+double calc_rate(const geometry::Distance& distance, const Vec3& velocity) { return dot(distance.normal, velocity); }
 
 // A force at a point of W; nothing can push the ground.
 void push(Evaluation& ev, int body, const BodyFrame& frame, const Vec3& point, const Vec3& force) {
@@ -61,10 +74,9 @@ double calc_stored(const PlanContact& contact, double depth) noexcept {
 PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& distance, const BodyFrame& base,
                           const BodyFrame& follower, double scale) noexcept {
   PairForce out;
-  out.point = 0.5 * (distance.on_a + distance.on_b);
-  const auto calc_velocity = [&](const BodyFrame& body) { return body.v + cross(body.w, out.point - body.p); };
-  const Vec3 v = calc_velocity(follower) - calc_velocity(base);
-  const double parting = dot(distance.normal, v);  // rate of the distance: the witnesses lie along the normal
+  out.point = calc_middle(distance);
+  const Vec3 v = calc_velocity(base, follower, out.point);
+  const double parting = calc_rate(distance, v);
   const Vec3 slip = v - parting * distance.normal;
   out.rate = -parting;
   out.slip = norm(slip);
@@ -130,10 +142,15 @@ void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
     const PlanShapes &a = plan.shapes[at(contact.base)], &b = plan.shapes[at(contact.follower)];
     const BodyFrame base = get_body_frame(ev, a.body), follower = get_body_frame(ev, b.body);
     const double bound = calc_far_bound(plan, a, base, b, follower, 0);
-    for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i)
-      if (now.state.contacts[i].closed == 0)
-        ev.pair_distances[i] =
-            std::isfinite(bound) ? bound : calc_pair_distance(plan, plan.contact_pairs[i], base, follower).distance;
+    for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
+      if (now.state.contacts[i].closed != 0) continue;
+      ev.pair_distances[i] = bound;
+      ev.pair_rates[i] = 0;
+      if (std::isfinite(bound)) continue;
+      const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
+      ev.pair_distances[i] = distance.distance;
+      ev.pair_rates[i] = calc_rate(distance, calc_velocity(base, follower, calc_middle(distance)));
+    }
   }
 }
 

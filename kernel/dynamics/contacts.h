@@ -36,7 +36,8 @@ double calc_stored(const PlanContact& contact, double depth) noexcept;
 // which is above `threshold`. Needs the bodies' kinematics.
 double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, int b, double threshold) noexcept;
 
-// ev.pair_distances of pairs that are open and on: distances, or lower bounds of those that cannot touch within a step.
+// ev.pair_distances and ev.pair_rates of pairs that are open and on: distances and their rates, or lower bounds of
+// those that cannot touch within a step and 0.
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
 
 // Distance of two surfaces. Needs the bodies' kinematics.

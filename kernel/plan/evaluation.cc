@@ -66,7 +66,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.loop_loads, (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns);
   arena.take(ev.loop_solution, loop_rows);
   lay_out_split(plan, arena, ev.split);
-  arena.take(ev.pair_distances, plan.contact_pairs.size());
+  for (std::span<double>* pairs : {&ev.pair_distances, &ev.pair_rates}) arena.take(*pairs, plan.contact_pairs.size());
   arena.take(ev.guards, plan.events.size() + plan.contact_pairs.size());
   arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
 }
@@ -75,6 +75,8 @@ void lay_out(const PlanData& plan, Arena& arena, EventSearch& search) {
   const std::size_t events = plan.events.size();
   for (std::span<double>* guards : {&search.guards_low, &search.guards_high, &search.guards_middle, &search.tolerances})
     arena.take(*guards, events + plan.contact_pairs.size());
+  for (std::span<double>* rates : {&search.rates_low, &search.rates_high})
+    arena.take(*rates, plan.contact_pairs.size());
   arena.take(search.acting, events);
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
   // An event acts at most once at an instant; a step has at most its splits and its beginning and end as instants.

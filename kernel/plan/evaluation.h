@@ -118,7 +118,8 @@ struct Evaluation {
   std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
   SplitScratch split;
 
-  std::span<double> pair_distances;  // per pair of shapes of contacts: of those that are closed and on, m
+  // per pair of shapes of contacts: of those that are on, m; its rate of those that are open, m/s, 0 far apart
+  std::span<double> pair_distances, pair_rates;
 
   // outputs
   std::span<double> guards;   // per event, then per pair of shapes of contacts
@@ -147,6 +148,7 @@ struct EventSearch {
   // per event, then per pair of shapes of contacts
   std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located
   std::span<double> guards_middle;            // at the end of it that was replaced last
+  std::span<double> rates_low, rates_high;    // Evaluation::pair_rates at both ends of the sub-step
   std::span<double> tolerances;               // how far below zero a guard may stand and still count as reached
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // evaluates one guard

@@ -1,6 +1,8 @@
-// Estimates by which step.cc locates events within a sub-step: where a guard crosses zero. Times from the beginning of
-// the sub-step, s.
+// Estimates by which step.cc locates events within a sub-step: where a guard crosses zero, and how high one rises that
+// stands below zero at both ends. Times from the beginning of the sub-step, s.
 #pragma once
+
+#include <cmath>
 
 namespace unlatch {
 
@@ -37,6 +39,31 @@ inline Crossing interpolate(const Bracket& b, double at_from, double at_to, doub
   const double parabola = start + (x * (low * high) / ((middle - low) * (middle - high)) +
                                    h * (low * middle) / ((high - low) * (high - middle)));
   return parabola > b.from && parabola < b.to ? Crossing{parabola, true} : Crossing{chord, false};
+}
+
+// One end of an interval: a function and its rate.
+struct Flank {
+  double time, value, rate;
+};
+
+// A function that stands below zero at both ends, rises at `left` and falls at `right` may come to zero between them:
+// the tangents meet above it. One that is nowhere convex stays below them.
+inline bool may_peak(const Flank& left, const Flank& right) {
+  if (!(left.rate > 0 && right.rate < 0 && left.value < 0 && right.value < 0)) return false;
+  const double h = right.time - left.time;
+  const double meeting = ((right.value - left.value) - right.rate * h) / (left.rate - right.rate);
+  return meeting > 0 && meeting < h && left.value + left.rate * meeting >= 0;
+}
+
+// Where the cubic through both flanks is greatest; in the inner seven eighths.
+inline double calc_peak(const Flank& left, const Flank& right) {
+  const double h = right.time - left.time, rise = 6 * (right.value - left.value);
+  const double first = h * left.rate, last = h * right.rate;
+  // Its rate at the part s of the interval: first + b s + c s².
+  const double b = (rise - 4 * first) - 2 * last, c = 3 * (first + last) - rise;
+  const double s = 2 * first / (std::sqrt(b * b - 4 * c * first) - b);
+  constexpr double kInner = 1.0 / 16;
+  return left.time + h * (s > kInner ? (s < 1 - kInner ? s : 1 - kInner) : kInner);
 }
 
 }  // namespace unlatch

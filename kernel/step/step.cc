@@ -25,6 +25,7 @@ constexpr double kSimultaneous = 1e-6;
 // Of the sub-step: an event is located when the next try would be nearer than this to the last one.
 constexpr double kLocated = 1e-6;
 constexpr int kMostTries = 24;
+constexpr int kMostLooks = 8;  // tries of a sub-step that look for touches within it
 
 double get_time(const PlanData& plan, std::int64_t tick) { return static_cast<double>(tick) * plan.options.dt; }
 
@@ -166,6 +167,47 @@ double locate(Run& run, const SubstepStart& start, double end, std::size_t& firs
   return reached;
 }
 
+// A pair of shapes that is open at both ends of a sub-step, as a guard's flanks: it rises where they approach.
+Flank get_flank(const Run& run, std::size_t pair, double time, std::span<const double> guards,
+                std::span<const double> rates) {
+  return {time, guards[run.plan.events.size() + pair], run.state.contacts[pair].closed != 0 ? 0 : -rates[pair]};
+}
+
+// Looks for a touch of `pair` between two flanks that are apart. Returns its time, `right` if there is none, or a
+// negative number on failure. The evaluation is of the latest try.
+double find_touch(Run& run, const SubstepStart& start, std::size_t pair, Flank left, Flank right, int& tries) {
+  const double end = right.time;
+  for (; tries < kMostLooks && may_peak(left, right); ++tries) {
+    const double x = calc_peak(left, right);
+    if (!try_substep(run, start, start.t + x)) return -1;
+    const Flank peak = get_flank(run, pair, x, run.ev.guards, run.ev.pair_rates);
+    if (peak.value >= 0) return x;
+    (peak.rate > 0 ? left : right) = peak;
+  }
+  return end;
+}
+
+// Pairs of shapes that touch and part again within the sub-step have guards below zero at both ends. Returns a time up
+// to which at least one has touched, its guards in guards_high, or `end`; a negative number on failure.
+double find_touches(Run& run, const SubstepStart& start, double end) {
+  EventSearch& s = run.search;
+  const double h = end - start.t;
+  double reached = h;
+  int tries = 0;
+  for (std::size_t i = 0; i < run.state.contacts.size(); ++i) {
+    const Flank left = get_flank(run, i, 0, s.guards_low, s.rates_low);
+    const Flank right = get_flank(run, i, reached, s.guards_high, s.rates_high);
+    const double touch = find_touch(run, start, i, left, right, tries);
+    if (touch < 0) return -1;
+    if (touch == reached) continue;
+    reached = touch;
+    std::copy(run.ev.guards.begin(), run.ev.guards.end(), s.guards_high.begin());
+    std::copy(run.ev.pair_rates.begin(), run.ev.pair_rates.end(), s.rates_high.begin());
+  }
+  if (reached < h) return start.t + reached;
+  return tries == 0 || try_substep(run, start, end) ? end : -1;
+}
+
 // How far below its guard an event may stand and still act with the first: simultaneity granted.
 void update_tolerances(Run& run) {
   EventSearch& s = run.search;
@@ -237,14 +279,18 @@ double advance(Run& run, double now, double step_end, int& splits) {
   const double end = calc_next_stop(run, now, step_end);
   const double due = calc_next_due(run.plan, run.state, now);
   const bool reaches_due = may_split && due <= end + slack;
-  const double target = reaches_due && due < end - slack ? due : end;
+  double target = reaches_due && due < end - slack ? due : end;
   std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_low.begin());
+  std::copy(run.ev.pair_rates.begin(), run.ev.pair_rates.end(), search.rates_low.begin());
   std::fill(search.tolerances.begin(), search.tolerances.end(), 0.0);
   const SubstepStart start = begin_substep(run.plan, now, run.ev);
   if (!try_substep(run, start, target)) return step_end;
 
-  double reached = target;
   std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_high.begin());
+  std::copy(run.ev.pair_rates.begin(), run.ev.pair_rates.end(), search.rates_high.begin());
+  if (may_split) target = find_touches(run, start, target);
+  if (target < 0) return step_end;
+  double reached = target;
   const int crossings = count_crossings(run);
   if (crossings > 0 && may_split) {
     std::size_t first = run.ev.guards.size();

@@ -298,6 +298,57 @@ TEST(Contact, ItsStepsAllocateNothing) {
 constexpr double kRail = 5e-5;         // m, radius
 constexpr double kLocatedPass = 2e-9;  // s: 1e-6 of a step is the tolerance, and the integration is exact
 
+TEST(Contact, OneThatTouchesAndOpensAgainWithinOneStepIsFound) {
+  for (const double depth : {3e-5, 1e-5, 1e-6, 1e-7, 1e-8}) {
+    const double half = calc_half_chord(kRail, depth);
+    ASSERT_LT(2 * half, 1.3e-3) << "below 2 mm, the way of a step";
+    for (int phase = 0; phase < 20; ++phase) {
+      const double start = 0.01 + 1e-4 * phase + 0.37e-4;
+      const Model model = build_passing_ball(kRail, depth, start);
+      Simulation s(model);
+      const std::vector<Logged> events = run(s, model, 12);
+      ASSERT_EQ(events.size(), 2u) << "depth " << depth << ", phase " << phase;
+      EXPECT_EQ(events[0].name, "touch");
+      EXPECT_EQ(events[1].name, "lift");
+      // The shallower, the less the distance says about the time: its rounding, 1e-17 m, over the speed of approach.
+      const double tolerance = kLocatedPass + 1e-17 / (2 * half / kPassingRadius);
+      EXPECT_NEAR(events[0].time, (start - half) / kPassingSpeed, tolerance) << "depth " << depth << ", " << phase;
+      EXPECT_NEAR(events[1].time, (start + half) / kPassingSpeed, tolerance) << "depth " << depth << ", " << phase;
+      EXPECT_GT(get_contact_totals(s.plan, s.state, 0).impulse, 0);
+      EXPECT_GT(s.state.bodies[0].v.y, 0);
+    }
+  }
+}
+
+TEST(Contact, OneThatPassesWithoutATouchHasNone) {
+  for (const double gap : {1e-4, 1e-6, 1e-8, 1e-10})
+    for (int phase = 0; phase < 20; ++phase) {
+      const Model model = build_passing_ball(kRail, -gap, 0.01 + 1e-4 * phase);
+      Simulation s(model);
+      int tries = 0;
+      for (int i = 0; i < 12; ++i) {
+        const StepReport report = s.advance();
+        ASSERT_EQ(report.status, StepStatus::kOk);
+        EXPECT_TRUE(report.events.empty()) << "gap " << gap << ", phase " << phase;
+        tries += report.substeps;
+      }
+      EXPECT_LE(tries, 12 + 9);
+      EXPECT_EQ(s.state.bodies[0].v.y, 0);
+      EXPECT_NEAR(s.state.bodies[0].p.x, -(0.01 + 1e-4 * phase) + 12e-3 * kPassingSpeed, 1e-15);
+    }
+}
+
+TEST(Contact, ABallThatFliesThroughARailWithinAStepTouchesIt) {
+  Model model = build_passing_ball(kRail, kPassingRadius, 0.0473);
+  model.bodies[0].v_WB = {100, 0, 0};  // 10 cm a step
+  Simulation s(model);
+  const std::vector<Logged> events = run(s, model, 1);
+  ASSERT_EQ(events.size(), 2u);
+  const double half = calc_half_chord(kRail, kPassingRadius);
+  EXPECT_NEAR(events[0].time, (0.0473 - half) / 100, kLocatedPass);
+  EXPECT_NEAR(events[1].time, (0.0473 + half) / 100, kLocatedPass);
+}
+
 TEST(Contact, TouchesLiftsAndGuardsOfStronglyCurvedDistancesAreLocated) {
   constexpr double kNear = 2e-5;  // m, threshold of the guard
   for (const double depth : {1e-3, 3e-4, 1e-4})
@@ -319,6 +370,24 @@ TEST(Contact, TouchesLiftsAndGuardsOfStronglyCurvedDistancesAreLocated) {
       EXPECT_NEAR(events[1].time, (start - half) / kPassingSpeed, kLocatedPass) << depth << " " << phase;
       EXPECT_NEAR(events[2].time, (start + half) / kPassingSpeed, kLocatedPass) << depth << " " << phase;
     }
+}
+
+TEST(Contact, TouchesWithinOneStepActInTheOrderOfTheirTimes) {
+  Model model = build_passing_ball(kRail, 1e-6, 0.0109);
+  Surface second = model.surfaces[0];  // met 0.4 mm earlier, but with a greater number
+  second.name = "second";
+  second.shapes[0].from.x = second.shapes[0].to.x = -4e-4;
+  model.surfaces.push_back(second);
+  model.contacts.push_back(touch("ball on second", 2, 1, 1e-6));
+  model.events.clear();
+  add_contact_events(model);
+  Simulation s(model);
+  const std::vector<Logged> events = run(s, model, 12);
+  ASSERT_EQ(events.size(), 4u);
+  EXPECT_EQ(events[0].subject, "ball on second");
+  const double half = calc_half_chord(kRail, 1e-6);
+  EXPECT_NEAR(events[0].time, (0.0105 - half) / kPassingSpeed, kLocatedPass);
+  for (std::size_t i = 1; i < events.size(); ++i) EXPECT_GE(events[i].time, events[i - 1].time);
 }
 
 TEST(Contact, AConditionOnADistanceIsLocatedAndASensorReadsIt) {
