@@ -84,6 +84,29 @@ Turn calc_turn(const double* psi, const double* eta, const double* rate, int m) 
   return t;
 }
 
+// A marker seen from its body.
+struct Carried {
+  Vec3 u;       // from the body's origin, body axes
+  Vec3 arm;     // u in world axes
+  Vec3 u_rate;  // by the modal rates alone, body axes
+  Turn turn;
+  Mat3 R;  // of the body
+};
+Carried calc_carried(const PlanData& plan, const PlanMarker& marker, const Mat3& R, const Coordinates& c) {
+  const int m = plan.flexible[at(marker.flexible)].modes;
+  const double* phi = plan.modal.data() + marker.numbers;
+  const Vec3 u = marker.position + combine(phi, c.eta, m);
+  return {u, R * u, combine(phi, c.rate, m), calc_turn(phi + 3 * m, c.eta, c.rate, m), R};
+}
+
+// x = p + R u, q ⊗ (1, g); in the marker's axes its angular velocity is R_relᵀ (w + w_rel).
+BodyState carry(const Carried& marker, const BodyState& body) {
+  const Vec3& g = marker.turn.g;
+  const Quat turn{1, g.x, g.y, g.z};
+  return {body.p + marker.arm, normalized(body.q * turn), body.v + marker.R * (cross(body.w, marker.u) + marker.u_rate),
+          transpose_times(rotation_matrix(turn), body.w + marker.turn.w)};
+}
+
 // The force of a mode beyond that of an explicit one, in a stage of ROS2; see compliance.h.
 double calc_modal_lead(const PlanFlexible& body, const ModalShape& s, const Implicit& implicit, const Evaluation& ev,
                        int k) {
@@ -141,17 +164,9 @@ MarkerWork get_marker(const PlanData&, const PlanFlexible& body, int marker, Eva
   return {n, n + 6 * m, n + 6 * m + 3};
 }
 
-// x = p + R u, q ⊗ (1, g); in the marker's axes its angular velocity is R_relᵀ (w + w_rel).
 BodyState calc_marker_state(const PlanData& plan, const PlanMarker& marker, const BodyState& body,
                             const double* coordinates, const double* rates) noexcept {
-  const int m = plan.flexible[at(marker.flexible)].modes;
-  const double* phi = plan.modal.data() + marker.numbers;
-  const Turn t = calc_turn(phi + 3 * m, coordinates, rates, m);
-  const Vec3 u = marker.position + combine(phi, coordinates, m);
-  const Mat3 R = rotation_matrix(body.q);
-  const Quat turn{1, t.g.x, t.g.y, t.g.z};
-  return {body.p + R * u, normalized(body.q * turn), body.v + R * (cross(body.w, u) + combine(phi, rates, m)),
-          transpose_times(rotation_matrix(turn), body.w + t.w)};
+  return carry(calc_carried(plan, marker, rotation_matrix(body.q), {coordinates, rates}), body);
 }
 
 void update_markers(const PlanData& plan, Evaluation& ev) noexcept {
@@ -161,11 +176,12 @@ void update_markers(const PlanData& plan, Evaluation& ev) noexcept {
     const Coordinates c = get_coordinates(body, ev);
     for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
       const PlanMarker& marker = plan.markers[at(i)];
-      write_body(ev, marker.body, calc_marker_state(plan, marker, frame, c.eta, c.rate));
+      const Carried carried = calc_carried(plan, marker, R, c);
+      write_body(ev, marker.body, carry(carried, frame));
       const MarkerWork work = get_marker(plan, body, i, ev);
       const double *phi = plan.modal.data() + marker.numbers, *psi = phi + 3 * body.modes;
-      const Turn t = calc_turn(psi, c.eta, c.rate, body.modes);
-      write(work.arm, R * (marker.position + combine(phi, c.eta, body.modes)));
+      const Turn& t = carried.turn;
+      write(work.arm, carried.arm);
       for (int k = 0; k < body.modes; ++k) {
         const Vec3 axis = read(psi + 3 * k);
         write(work.columns + 6 * k, R * read(phi + 3 * k));

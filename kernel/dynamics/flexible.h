@@ -36,7 +36,7 @@ struct ModalWork {
   double* acceleration;  // m: second derivatives of the modal coordinates, or their corrections
   double* A;             // 36: block of the body and all beyond it
   double* B;             // 6 m: its coupling with the modal coordinates, six per mode
-  double* E;             // m²: of the modal coordinates, then its factor
+  double* E;             // m²: of the modal coordinates, then its factor; lower triangle
   double* C;             // 6 m: B at the marker that holds the body
   double* W;             // 6 m: E⁻¹ Cᵀ, six per mode
   double* D;             // 6 m: how the modal coordinates move the frame when the marker stays

@@ -77,6 +77,9 @@ void add_block(double* blocks, const Place& place, const double* A) {
   add(blocks, place, &SubtreeLane::A, collect<Articulated>(numbers, 1));
 }
 
+// Of a symmetric matrix, the one that its reader takes: add_block() the upper, factor_ldl() the lower.
+enum class Triangle { kUpper, kLower };
+
 struct Node {
   const PlanFlexible& body;
   ModalShape shape;
@@ -124,7 +127,7 @@ void init_node(const Node& node, Evaluation& ev, const Sweep& sweep, bool with_b
     for (int l = 0; l < m; ++l) {
       const double *H = node.shape.second + 9 * (l * m + k), *mirror = node.shape.second + 9 * (k * m + l);
       turning += eta[l] * Vec3{H[5] - H[7], H[6] - H[2], H[1] - H[3]};
-      node.work.E[k * m + l] = (mirror[0] + mirror[4]) + mirror[8];
+      if (l <= k) node.work.E[k * m + l] = (mirror[0] + mirror[4]) + mirror[8];
     }
     const Vec3 push = R * read3(node.shape.momentum + 3 * k);
     turning = R * turning;
@@ -160,7 +163,7 @@ void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sw
       for (int k = 0; k < m; ++k) {
         Six column;
         times6(A, work.columns + 6 * k, column);
-        for (int l = 0; l < m; ++l) node.work.E[k * m + l] += dot6(column, work.columns + 6 * l);
+        for (int l = 0; l <= k; ++l) node.work.E[k * m + l] += dot6(column, work.columns + 6 * l);
         move_wrench(work.arm, 1, column);
         for (int n = 0; n < 6; ++n) node.work.B[6 * k + n] += column[n];
       }
@@ -184,7 +187,7 @@ void move_to_marker(const Node& node, const MarkerWork& marker) {
   for (int k = 0; k < m; ++k) {
     Six push;
     times6(w.A, w.D + 6 * k, push);
-    for (int l = 0; l < m; ++l)
+    for (int l = k; l < m; ++l)
       w.E[l * m + k] += (dot6(w.D + 6 * l, push) - dot6(w.D + 6 * l, w.B + 6 * k)) - dot6(w.B + 6 * l, w.D + 6 * k);
     for (int i = 0; i < 6; ++i) w.C[6 * k + i] = w.B[6 * k + i] - push[i];
     move_wrench(marker.arm, -1, w.C + 6 * k);
@@ -207,15 +210,16 @@ void move_loads(const Node& node, const MarkerWork& marker, bool biased, Six& b)
   move_wrench(marker.arm, -1, b);
 }
 
-// Eliminates the modal coordinates: W, and A'' in `left`.
-void eliminate_modes(const Node& node, double* left) {
+// Eliminates the modal coordinates: W, and A'' in the lower or the upper triangle of `left`.
+void eliminate_modes(const Node& node, Triangle triangle, double* left) {
   const ModalWork& w = node.work;
   const int m = node.body.modes;
   for (int i = 0; i < 6 * m; ++i) w.W[i] = w.C[i];
   for (int i = 0; i < 6; ++i) solve_ldl({w.E, m}, m, w.W + i, 6);
   for (int k = 0; k < m; ++k)
     for (int i = 0; i < 6; ++i)
-      for (int j = 0; j < 6; ++j) left[6 * i + j] -= w.C[6 * k + i] * w.W[6 * k + j];
+      for (int j = triangle == Triangle::kUpper ? i : 0; j < (triangle == Triangle::kUpper ? 6 : i + 1); ++j)
+        left[6 * i + j] -= w.C[6 * k + i] * w.W[6 * k + j];
 }
 
 // Backward pass for one body. False if a pivot vanishes.
@@ -240,7 +244,7 @@ bool eliminate(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const P
       for (int i = 0; i < 6 * m; ++i) w.C[i] = w.B[i];
     }
     if (!factor_ldl({w.E, m}, m)) return false;
-    eliminate_modes(node, left);
+    eliminate_modes(node, held ? Triangle::kUpper : Triangle::kLower, left);
     for (int i = 0; i < 36; ++i) w.root[i] = left[i];
     if (!held && !factor_ldl({w.root, 6}, 6)) return false;
     if (held) add_block(ev.blocks.data(), get_inboard_place(plan, ev, body), left);
