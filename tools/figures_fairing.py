@@ -91,6 +91,32 @@ def add(figure, tools):
         right.legend(loc="lower left")
         return drawn
 
+    @figure("fairing-unzip")
+    def unzip(bench):
+        import matplotlib.pyplot as plt
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.3), constrained_layout=True)
+        flights = [("at once", "scenario.yaml", (), "0.2")]
+        flights += [(f"{speed} m/s", "unzip.yaml", ("--set", f"constants.speed={speed} m/s"), colour)
+                    for speed, colour in ((1000, "#457b9d"), (400, "#2a9d5c"), (200, "#e09f3e"), (100, "#c1121f"))]
+        for label, file, options, colour in flights:
+            run = bench.call("run", tools.SCENARIOS / "fairing" / file, "--outputs",
+                             "clearance.core.half1_base_left@10,joint.hinge1.angle@10", "--json", "-", *options)
+            table = run["outputs"][0]
+            names = [column["name"] for output in table["outputs"] for column in output["columns"]]
+            columns = dict(zip(names, zip(*table["rows"])))
+            angle, gap = columns["hinge1.angle.x"], columns["clearance.core.half1_base_left"]
+            released = min((event["t"] for event in run["events"] if event["name"] == "release"), default=math.inf)
+            until = sum(t <= released for t in table["t"])
+            left.plot(table["t"][:until], [abs(math.degrees(v)) for v in angle[:until]], color=colour, label=label)
+            right.plot(table["t"][:until], gap[:until], color=colour, label=label)
+        left.axhline(60, color="0.6", linewidth=0.8, linestyle="--")
+        left.set(xlabel="t, s", ylabel="hinge of half 1, deg", xlim=(0, 3))
+        left.set_title("The joint opens …", loc="left")
+        left.legend()
+        right.set(xlabel="t, s", ylabel="base edge to payload, m", xlim=(0, 1.5), ylim=(0.2, 0.7))
+        right.set_title("Edge at the base", loc="left")
+        return drawn
+
     @figure("fairing-arc")
     def arc(bench):
         import matplotlib.pyplot as plt

@@ -150,19 +150,32 @@ class BoostersTest(ProcessTest):
         self.assertEqual(len({report["hash"] for report in reports}), 1)
         self.assertTrue(all(report["replay"]["agrees"] for report in reports))
 
-    # A margin that is told must be that at which the flight begins to swing: nine tenths of it die down, eleven do not.
-    def test_the_gain_margin_is_that_at_which_the_core_swings(self):
+    # Margins that are told must be those at which the flight begins to swing: nine tenths of it die down, eleven do not.
+    def load_loop(self):
         spec = importlib.util.spec_from_file_location("loop_margins", BOOSTERS / "loop_margins.py")
         margins = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(margins)
-        loops = {loop.name: loop for loop in margins.list_loops()}
-        loop = loops["y and z, core alone"]
+        return {loop.name: loop for loop in margins.list_loops()}["y and z, core alone"]
+
+    def fly_to_rate(self, *options):
+        report = self.fly("attitude-loop.yaml", *options, code=None)
+        return next(entry["value"] for entry in report["verdict"] if entry["id"] == "quiet")
+
+    def test_the_delay_margin_is_that_at_which_the_core_swings(self):
+        loop = self.load_loop()
+        whole = 1000 * (loop.late * loop.period + loop.calc_margins()["delay"])  # ticks
+        rates = [self.fly_to_rate("--until", "30", "--set", f"flight_software.delay={round(part * whole)}") for part in (0.9, 1.1)]
+        print(f"whole delay {whole:.0f} ms: rates at the end {rates[0]:.1e} and {rates[1]:.1e} rad/s", file=sys.stderr)
+        self.assertLess(rates[0], 1e-4)    # of some 3e-3 at the separation
+        self.assertGreater(rates[1], 1e-2)
+
+    def test_the_gain_margin_is_that_at_which_the_core_swings(self):
+        loop = self.load_loop()
         gain = loop.calc_margins()["gain"]
 
         def fly_with(factor):
-            report = self.fly("attitude-loop.yaml", "--set", f"channels.attitude_gain.initial={factor * loop.attitude}",
-                              "--set", f"channels.rate_gain.initial={factor * loop.rate}", code=None)
-            return next(entry["value"] for entry in report["verdict"] if entry["id"] == "quiet")
+            return self.fly_to_rate("--set", f"channels.attitude_gain.initial={factor * loop.attitude}", "--set",
+                                    f"channels.rate_gain.initial={factor * loop.rate}")
 
         stable, swinging = fly_with(0.9 * gain), fly_with(1.1 * gain)
         print(f"gain margin {gain:.2f}: rate at the end {stable:.1e} and {swinging:.1e} rad/s", file=sys.stderr)

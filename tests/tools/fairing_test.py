@@ -18,7 +18,7 @@ try:
     import safe_zone
 except ImportError:
     np = None
-FAIRING = SCENARIOS / "fairing/scenario.yaml"
+FAIRING, UNZIP = SCENARIOS / "fairing/scenario.yaml", SCENARIOS / "fairing/unzip.yaml"
 REFERENCE = json.loads((SOURCE / "tests/data/fairing_jettison.json").read_text())
 EVENT_TIME = 1e-6  # s, asked for at the scenario's step
 STATE = 1e-6       # of the largest of its kind in the run: places, attitudes, velocities, rates
@@ -41,11 +41,11 @@ def align(q, to):
 
 
 class FairingTest(ProcessTest):
-    def measure(self, name, *options, code=0):
+    def measure(self, name, *options, code=0, file=FAIRING):
         """The largest error of each kind, of the largest value of that kind; and of the event times, s."""
         reference = REFERENCE[name]
         times = [0.0, *sorted(map(float, reference["samples"]))]
-        report = self.run_json(UNLATCH, "run", FAIRING, "--until", max(times), "--sample", ",".join(map(str, times)), *options, code=code)
+        report = self.run_json(UNLATCH, "run", file, "--until", max(times), "--sample", ",".join(map(str, times)), *options, code=code)
         self.assertEqual(report["status"], "ok")
         found = sorted((event["t"], event["subject"]) for event in report["events"] if event["name"] == "release")
         wanted = sorted((t, f"half{k}") for t, k in reference["events"])
@@ -75,8 +75,8 @@ class FairingTest(ProcessTest):
                     compare("elastic", [a - b for a, b in zip(now, before)], expected["elastic"][k][3 * i:3 * i + 3])
         return late, {kind: errors[kind] / sizes[kind] for kind in errors}
 
-    def check(self, name, *options, code=0):
-        late, errors = self.measure(name, *options, code=code)
+    def check(self, name, *options, code=0, file=FAIRING):
+        late, errors = self.measure(name, *options, code=code, file=file)
         print(f"{name}: releases {late:.1e} s; " + ", ".join(f"{k} {v:.1e}" for k, v in errors.items()), file=sys.stderr)
         self.assertLess(late, EVENT_TIME)
         for kind, error in errors.items():
@@ -87,6 +87,27 @@ class FairingTest(ProcessTest):
 
     def test_a_dead_pusher_twists_and_tumbles_as_the_mass_points_do(self):
         self.check("dead-pusher", "--set", "elements.push1_left.enabled=false", code=1)  # it enters the payload's zone
+
+    def test_a_joint_that_opens_progressively_parts_as_the_mass_points_do(self):
+        self.check("unzip", file=UNZIP)
+
+    def test_a_joint_that_opens_at_once_is_no_joint(self):
+        once = self.run_json(UNLATCH, "run", UNZIP, "--set", "constants.speed=1e9 m/s", "--sample", "0.5,1.5")
+        none = self.run_json(UNLATCH, "run", FAIRING, "--sample", "0.5,1.5")
+        for with_locks, without in zip(once["samples"], none["samples"]):
+            for name in ("half1", "half2"):
+                self.assertLess(math.dist(with_locks["bodies"][name]["p"], without["bodies"][name]["p"]), 1e-6)  # some 0.1 us under locks
+
+    def test_a_slow_opening_wastes_the_pushers_work(self):
+        releases = []
+        for speed in (1000, 400, 200):
+            run = self.run_json(UNLATCH, "run", UNZIP, "--set", f"constants.speed={speed} m/s", code=None)
+            times = [event["t"] for event in run["events"] if event["name"] == "release"]
+            self.assertAlmostEqual(times[0], times[1], delta=1e-6)  # a mirror image
+            releases.append(times[0])
+        self.assertEqual(releases, sorted(releases))
+        never = self.run_json(UNLATCH, "run", UNZIP, "--set", "constants.speed=100 m/s", code=1)
+        self.assertEqual([entry["id"] for entry in never["verdict"] if not entry["met"]], ["gone-half1", "gone-half2"])
 
     def test_errors_fall_with_the_fourth_power_of_the_step(self):
         coarse, fine = (self.measure("scenario", "--set", f"step.dt={dt}")[1] for dt in (0.002, 0.001))
