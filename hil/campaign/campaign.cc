@@ -73,9 +73,10 @@ void CampaignReader::read(const YamlNode& root, const std::vector<std::string>& 
     read_parameters(top);
     read_correlations(top);
     finish_plan(top);
+    read_subset(top);
     read_table(top);
   } else {
-    for (const char* unread : {"parameters", "correlations", "table"}) top.find(unread);
+    for (const char* unread : {"parameters", "correlations", "table", "subset"}) top.find(unread);
   }
   top.finish();
 }
@@ -108,6 +109,13 @@ void CampaignReader::read_constants() {
   for (std::size_t i = 0; i < constants->keys.size(); ++i)
     if (const auto value = read_quantity(constants->items[i], mistakes_))
       mistakes_.add_constant(constants->keys[i].text, *value);
+}
+
+// Of the constant at the path: nothing else tells the unit of a number there.
+std::optional<Dimension> CampaignReader::find_dimension(const std::string& path) const {
+  for (const NamedConstant& constant : campaign_.tree->get_nominal().constants)
+    if (path == "constants." + constant.name) return constant.value.dimension;
+  return std::nullopt;
 }
 
 void CampaignReader::read_plan(YamlMap& top) {
@@ -184,6 +192,7 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
       return;
     }
     one.drawn = read_distribution(map, one, reading);
+    if (!reading.dimension) reading.dimension = find_dimension(first_path);
     if (reading.dimension) one.unit = describe_unit(*reading.dimension);
     one.levels = static_cast<int>(map.number("levels", kNoUnit, levels_));
     if (one.distribution.kind == Distribution::Kind::kDiscrete)
@@ -249,7 +258,7 @@ void CampaignReader::read_correlations(YamlMap& top) {
     }
   }
   const Sampling s = campaign_.plan.sampling;
-  if (s != Sampling::kRandom && s != Sampling::kLatinHypercube && s != Sampling::kSobol)
+  if (s != Sampling::kRandom && s != Sampling::kLatinHypercube && s != Sampling::kSobol && s != Sampling::kSubset)
     mistakes_.add(node->mark,
                   "correlations have no meaning with sampling " + kSamplingNames[static_cast<std::size_t>(s)],
                   "leave them out, or write `sampling: random`");

@@ -34,6 +34,18 @@ struct Correlation {
   double rho = 0;            // of the underlying normal numbers
 };
 
+// Of subset sampling: the failure that it looks for, and its levels.
+struct RareFailure {
+  std::string column, unit;      // of the results
+  std::size_t column_index = 0;  // among all of the scenario
+  double limit = 0;              // in that unit; a value that is below it fails
+  bool above = false;            // one that is above it
+  std::int64_t samples = 0;      // of a level
+  std::int64_t chains = 0;       // of a level: its samples times the part that goes on to the next
+  int levels = 1;                // at most
+  double at_most = 1;            // probability that is allowed
+};
+
 struct Campaign {
   std::string file, text;  // the campaign file as it is
   std::string folder;      // of the files that it names
@@ -44,6 +56,7 @@ struct Campaign {
   std::vector<Correlation> correlations;
   std::vector<double> factor;              // Cholesky factor of the correlations, by rows; empty: none
   std::vector<std::vector<double>> table;  // of sampling `csv`: a row for each sample
+  std::optional<RareFailure> failure;      // of sampling `subset`
   std::shared_ptr<const ScenarioTree> tree;
 };
 
@@ -64,13 +77,11 @@ struct InputColumn {
 };
 std::vector<InputColumn> list_inputs(const Campaign& campaign);
 
-// The inputs of one sample, from 0: they depend on the file, its seed and the number alone.
+// The inputs of one sample, from 0: they depend on the file, its seed and the number alone. Of subset sampling this is
+// so for the first level; the others follow from results (SampleSource). Throws std::out_of_range for them.
 std::vector<double> draw_inputs(const Campaign& campaign, std::int64_t sample);
 // Those at one point of the unit cube.
 std::vector<double> calc_inputs(const Campaign& campaign, const std::vector<double>& point);
-// Of a path: numbers at constants keep the unit that the file gives them, because expressions check it; all others are
-// in SI.
-bool is_constant(const std::string& path);
 // The scenario's values of these inputs.
 std::vector<Setting> make_settings(const Campaign& campaign, const std::vector<double>& inputs);
 

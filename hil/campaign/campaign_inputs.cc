@@ -1,6 +1,7 @@
 // From the number of a sample to the values of the scenario.
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "hil/campaign/campaign.h"
 #include "hil/sampling/normal.h"
@@ -56,10 +57,10 @@ std::vector<double> calc_inputs(const Campaign& campaign, const std::vector<doub
 
 std::vector<double> draw_inputs(const Campaign& campaign, std::int64_t sample) {
   if (campaign.plan.sampling == Sampling::kCsv) return campaign.table.at(static_cast<std::size_t>(sample));
+  if (campaign.failure && sample >= campaign.failure->samples)
+    throw std::out_of_range("sample " + std::to_string(sample) + " follows from the results of others");
   return calc_inputs(campaign, calc_point(campaign.plan, sample));
 }
-
-bool is_constant(const std::string& path) { return path.starts_with("constants."); }
 
 std::vector<Setting> make_settings(const Campaign& campaign, const std::vector<double>& inputs) {
   std::vector<Setting> settings;
@@ -72,9 +73,7 @@ std::vector<Setting> make_settings(const Campaign& campaign, const std::vector<d
       else if (!parameter.choices.empty())
         settings.push_back({path, parameter.choices.at(static_cast<std::size_t>(inputs[at]))});
       else
-        settings.push_back(make_setting(path, inputs[at]));
-      if (is_constant(path) && width == 1 && parameter.choices.empty() && !parameter.unit.empty())
-        settings.back().value.text += " " + parameter.unit;
+        settings.push_back(make_setting(path, inputs[at], parameter.unit));
     }
     at += width;
   }

@@ -20,9 +20,14 @@ class CampaignReader {
   void read_plan(YamlMap& top);
   void read_parameters(YamlMap& top);
   void read_parameter(const std::string& name, const YamlNode& node);
+  [[nodiscard]] std::optional<Dimension> find_dimension(const std::string& path) const;
   void read_correlations(YamlMap& top);
   void read_table(YamlMap& top);
   void finish_plan(YamlMap& top);
+
+  // rare_failure.cc
+  void read_subset(YamlMap& top);
+  void read_failure(YamlMap& map, RareFailure& to);
 
   // distribution_reader.cc
   struct Reading {  // of one parameter: its unit, and what stands in the scenario

@@ -24,18 +24,14 @@ std::string find_mistake_at(const Campaign& campaign, const std::vector<double>&
   return find_mistake(campaign, make_settings(campaign, calc_inputs(campaign, point)));
 }
 
-// The value in the unit that the file gives it must suit what stands at the path.
-bool check_units(const Campaign& campaign, const std::vector<double>& median, Mistakes& mistakes) {
+// The median of each parameter alone, in the unit that the file gives it.
+bool check_medians(const Campaign& campaign, const std::vector<double>& median, Mistakes& mistakes) {
   const std::vector<InputColumn> columns = list_inputs(campaign);
   const std::vector<double> inputs = calc_inputs(campaign, median);
   bool sound = true;
   std::size_t at = 0;
   for (const CampaignParameter& parameter : campaign.parameters) {
     std::vector<Setting> settings = make_settings(campaign, inputs);
-    for (Setting& setting : settings)
-      if (setting.path == parameter.paths[0] && setting.value.is_scalar() && !parameter.unit.empty() &&
-          !is_constant(setting.path))
-        setting.value.text += " " + parameter.unit;
     std::erase_if(settings, [&](const Setting& setting) {
       return std::find(parameter.paths.begin(), parameter.paths.end(), setting.path) == parameter.paths.end();
     });
@@ -110,7 +106,7 @@ void check_draws(const Campaign& campaign, Mistakes& mistakes) {
     return;
   }
   const std::vector<double> median(campaign.plan.dimensions, 0.5);
-  if (!check_units(campaign, median, mistakes)) return;
+  if (!check_medians(campaign, median, mistakes)) return;
   check_ends(campaign, median, mistakes);
   if (mistakes.count() == 0) check_corners(campaign, mistakes);
 }

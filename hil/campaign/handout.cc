@@ -6,16 +6,28 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kAhead = 0.5;          // s of work that a worker has
-constexpr std::int64_t kLargest = 256;  // samples; those of a killed job are run again
+constexpr double kAhead = 0.5;  // s of work that a worker has
 
 }  // namespace
 
 Handout::Handout(std::int64_t first, std::int64_t last, const std::vector<std::int64_t>& done)
     : first_(first), done_(static_cast<std::size_t>(std::max<std::int64_t>(0, last - first)), false) {
-  for (const std::int64_t sample : done)
-    if (sample >= first && sample < last) done_[static_cast<std::size_t>(sample - first)] = true;
+  for (const std::int64_t sample : done) {
+    if (sample >= last)
+      later_.insert(sample);
+    else if (sample >= first)
+      done_[static_cast<std::size_t>(sample - first)] = true;
+  }
   missing_ = not_given_ = std::count(done_.begin(), done_.end(), false);
+}
+
+void Handout::extend(std::int64_t last) {
+  for (auto next = first_ + static_cast<std::int64_t>(done_.size()); next < last; ++next) {
+    done_.push_back(later_.erase(next) != 0);
+    if (done_.back()) continue;
+    ++missing_;
+    ++not_given_;
+  }
 }
 
 void Handout::join(int worker, int threads) {
@@ -28,7 +40,7 @@ std::int64_t Handout::calc_share(const Worker& worker, double now) const {
   const double time = now - worker.begin;  // s
   const double ahead = worker.begin < 0 || time <= 0 ? 0 : kAhead * static_cast<double>(worker.came) / time;
   const std::int64_t wanted =
-      std::max<std::int64_t>(worker.threads + 1, std::lround(std::min(ahead, static_cast<double>(kLargest))));
+      std::max<std::int64_t>(worker.threads + 1, std::lround(std::min(ahead, static_cast<double>(kMost))));
   const std::int64_t fair = not_given_ * worker.threads / (2 * std::int64_t{threads_});
   return std::min(wanted, std::max<std::int64_t>(worker.threads, fair));
 }

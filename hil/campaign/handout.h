@@ -12,8 +12,12 @@ namespace unlatch::hil {
 
 class Handout {
  public:
-  // Samples from `first` to before `last`, but those of `done`.
+  static constexpr std::int64_t kMost = 256;  // samples that a worker has, or one more than its threads; those of a
+                                              // killed job are run again
+  // Samples from `first` to before `last`, but those of `done`, which may name others too.
   Handout(std::int64_t first, std::int64_t last, const std::vector<std::int64_t>& done);
+  // From now on to before `last`; nothing if that is not more than before.
+  void extend(std::int64_t last);
 
   // A new worker, by any number, with its threads.
   void join(int worker, int threads);
@@ -34,11 +38,12 @@ class Handout {
   [[nodiscard]] std::int64_t calc_share(const Worker& worker, double now) const;
 
   const std::int64_t first_;
-  std::vector<bool> done_;      // from first_; before the campaign
-  std::size_t next_ = 0;        // in done_
-  std::int64_t not_given_ = 0;  // samples
-  std::int64_t missing_ = 0;    // samples
-  int threads_ = 0;             // of all workers
+  std::vector<bool> done_;        // from first_; before the campaign
+  std::set<std::int64_t> later_;  // of those that `done` named, what lies beyond
+  std::size_t next_ = 0;          // in done_
+  std::int64_t not_given_ = 0;    // samples
+  std::int64_t missing_ = 0;      // samples
+  int threads_ = 0;               // of all workers
   std::map<int, Worker> workers_;
 };
 

@@ -98,8 +98,8 @@ void ResultFile::scan(bool writable) {
   if (fstat(file_, &status) != 0) fail(path_, std::strerror(errno));
   const std::size_t bytes = get_record_bytes(shape_);
   const auto size = static_cast<std::uint64_t>(status.st_size);
-  std::vector<char> record(bytes);
   end_ = sizeof(Header);
+  std::vector<char> record(end_ + bytes <= size ? bytes : 0);  // of a forged header more than there is memory
   for (std::uint64_t at = end_; at + bytes <= size; at += bytes) {
     if (!read_whole(file_, record.data(), bytes, at)) fail(path_, std::strerror(errno));
     const std::optional<SampleRecord> whole = decode_record(shape_, record);

@@ -19,7 +19,7 @@ SamplePool::~SamplePool() {
   has_samples_.notify_all();
 }
 
-void SamplePool::add(std::span<const std::int64_t> samples) {
+void SamplePool::add(std::span<const PlannedSample> samples) {
   {
     const std::scoped_lock lock(mutex_);
     samples_.insert(samples_.end(), samples.begin(), samples.end());
@@ -40,7 +40,7 @@ void SamplePool::work() {
     while (true) {
       has_samples_.wait(lock, [&] { return stop_ || !samples_.empty(); });
       if (stop_) return;
-      const std::int64_t sample = samples_.front();
+      const PlannedSample sample = std::move(samples_.front());
       samples_.pop_front();
       lock.unlock();
       SampleRecord record = run_sample(campaign_, evaluator_, sample, stop_);

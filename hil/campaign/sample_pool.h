@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "hil/campaign/sample_record.h"
+#include "hil/campaign/sample_source.h"
 
 namespace unlatch::hil {
 
@@ -26,7 +26,7 @@ class SamplePool {
   SamplePool(const SamplePool&) = delete;
   SamplePool& operator=(const SamplePool&) = delete;
 
-  void add(std::span<const std::int64_t> samples);
+  void add(std::span<const PlannedSample> samples);
   // What has come since the last call; if nothing has, waits for it no longer than that. Throws what a sample threw.
   std::vector<SampleRecord> take(std::chrono::milliseconds longest);
 
@@ -38,7 +38,7 @@ class SamplePool {
   std::atomic<bool> stop_{false};
   std::mutex mutex_;  // of all below
   std::condition_variable has_samples_, has_records_;
-  std::deque<std::int64_t> samples_;   // not begun
+  std::deque<PlannedSample> samples_;  // not begun
   std::vector<SampleRecord> records_;  // not taken
   std::exception_ptr error_;
   std::vector<std::jthread> threads_;  // last: they end before the rest does

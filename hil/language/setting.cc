@@ -75,7 +75,9 @@ std::string to_text(double value) {
   return {text, end.ptr};
 }
 
-Setting make_setting(std::string path, double value) { return {std::move(path), make_scalar(to_text(value))}; }
+Setting make_setting(std::string path, double value, const std::string& unit) {
+  return {std::move(path), make_scalar(to_text(value) + (unit.empty() ? "" : " " + unit))};
+}
 
 Setting make_setting(std::string path, std::span<const double> values) {
   Setting setting{std::move(path), {}};

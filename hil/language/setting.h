@@ -13,8 +13,9 @@ struct Setting {
   YamlNode value;
 };
 
-// A number in the SI unit of what stands there; three or more of them as a list.
-Setting make_setting(std::string path, double value);
+// A number in `unit`, an SI unit as describe_unit() gives it; "": the unit of what stands there. The bits of the value
+// are the same. Three or more numbers as a list.
+Setting make_setting(std::string path, double value, const std::string& unit = "");
 Setting make_setting(std::string path, std::span<const double> values);
 // PATH=VALUE, as `--set` takes it. Throws YamlError.
 Setting parse_setting(const std::string& text);

@@ -102,8 +102,8 @@ std::vector<double> calc_saltelli(const SamplingPlan& plan, std::int64_t sample)
 
 }  // namespace
 
-const std::vector<std::string> kSamplingNames{"random",        "latin-hypercube", "sobol",    "grid",
-                                              "one-at-a-time", "morris",          "saltelli", "csv"};
+const std::vector<std::string> kSamplingNames{"random", "latin-hypercube", "sobol", "grid",  "one-at-a-time",
+                                              "morris", "saltelli",        "csv",   "subset"};
 
 MorrisStep get_morris_step(const SamplingPlan& plan, std::int64_t trajectory, std::size_t k) {
   const std::uint64_t row = static_cast<std::uint64_t>(trajectory);
@@ -154,6 +154,7 @@ std::vector<double> calc_point(const SamplingPlan& plan, std::int64_t sample) {
     case Sampling::kRandom:
     case Sampling::kLatinHypercube:
     case Sampling::kCsv:
+    case Sampling::kSubset:
       break;
   }
   std::vector<double> point(plan.dimensions);

@@ -9,6 +9,7 @@
 //   morris            trajectories of d + 1 points, each one step of one axis from the last (Morris 1991, p levels)
 //   saltelli          blocks of d + 2 points: A, B, and A with one axis of B (Saltelli 2010)
 //   csv               no points: the values are the table's rows
+//   subset            of the first level independent numbers; the other levels are in subset.h
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@
 
 namespace unlatch::hil {
 
-enum class Sampling { kRandom, kLatinHypercube, kSobol, kGrid, kOneAtATime, kMorris, kSaltelli, kCsv };
+enum class Sampling { kRandom, kLatinHypercube, kSobol, kGrid, kOneAtATime, kMorris, kSaltelli, kCsv, kSubset };
 extern const std::vector<std::string> kSamplingNames;  // "random" …, in this order
 
 struct SamplingPlan {

@@ -40,7 +40,7 @@ bool names_another_file(const std::string& text) {
 }
 
 void draw_some(const hil::Campaign& campaign) {
-  const std::int64_t count = campaign.plan.samples;
+  const std::int64_t count = campaign.failure ? campaign.failure->samples : campaign.plan.samples;
   for (const std::int64_t sample : {std::int64_t{0}, count / 2, count - 1}) {
     const std::vector<double> inputs = hil::draw_inputs(campaign, sample);
     fuzz::require(inputs.size() == hil::list_inputs(campaign).size(), "a sample with another number of inputs");

@@ -67,7 +67,7 @@ TEST_F(CampaignFileTest, StarsMakeAParameterForEachEntryOrOneForAll) {
 TEST(CampaignFiles, EveryShippedOneLoads) {
   int count = 0;
   for (const auto& entry : fs::recursive_directory_iterator(UNLATCH_SOURCE_DIR "/hil/scenarios")) {
-    if (entry.path().filename() != "campaign.yaml") continue;
+    if (!entry.path().filename().string().starts_with("campaign") || entry.path().extension() != ".yaml") continue;
     ++count;
     EXPECT_NO_THROW(hil::load_campaign(entry.path().string())) << entry.path();
   }
@@ -173,6 +173,62 @@ TEST_F(CampaignFileTest, AUnitOfAnotherKindIsAMistake) {
   EXPECT_THAT(
       load_errors("samples: 10\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90 m, max: 110 m}}\n"),
       HasSubstr("is a length"));
+}
+
+// Expressions take a constant by its dimension: a value without its unit would make `5 * gap` no length.
+TEST_F(CampaignFileTest, AConstantKeepsItsUnit) {
+  std::ofstream(folder_ / "s.yaml") << "constants: {gap: 20 cm}\n"
+                                    << replaced(kGoodScenario, "position: [3, 0, 0]", "position: [15 * gap, 0, 0]");
+  std::ofstream(folder_ / "t.csv") << "gap\n0.25\n";
+  const std::vector<std::pair<std::string, double>> plans{
+      {"sampling: grid\nlevels: 2\nparameters:\n  gap: {path: constants.gap, uniform: {min: 100 mm, max: 300 mm}}\n",
+       0.15},
+      {"sampling: grid\nlevels: 2\nparameters:\n  gap: {path: constants.gap, uniform: {min: 0.1, max: 0.3}}\n", 0.15},
+      {"samples: 1\nparameters:\n  gap: {path: constants.gap, discrete: {values: [0.125 m]}}\n", 0.125},
+      {"samples: 1\nparameters:\n  gap: {path: constants.gap, normal: {mean: nominal, sigma: 0}}\n", 0.2},
+      {"sampling: csv\ntable: t.csv\nparameters:\n  gap: {path: constants.gap}\n", 0.25}};
+  for (const auto& [text, gap] : plans) {
+    SCOPED_TRACE(text);
+    ASSERT_EQ(load_errors(text), "");
+    const Campaign campaign = load(text);
+    const std::vector<double> inputs = draw_inputs(campaign, 0);
+    EXPECT_NEAR(inputs[0], gap, 1e-15);
+    EXPECT_EQ(list_inputs(campaign)[0].unit, "m");
+    const auto settings = make_settings(campaign, inputs);
+    EXPECT_EQ(to_text(settings[0]), "constants.gap=" + hil::to_text(inputs[0]) + " m");
+    EXPECT_EQ(campaign.tree->read(settings).constants[0].value.value, inputs[0]);  // the same bits
+  }
+}
+
+TEST_F(CampaignFileTest, ARareFailureHasItsColumnItsLimitAndItsLevels) {
+  const std::string parameters = "parameters:\n  m: {path: bodies.core.mass, uniform: {min: 90 kg, max: 110 kg}}\n";
+  const Campaign campaign = load(
+      "sampling: subset\nsamples: 500\nsubset: {of: clearance.core.booster, below: 50 mm, "
+      "part: 20 %, levels: 4, at_most: 1e-3}\n" +
+      parameters);
+  ASSERT_TRUE(campaign.failure);
+  EXPECT_EQ(campaign.failure->column, "clearance.core.booster");
+  EXPECT_EQ(campaign.failure->limit, 0.05);
+  EXPECT_EQ(campaign.failure->chains, 100);
+  EXPECT_EQ(campaign.failure->at_most, 1e-3);
+  EXPECT_EQ(campaign.plan.samples, 500 + 3 * 400);
+  EXPECT_THROW((void)draw_inputs(campaign, 500), std::out_of_range);
+  for (const auto& [subset, message] : std::vector<std::pair<std::string, std::string>>{
+           {"of: clearance.core.booster", "no requirement 'clearance.core.booster', and no limit"},
+           {"of: clearance.core.boster, below: 0 m", "did you mean 'clearance.core.booster'"},
+           {"of: clearance.core.booster, below: 1 kg", "is a mass"},
+           {"of: clearance.core.booster, below: 0 m, above: 1 m", "below and above"},
+           {"of: clearance.core.booster, below: 0 m, part: 0.3", "this part is not usable"},
+           {"of: clearance.core.booster, below: 0 m, part: 1/7", "a multiple of 7"},
+           {"of: clearance.core.booster, below: 0 m, levels: 2.5", "this number of levels is not usable"},
+           {"of: clearance.core.booster, below: 0 m, at_most: 2", "this probability is not usable"},
+           {"below: 0 m", "of"}})
+    EXPECT_THAT(load_errors("sampling: subset\nsamples: 500\nsubset: {" + subset + "}\n" + parameters),
+                HasSubstr(message))
+        << subset;
+  EXPECT_THAT(load_errors("sampling: subset\nsamples: 500\n" + parameters), HasSubstr("subset"));
+  EXPECT_THAT(load_errors("samples: 500\nsubset: {of: clearance.core.booster, below: 0 m}\n" + parameters),
+              HasSubstr("without `sampling: subset`"));
 }
 
 TEST_F(CampaignFileTest, CorrelationsThatContradictEachOtherAreAMistake) {

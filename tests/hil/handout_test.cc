@@ -89,6 +89,19 @@ TEST(Handout, WhatAWorkerWasNotGivenIsNotTaken) {
   EXPECT_FALSE(handout.is_finished());
 }
 
+TEST(Handout, ExtendedItGivesWhatIsMissingThere) {
+  Handout handout(0, 3, {1, 4, 7});
+  handout.join(0, 20);
+  EXPECT_EQ(handout.give(0, 0), (std::vector<std::int64_t>{0, 2}));
+  handout.extend(6);
+  handout.extend(5);
+  EXPECT_EQ(handout.give(0, 0), (std::vector<std::int64_t>{3, 5}));
+  for (const std::int64_t sample : {0, 2, 3, 5}) EXPECT_TRUE(handout.take(0, sample));
+  EXPECT_TRUE(handout.is_finished());
+  handout.extend(8);
+  EXPECT_EQ(handout.give(0, 0), (std::vector<std::int64_t>{6}));
+}
+
 TEST(Handout, NothingMissingIsFinished) { EXPECT_TRUE(Handout(0, 2, {1, 0}).is_finished()); }
 
 class SamplePoolTest : public testing::Test {
@@ -103,6 +116,12 @@ class SamplePoolTest : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
+  [[nodiscard]] std::vector<hil::PlannedSample> plan(const std::vector<std::int64_t>& numbers) const {
+    std::vector<hil::PlannedSample> samples;
+    for (const std::int64_t number : numbers) samples.push_back({number, draw_inputs(campaign_, number)});
+    return samples;
+  }
+
   const fs::path folder_ = fs::path(testing::TempDir()) / ("pool_" + std::to_string(getpid()));
   hil::Campaign campaign_;
 };
@@ -110,28 +129,29 @@ class SamplePoolTest : public testing::Test {
 TEST_F(SamplePoolTest, GivesTheRecordsOfTheSamplesItGot) {
   const hil::SampleEvaluator evaluator(*campaign_.tree);
   hil::SamplePool pool(campaign_, evaluator, 2);
-  const std::vector<std::int64_t> samples{7, 1, 4, 11};
+  const std::vector<hil::PlannedSample> samples = plan({7, 1, 4, 11});
   pool.add(samples);
   std::map<std::int64_t, std::uint64_t> hashes;
   while (hashes.size() < samples.size())
     for (const hil::SampleRecord& record : pool.take(std::chrono::milliseconds(1)))
       EXPECT_TRUE(hashes.emplace(record.sample, calc_hash(record)).second);
   const std::atomic<bool> never{false};
-  for (const std::int64_t sample : samples)
-    EXPECT_EQ(hashes.at(sample), calc_hash(run_sample(campaign_, evaluator, sample, never)));
+  for (const hil::PlannedSample& sample : samples)
+    EXPECT_EQ(hashes.at(sample.sample), calc_hash(run_sample(campaign_, evaluator, sample, never)));
 }
 
 TEST_F(SamplePoolTest, EndsWithSamplesThatWait) {
   const hil::SampleEvaluator evaluator(*campaign_.tree);
   hil::SamplePool pool(campaign_, evaluator, 1);
-  pool.add(std::vector<std::int64_t>(100000, 3));
+  pool.add(plan(std::vector<std::int64_t>(1000, 3)));
 }
 
 TEST_F(SamplePoolTest, HandsOnWhatASampleThrew) {
-  campaign_.plan.sampling = hil::Sampling::kCsv;  // without a table: no sample's fault
+  campaign_.parameters[0].choices.resize(1);
   const hil::SampleEvaluator evaluator(*campaign_.tree);
   hil::SamplePool pool(campaign_, evaluator, 2);
-  pool.add(std::vector<std::int64_t>{0});
+  const std::vector<hil::PlannedSample> samples{{0, {7}}};  // no such choice: no sample's fault
+  pool.add(samples);
   EXPECT_ANY_THROW((void)pool.take(std::chrono::minutes(1)));
 }
 

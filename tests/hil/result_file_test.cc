@@ -8,8 +8,11 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <random>
+#include <sstream>
 
 namespace unlatch::test {
 namespace {
@@ -111,6 +114,70 @@ TEST_F(ResultFileTest, BytesThatAreNoRecordAreRefused) {
     encode_record(shape_, record, bytes);
     EXPECT_FALSE(decode_record(shape_, bytes)) << sample << " " << status;
   }
+}
+
+// The header as it is on disk, with a checksum that fits: eight letters, fingerprint, counts, checksum.
+TEST_F(ResultFileTest, AForgedHeaderIsNotBelieved) {
+  for (const auto& [inputs, values] :
+       {std::pair{4294967295u, 4294967295u}, std::pair{4294967295u, 0u}, std::pair{1000000u, 3u}, std::pair{0u, 0u}}) {
+    fill(3);
+    std::fstream stream(path_, std::ios::in | std::ios::out | std::ios::binary);
+    char header[32];
+    stream.read(header, sizeof header);
+    std::memcpy(header + 16, &inputs, 4);
+    std::memcpy(header + 20, &values, 4);
+    const std::uint64_t checksum = hil::calc_checksum({header, 24});
+    std::memcpy(header + 24, &checksum, 8);
+    stream.seekp(0);
+    stream.write(header, sizeof header);
+    stream.close();
+    const ResultFile file = ResultFile::open(path_, true);
+    EXPECT_EQ(file.shape().inputs, inputs);
+    EXPECT_TRUE(file.samples().empty());
+  }
+}
+
+// Bytes changed, lost and added anywhere: what is read is one of the records that were written.
+TEST_F(ResultFileTest, ADamagedFileGivesWholeRecordsOrARefusal) {
+  constexpr int kTrials = 3000, kRecords = 6;
+  fill(kRecords);
+  std::string whole;
+  {
+    std::ostringstream text;
+    text << std::ifstream(path_, std::ios::binary).rdbuf();
+    whole = text.str();
+  }
+  const unsigned seed = 20260727;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  int opened = 0, refused = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::string bytes = whole;
+    for (auto k = random() % 4; k-- > 0;) {
+      const std::size_t at = random() % (trial % 2 == 0 ? 40 : bytes.size());
+      if (at >= bytes.size()) continue;
+      const auto kind = random() % 4;
+      if (kind == 0) bytes[at] = static_cast<char>(random());
+      if (kind == 1) bytes.erase(at, random() % 30);
+      if (kind == 2) bytes.insert(at, random() % 30, static_cast<char>(random()));
+      if (kind == 3) bytes.resize(at);
+    }
+    if (random() % 4 == 0 && bytes.size() >= 32) {  // with a checksum of the header that fits
+      const std::uint64_t checksum = hil::calc_checksum({bytes.data(), 24});
+      std::memcpy(bytes.data() + 24, &checksum, 8);
+    }
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+    try {
+      const ResultFile file = ResultFile::open(path_, trial % 3 == 0);
+      for (std::size_t i = 0; i < file.samples().size() && file.shape() == shape_; ++i)
+        EXPECT_EQ(calc_hash(file.read(i)), calc_hash(make(file.samples()[i])));
+      ++opened;
+    } catch (const hil::ResultError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(opened, kTrials / 10);
+  EXPECT_GT(refused, kTrials / 10);
 }
 
 TEST_F(ResultFileTest, OtherFilesAreRefused) {

@@ -11,8 +11,11 @@ import math
 import os
 import shutil
 import signal
+import statistics
 import subprocess
+import sys
 import time
+from random import Random
 
 from browser import Browser
 from processes import HANG, SCENARIOS, UNLATCH, ProcessTest, call, main
@@ -73,21 +76,37 @@ class CampaignTest(ProcessTest):
         self.assertAlmostEqual(alone["verdict"][0]["value"], float(row["fast [m/s]"]), delta=1e-15)
 
     def test_killed_at_any_moment_it_resumes_to_the_same_hash(self):
-        path = self.write("samples: 3000\nsampling: latin-hypercube\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n")
-        whole = self.run_campaign(path, "whole")["hash"]
+        kills = int(os.environ.get("UNLATCH_KILLS", "24"))
+        seed = int(os.environ.get("UNLATCH_SEED", "27"))
+        print(f"{kills} kills, seed {seed}", file=sys.stderr)
+        random = Random(seed)
+        plain = self.write("samples: 3000\nsampling: latin-hypercube\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n")
+        campaigns = []  # file, folder of the whole, hash, seconds that it took
+        for name, path in (("plain", plain), ("rare", self.write_rare(samples=600))):
+            begin = time.monotonic()
+            campaigns.append((path, self.folder / name, self.run_campaign(path, name, "--jobs", "2")["hash"], time.monotonic() - begin))
         out = self.folder / "killed"
-        kept = 0
-        for k in range(20):
-            process = subprocess.Popen([UNLATCH, "campaign", path, "--out", out, "--jobs", "2", "--resume"],
-                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            time.sleep(0.01 * k)
-            process.send_signal(signal.SIGKILL)
-            process.wait()
-            size = (out / "results.bin").stat().st_size if (out / "results.bin").exists() else 0
-            self.assertGreaterEqual(size + 4096, kept)  # at most what was in flight is lost
-            kept = size
-        self.assertEqual(self.run_campaign(path, "killed", "--resume")["hash"], whole)
-        self.assertEqual((out / "samples.csv").read_bytes(), (self.folder / "whole" / "samples.csv").read_bytes())
+        ended = 0
+        while kills > 0:
+            path, whole, expected, seconds = campaigns[ended % 2]
+            records = (whole / "results.bin").stat().st_size
+            kept = 0
+            while kills > 0 and kept < records:  # some are killed while they read, some in their samples, some in the tables
+                process = subprocess.Popen([UNLATCH, "campaign", path, "--out", out, "--jobs", "2", "--resume"],
+                                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                time.sleep(random.uniform(0, random.choice([0.02, 0.2, seconds])))
+                process.send_signal(signal.SIGKILL)
+                process.wait()
+                kills -= 1
+                size = (out / "results.bin").stat().st_size if (out / "results.bin").exists() else 0
+                self.assertGreaterEqual(size + 4096, kept)  # at most what was in flight is lost
+                kept = size
+            summary = self.run_campaign(path, "killed", "--resume")
+            self.assertEqual(summary["hash"], expected, f"seed {seed}")
+            self.assertEqual((out / "samples.csv").read_bytes(), (whole / "samples.csv").read_bytes())
+            shutil.rmtree(out)
+            ended += 1
+        print(f"{ended} campaigns resumed to their hash", file=sys.stderr)
 
     def test_numbers_drawn_for_constants_keep_their_units(self):
         (self.folder / "ball.yaml").write_text(BALL.replace("velocity: [0, 0, 0]", "velocity: [way / span, 0, 0]", 1)
@@ -163,6 +182,99 @@ class CampaignTest(ProcessTest):
         expected = ordered[int(at)] + (at - int(at)) * (ordered[int(at) + 1] - ordered[int(at)])
         self.assertAlmostEqual(fast["quantiles"]["0.95"], expected, delta=1e-15)
 
+    # The speed of the ball is that of its start: two normal numbers across each other, so that P(speed > 2.5 m/s) is known.
+    RARE = ("sampling: subset\nsamples: {samples}\nseed: {seed}\nsubset: {{of: {of}}}\nparameters:\n"
+            "  x: {{path: 'bodies.ball.velocity[0]', normal: {{mean: {mean} m/s, sigma: {sigma} m/s}}}}\n"
+            "  y: {{path: 'bodies.ball.velocity[1]', normal: {{mean: 0 m/s, sigma: {sigma_y} m/s}}}}\n")
+
+    def write_rare(self, seed=1, samples=1000, of="fast", mean=0, sigma=2.5 / math.sqrt(-2 * math.log(1e-5)), sigma_y=None, name="rare.yaml"):
+        return self.write(self.RARE.format(seed=seed, samples=samples, of=of, mean=mean, sigma=repr(sigma), sigma_y=repr(sigma if sigma_y is None else sigma_y)), name)
+
+    def test_rare_failures_have_the_probability_that_is_known_and_that_openturns_finds(self):
+        import openturns as ot
+        seeds = range(1, 9)
+        # Linear: one axis alone fails, 4.26 sigma away. Not linear: a circle, which prefers no direction. Both 1e-5.
+        for name, mean, sigma_y in (("linear", 1.0, 1e-6), ("circle", 0.0, None)):
+            sigma = (2.5 - mean) / 4.264890793922825 if name == "linear" else 2.5 / math.sqrt(-2 * math.log(1e-5))
+            ours, ours_said = [], []
+            for seed in seeds:
+                path = self.write_rare(seed=seed, mean=mean, sigma=sigma, sigma_y=sigma_y)
+                rare = self.run_campaign(path, f"{name}{seed}")["rare"]
+                self.assertTrue(rare["finished"] and rare["reached"])
+                self.assertLessEqual(rare["levels_run"][-1]["last"], 5500)
+                ours.append(rare["probability"])
+                ours_said.append(rare["deviation"])
+            theirs, theirs_said = [], []
+            limit = ot.PythonFunction(2, 1, func=lambda v: [math.hypot(v[0], v[1])])
+            inputs = ot.JointDistribution if hasattr(ot, "JointDistribution") else ot.ComposedDistribution
+            vector = ot.RandomVector(inputs([ot.Normal(mean, sigma), ot.Normal(0, sigma if sigma_y is None else sigma_y)]))
+            for seed in seeds:
+                ot.RandomGenerator.SetSeed(seed)
+                event = ot.ThresholdEvent(ot.CompositeRandomVector(limit, vector), ot.Greater(), 2.5)
+                sampling = ot.SubsetSampling(event)
+                sampling.setMaximumOuterSampling(1000)
+                sampling.setBlockSize(1)
+                sampling.run()
+                theirs.append(sampling.getResult().getProbabilityEstimate())
+                theirs_said.append(sampling.getResult().getCoefficientOfVariation())
+            for estimates in (ours, theirs):  # by logarithms, since single estimates spread by half
+                center = statistics.fmean(math.log10(p) for p in estimates)
+                self.assertAlmostEqual(center, -5, delta=4 * 0.25 / math.sqrt(len(estimates)), msg=f"{name}: {ours} {theirs}")
+            ratio = statistics.fmean(ours_said) / statistics.fmean(theirs_said)
+            self.assertTrue(0.5 < ratio < 2, f"{name}: {ours_said} {theirs_said}")
+
+    def test_rare_failures_are_the_same_for_any_jobs_and_when_resumed(self):
+        path = self.write_rare(samples=300)
+        whole = self.run_campaign(path, "one", "--jobs", "1")
+        many = self.run_campaign(path, "many", "--jobs", "5")
+        self.assertEqual(many["hash"], whole["hash"])
+        self.assertEqual(many["rare"], whole["rare"])
+        # The folder of a campaign that ended anywhere, and one whose record was damaged in mid-file.
+        results = (self.folder / "one" / "results.bin").read_bytes()
+        for k in range(8):
+            folder = self.folder / f"cut{k}"
+            folder.mkdir()
+            shutil.copy(self.folder / "one" / "manifest.json", folder)
+            cut = bytearray(results[:len(results) * (k + 1) // 9])
+            if k % 2 == 0:
+                cut[len(cut) // 3] ^= 1
+            (folder / "results.bin").write_bytes(cut)
+            resumed = self.run_campaign(path, folder.name, "--resume", "--jobs", str(1 + k % 3))
+            self.assertEqual(resumed["rare"], whole["rare"])
+            self.assertEqual(resumed["hash"], whole["hash"])
+            self.assertEqual((folder / "samples.csv").read_bytes(), (self.folder / "one" / "samples.csv").read_bytes())
+        merged = json.loads(self.run_ok(UNLATCH, "campaign", "merge", self.folder / "one", "--out", self.folder / "merged", "--json", "-").stdout)
+        self.assertEqual(merged["rare"], whole["rare"])
+
+    def test_the_first_level_of_rare_failures_are_independent_samples(self):
+        path = self.write_rare(samples=200)
+        self.run_campaign(path, "rare")
+        plain = self.folder / "plain.yaml"
+        plain.write_text("\n".join(line for line in path.read_text().splitlines() if "subset" not in line) + "\n")
+        self.run_campaign(plain, "plain")
+        rare, independent = read_table(self.folder / "rare"), read_table(self.folder / "plain")
+        self.assertEqual(rare[:200], independent)
+        # Each later sample runs again to the bit, from the folder.
+        last = rare[-1]
+        self.assertGreater(len(rare), 200 + 3 * 180)
+        alone = json.loads(self.run_ok(UNLATCH, "run", path, "--sample", last["sample"], "--results", self.folder / "rare", "--json", "-", code=None).stdout)
+        self.assertEqual(alone["hash"], last["hash"])
+        for options, message in ((["--sample", "700"], "--results"), (["--sample", "799999", "--results", self.folder / "rare"], "samples 0 to"),
+                                 (["--sample", "700", "--results", self.folder / "plain"], "another campaign")):
+            done = call(UNLATCH, "run", path, *options)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(message, done.stderr)
+        done = call(UNLATCH, "campaign", path, "--out", self.folder / "part", "--samples", "0:10")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("follow from one another", done.stderr)
+
+    def test_the_allowed_probability_decides_the_exit_code(self):
+        for at_most, code in (("1e-3", 0), ("1e-7", 1)):
+            path = self.write_rare(samples=300, of=f"fast, above: 9 km/h, at_most: {at_most}", name=f"{code}.yaml")
+            rare = self.run_campaign(path, f"allowed{code}", code=code)["rare"]
+            self.assertEqual(rare["met"], code == 0)
+            self.assertAlmostEqual(rare["limit"], 2.5, delta=1e-12)
+
     def test_an_event_that_never_came_is_counted_as_missing(self):
         summary = self.run_boosters("out", "--samples", "0:3")
         release = next(c for c in summary["columns"] if c["name"] == "event.release:booster1")
@@ -203,6 +315,7 @@ class CampaignTest(ProcessTest):
             self.assertEqual(ask("document.querySelectorAll('#histogram .limit, #cdf .limit').length"), 2)
             self.assertEqual(ask("document.querySelectorAll('#scatter .point').length"), 200)
             self.assertIn(f"--sample {summary['worst'][0]} --log", ask("document.querySelector('#worst code').textContent"))
+            self.assertEqual(ask("document.getElementById('rare').hidden"), True)
             ask("document.querySelector('#scatter .point').dispatchEvent(new Event('click'))")
             self.assertIn("Sample 0: v", ask("document.getElementById('picked').textContent"))
             # Another quantity: the input itself, which nothing explains but itself.
@@ -210,6 +323,26 @@ class CampaignTest(ProcessTest):
             self.assertEqual(ask("document.querySelectorAll('#histogram .limit').length"), 0)
             self.assertEqual(browser.complaints, [])
             self.assertEqual([url for url in browser.requests if not url.startswith(("file:", "data:"))], [])
+        finally:
+            browser.close()
+
+    def test_the_page_shows_rare_failures(self):
+        summary = self.run_campaign(self.write_rare(samples=200), "out")
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "out", "--out", page)
+        browser = Browser()
+        try:
+            browser.open(page)
+            ask = browser.evaluate
+            self.assertEqual(ask("document.getElementById('rare').hidden"), False)
+            text = ask("document.getElementById('rare-result').textContent")
+            self.assertIn(f"{summary['rare']['failed_samples']} of them failed", text)
+            levels = len(summary["rare"]["levels_run"])
+            self.assertEqual(ask("document.querySelectorAll('#rare-levels tr').length"), levels + 1)
+            self.assertEqual(ask("document.querySelectorAll('#rare-curve .level').length"), levels)
+            self.assertEqual(ask("document.querySelectorAll('#rare-curve .curve').length"), 1)
+            self.assertIn("--results DIR", ask("document.querySelector('#worst code').textContent"))
+            self.assertEqual(browser.complaints, [])
         finally:
             browser.close()
 

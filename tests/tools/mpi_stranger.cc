@@ -23,13 +23,19 @@ void send(int tag, const void* bytes, std::size_t count) {
   MPI_Send(bytes, static_cast<int>(count), MPI_BYTE, 0, tag, communicator);
 }
 
-std::vector<std::int64_t> receive_work() {
-  std::vector<std::int64_t> samples(100000);
+std::vector<hil::PlannedSample> receive_work(std::size_t inputs) {
+  std::vector<char> bytes(100000);
   MPI_Status status;
-  MPI_Recv(samples.data(), static_cast<int>(8 * samples.size()), MPI_BYTE, 0, MPI_ANY_TAG, communicator, &status);
+  MPI_Recv(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, MPI_ANY_TAG, communicator, &status);
   int count = 0;
   MPI_Get_count(&status, MPI_BYTE, &count);
-  samples.resize(status.MPI_TAG == kWork ? static_cast<std::size_t>(count) / 8 : 0);
+  const std::size_t size = 8 + 8 * inputs;
+  std::vector<hil::PlannedSample> samples(status.MPI_TAG == kWork ? static_cast<std::size_t>(count) / size : 0);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    std::memcpy(&samples[i].sample, bytes.data() + i * size, 8);
+    samples[i].inputs.resize(inputs);
+    std::memcpy(samples[i].inputs.data(), bytes.data() + i * size + 8, 8 * inputs);
+  }
   return samples;
 }
 
@@ -68,9 +74,9 @@ int main(int argc, char** argv) {
   std::vector<char> bytes(hil::get_record_bytes(shape));
   const std::atomic<bool> never{false};
   while (true) {
-    const std::vector<std::int64_t> work = receive_work();
+    const std::vector<hil::PlannedSample> work = receive_work(shape.inputs);
     if (work.empty()) break;
-    for (const std::int64_t sample : work) {
+    for (const hil::PlannedSample& sample : work) {
       hil::SampleRecord record = run_sample(campaign, evaluator, sample, never);
       if (mode == "sample") record.sample = campaign.plan.samples + 5;
       if (mode == "inputs") record.inputs[0] += 1e-15;

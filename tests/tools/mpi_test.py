@@ -206,7 +206,7 @@ class MpiTest(ProcessTest):
                            ("size", "sent 1000000 bytes"), ("kind", "sent a message of no known kind"),
                            ("bye", "sent a message after its last one"), ("record", "no record of a sample"),
                            ("short", "no record of a sample"), ("sample", "sample 205, which it was not given"),
-                           ("again", "which it was not given"), ("inputs", "drew other inputs for sample")):
+                           ("again", "which it was not given"), ("inputs", "with other inputs than it was given")):
             with self.subTest(mode):
                 stderr = self.run_beside(path, BIN / "mpi_stranger", mode, path, code=3)
                 self.assertEqual(len(re.findall(f"^rank 1 .*{told}", stderr, re.M)), 1, stderr)

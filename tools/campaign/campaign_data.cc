@@ -8,6 +8,7 @@
 
 #include "hil/language/setting.h"
 #include "tools/export/node_writer.h"
+#include "tools/unfinished_file.h"
 #include "tools/unlatch/report.h"
 
 namespace unlatch::tools {
@@ -34,18 +35,26 @@ std::string quote(const std::string& text) {
   return quoted + "\"";
 }
 
+Json write_failure(const hil::RareFailure& failure) {
+  return {{"column", failure.column}, {"unit", failure.unit},     {"column_index", failure.column_index},
+          {"limit", failure.limit},   {"above", failure.above},   {"samples", failure.samples},
+          {"chains", failure.chains}, {"levels", failure.levels}, {"at_most", failure.at_most}};
+}
+
 // Bytes as they are, checked at the end: a table may be larger than memory for one text.
 class File {
  public:
-  explicit File(const std::string& path) : path_(path), stream_(path, std::ios::binary | std::ios::trunc) {}
+  explicit File(const std::string& path)
+      : path_(path), place_(path), stream_(place_.path(), std::ios::binary | std::ios::trunc) {}
   void write(const std::string& text) { stream_ << text; }
   void finish() {
     stream_.close();
-    if (!stream_) throw OutputError(path_ + ": it cannot be written");
+    if (!stream_ || !place_.finish()) throw OutputError(path_ + ": it cannot be written");
   }
 
  private:
   const std::string path_;
+  UnfinishedFile place_;
   std::ofstream stream_;
 };
 
@@ -77,6 +86,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                    {"parameters", Json::array()},
                    {"columns", Json::array()},
                    {"requirements", Json::array()}};
+  if (campaign.failure) manifest["subset"] = write_failure(*campaign.failure);
   for (const hil::InputColumn& input : list_inputs(campaign))
     manifest["inputs"].push_back({{"name", input.name}, {"unit", input.unit}});
   for (const hil::CampaignParameter& parameter : campaign.parameters)
@@ -152,6 +162,42 @@ void merge_campaigns(const std::vector<std::string>& folders, const std::string&
   }
 }
 
+std::optional<hil::RareFailure> CampaignData::get_failure() const {
+  if (!manifest.contains("subset")) return std::nullopt;
+  const Json& json = manifest.at("subset");
+  hil::RareFailure failure;
+  failure.column = json.at("column");
+  failure.unit = json.at("unit");
+  failure.column_index = json.at("column_index");
+  failure.limit = json.at("limit");
+  failure.above = json.at("above");
+  failure.samples = json.at("samples");
+  failure.chains = json.at("chains");
+  failure.levels = json.at("levels");
+  failure.at_most = json.at("at_most");
+  const auto whole = [](std::int64_t a, std::int64_t b) { return b > 0 && a % b == 0; };
+  if (failure.column_index >= manifest.at("columns").size() || failure.levels < 1 || failure.samples > 1'000'000'000 ||
+      !whole(failure.samples, failure.chains) || failure.samples < 2 * failure.chains)
+    throw hil::ResultError("the manifest's key `subset` is not of a campaign");
+  return failure;
+}
+
+hil::SubsetSimulation CampaignData::build_subset(const hil::RareFailure& failure) const {
+  hil::SamplingPlan plan;
+  plan.seed = manifest.at("seed");
+  for (const Json& parameter : manifest.at("parameters")) plan.dimensions += parameter.at("axes").get<std::size_t>();
+  hil::SubsetSimulation subset(make_subset_plan(failure, plan));
+  for (const hil::SampleRecord& record : records) subset.note(record.sample, calc_failure_margin(failure, record));
+  return subset;
+}
+
+CampaignData CampaignData::get_drawn() const {
+  CampaignData drawn = *this;
+  if (const auto failure = get_failure())
+    std::erase_if(drawn.records, [&](const hil::SampleRecord& record) { return record.sample >= failure->samples; });
+  return drawn;
+}
+
 std::vector<double> CampaignData::get_input(std::size_t input) const {
   std::vector<double> values;
   for (const hil::SampleRecord& record : records) values.push_back(record.inputs[input]);
@@ -192,7 +238,8 @@ void write_csv(const CampaignData& data, const std::string& path) {
 }
 
 bool write_parquet(const CampaignData& data, const std::string& path) try {
-  NodeWriter node("parquet", path);
+  UnfinishedFile place(path);  // SIGTERM may end this process while Node.js writes
+  NodeWriter node("parquet", place.path());
   Json columns = {{{"name", "sample"}, {"unit", "1"}, {"type", "integer"}},
                   {{"name", "status"}, {"unit", "1"}, {"type", "text"}},
                   {{"name", "hash"}, {"unit", "1"}, {"type", "text"}}};
@@ -211,7 +258,7 @@ bool write_parquet(const CampaignData& data, const std::string& path) try {
       for (const double value : *values) line.push_back(std::isnan(value) ? Json(nullptr) : Json(value));
     put(line);
   }
-  if (!node.finish()) throw OutputError(path + ": it cannot be written");
+  if (!node.finish() || !place.finish()) throw OutputError(path + ": it cannot be written");
   return true;
 } catch (const NodeMissing& missing) {
   std::fprintf(stderr, "note: no %s: %s\n", path.c_str(), missing.what());

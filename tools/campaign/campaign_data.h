@@ -3,9 +3,11 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hil/campaign/rare_failure.h"
 #include "hil/campaign/result_file.h"
 
 namespace unlatch::tools {
@@ -23,6 +25,13 @@ struct CampaignData {
   Json manifest;
   std::vector<hil::SampleRecord> records;
   std::uint64_t hash = 0;  // of all samples; the same whatever ran them, in whatever order
+
+  // Of subset sampling: what it looks for, and the levels of these records. Nothing: other sampling.
+  [[nodiscard]] std::optional<hil::RareFailure> get_failure() const;
+  [[nodiscard]] hil::SubsetSimulation build_subset(const hil::RareFailure& failure) const;
+  // The records whose inputs are distributed as the file says, for statistics: all, but of subset sampling those of the
+  // first level.
+  [[nodiscard]] CampaignData get_drawn() const;
 
   [[nodiscard]] std::vector<double> get_input(std::size_t input) const;
   [[nodiscard]] std::vector<double> get_column(std::size_t column) const;

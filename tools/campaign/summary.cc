@@ -213,26 +213,70 @@ Json describe_sensitivity(const CampaignData& data, const std::vector<std::vecto
   return json;
 }
 
+// Levels of subset sampling, its estimate, and the probability of each margin: [margin, probability] from 1 down.
+Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
+  const hil::SubsetSimulation subset = data.build_subset(failure);
+  const hil::SubsetEstimate estimate = subset.calc_estimate();
+  Json json = data.manifest.at("subset");
+  json.erase("column_index");
+  json["finished"] = subset.is_finished();
+  json["reached"] = estimate.reached;
+  json["probability"] = subset.is_finished() ? to_json(estimate.probability) : Json(nullptr);
+  json["deviation"] = to_json(estimate.deviation);
+  json["interval"] = {estimate.low, estimate.high};
+  json["met"] = subset.is_finished() && estimate.reached && estimate.high <= failure.at_most;
+  std::int64_t failed = 0;
+  for (const hil::SampleRecord& record : data.records) failed += calc_failure_margin(failure, record) < 0 ? 1 : 0;
+  json["failed_samples"] = failed;
+  json["levels_run"] = Json::array();
+  json["curve"] = Json::array();
+  double before = 1;
+  for (const hil::SubsetLevel& level : subset.levels()) {
+    json["levels_run"].push_back({{"first", level.first},
+                                  {"last", level.last},
+                                  {"threshold", to_json(level.threshold)},
+                                  {"probability", level.probability},
+                                  {"deviation", to_json(level.deviation)},
+                                  {"acceptance", level.acceptance},
+                                  {"spread", level.spread}});
+    // The margins of a level above its threshold; those below it are better known from the next.
+    const std::size_t count = level.margins.size(), every = std::max<std::size_t>(1, count / 100);
+    const bool last = &level == &subset.levels().back();
+    for (std::size_t k = count; k-- > 0;) {
+      if (k % every != 0 || !std::isfinite(level.margins[k])) continue;
+      if (!last && level.margins[k] <= level.threshold) break;
+      json["curve"].push_back({level.margins[k], before * static_cast<double>(k + 1) / static_cast<double>(count)});
+    }
+    before *= level.probability;
+  }
+  return json;
+}
+
 }  // namespace
 
-Json build_summary(const CampaignData& data) {
+Json build_summary(const CampaignData& all) {
+  const CampaignData data = all.get_drawn();
   Json statuses = Json::object();
   for (const std::string& name : hil::kSampleStatusNames) statuses[name] = 0;
   statuses.erase("interrupted");
-  for (const hil::SampleRecord& record : data.records) {
+  for (const hil::SampleRecord& record : all.records) {
     Json& count = statuses[hil::kSampleStatusNames[static_cast<std::size_t>(record.result.status)]];
     count = count.get<std::int64_t>() + 1;
   }
   Json summary = {{"schema", 1},
                   {"campaign", data.manifest.at("campaign")},
                   {"scenario", data.manifest.at("scenario")},
-                  {"samples", data.records.size()},
+                  {"samples", all.records.size()},
                   {"planned", data.manifest.at("samples")},
                   {"hash", to_hex(data.hash)},
                   {"confidence", hil::kConfidence},
                   {"statuses", statuses},
                   {"requirements", Json::array()},
-                  {"worst", list_worst(data)}};
+                  {"worst", list_worst(all)}};
+  if (const auto failure = all.get_failure()) {
+    summary["drawn"] = data.records.size();
+    summary["rare"] = describe_rare(all, *failure);
+  }
   for (const Json& requirement : data.manifest.at("requirements"))
     summary["requirements"].push_back(describe_requirement(data, requirement));
   summary["orders"] = list_orders(data);
@@ -251,6 +295,48 @@ Json build_summary(const CampaignData& data) {
   return summary;
 }
 
+namespace {
+
+std::string describe_failure(const Json& rare) {
+  return rare.at("column").get<std::string>() + (rare.at("above").get<bool>() ? " above " : " below ") +
+         hil::to_text(rare.at("limit").get<double>()) + " " + rare.at("unit").get<std::string>();
+}
+
+std::string describe_number(const Json& value, const char* form) {
+  return value.is_null() ? std::string("–") : format(form, value.get<double>());
+}
+
+void print_rare(std::FILE* to, const Json& rare) {
+  const std::string unit = rare.at("unit");
+  print_heading(to, "Subset simulation: " + describe_failure(rare));
+  std::fprintf(to, "  %-6s %16s %14s %14s %10s %10s\n", "level", "samples", "margin", "probability", "c.o.v.",
+               "accepted");
+  int number = 0;
+  for (const Json& level : rare.at("levels_run")) {
+    const std::string range =
+        format("%lld to %lld", level.at("first").get<long long>(), level.at("last").get<long long>() - 1);
+    std::fprintf(to, "  %-6d %16s %14s %14s %10s %10s\n", number, range.c_str(),
+                 describe_number(level.at("threshold"), "%.5g").c_str(),
+                 describe_number(level.at("probability"), "%.4g").c_str(),
+                 describe_number(level.at("deviation"), "%.3f").c_str(),
+                 number == 0 ? "" : describe_number(level.at("acceptance"), "%.2f").c_str());
+    ++number;
+  }
+  if (!rare.at("finished").get<bool>()) {
+    std::fprintf(to, "  not finished\n");
+    return;
+  }
+  const std::string text = format("probability %.3g, 95 %%: %.2e … %.2e", rare.at("probability").get<double>(),
+                                  rare.at("interval")[0].get<double>(), rare.at("interval")[1].get<double>());
+  const bool met = rare.at("met").get<bool>();
+  std::fprintf(to, "  %s, coefficient of variation %s%s\n",
+               paint(to, met ? Colour::kGreen : Colour::kRed, text).c_str(),
+               describe_number(rare.at("deviation"), "%.2f").c_str(),
+               rare.at("reached").get<bool>() ? "" : "; the last level had too few failures: more levels");
+}
+
+}  // namespace
+
 void print_summary(std::FILE* to, const Json& summary) {
   const auto text = [](const Json& value) {
     return value.is_null() ? std::string("–") : format("%.5g", value.get<double>());
@@ -260,9 +346,10 @@ void print_summary(std::FILE* to, const Json& summary) {
                summary.at("hash").get<std::string>().c_str());
   for (const auto& [name, count] : summary.at("statuses").items())
     if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());
+  if (summary.contains("rare")) print_rare(to, summary.at("rare"));
   if (summary.at("requirements").empty()) return;
-  print_heading(to,
-                "Requirements: failures, 95 % bounds of their probability (Clopper-Pearson), quantiles of the value");
+  print_heading(to, std::string("Requirements") + (summary.contains("rare") ? ", first level alone" : "") +
+                        ": failures, 95 % bounds of their probability (Clopper-Pearson), quantiles of the value");
   std::fprintf(to, "  %-16s %8s  %-23s %10s %10s %10s %10s %10s\n", "", "failed", "probability", "1 %", "5 %", "50 %",
                "95 %", "99 %");
   for (const Json& requirement : summary.at("requirements")) {

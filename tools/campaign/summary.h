@@ -7,7 +7,8 @@
 
 namespace unlatch::tools {
 
-// schema, samples, hash, statuses, requirements, worst; columns with their quantiles; sensitivities; orders of events.
+// schema, samples, hash, statuses, requirements, worst; columns with their quantiles; sensitivities; orders of events;
+// of subset sampling `rare`: levels, estimate.
 Json build_summary(const CampaignData& data);
 void print_summary(std::FILE* to, const Json& summary);
 

@@ -9,7 +9,6 @@
 #include <thread>
 #include <utility>
 
-#include "hil/campaign/handout.h"
 #include "hil/campaign/sample_pool.h"
 
 namespace unlatch::tools {
@@ -29,9 +28,26 @@ constexpr std::uint32_t kMostJobs = 1024;             // of a rank, as the comma
 // What all ranks must have in common beside the shape.
 std::uint64_t get_program() { return hil::calc_digest("unlatch " UNLATCH_VERSION); }
 
+// Bytes of a sample in kWork: its number and its inputs.
+std::size_t get_work_bytes(const hil::ResultShape& shape) { return 8 + 8 * std::size_t{shape.inputs}; }
+
 // Longer than all other messages.
 std::size_t get_longest_message(const hil::ResultShape& shape) {
-  return std::max<std::size_t>(hil::get_record_bytes(shape), 65536);
+  const std::size_t most = std::max<std::size_t>(hil::Handout::kMost, kMostJobs + 1);
+  return std::max<std::size_t>({hil::get_record_bytes(shape), most * get_work_bytes(shape), 65536});
+}
+
+std::vector<char> write_work(const std::vector<hil::PlannedSample>& samples) {
+  std::vector<char> bytes;
+  const auto put = [&](const void* from, std::size_t count) {
+    const auto* const begin = static_cast<const char*>(from);
+    bytes.insert(bytes.end(), begin, begin + count);
+  };
+  for (const hil::PlannedSample& sample : samples) {
+    put(&sample.sample, 8);
+    put(sample.inputs.data(), 8 * sample.inputs.size());
+  }
+  return bytes;
 }
 
 [[noreturn]] void refuse(int rank, const std::string& what) {
@@ -43,10 +59,6 @@ std::vector<char> to_bytes(const void* from, std::size_t count) {
   return {begin, begin + count};
 }
 
-bool are_same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), 8 * a.size()) == 0;
-}
-
 class Leader {
  public:
   Leader(MPI_Comm communicator, const CampaignTask& task, hil::ResultFile& results,
@@ -56,7 +68,7 @@ class Leader {
         finished_(finished),
         mailbox_(communicator, get_longest_message(results.shape())),
         pool_(task.campaign, task.evaluator, task.jobs),
-        handout_(task.first, task.last, results.samples()) {
+        source_(task.campaign, task.first, task.last, results) {
     MPI_Comm_size(communicator, &ranks_);
     for (int rank = 1; rank < ranks_; ++rank) present_.insert(rank);
     join(0, task.jobs);
@@ -71,7 +83,7 @@ class Leader {
         if (!message) break;
         handle(*message);
       }
-      if (!ended && (task_.stop || left_ || handout_.is_finished())) {
+      if (!ended && (task_.stop || left_ || source_.is_finished())) {
         for (int rank = 1; rank < ranks_; ++rank) mailbox_.send(rank, kEnd, {});  // those that left wait for it
         ended = true;
       }
@@ -82,19 +94,19 @@ class Leader {
 
  private:
   void join(int rank, int jobs) {
-    handout_.join(rank, jobs);
+    source_.join(rank, jobs);
     joined_.insert(rank);
   }
 
   void give() {
     const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
     for (const int rank : joined_) {
-      const std::vector<std::int64_t> samples = handout_.give(rank, now);
+      const std::vector<hil::PlannedSample> samples = source_.give(rank, now);
       if (samples.empty()) continue;
       if (rank == 0)
         pool_.add(samples);
       else
-        mailbox_.send(rank, kWork, to_bytes(samples.data(), 8 * samples.size()));
+        mailbox_.send(rank, kWork, write_work(samples));
     }
   }
 
@@ -128,10 +140,11 @@ class Leader {
   }
 
   void take(int rank, const hil::SampleRecord& record) {
-    const std::string name = "sample " + std::to_string(record.sample);
-    if (!handout_.take(rank, record.sample)) refuse(rank, "sent " + name + ", which it was not given");
-    if (rank != 0 && !are_same_bits(record.inputs, draw_inputs(task_.campaign, record.sample)))
-      refuse(rank, "drew other inputs for " + name + " than rank 0; all ranks need the same files and program");
+    try {
+      source_.take(rank, record);
+    } catch (const hil::ResultError& error) {
+      refuse(rank, std::string("sent ") + error.what());
+    }
     results_.append(record);
     finished_();
   }
@@ -141,7 +154,7 @@ class Leader {
   const std::function<void()>& finished_;
   Mailbox mailbox_;
   hil::SamplePool pool_;
-  hil::Handout handout_;
+  hil::SampleSource source_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   int ranks_ = 1;
   std::set<int> present_;  // other ranks that have not said kBye
@@ -149,12 +162,16 @@ class Leader {
   bool left_ = false;      // one of them said kBye
 };
 
-std::vector<std::int64_t> read_work(const MpiMessage& message, const CampaignTask& task) {
-  std::vector<std::int64_t> samples(message.bytes.size() / 8);
-  std::memcpy(samples.data(), message.bytes.data(), 8 * samples.size());
-  const auto fits = [&](std::int64_t sample) { return sample >= task.first && sample < task.last; };
-  if (message.bytes.size() % 8 != 0 || !std::all_of(samples.begin(), samples.end(), fits))
-    refuse(message.rank, "handed out what are no samples of the campaign");
+std::vector<hil::PlannedSample> read_work(const MpiMessage& message, const hil::ResultShape& shape) {
+  const std::size_t size = get_work_bytes(shape);
+  if (message.bytes.size() % size != 0) refuse(message.rank, "handed out what are no samples of the campaign");
+  std::vector<hil::PlannedSample> samples(message.bytes.size() / size);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const char* const from = message.bytes.data() + i * size;
+    std::memcpy(&samples[i].sample, from, 8);
+    samples[i].inputs.resize(shape.inputs);
+    std::memcpy(samples[i].inputs.data(), from + 8, size - 8);
+  }
   return samples;
 }
 
@@ -188,7 +205,7 @@ void follow_campaign(MPI_Comm communicator, const CampaignTask& task) {
     while (const auto message = mailbox.receive()) {
       if (message->rank != 0 || (message->tag != kWork && message->tag != kEnd))
         refuse(message->rank, "sent a message of no known kind");
-      if (message->tag == kWork && pool) pool->add(read_work(*message, task));
+      if (message->tag == kWork && pool) pool->add(read_work(*message, shape));
       ended = ended || message->tag == kEnd;
     }
   }

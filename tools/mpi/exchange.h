@@ -2,7 +2,7 @@
 // rank 0 too. A message that is not of this protocol ends the job: nothing that comes from another process is believed.
 //
 //   kHello   rank → 0   shape, program, threads: it is ready
-//   kWork    0 → rank   numbers of samples
+//   kWork    0 → rank   samples: number and inputs of each
 //   kRecord  rank → 0   a record, as in the file of results
 //   kEnd     0 → rank   no more; what has not ended is left
 //   kBye     rank → 0   its last message; it comes unasked if the rank was told to end by a signal, and then all end

@@ -57,8 +57,10 @@ std::string describe_seconds(double seconds) {
 // Rate and time left: on a terminal one line that is overwritten, elsewhere a line a minute.
 class CampaignProgress {
  public:
-  CampaignProgress(std::int64_t done, std::int64_t total)
+  // `ends_early`: there may be fewer.
+  CampaignProgress(std::int64_t done, std::int64_t total, bool ends_early)
       : total_(total),
+        ends_early_(ends_early),
         first_(done),
         done_(done),
         terminal_(is_terminal(stderr)),
@@ -72,8 +74,8 @@ class CampaignProgress {
     if (std::chrono::duration<double>(now - shown_).count() < wait) return;
     shown_ = now;
     const double rate = calc_rate();
-    std::fprintf(stderr, "%s%lld of %lld samples, %.1f a second, %s left%s", terminal_ ? "\r\033[K" : "",
-                 static_cast<long long>(done_), static_cast<long long>(total_), rate,
+    std::fprintf(stderr, "%s%lld of %s%lld samples, %.1f a second, %s left%s", terminal_ ? "\r\033[K" : "",
+                 static_cast<long long>(done_), ends_early_ ? "at most " : "", static_cast<long long>(total_), rate,
                  describe_seconds(static_cast<double>(total_ - done_) / rate).c_str(), terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
@@ -88,15 +90,17 @@ class CampaignProgress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  const std::int64_t total_, first_;
+  const std::int64_t total_;
+  const bool ends_early_;
+  const std::int64_t first_;
   std::int64_t done_;
   const bool terminal_;
   const Clock::time_point begin_;
   Clock::time_point shown_;
 };
 
-// Tables, summary, and what is printed. Exit code 1: a sample faulted, or a requirement failed.
-int finish(const std::string& folder, double rate, const std::string& json) {
+// Tables, summary, and what is printed.
+Json finish(const std::string& folder, double rate, const std::string& json) {
   const CampaignData data = read_campaign(folder);
   Json summary = build_summary(data);
   if (rate > 0) summary["samples_per_second"] = rate;
@@ -106,6 +110,13 @@ int finish(const std::string& folder, double rate, const std::string& json) {
              (fs::path(folder) / "summary.json").string());
   print_summary(get_people_stream(json), summary);
   write_json(summary, json);
+  return summary;
+}
+
+// Exit code 1: a sample faulted or failed a requirement; of subset sampling, which looks for such samples, their
+// probability may be above what is allowed.
+int judge(const Json& summary) {
+  if (summary.contains("rare")) return summary.at("rare").at("met").get<bool>() ? kExitDone : kExitFailed;
   bool sound = summary.at("statuses").at("done") == summary.at("samples");
   for (const Json& requirement : summary.at("requirements")) sound = sound && requirement.at("failed") == 0;
   return sound ? kExitDone : kExitFailed;
@@ -137,6 +148,8 @@ void run_here(const CampaignTask& task, hil::ResultFile& results, const std::fun
 int run(const CampaignOptions& options, const CampaignHost& host) {
   const hil::Campaign campaign = hil::load_campaign(options.arguments[0], options.overrides);
   const hil::SampleEvaluator evaluator(*campaign.tree);
+  if (campaign.failure && !options.samples.empty())
+    refuse_option("--samples", "the levels of subset sampling follow from one another: run all, with --jobs or mpirun");
   const auto [first, last] = read_range(options.samples, campaign.plan.samples);
   const CampaignTask task{campaign, evaluator, first, last, options.jobs, host.catch_signals()};
   if (!host.run) {
@@ -147,12 +160,13 @@ int run(const CampaignOptions& options, const CampaignHost& host) {
   std::int64_t done = 0;
   for (const std::int64_t sample : results.samples()) done += sample >= first && sample < last ? 1 : 0;
   if (done > 0) std::fprintf(stderr, "%lld samples are there already\n", static_cast<long long>(done));
-  CampaignProgress progress(done, last - first);
+  CampaignProgress progress(done, last - first, campaign.failure.has_value());
   host.run(task, results, [&] { progress.add_one(); });
   progress.clear();
-  const int code = finish(options.out, progress.calc_rate(), options.json);
-  if (!progress.is_complete()) std::fprintf(stderr, "interrupted; --resume continues\n");
-  return progress.is_complete() ? code : kExitFailed;
+  const Json summary = finish(options.out, progress.calc_rate(), options.json);
+  const bool complete = campaign.failure ? summary.at("rare").at("finished").get<bool>() : progress.is_complete();
+  if (!complete) std::fprintf(stderr, "interrupted; --resume continues\n");
+  return complete ? judge(summary) : kExitFailed;
 }
 
 int merge(const CampaignOptions& options) {
@@ -161,7 +175,7 @@ int merge(const CampaignOptions& options) {
   if (fs::exists(get_results_path(options.out)))
     refuse_option("--out", options.out + " has results; choose another folder");
   merge_campaigns(folders, options.out);
-  return finish(options.out, 0, options.json);
+  return judge(finish(options.out, 0, options.json));
 }
 
 int report(const CampaignOptions& options) {

@@ -145,10 +145,16 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
   const hil::Campaign campaign = hil::load_campaign(options.path, options.overrides);
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::FILE* const to = get_people_stream(json);
-  std::fprintf(to, "%s: %lld samples, %s, seed %llu, of %s\n", campaign.name.c_str(),
-               static_cast<long long>(campaign.plan.samples),
+  std::fprintf(to, "%s: %s%lld samples, %s, seed %llu, of %s\n", campaign.name.c_str(),
+               campaign.failure ? "at most " : "", static_cast<long long>(campaign.plan.samples),
                hil::kSamplingNames[static_cast<std::size_t>(campaign.plan.sampling)].c_str(),
                static_cast<unsigned long long>(campaign.plan.seed), campaign.scenario.c_str());
+  if (campaign.failure)
+    std::fprintf(to, "  of %s %s %s %s; levels of %lld samples, at most %d, %lld chains\n",
+                 campaign.failure->column.c_str(), campaign.failure->above ? "above" : "below",
+                 hil::to_text(campaign.failure->limit).c_str(), campaign.failure->unit.c_str(),
+                 static_cast<long long>(campaign.failure->samples), campaign.failure->levels,
+                 static_cast<long long>(campaign.failure->chains));
   if (campaign.plan.sampling != hil::Sampling::kCsv)
     std::fprintf(to, "  %-24s %12s %12s %12s\n", "", "least", "median", "greatest");
   for (const hil::CampaignParameter& parameter : campaign.parameters) {

@@ -31,6 +31,7 @@ struct RunOptions {
   std::vector<double> samples;                              // s
   std::vector<std::pair<double, std::string>> checkpoints;  // s, file
   std::string resume;                                       // file
+  std::string results;                                      // folder of a campaign
   std::string outputs;                                      // patterns; empty: the scenario's
   std::string accuracy = kNotAsked;                         // tolerance, or empty for the usual one
   OutputOptions output;
@@ -124,10 +125,13 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
 
 // Of a campaign file one sample is run: --sample is its number then.
 RunOptions resolve_sample(RunOptions options) {
-  if (!is_campaign(options.scenario)) return options;
+  if (!is_campaign(options.scenario)) {
+    if (!options.results.empty()) refuse_option("--results", "it belongs to a campaign file and --sample");
+    return options;
+  }
   if (options.samples.size() != 1 || options.samples[0] != std::floor(options.samples[0]))
     refuse_option("--sample", "of a campaign one sample is run: --sample I, its number from 0");
-  choose_sample(options.scenario, static_cast<std::int64_t>(options.samples[0]));
+  choose_sample(options.scenario, static_cast<std::int64_t>(options.samples[0]), options.results);
   options.samples.clear();
   return options;
 }
@@ -194,6 +198,11 @@ void add_run(Command app, int& exit_code) {
       .delimiter(',')
       .type_name("SECONDS,...")
       .seconds(Seconds::kZeroToo);
+  command
+      .add_option("--results", options->results,
+                  "of a campaign: the folder of its results, from which the sample's values are taken; subset sampling "
+                  "needs it after its first level")
+      .type_name("DIR");
   command.add_option("--checkpoint", options->checkpoints, "saves the state at a time, s, for --resume; repeatable")
       .type_name("SECONDS FILE")
       .seconds(Seconds::kZeroToo, 0);

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 
 #include "tools/export/output_json.h"
+#include "tools/unfinished_file.h"
 #include "tools/unlatch/accuracy_report.h"
 #include "tools/unlatch/redundancy.h"
 #include "tools/unlatch/report.h"
@@ -259,15 +261,6 @@ void write_json(const RunReport& report, const std::string& target) { write_json
 
 namespace {
 
-// A file is written beside its target and takes its place when it is whole. Devices and pipes are written as they are.
-std::string choose_path(const std::string& target) {
-  std::error_code error;
-  const auto type = std::filesystem::status(target, error).type();
-  if (type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found) return target;
-  const auto real = std::filesystem::canonical(target, error);  // of a symbolic link the file that it names
-  return (error ? target : real.string()) + ".unfinished";
-}
-
 [[noreturn]] void fail(const std::string& target, const char* what, int error) {
   throw OutputError(target + ": cannot be " + what + ": " + std::strerror(error));
 }
@@ -275,22 +268,16 @@ std::string choose_path(const std::string& target) {
 }  // namespace
 
 void write_text(const std::string& text, const std::string& target) {
-  const std::string path = target == "-" ? target : choose_path(target);
-  std::FILE* const file = target == "-" ? stdout : std::fopen(path.c_str(), "wb");
+  std::optional<UnfinishedFile> place;
+  if (target != "-") place.emplace(target);
+  std::FILE* const file = place ? std::fopen(place->path().c_str(), "wb") : stdout;
   if (file == nullptr) fail(target, "created", errno);
   errno = 0;
   bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
   int error = errno;
-  if (file != stdout && std::fclose(file) != 0 && written) written = false, error = errno;
-  if (path == target) {
-    if (!written) fail(target, "written", error);
-    return;
-  }
-  const std::string final_path = path.substr(0, path.rfind('.'));
-  if (written && std::rename(path.c_str(), final_path.c_str()) != 0) written = false, error = errno;
-  if (written) return;
-  std::remove(path.c_str());
-  fail(target, "written", error);
+  if (place && std::fclose(file) != 0 && written) written = false, error = errno;
+  if (written && place && !place->finish()) written = false, error = errno;
+  if (!written) fail(target, "written", error);
 }
 
 void check_output(const std::string& target) {
@@ -299,11 +286,10 @@ void check_output(const std::string& target) {
   const auto type = std::filesystem::status(target, error).type();
   if (type == std::filesystem::file_type::directory) fail(target, "created", EISDIR);
   if (type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found) return;
-  const std::string path = choose_path(target);
-  std::FILE* const file = std::fopen(path.c_str(), "ab");
+  const UnfinishedFile place(target);
+  std::FILE* const file = std::fopen(place.path().c_str(), "ab");
   if (file == nullptr) fail(target, "created", errno);
   std::fclose(file);
-  std::remove(path.c_str());
 }
 
 JsonLines::JsonLines(const std::string& target) : target_(target) {

@@ -1,0 +1,19 @@
+// What subset sampling looks for: the failure whose probability it estimates. Key `subset` of a campaign file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "hil/campaign/sample_record.h"
+#include "hil/sampling/subset.h"
+
+namespace unlatch::hil {
+
+// Its plan for the number of dimensions and the seed of the campaign.
+SubsetPlan make_subset_plan(const RareFailure& failure, const SamplingPlan& plan);
+
+// Distance of a sample's value from the limit, in the column's unit: below 0, it fails. -infinity: it has no such value
+// or did not run to its end, which is a failure too.
+double calc_failure_margin(const RareFailure& failure, const SampleRecord& record);
+
+}  // namespace unlatch::hil
