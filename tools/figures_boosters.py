@@ -267,3 +267,34 @@ def add(figure, tools):
         columns[0].set_ylabel("distance to the core, m")
         columns[0].legend(loc="upper left")
         return drawn
+
+    @figure("boosters-rare")
+    def rare(bench):
+        import csv
+
+        import matplotlib.pyplot as plt
+        file = tools.SCENARIOS / "boosters/campaign-rare.yaml"
+        found = bench.call("campaign", file, "--out", bench.folder / "rare", "--json", "-")["rare"]
+        limit = found["limit"]
+        plain = bench.folder / "plain.yaml"  # as many independent samples
+        plain.write_text("\n".join(line for line in file.read_text().splitlines()
+                                   if not line.startswith(("sampling:", "subset:", "samples:")))
+                         .replace("reference.yaml", str(file.parent / "reference.yaml")) + f"\nsamples: {found['levels_run'][-1]['last']}\n")
+        bench.call("campaign", plain, "--out", bench.folder / "plain", "--json", "-")
+        with open(bench.folder / "plain/samples.csv", newline="", encoding="utf-8") as table:
+            times = sorted(float(row[f"{found['column']} [s]"] or "inf") for row in csv.DictReader(table))
+        drawn, axes = plt.subplots(figsize=(7.5, 3.4), constrained_layout=True)
+        axes.step(times, [1 - k / len(times) for k in range(len(times))], where="post", color="0.6", label=f"{len(times)} independent samples")
+        axes.plot([limit - margin for margin, _ in found["curve"]], [p for _, p in found["curve"]], color=COLOURS[0],
+                  label=f"subset simulation, {len(times)} samples")
+        before = 1
+        for level in found["levels_run"]:
+            before *= level["probability"]
+            axes.plot([limit - level["threshold"]], [before], marker="o", markersize=4, color=COLOURS[1], linestyle="none",
+                      label="levels" if level is found["levels_run"][0] else None)
+        axes.plot([limit, limit], found["interval"], color=COLOURS[1], linewidth=3, alpha=0.5, label="95 %")
+        axes.set_yscale("log")
+        axes.set_xlabel("booster 1 leaves later than, s")
+        axes.set_ylabel("probability")
+        axes.legend(loc="lower left")
+        return drawn

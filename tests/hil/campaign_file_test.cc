@@ -178,7 +178,7 @@ TEST_F(CampaignFileTest, AUnitOfAnotherKindIsAMistake) {
 // Expressions take a constant by its dimension: a value without its unit would make `5 * gap` no length.
 TEST_F(CampaignFileTest, AConstantKeepsItsUnit) {
   std::ofstream(folder_ / "s.yaml") << "constants: {gap: 20 cm}\n"
-                                    << replaced(kGoodScenario, "position: [3, 0, 0]", "position: [15 * gap, 0, 0]");
+                                    << replaced(kGoodScenario, "free_length: 1", "free_length: 5 * gap");
   std::ofstream(folder_ / "t.csv") << "gap\n0.25\n";
   const std::vector<std::pair<std::string, double>> plans{
       {"sampling: grid\nlevels: 2\nparameters:\n  gap: {path: constants.gap, uniform: {min: 100 mm, max: 300 mm}}\n",

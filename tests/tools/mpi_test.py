@@ -122,6 +122,16 @@ class MpiTest(ProcessTest):
         self.check_same_tables("alone", "threads")
         self.check_same_tables("alone", "one")
 
+    def test_rare_failures_are_the_same_on_ranks(self):
+        path = self.write("sampling: subset\nsamples: 100\nsubset: {of: fast}\nparameters:\n" + "".join(
+            f"  v{k}: {{path: 'bodies.top.velocity[{k}]', normal: {{mean: 0 m/s, sigma: 0.6 m/s}}}}\n" for k in range(3)))
+        alone = self.run_alone(path, "alone", "--jobs", "1")
+        self.assertGreater(len(alone["rare"]["levels_run"]), 2)
+        ranks = self.run_campaign(3, path, "ranks", "--jobs", "2")
+        self.assertEqual(alone["hash"], ranks["hash"])
+        self.assertEqual(alone["rare"], ranks["rare"])
+        self.check_same_tables("alone", "ranks")
+
     def list_samples(self, out):
         """In the order of the file of results; what is not whole at its end is left out."""
         manifest = json.loads((self.folder / out / "manifest.json").read_text())
