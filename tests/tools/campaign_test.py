@@ -326,6 +326,28 @@ class CampaignTest(ProcessTest):
         finally:
             browser.close()
 
+    def test_the_worst_samples_fly_in_pages_of_their_own(self):
+        path = self.write("samples: 30\nparameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n")
+        summary = self.run_campaign(path, "out", "--set", "step.until=0.06", code=(0, 1))
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "out", "--out", page, "--flights", "2")
+        hashes = {int(row["sample"]): row["hash"] for row in read_table(self.folder / "out")}
+        browser = Browser()
+        try:
+            browser.open(page)
+            self.assertEqual(browser.evaluate("document.querySelectorAll('#worst .flight').length"), 2)
+            for sample in summary["worst"][:2]:
+                self.assertEqual(browser.evaluate(f"data.flights[{sample}]"), f"page-{sample}.html")
+                self.assertIn(hashes[sample], (self.folder / f"page-{sample}.html").read_text())  # the same flight
+            self.assertEqual(browser.complaints, [])
+        finally:
+            browser.close()
+        self.assertEqual(sorted(p.name for p in self.folder.glob("page*")), sorted(["page.html", *(f"page-{s}.html" for s in summary["worst"][:2])]))
+        path.write_text(path.read_text() + "seed: 9\n")
+        done = call(UNLATCH, "campaign", "report", self.folder / "out", "--out", page, "--flights", "1")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("not the campaign file of these results any more", done.stderr)
+
     def test_the_page_shows_rare_failures(self):
         summary = self.run_campaign(self.write_rare(samples=200), "out")
         page = self.folder / "page.html"

@@ -103,14 +103,24 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   return json;
 }
 
+// Margins of all that a sample may fail: requirements, and the failure that subset sampling looks for.
+std::vector<std::vector<double>> list_margins(const CampaignData& data) {
+  std::vector<std::vector<double>> all;
+  for (const Json& requirement : data.manifest.at("requirements"))
+    all.push_back(data.get_column(data.find_column(requirement.at("id").get<std::string>() + ".margin")));
+  if (const auto failure = data.get_failure()) {
+    all.emplace_back();
+    for (const hil::SampleRecord& record : data.records) all.back().push_back(calc_failure_margin(*failure, record));
+  }
+  return all;
+}
+
 // Faults first, then by the smallest margin, in units of the spread of that margin over all samples.
 Json list_worst(const CampaignData& data) {
   std::vector<std::pair<double, std::int64_t>> order;
   for (const hil::SampleRecord& record : data.records)
     order.emplace_back(record.result.status == hil::SampleStatus::kDone ? HUGE_VAL : -HUGE_VAL, record.sample);
-  for (const Json& requirement : data.manifest.at("requirements")) {
-    const std::vector<double> margins =
-        data.get_column(data.find_column(requirement.at("id").get<std::string>() + ".margin"));
+  for (const std::vector<double>& margins : list_margins(data)) {
     const std::vector<double> sorted = sort_present(margins);
     const double spread = hil::calc_quantile(sorted, 0.9) - hil::calc_quantile(sorted, 0.1);
     for (std::size_t i = 0; i < margins.size(); ++i) {

@@ -1,6 +1,7 @@
 // unlatch campaign: many samples of a scenario, their results and statistics.
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "tools/campaign/summary.h"
 #include "tools/exit_codes.h"
 #include "tools/interrupt.h"
+#include "tools/unlatch/campaign_flights.h"
 #include "tools/unlatch/campaign_host.h"
 #include "tools/unlatch/commands.h"
 #include "tools/unlatch/report.h"
@@ -26,7 +28,7 @@ struct CampaignOptions {
   std::vector<std::string> arguments;  // FILE; merge DIR...; report DIR
   std::string out, samples, json;
   std::vector<std::string> overrides;
-  int jobs = 0;
+  int jobs = 0, flights = 0;
   bool resume = false;
 };
 
@@ -182,7 +184,11 @@ int report(const CampaignOptions& options) {
   if (options.arguments.size() != 2) refuse_option("report", "one folder: unlatch campaign report DIR --out page.html");
   check_output(options.out);
   const CampaignData data = read_campaign(options.arguments[1]);
-  const std::string page = build_campaign_page(data, build_summary(data));
+  const Json summary = build_summary(data);
+  std::vector<std::int64_t> worst = summary.at("worst");
+  worst.resize(std::min(worst.size(), static_cast<std::size_t>(options.flights)));
+  const Json flights = worst.empty() ? Json::object() : fly_samples(data, options.arguments[1], worst, options.out);
+  const std::string page = build_campaign_page(data, summary, flights);
   write_text(page, options.out);
   std::fprintf(stderr, "%s: %.1f MB\n", options.out.c_str(), static_cast<double>(page.size()) * 1e-6);
   return kExitDone;
@@ -251,6 +257,12 @@ void add_campaign(Command app, int& exit_code) {
       .type_name("DIR");
   command.add_option("--jobs", options->jobs, "threads (default: as many as the machine has)")
       .within(1, 1024)
+      .type_name("N");
+  command
+      .add_option("--flights", options->flights,
+                  "of report: flies so many of the worst samples again and writes a page of each beside this one, with "
+                  "the bodies in motion")
+      .within(0, 10)
       .type_name("N");
   add_options(command, *options);
   command.callback([options, &exit_code] { exit_code = dispatch_alone(*options); });
