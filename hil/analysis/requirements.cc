@@ -19,6 +19,12 @@ bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quant
 bool takes_low(Take take) { return take != Take::kMaximum && take != Take::kFinal; }
 bool takes_high(Take take) { return take != Take::kMinimum && take != Take::kFinal; }
 
+// The smallest clearance of the whole run: the clearances watch it themselves, and compute only what can be it.
+bool is_smallest_clearance(const Requirement& r) {
+  return r.quantity == Measure::kClearance && r.take == Take::kMinimum && !r.at.is_named() && !r.from.is_named() &&
+         !r.to.is_named();
+}
+
 // The part of a vector along a direction; its size if there is none.
 double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
   return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
@@ -170,6 +176,10 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
     if (is_of_events(r.quantity)) continue;
     // The turns of an angle count from the beginning of the run, whatever the interval.
     if (track.phase == Phase::kClosed || (track.phase == Phase::kWaiting && r.quantity != Measure::kAngle)) continue;
+    if (is_smallest_clearance(r)) {
+      track.has_last = true;
+      continue;
+    }
     const bool begins = track.fresh || !window.is_smooth();
     double start = track.last;
     if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
@@ -195,7 +205,8 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
 double RequirementMonitor::get_now(std::size_t i) const {
   const Track& track = tracks_[i];
   const bool open = track.phase == Phase::kOpen && track.has_last && !is_of_events(track.requirement->quantity);
-  return open ? track.last : std::nan("");
+  if (!open) return std::nan("");
+  return is_smallest_clearance(*track.requirement) ? clearances_.get_now(track.pair) : track.last;
 }
 
 // --- The verdict ----------------------------------------------------------------------------------------------------
@@ -242,7 +253,16 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     set_margin(r, track.last, track.last_time, verdict);
     return verdict;
   }
-  if (track.phase == Phase::kOpen) finish(track, window);
+  if (is_smallest_clearance(r)) {
+    // The latest interval is searched when the next has come, or here.
+    const MotionPiece& piece = window.get_present();
+    const Clearance& clearance = clearances_.get()[at(track.pair)];
+    const auto function = [&](double time) { return calc_within(track, window, time); };
+    track.low.add(clearance.time, clearance.smallest);
+    track.low.add(piece.from, function(piece.from), piece.to, clearance.now, true, function);
+  } else if (track.phase == Phase::kOpen) {
+    finish(track, window);
+  }
   const double low = track.low.get_value(), high = -track.high.get_value();
   const double low_time = track.low.get_time(), high_time = track.high.get_time();
   switch (r.take) {
