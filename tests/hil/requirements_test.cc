@@ -63,6 +63,19 @@ TEST(Requirements, SmallestClearanceIsLocatedInsideTheStep) {
   EXPECT_NEAR(run.analysis.clearances()[0].time, 0.6172839, kLocated);
 }
 
+// Of a pair that is watched and far from its smallest distance most steps are skipped; what is asked is right all the
+// same.
+TEST(Requirements, SmallestClearanceIsRightInTheLastStepAndWhenAskedInARun) {
+  const std::string kept = "  - {id: kept, clearance: [still, moving], at_least: 0.2}\n";
+  std::string ends = kPass + kept;
+  ends.replace(ends.find("until: 1.5"), 10, "until: 0.618");  // the smallest is within its last step
+  const hil::Verdict last = AnalysedRun(ends).judge("kept");
+  EXPECT_NEAR(last.value, 0.25, kExact);
+  EXPECT_NEAR(last.time, 0.6172839, kLocated);
+  const AnalysedRun run = pass(kept);
+  EXPECT_NEAR(run.analysis.get_requirement_now(0), std::hypot(-1.2345678 + 2 * 1.5, 1) - 0.75, kExact);
+}
+
 TEST(Requirements, IntervalBetweenTwoEventsLeavesOutTheRest) {
   const AnalysedRun run = pass(
       "  - {id: before, clearance: [still, moving], from: early, to: late, at_least: 0.3}\n"
