@@ -39,8 +39,8 @@ struct ScenarioOptions {
 };
 void add_scenario_options(Command command, ScenarioOptions& options);
 
-// If the path is a campaign's, that is replaced by its scenario with the values of one sample: those of the campaign, or
-// of its folder of results, if one is named. Throws hil::ScenarioError.
+// If the path is a campaign's, that is replaced by its scenario with the values of one sample: those of the campaign,
+// or of its folder of results, if one is named. Throws hil::ScenarioError.
 void choose_sample(ScenarioOptions& options, std::int64_t sample, const std::string& results);
 // The path is a campaign file's.
 bool is_campaign(const ScenarioOptions& options);
