@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/geometry/bounds.h"
+
 namespace unlatch {
 namespace {
 
@@ -52,15 +54,37 @@ bool has_closed_pair(const State& state, const PlanContact& contact) {
   return false;
 }
 
+// Pairs whose bounds are within this part of their size are computed all the same: there an acceleration counts.
+constexpr double kNear = 1e-4;
+
+double calc_speed(const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b, const BodyFrame& at_b) {
+  return geometry::calc_closing_speed(a.group, {at_a.v, norm(at_a.w), 0}, b.group, {at_b.v, norm(at_b.w), 0});
+}
+
 // Least distance of two surfaces that can be told without computing it; negative infinity if they may come near
-// `threshold` within a step.
-double calc_far_bound(const PlanData& plan, const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b,
-                      const BodyFrame& at_b, double threshold) {
+// `threshold` within `interval`.
+double calc_far_bound(const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b, const BodyFrame& at_b,
+                      double threshold, double interval) {
   const double bound = geometry::calc_lower_bound(a.group, get_placement(at_a), b.group, get_placement(at_b));
   if (!(bound > threshold)) return -HUGE_VAL;
-  const double speed =
-      geometry::calc_closing_speed(a.group, {at_a.v, norm(at_a.w), 0}, b.group, {at_b.v, norm(at_b.w), 0});
-  return bound > threshold + kMargin * speed * plan.options.dt ? bound : -HUGE_VAL;
+  return bound > threshold + kMargin * calc_speed(a, at_a, b, at_b) * interval ? bound : -HUGE_VAL;
+}
+
+// The same of a pair of shapes, for touches; `way`: that bodies may go.
+double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyFrame& base, const BodyFrame& follower,
+                      double way) {
+  const PlanContact& contact = plan.contacts[at(pair.contact)];
+  const geometry::CompiledShape& a = plan.shapes[at(contact.base)].group.shapes[at(pair.base_shape)];
+  const geometry::CompiledShape& b = plan.shapes[at(contact.follower)].group.shapes[at(pair.follower_shape)];
+  const double bound = geometry::calc_lower_bound(a, get_placement(base), b, get_placement(follower));
+  return bound > way + kNear * (a.bound + b.bound) ? bound : -HUGE_VAL;
+}
+
+// Until the next instant at which pairs are looked at: of the parts into which closed contacts cut a step, or the step.
+double calc_interval(const PlanData& plan, const State& state) {
+  for (const ContactState& pair : state.contacts)
+    if (pair.closed != 0) return plan.options.dt / plan.contact_substeps;
+  return plan.options.dt;
 }
 
 }  // namespace
@@ -130,24 +154,29 @@ double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, in
 
 double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, int b, double threshold) noexcept {
   const PlanShapes &of_a = plan.shapes[at(a)], &of_b = plan.shapes[at(b)];
-  const double bound =
-      calc_far_bound(plan, of_a, get_body_frame(ev, of_a.body), of_b, get_body_frame(ev, of_b.body), threshold);
+  const double bound = calc_far_bound(of_a, get_body_frame(ev, of_a.body), of_b, get_body_frame(ev, of_b.body),
+                                      threshold, plan.options.dt);
   return std::isfinite(bound) ? bound : calc_shape_distance(plan, ev, a, b);
 }
 
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;
+  const double interval = calc_interval(plan, now.state);
   for (const PlanContact& contact : plan.contacts) {
     if (calc_scale(now.state.elements[at(contact.element)], now.t) == 0) continue;
     const PlanShapes &a = plan.shapes[at(contact.base)], &b = plan.shapes[at(contact.follower)];
     const BodyFrame base = get_body_frame(ev, a.body), follower = get_body_frame(ev, b.body);
-    const double bound = calc_far_bound(plan, a, base, b, follower, 0);
+    const double all = calc_far_bound(a, base, b, follower, 0, plan.options.dt);
+    const bool far = std::isfinite(all);
+    const double way = far ? 0 : kMargin * calc_speed(a, base, b, follower) * interval;
     for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
       if (now.state.contacts[i].closed != 0) continue;
+      const ContactPair& pair = plan.contact_pairs[i];
+      const double bound = far ? all : calc_far_bound(plan, pair, base, follower, way);
       ev.pair_distances[i] = bound;
       ev.pair_rates[i] = 0;
       if (std::isfinite(bound)) continue;
-      const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
+      const geometry::Distance distance = calc_pair_distance(plan, pair, base, follower);
       ev.pair_distances[i] = distance.distance;
       ev.pair_rates[i] = calc_rate(distance, calc_velocity(base, follower, calc_middle(distance)));
     }

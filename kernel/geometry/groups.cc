@@ -1,7 +1,7 @@
 // Distances of unions, and bounds by which pairs are skipped.
 #include <cmath>
 
-#include "unlatch/geometry.h"
+#include "kernel/geometry/bounds.h"
 
 namespace unlatch::geometry {
 namespace {
@@ -14,7 +14,45 @@ double calc_bound(const Vec3& between, double a, double b) {
   return std::isfinite(a) && std::isfinite(b) ? (apart - (a + b)) - kRounding * ((apart + a) + b) : -kInfinite;
 }
 
+// Half of the box about a shape, in its axes.
+Vec3 get_half_box(const CompiledShape& shape) {
+  switch (shape.kind) {
+    case ShapeKind::kBox:
+      return shape.half_size;
+    case ShapeKind::kSphere:
+      return {shape.r0, shape.r0, shape.r0};
+    case ShapeKind::kCapsule:
+      return {shape.r0, shape.r0, shape.half_length + shape.r0};
+    case ShapeKind::kHull:
+    case ShapeKind::kHollow:
+      return {shape.bound, shape.bound, shape.bound};
+    default: {
+      const double r = shape.r0 > shape.r1 ? shape.r0 : shape.r1;
+      return {r, r, shape.half_length};
+    }
+  }
+}
+
+double calc_outside(double x, double half) {
+  const double out = std::fabs(x) - half;
+  return out > 0 ? out : 0.0;
+}
+
 }  // namespace
+
+double calc_lower_bound(const CompiledShape& a, const Placement& at_a, const CompiledShape& b,
+                        const Placement& at_b) noexcept {
+  if (!std::isfinite(a.bound) || !std::isfinite(b.bound)) return -kInfinite;
+  const bool of_a = a.bound > b.bound;
+  const CompiledShape &boxed = of_a ? a : b, &round = of_a ? b : a;
+  const Placement &at_boxed = of_a ? at_a : at_b, &at_round = of_a ? at_b : at_a;
+  const Vec3 centre = at_round.p_WB + at_round.R_WB * round.p_BS;
+  const Vec3 in_body = transpose_times(at_boxed.R_WB, centre - at_boxed.p_WB) - boxed.p_BS;
+  const Vec3 x = transpose_times(boxed.R_BS, in_body), half = get_half_box(boxed);
+  const Vec3 out{calc_outside(x.x, half.x), calc_outside(x.y, half.y), calc_outside(x.z, half.z)};
+  const double bound = (norm(out) - round.bound) - kRounding * ((norm(x) + a.bound) + b.bound);
+  return bound > 0 ? bound : -kInfinite;
+}
 
 GroupDistance calc_distance(const ShapeGroup& a, const Placement& at_a, const ShapeGroup& b,
                             const Placement& at_b) noexcept {

@@ -195,6 +195,7 @@ double find_touches(Run& run, const SubstepStart& start, double end) {
   double reached = h;
   int tries = 0;
   for (std::size_t i = 0; i < run.state.contacts.size(); ++i) {
+    if (!(s.rates_low[i] < 0 && s.rates_high[i] > 0)) continue;
     const Flank left = get_flank(run, i, 0, s.guards_low, s.rates_low);
     const Flank right = get_flank(run, i, reached, s.guards_high, s.rates_high);
     const double touch = find_touch(run, start, i, left, right, tries);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "kernel/geometry/bounds.h"
 #include "tests/kernel/geometry/solids.h"
 #include "tests/support/malloc_guard.h"
 
@@ -139,6 +140,27 @@ TEST(GeometryMotion, BoundsAreBelowTheDistance) {
     const Placement then{at_b.p_WB + dt * of_b.v_WB, turn * at_b.R_WB};
     EXPECT_LE(calc_advanced_bound(apart, a, {}, b, of_b, dt), calc_distance(a, at_a, b, then).least.distance + 1e-9);
   }
+}
+
+TEST(GeometryMotion, BoundsByBoxesAreBelowTheDistanceAndOftenNearIt) {
+  constexpr std::uint64_t kSeed = 10;
+  Random random(kSeed);
+  int apart = 0, near = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const int kind_a = random.below(kKinds), kind_b = random.below(7);
+    const CompiledShape a = compile_shape(draw_any(random, kind_a)), b = compile_shape(draw_any(random, kind_b));
+    if (kind_a == 8 && i % 8) continue;  // walls take longer
+    const Placement at_a = draw_placement(random, 2), at_b = draw_placement(random, 2);
+    const double d = calc_distance(a, at_a, b, at_b).distance, bound = calc_lower_bound(a, at_a, b, at_b);
+    ASSERT_LE(bound, d) << "seed " << kSeed << ": " << kind_a << " " << kind_b << " at " << i;
+    ASSERT_LE(calc_lower_bound(b, at_b, a, at_a), d) << "seed " << kSeed << ": " << kind_a << " " << kind_b;
+    apart += d > 0.5, near += d > 0.5 && bound > 0.5 * d;
+  }
+  EXPECT_GT(near, apart / 2) << "of " << apart;
+  // A ball beside the long side of a box: there the bound is the distance.
+  const CompiledShape ball = compile_shape(Shape{.kind = ShapeKind::kSphere, .radius = 0.1});
+  const CompiledShape strip = compile_shape(Shape{.kind = ShapeKind::kBox, .size = {4, 0.2, 0.2}});
+  EXPECT_NEAR(calc_lower_bound(ball, {{1.5, 0.3, 0}, kIdentity3}, strip, {}), 0.1, 1e-11);
 }
 
 }  // namespace
