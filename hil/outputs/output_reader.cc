@@ -4,7 +4,6 @@
 
 #include "hil/motion/motion_window.h"
 #include "hil/scenario/index.h"
-#include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -18,6 +17,7 @@ void put(std::span<const double> values, std::span<double> to) { std::ranges::co
 bool is_of_body(Kind kind) { return kind <= Kind::kModalRate; }
 bool is_of_joint(Kind kind) { return kind >= Kind::kMode && kind <= Kind::kAngleRate; }
 bool is_of_contact(Kind kind) { return kind >= Kind::kContactForce && kind <= Kind::kContactDissipated; }
+bool is_of_reading(Kind kind) { return kind >= Kind::kContactForce && kind <= Kind::kContactSlipSpeed; }
 bool is_of_element(Kind kind) { return kind >= Kind::kElementForce && kind <= Kind::kElementScale; }
 
 }  // namespace
@@ -44,7 +44,9 @@ void OutputReader::read(std::span<double> to) {
 }
 
 void OutputReader::read(std::span<const std::size_t> outputs, std::span<double> to) {
-  bool fresh = false;  // clearances are
+  bool fresh = false;   // clearances are
+  int contact = kNone;  // that `reading` is of: some microseconds for each closed pair
+  ContactReading reading;
   for (const std::size_t i : outputs) {
     const Output& output = list_[i];
     const std::span<double> own = to.subspan(output.first, output.columns.size());
@@ -55,7 +57,11 @@ void OutputReader::read(std::span<const std::size_t> outputs, std::span<double> 
     } else if (is_of_element(output.kind)) {
       read_element(output, own);
     } else if (is_of_contact(output.kind)) {
-      read_contact(output, own);
+      if (is_of_reading(output.kind) && output.subject != contact) {
+        contact = output.subject;
+        reading = calc_contact(simulation_.plan(), simulation_.state(), contact);
+      }
+      read_contact(output, reading, own);
     } else if (output.kind == Kind::kSensor) {
       put(simulation_.workspace().sensors.subspan(first_sensor_value_[at(output.subject)], own.size()), own);
     } else if (output.kind == Kind::kSignal) {
@@ -150,30 +156,29 @@ void OutputReader::read_element(const Output& output, std::span<double> to) cons
   }
 }
 
-void OutputReader::read_contact(const Output& output, std::span<double> to) const {
-  const Plan& plan = simulation_.plan();
-  const State& state = simulation_.state();
+void OutputReader::read_contact(const Output& output, const ContactReading& reading, std::span<double> to) const {
+  const ContactTotals totals = get_contact_totals(simulation_.plan(), simulation_.state(), output.subject);
   switch (output.kind) {
     case Kind::kContactForce:
-      to[0] = calc_contact(plan, state, output.subject).normal;
+      to[0] = reading.normal;
       break;
     case Kind::kContactFriction:
-      to[0] = calc_contact(plan, state, output.subject).friction;
+      to[0] = reading.friction;
       break;
     case Kind::kContactDepth:
-      to[0] = calc_contact(plan, state, output.subject).depth;
+      to[0] = reading.depth;
       break;
     case Kind::kContactSlipSpeed:
-      to[0] = calc_contact(plan, state, output.subject).slip;
+      to[0] = reading.slip;
       break;
     case Kind::kContactImpulse:
-      to[0] = get_contact_totals(plan, state, output.subject).impulse;
+      to[0] = totals.impulse;
       break;
     case Kind::kContactSlip:
-      to[0] = get_contact_totals(plan, state, output.subject).slip;
+      to[0] = totals.slip;
       break;
     default:
-      to[0] = get_contact_totals(plan, state, output.subject).dissipated;
+      to[0] = totals.dissipated;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "hil/scenario/outputs.h"
 #include "hil/scenario/scenario.h"
 #include "hil/simulation/simulation.h"
+#include "unlatch/contacts.h"
 
 namespace unlatch::hil {
 
@@ -32,7 +33,8 @@ class OutputReader {
  private:
   void read_body(const Output& output, std::span<double> to) const;
   void read_joint(const Output& output, std::span<double> to) const;
-  void read_contact(const Output& output, std::span<double> to) const;
+  // `reading`: for the outputs that are part of one.
+  void read_contact(const Output& output, const ContactReading& reading, std::span<double> to) const;
   void read_element(const Output& output, std::span<double> to) const;
   void update_clearances();
 
