@@ -13,9 +13,13 @@
 
 namespace unlatch::hil {
 
+// Pieces of motion in which no result can change are left out, or computed all the same; the results have the same
+// bits.
+enum class Skipping { kOn, kOff };
+
 class ClearanceHistory {
  public:
-  explicit ClearanceHistory(const Scenario& scenario);
+  explicit ClearanceHistory(const Scenario& scenario, Skipping skipping = Skipping::kOn);
 
   // A state that no step produced.
   void begin(double time, std::span<const BodyState> bodies);
@@ -39,6 +43,11 @@ class ClearanceHistory {
   [[nodiscard]] PairDistance calc_witnesses(int pair) const;
 
  private:
+  // A body that is in a pair.
+  struct Body {
+    double turned = 0;   // rad, at most, up to its end
+    bool fresh = false;  // `place` is of the present piece
+  };
   // A body at the end of the present piece.
   struct Place {
     geometry::Placement at;
@@ -54,15 +63,18 @@ class ClearanceHistory {
   };
   struct Track {
     Smallest whole, released;
-    double size = 0;                 // m
-    Relative reference;              // when the distance was computed last
-    double value = 0;                // m, then
-    double moved = 0;                // m, at most, by which the distance has changed since, at the latest knot
-    Relative latest;                 // at the latest knot
-    bool idle = false;               // pieces were skipped; the next that is not begins anew
-    mutable bool stale = false;      // `now` and `rate` of the latest knot are not computed
-    geometry::Placement at_a, at_b;  // when it was smallest
-    double tie = 0;                  // m: the value that later ones are compared with
+    double size = 0;                    // m
+    Relative reference;                 // when the distance was computed last
+    Vec3 between{0, 0, 0};              // m, from one origin to the other, W axes, then
+    double turned_a = 0, turned_b = 0;  // Body::turned, then
+    double value = 0;                   // m, then
+    double moved = 0;                   // m, at most, by which the distance has changed since, at the latest knot
+    Relative latest;                    // at the latest knot
+    bool followed = true;               // it is
+    bool idle = false;                  // pieces were skipped; the next that is not begins anew
+    mutable bool stale = false;         // `now` and `rate` of the latest knot are not computed
+    geometry::Placement at_a, at_b;     // when it was smallest
+    double tie = 0;                     // m: the value that later ones are compared with
     bool after_release = false;
     double release_time = 0;
   };
@@ -71,15 +83,21 @@ class ClearanceHistory {
   static Place get_place(const BodyState& body, const Spatial& acceleration);
   [[nodiscard]] Relative calc_relative(std::size_t pair, const Place& a, const Place& b) const;
   [[nodiscard]] double calc_change(std::size_t pair, const Relative& from, const Relative& to) const;
+  [[nodiscard]] double get_limit(std::size_t pair) const;
+  [[nodiscard]] bool is_far(const MotionPiece& piece, std::size_t pair) const;
+  const Place& get_end(const MotionPiece& piece, std::size_t body);
   bool skip(const MotionWindow& window, std::size_t pair);
+  void set_reference(const MotionPiece& piece, std::size_t pair, double value);
   void keep_places(const MotionWindow& window, std::size_t pair);
   void publish(std::size_t pair);
   void find_touch(const MotionWindow& window, std::size_t pair, bool crosses, const Smallest::Function& function);
 
+  Skipping skipping_;
   ClearanceMonitor monitor_;
   mutable std::vector<Clearance> now_;
   std::vector<Track> tracks_;
-  std::vector<Place> places_;             // by body; of those that are in a pair
+  std::vector<Body> bodies_;              // by body; of those that are in a pair
+  std::vector<Place> places_;             // by body; of those that are fresh
   std::vector<int> watched_;              // these bodies
   const MotionWindow* window_ = nullptr;  // the latest
 };

@@ -4,6 +4,7 @@
 
 #include "hil/motion/extreme.h"
 #include "tests/hil/analysed_run.h"
+#include "tests/support/random.h"
 
 namespace unlatch::test {
 namespace {
@@ -116,6 +117,68 @@ clearance: all
   EXPECT_NEAR(found.time, 0.0105, kLocated);
   ASSERT_TRUE(found.touch.has_value());
   EXPECT_NEAR(*found.touch, (5.25 - 0.1001) / 500, kLocated);
+}
+
+// Five bodies of random shapes that tumble past one another, with all ten pairs watched. Half of the runs accelerate.
+std::string draw_swarm(Random& random) {
+  const auto draw = [&](double limit) { return std::to_string(limit * (2 * random.uniform() - 1)); };
+  const auto draw_three = [&](double limit) {
+    return "[" + draw(limit) + ", " + draw(limit) + ", " + draw(limit) + "]";
+  };
+  const char* const shapes[] = {
+      "cylinder: {from: [-0.5, 0, 0], to: [0.5, 0, 0], radius: 0.2}", "box: {size: [0.5, 0.3, 0.7]}",
+      "cone: {from: [0, 0, -0.3], to: [0, 0, 0.6], radius: 0.3}", "sphere: {centre: [0.4, 0, 0], radius: 0.2}",
+      "capsule: {from: [0, -0.4, 0], to: [0, 0.4, 0.2], radius: 0.1}"};
+  std::string text = "unlatch: 1\nname: swarm\nstep: {dt: 2 ms, until: 0.5}\nclearance: all\n";
+  if (random.uniform() < 0.5) text += "gravity: {uniform: [0, 0, -9.81]}\n";
+  text += "bodies:\n";
+  for (int b = 0; b < 5; ++b)
+    text += "  b" + std::to_string(b) + ": {mass: 1, inertia: [0.5, 0.6, 0.7], position: " + draw_three(1.5) +
+            ", velocity: " + draw_three(4) + ", rate: " + draw_three(b == 0 ? 0 : 8) + ", shape: [{" +
+            shapes[random.below(5)] + "}, {" + shapes[random.below(5)] + "}]}\n";
+  return text;
+}
+
+TEST(ClearanceHistory, HasTheSameBitsWhetherPiecesAreSkippedOrNot) {
+  constexpr std::uint64_t kSeed = 26;
+  Random random(kSeed);
+  int with_minimum = 0;
+  for (int run = 0; run < 40; ++run) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", run " + std::to_string(run));
+    const hil::Scenario scenario = hil::load_scenario_text(draw_swarm(random), "swarm.yaml");
+    const auto simulation = hil::build_simulation(scenario);
+    simulation->keep_motion();
+    hil::ClearanceHistory some(scenario), all(scenario, hil::Skipping::kOff);
+    const auto for_both = [&](const auto& act) { act(some), act(all); };
+    hil::MotionWindow window;
+    for_both([&](auto& history) { history.begin(0, simulation->state().bodies); });
+    for (int tick = 1; tick <= 250; ++tick) {
+      ASSERT_EQ(simulation->step().status, StepStatus::kOk);
+      const std::span<const MotionKnot> knots = simulation->get_motion();
+      window.move_on(knots[0], knots[1]);
+      for_both([&](auto& history) { history.add(window); });
+      if (tick == 100) for_both([&](auto& history) { history.release(simulation->get_time(), {0, 1}, {2, 3, 4}); });
+      if (tick == 200) for_both([&](auto& history) { history.join({1, 2}); });
+    }
+    for (std::size_t i = 0; i < some.get().size(); ++i) {
+      const hil::Clearance &a = some.get()[i], &b = all.get()[i];
+      EXPECT_EQ(a.smallest, b.smallest);
+      EXPECT_EQ(a.time, b.time);
+      EXPECT_EQ(a.touch, b.touch);
+      EXPECT_EQ(a.now, b.now);
+      EXPECT_EQ(a.rate, b.rate);
+      EXPECT_EQ(a.tie.from, b.tie.from);
+      EXPECT_EQ(a.tie.to, b.tie.to);
+      EXPECT_EQ(a.tie.count, b.tie.count);
+      ASSERT_EQ(a.after_release.has_value(), b.after_release.has_value());
+      if (a.after_release) {
+        EXPECT_EQ(a.after_release->smallest, b.after_release->smallest);
+        EXPECT_EQ(a.after_release->time, b.after_release->time);
+      }
+      with_minimum += a.time > 0 && a.time < 0.5;
+    }
+  }
+  EXPECT_GT(with_minimum, 100) << "of 400: the others end or begin with their smallest";
 }
 
 // A nozzle that leaves a skirt: the distance to the wall from within, without the faces that mated.
