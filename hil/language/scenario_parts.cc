@@ -163,19 +163,13 @@ bool append_section(YamlNode& to, YamlNode&& from) {
   return true;
 }
 
-YamlNode build_tree(ScenarioSources& sources, const std::string& file, const std::vector<std::string>& overrides,
-                    Mistakes& mistakes) {
+YamlNode build_tree(ScenarioSources& sources, const std::string& file, Mistakes& mistakes) {
   const std::filesystem::path path(file);
   Includer includer(sources, path.parent_path().string(), mistakes);
   YamlNode root = includer.read(sources.main(), path.filename().string(), 0);
   if (includer.is_incomplete()) mistakes.throw_if_any();
   expand_templates(root, mistakes);
   includer.apply_sets(root);
-  for (std::size_t i = 0; i < overrides.size(); ++i) try {
-      apply_override(overrides[i], static_cast<int>(i), root);
-    } catch (const YamlError& e) {
-      mistakes.add(e.mark, e.what(), e.mend);
-    }
   return root;
 }
 

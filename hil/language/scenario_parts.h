@@ -1,5 +1,5 @@
 // Inside of the scenario loader: the tree of a scenario from its file, the files that it includes, its templates and
-// what `set` and the command line replace, so that the reader sees one plain scenario.
+// what `set` replaces, so that the reader sees one plain scenario.
 #pragma once
 
 #include <string>
@@ -12,8 +12,7 @@
 namespace unlatch::hil {
 
 // A text that is not YAML is the only mistake then, and is thrown; all else is added to `mistakes`.
-YamlNode build_tree(ScenarioSources& sources, const std::string& file, const std::vector<std::string>& overrides,
-                    Mistakes& mistakes);
+YamlNode build_tree(ScenarioSources& sources, const std::string& file, Mistakes& mistakes);
 
 // Replaces `templates` and `instances` by the entries that they describe.
 void expand_templates(YamlNode& root, Mistakes& mistakes);

@@ -18,10 +18,18 @@ void expect(const YamlNode& node, const std::string& wanted, Mistakes& mistakes)
   mistakes.add(node.mark, "a value of the wrong type: " + std::string(kind_name(node.kind)), "this must be " + wanted);
 }
 
-std::string describe_units(const std::string& unit) {
-  if (unit.empty()) return "write a plain number, such as 0.35";
-  std::string text = "write a number in " + unit;
-  const std::vector<std::string> units = list_units(unit);
+// The number that is wanted: in the SI unit `unit`, or in any if it is null. Both texts are for a mistake: most numbers
+// are none, and no text is made for them.
+std::string describe_wanted(const std::string* unit) {
+  if (unit == nullptr) return "a number, such as 4380 kg";
+  return "a number" + (unit->empty() ? "" : ", in " + *unit);
+}
+
+std::string describe_units(const std::string* unit) {
+  if (unit == nullptr) return "write a number, such as 4380 kg";
+  if (unit->empty()) return "write a plain number, such as 0.35";
+  std::string text = "write a number in " + *unit;
+  const std::vector<std::string> units = list_units(*unit);
   for (std::size_t i = 0; i < units.size(); ++i) text += (i == 0 ? ", or followed by " : ", ") + units[i];
   return text;
 }
@@ -38,18 +46,17 @@ bool is_special(std::string text) {
   return text == ".nan" || text == ".inf" || text == "nan" || text == "inf" || text == "infinity";
 }
 
-// `wanted` and `mend` say what would be right where the expression itself does not.
-std::optional<Quantity> read_expression(const YamlNode& node, const std::string& wanted, const std::string& mend,
-                                        Mistakes& mistakes) {
+// `unit`: of the number that would be right where the expression is not, as in describe_wanted().
+std::optional<Quantity> read_expression(const YamlNode& node, const std::string* unit, Mistakes& mistakes) {
   if (!node.is_scalar())
-    expect(node, wanted, mistakes);
+    expect(node, describe_wanted(unit), mistakes);
   else if (is_special(node.text))
-    mistakes.add(node.mark, quote(node.text) + " is not finite", mend);
+    mistakes.add(node.mark, quote(node.text) + " is not finite", describe_units(unit));
   else
     try {
       return evaluate_expression(node.text, mistakes.constants());
     } catch (const ExpressionError& error) {
-      mistakes.add(node.mark, error.what(), error.mend.empty() ? mend : error.mend);
+      mistakes.add(node.mark, error.what(), error.mend.empty() ? describe_units(unit) : error.mend);
     }
   return std::nullopt;
 }
@@ -72,12 +79,11 @@ std::string correct_key(const std::string& key, const std::vector<std::string>& 
 }  // namespace
 
 std::optional<Quantity> read_quantity(const YamlNode& node, Mistakes& mistakes) {
-  return read_expression(node, "a number, such as 4380 kg", "write a number, such as 4380 kg", mistakes);
+  return read_expression(node, nullptr, mistakes);
 }
 
 double read_number(const YamlNode& node, const std::string& unit, double fallback, Mistakes& mistakes) {
-  const std::string mend = describe_units(unit);
-  const auto quantity = read_expression(node, "a number" + (unit.empty() ? "" : ", in " + unit), mend, mistakes);
+  const auto quantity = read_expression(node, &unit, mistakes);
   if (!quantity) return fallback;
   const Dimension& given = quantity->dimension;
   if (given.is_plain() || dimension_of(unit).takes(given)) {
@@ -86,7 +92,8 @@ double read_number(const YamlNode& node, const std::string& unit, double fallbac
   }
   mistakes.add(
       node.mark,
-      quote(node.text) + " is " + describe_dimension(given) + ", not " + describe_dimension(dimension_of(unit)), mend);
+      quote(node.text) + " is " + describe_dimension(given) + ", not " + describe_dimension(dimension_of(unit)),
+      describe_units(&unit));
   return fallback;
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
 
 #include "hil/realtime/nonblocking.h"
 
@@ -68,6 +70,9 @@ void Recorder::tick(std::int64_t tick, std::int64_t hash) noexcept {
 }
 
 void Recorder::run(const std::stop_token& stopping) {
+  std::mutex mutex;  // of the wait between two looks, which a stop ends
+  std::condition_variable_any stop;
+  std::unique_lock lock(mutex);
   auto flushed = std::chrono::steady_clock::now();
   bool clean = true;
   while (!stopping.stop_requested()) {
@@ -79,7 +84,7 @@ void Recorder::run(const std::stop_token& stopping) {
       flushed = now;
       clean = true;
     }
-    std::this_thread::sleep_for(kLook);
+    stop.wait_for(lock, stopping, kLook, [] { return false; });
   }
   drain();
 }

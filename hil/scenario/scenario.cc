@@ -7,6 +7,7 @@
 #include <set>
 
 #include "hil/language/scenario_parts.h"
+#include "hil/language/yaml_override.h"
 #include "hil/scenario/scenario_reader.h"
 #include "hil/scenario/scenario_tree.h"
 
@@ -36,20 +37,40 @@ Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::st
   return scenario;
 }
 
-Scenario read_sources(ScenarioSources sources, const std::string& file, const std::vector<std::string>& overrides) {
-  Mistakes mistakes(file, overrides);
-  const YamlNode root = build_tree(sources, file, overrides, mistakes);
-  mistakes.keep_numbers();
-  Scenario scenario = read_tree(root, sources, file, overrides, mistakes);
-  scenario.numbers = list_written_numbers(root, mistakes);
+// A scenario's files, read and put together once, for readings that differ in their overrides.
+struct Files {
+  Files(ScenarioSources sources_in, const std::string& file_in)
+      : file(file_in), sources(std::move(sources_in)), mistakes(file, {}), root(build_tree(sources, file, mistakes)) {}
+
+  std::string file;
+  ScenarioSources sources;
+  Mistakes mistakes;
+  YamlNode root;
+};
+
+void apply_overrides(const std::vector<std::string>& overrides, YamlNode& root, Mistakes& mistakes) {
+  for (const std::string& text : overrides) {
+    const int index = mistakes.add_override(text);
+    try {
+      apply_override(text, index, root);
+    } catch (const YamlError& e) {
+      mistakes.add(e.mark, e.what(), e.mend);
+    }
+  }
+}
+
+Scenario read_files(Files files, const std::vector<std::string>& overrides) {
+  apply_overrides(overrides, files.root, files.mistakes);
+  files.mistakes.keep_numbers();
+  Scenario scenario = read_tree(files.root, files.sources, files.file, overrides, files.mistakes);
+  scenario.numbers = list_written_numbers(files.root, files.mistakes);
   return scenario;
 }
 
-std::set<std::string> list_mistakes(const ScenarioSources& sources, const std::string& file,
-                                    const std::vector<std::string>& overrides) {
+std::set<std::string> list_mistakes(const Files& files, const std::vector<std::string>& overrides) {
   std::set<std::string> found;
   try {
-    read_sources(sources, file, overrides);
+    read_files(files, overrides);
   } catch (const ScenarioError& error) {
     for (const ScenarioMistake& mistake : error.mistakes) found.insert(mistake.to_string());
   }
@@ -58,26 +79,28 @@ std::set<std::string> list_mistakes(const ScenarioSources& sources, const std::s
 
 // An override may make a line wrong that is sound without it: constants.gap=-0.2, and a length that uses gap. Such
 // mistakes are the override's: the first without which they do not appear.
-void blame_overrides(const ScenarioSources& sources, const std::string& file, const std::vector<std::string>& overrides,
+void blame_overrides(const Files& files, const std::vector<std::string>& overrides,
                      std::vector<ScenarioMistake>& mistakes) {
   constexpr std::size_t kTried = 64;  // overrides: each is one more reading
+  const auto is_blamed = [](const ScenarioMistake& mistake) { return !mistake.override_text.empty(); };
   for (std::size_t i = 0; i < std::min(kTried, overrides.size()); ++i) {
+    if (std::ranges::all_of(mistakes, is_blamed)) return;
     std::vector<std::string> others = overrides;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const std::set<std::string> remaining = list_mistakes(sources, file, others);
+    const std::set<std::string> remaining = list_mistakes(files, others);
     for (ScenarioMistake& mistake : mistakes)
-      if (mistake.override_text.empty() && remaining.count(mistake.to_string()) == 0)
-        mistake.override_text = overrides[i];
+      if (!is_blamed(mistake) && remaining.count(mistake.to_string()) == 0) mistake.override_text = overrides[i];
   }
 }
 
 Scenario load_sources(const ScenarioSources& sources, const std::string& file,
                       const std::vector<std::string>& overrides) {
+  const Files files(sources, file);
   try {
-    return read_sources(sources, file, overrides);
+    return read_files(files, overrides);
   } catch (const ScenarioError& error) {
     std::vector<ScenarioMistake> mistakes = error.mistakes;
-    blame_overrides(sources, file, overrides, mistakes);
+    blame_overrides(files, overrides, mistakes);
     throw ScenarioError(std::move(mistakes));
   }
 }
@@ -100,15 +123,18 @@ Scenario load_scenario_text(const std::string& text, const std::string& file,
   return load_sources(ScenarioSources(text, ""), file, overrides);
 }
 
-ScenarioTree::ScenarioTree(const std::string& path, std::vector<std::string> overrides)
-    : ScenarioTree(open_sources(path), get_shown_name(path), std::move(overrides)) {}
+ScenarioTree::ScenarioTree(const std::string& path, const std::vector<std::string>& overrides)
+    : ScenarioTree(open_sources(path), get_shown_name(path), overrides) {}
 
 // The first reading tells all mistakes, and takes all files of the scenario into memory.
-ScenarioTree::ScenarioTree(ScenarioSources sources, std::string file, std::vector<std::string> overrides)
+ScenarioTree::ScenarioTree(const ScenarioSources& sources, const std::string& file,
+                           const std::vector<std::string>& overrides)
     : nominal_(load_sources(sources, file, overrides)),
       sources_(nominal_.text, ""),
-      mistakes_(std::move(file), std::move(overrides)),
-      root_(build_tree(sources_, nominal_.file, nominal_.overrides, mistakes_)) {}
+      mistakes_(file, {}),
+      root_(build_tree(sources_, nominal_.file, mistakes_)) {
+  apply_overrides(overrides, root_, mistakes_);
+}
 
 Scenario ScenarioTree::read(std::span<const Setting> settings) const {
   ScenarioSources sources = sources_;

@@ -15,8 +15,8 @@ namespace unlatch::hil {
 class ScenarioTree {
  public:
   // Throws ScenarioError, as load_scenario().
-  explicit ScenarioTree(const std::string& path, std::vector<std::string> overrides = {});
-  ScenarioTree(ScenarioSources sources, std::string file, std::vector<std::string> overrides = {});
+  explicit ScenarioTree(const std::string& path, const std::vector<std::string>& overrides = {});
+  ScenarioTree(const ScenarioSources& sources, const std::string& file, const std::vector<std::string>& overrides = {});
 
   // The scenario without settings.
   const Scenario& get_nominal() const { return nominal_; }

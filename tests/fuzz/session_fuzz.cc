@@ -146,6 +146,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   options.session = kSession;
   options.last_tick = 4;
   options.flight_software = scenario.flight_software;
+  options.flight_software.queue = 16;      // the least: an input can fill it, and little memory is cleared for each
   options.start_timeout_ns = 100'000'000;  // of the clock above; a hundred looks
   options.flight_software.policy = static_cast<hil::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
   options.flight_software.delay = (data[0] >> 4) % 3;

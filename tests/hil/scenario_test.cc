@@ -11,7 +11,9 @@ namespace unlatch::test {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 TEST(Scenario, ReadsEverySection) {
@@ -227,6 +229,18 @@ TEST(ScenarioOverrides, AScaleOfZeroMakesALoadDead) {
 TEST(ScenarioOverrides, ReachEventsByNameAndSubject) {
   EXPECT_EQ(load_with({"events.contact:booster.enabled=false"}).model.events.size(), 0u);
   EXPECT_EQ(load_with({"events.contact.delay=1"}).model.events[0].delay, 1);
+}
+
+// Among overrides that are sound, beside one whose own value is wrong, and beside a line that is wrong without any.
+TEST(ScenarioOverrides, AreBlamedForLinesThatAreSoundWithoutThem) {
+  const std::string with_constant = replaced(
+      replaced(kGoodScenario, "name: pair", "name: pair\nconstants: {heavy: 100}"), "mass: 100", "mass: heavy");
+  const std::vector<std::string> overrides{"step.until=2", "constants.heavy=-1", "bodies.booster.mass=0"};
+  EXPECT_THAT(load_errors(with_constant, overrides),
+              AllOf(StartsWith("s.yaml: --set constants.heavy=-1: body 'core'"), HasSubstr(" (at 7:11)"),
+                    HasSubstr("\ns.yaml: --set bodies.booster.mass=0: "), Not(HasSubstr("step.until"))));
+  EXPECT_THAT(load_errors(replaced(with_constant, "mode: hinge", "mode: hing"), overrides),
+              AllOf(HasSubstr("--set constants.heavy=-1: "), ContainsRegex("s.yaml:[0-9]+:[0-9]+: ")));
 }
 
 TEST(ScenarioOverrides, MistakesNameTheOverride) {
