@@ -50,7 +50,7 @@ class Groups {
   std::vector<bool> held_;
 };
 
-// How many joints each body is from the ground, or from `root` or the first body where nothing leads to the ground.
+// Number of joints from the ground to each body; from `root` or the first body where nothing leads to the ground.
 std::vector<int> measure_distances(const Model& model, int root) {
   std::vector<std::vector<int>> neighbours(model.bodies.size());
   std::vector<int> distance(model.bodies.size(), kNone), order;

@@ -1,4 +1,4 @@
-// Which body is whose parent: the elimination order of the joint graph.
+// Parents of the bodies: the elimination order of the joint graph.
 #pragma once
 
 #include <vector>

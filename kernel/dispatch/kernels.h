@@ -1,5 +1,5 @@
-// Kernels: the stages of a step that work on packs, compiled once for each instruction set. The templates are in
-// kernel/dynamics and kernel/solver; each row names the file that documents it.
+// Kernels: the stages of a step that work on packs, compiled once for each instruction set. The templates are in the
+// folders of kernel/ that each comment below names; their files document them.
 #pragma once
 
 #include "kernel/joints/joint_motion.h"

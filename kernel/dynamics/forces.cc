@@ -9,17 +9,13 @@
 #include "kernel/dynamics/friction.h"
 #include "kernel/dynamics/loads.h"
 #include "kernel/dynamics/one_sided.h"
+#include "kernel/dynamics/push.h"
 #include "kernel/dynamics/springs.h"
 #include "kernel/dynamics/varying.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 namespace {
-
-// A force at an arm from the body's origin, or a torque; nothing can push the ground.
-void push(Evaluation& ev, int body, const Vec3& force, const Vec3& torque) {
-  if (body != kGround) add(ev.blocks.data(), ev.places[at(body)], &SharedLane::force, {force, torque});
-}
 
 // Consumption of propellant, and loads that keep their direction in the world; init_forces() has the others.
 void add_loads(const PlanData& plan, Evaluation& ev) {
@@ -41,10 +37,7 @@ void add_point_springs(const Instant& now, Evaluation& ev) {
     if (scale == 0) continue;
     const PointSpringForce f =
         calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
-    if (!f.acts) continue;
-    const Vec3 force = f.size * f.direction;
-    push(ev, spring.follower, force, cross(f.r_follower, force));
-    push(ev, spring.base, -force, -cross(f.r_base, force));
+    if (f.acts) push_apart(ev, spring.base, spring.follower, f.r_base, f.r_follower, f.size * f.direction);
   }
 }
 
@@ -57,16 +50,7 @@ void add_joint_springs(const Instant& now, Evaluation& ev) {
     double x = ev.coordinates[coordinate], rate = ev.speeds[coordinate], lead = 0;
     if (spring.compliant != kNone) lead = calc_lead(ev.compliant[at(spring.compliant)], now.implicit, x, rate);
     const double size = calc_joint_spring(spring, x, rate, scale) + lead;
-    const JointView joint(plan, ev, spring.joint);
-    const std::int32_t base = joint.get_plan().base, follower = joint.get_plan().follower;
-    const Vec3 vector = size * joint.get_axis(spring.axis);
-    if (spring.axis < kRotX) {
-      push(ev, follower, vector, cross(joint.get_arm(true), vector));
-      push(ev, base, -vector, -cross(joint.get_arm(false), vector));
-    } else {
-      push(ev, follower, {0, 0, 0}, vector);
-      push(ev, base, {0, 0, 0}, -vector);
-    }
+    push_apart(ev, JointView(plan, ev, spring.joint), spring.axis, size);
   }
 }
 
@@ -77,10 +61,7 @@ void add_plane_torsions(const Instant& now, Evaluation& ev) {
     if (scale == 0) continue;
     const PlaneTorsionForce f =
         calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
-    if (!f.acts) continue;
-    const Vec3 torque = f.size * f.axis;
-    push(ev, spring.follower, {0, 0, 0}, torque);
-    push(ev, spring.base, {0, 0, 0}, -torque);
+    if (f.acts) turn_apart(ev, spring.base, spring.follower, f.size * f.axis);
   }
 }
 

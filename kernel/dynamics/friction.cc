@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/dynamics/push.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {
@@ -41,22 +42,9 @@ void update_friction(const Instant& now, Evaluation& ev) noexcept {
 }
 
 void add_friction_forces(const PlanData& plan, Evaluation& ev) noexcept {
-  const auto push = [&](std::int32_t body, const Spatial& wrench) {
-    if (body != kGround) add(ev.blocks.data(), ev.places[at(body)], &SharedLane::force, wrench);
-  };
   for (std::size_t i = 0; i < plan.frictions.size(); ++i) {
-    const double size = ev.friction_sizes[i];
-    if (size == 0) continue;
     const PlanFriction& own = plan.frictions[i];
-    const JointView joint(plan, ev, own.joint);
-    const Vec3 vector = size * joint.get_axis(own.axis);
-    if (own.axis >= kRotX) {
-      push(joint.get_plan().follower, {{0, 0, 0}, vector});
-      push(joint.get_plan().base, {{0, 0, 0}, -vector});
-    } else {
-      push(joint.get_plan().follower, {vector, cross(joint.get_arm(true), vector)});
-      push(joint.get_plan().base, {-vector, -cross(joint.get_arm(false), vector)});
-    }
+    if (ev.friction_sizes[i] != 0) push_apart(ev, JointView(plan, ev, own.joint), own.axis, ev.friction_sizes[i]);
   }
 }
 

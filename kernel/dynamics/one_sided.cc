@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kernel/dynamics/push.h"
 #include "kernel/joints/kinematics.h"
 #include "unlatch/readings.h"
 
@@ -79,20 +80,14 @@ bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSid
 
 void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;
-  const auto push = [&](std::int32_t body, const Spatial& wrench) {
-    if (body != kGround) add(ev.blocks.data(), ev.places[at(body)], &SharedLane::force, wrench);
-  };
   for (const PlanOneSided& own : plan.one_sided) {
     if (now.state.engaged[at(own.number)] == 0) continue;
     const OneSidedMotion m = calc_motion(plan, ev, own);
     const Vec3 force = (own.sign * calc_force(plan, now.state, now.t, own, m)) * m.direction;
-    if (own.joint != kNone && own.axis >= kRotX) {
-      push(own.follower, {{0, 0, 0}, force});
-      push(own.base, {{0, 0, 0}, -force});
-    } else {
-      push(own.follower, {force, cross(m.r_follower, force)});
-      push(own.base, {-force, -cross(m.r_base, force)});
-    }
+    if (own.joint != kNone && own.axis >= kRotX)
+      turn_apart(ev, own.base, own.follower, force);
+    else
+      push_apart(ev, own.base, own.follower, m.r_base, m.r_follower, force);
   }
 }
 

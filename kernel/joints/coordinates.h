@@ -7,7 +7,7 @@
 
 namespace unlatch {
 
-// Which coordinates an evaluation wants.
+// The coordinates that an evaluation computes.
 enum class CoordinateSet {
   kDriven,  // those that springs read: every stage needs them
   kAll,

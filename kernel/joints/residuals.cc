@@ -16,7 +16,8 @@ Vec3 turn(const Quat& q, const Vec3& a) {
 }
 
 // Orientation residual along the rotation frame's axes, built so that its rate is that axis' component of w_rel.
-//   three rows: the rotation vector from the relative attitude `locked`;
+//   three rows: the rotation vector from the relative attitude `locked`, as 2 e sin(θ/2); groups take e sin θ instead,
+//     see THEORY.md, section 4;
 //   two rows, free axis a: m_k·(a_base × a_follower), a_follower being where the locked attitude had a;
 //   the row of a universal joint: −x_b·y_f / |x_b × y_f|.
 // A single row fixed in the base is non-holonomic and has none.

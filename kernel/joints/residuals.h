@@ -1,5 +1,5 @@
 // Residuals of joints one at a time: of non-tree joints, of drift, and the memory of a mode. Joints of the tree have
-// theirs in groups (joints.h), from the same formulas (joint_motion.h).
+// theirs in groups (tree_joints.h), from the same formulas (joint_motion.h).
 #pragma once
 
 #include "kernel/joints/joint_motion.h"

@@ -144,8 +144,9 @@ UNLATCH_INLINE void update_joint(const V& v, const E& ends, RowTarget target) {
 // Calls update(view, ends) for every group of joints, part by part.
 template <int kWidest, class Update>
 UNLATCH_INLINE void for_joints(const PlanData& plan, Evaluation& ev, const Update& update) {
-  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-    const Group& group = plan.groups[g];
+  const std::span<const Group> groups = plan.groups;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Group& group = groups[g];
     if (!group.has_joint) continue;
     for_width<kWidest>(group, [&]<class T, int kWidth>() {
       for (int lane = 0; lane < kWidth; lane += T::kWidth) {

@@ -154,7 +154,7 @@ void check_marker(const Model& model, const std::string& where, const Marker& ma
     report("its place or shapes are not finite", "finite values");
 }
 
-// A flexible body is held, pushed and felt at its markers.
+// Joints, loads and sensors of a flexible body are at its markers.
 void check_attached(const Model& model, const std::string& where, int body, ModelErrors& errors) {
   if (is_index(body, model.bodies.size()) && model.bodies[static_cast<std::size_t>(body)].flexible)
     errors.push_back({where,

@@ -11,7 +11,7 @@ constexpr double kOrthonormal = 1e-9;  // of axes that were given as a frame
 constexpr double kClosed = 1e-6;       // m, rad: nearer, and the first projection closes it unnoticed
 constexpr double kAtRest = 1e-6;       // m/s, rad/s: the same of velocities
 
-// How a body moves at the start; the ground does not.
+// Motion of a body at the start; the ground rests.
 struct Motion {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero(), v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();  // in W
@@ -51,7 +51,7 @@ Eigen::Vector3d restrict_to(RowSet rows, int first, const Eigen::Matrix3d& axes,
   return sum;
 }
 
-// Rows of a joint at the start, as kernel/dynamics/rows.cc has them.
+// Rows of a joint at the start, as kernel/joints/residuals.cc has them.
 struct InitialRows {
   RowSet rows;
   Motion base, follower;

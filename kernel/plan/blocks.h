@@ -205,7 +205,7 @@ struct BodyEight {
 
 // --- Groups of joints and nodes --------------------------------------------------------------------------------------
 
-// How a group finds its parents.
+// Relation of a group to its parents.
 enum class ParentLink : std::uint8_t {
   kRoot,        // they have none
   kSiblings,    // one parent for the whole group

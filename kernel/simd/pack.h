@@ -1,4 +1,4 @@
-// A pack: one number per lane, so that the arithmetic of math.h and articulated.h works on several bodies at once.
+// A pack: one number per lane, so that the arithmetic of math.h and spatial.h works on several bodies at once.
 // Lanes never meet: what a lane computes does not depend on how wide the pack is, and has the same bits as plain
 // doubles.
 //

@@ -56,7 +56,7 @@ double calc_mobility(const PlanData& plan, const Evaluation& ev, int body, Spati
   return dot(w.lin, w.lin) / mass + calc_turning_mobility(inertia, w.ang);
 }
 
-// How much the row's bodies would give way to it if nothing held them.
+// Mobility of the row's bodies along it if nothing held them.
 double calc_free_mobility(const PlanData& plan, const Evaluation& ev, const LoopRow& row) {
   const double follower = calc_mobility(plan, ev, row.follower, row.on_follower);
   return row.base == kGround ? follower : calc_mobility(plan, ev, row.base, row.on_base) + follower;

@@ -7,10 +7,10 @@
 
 namespace unlatch::UNLATCH_ISA {
 
-// The forward pass, and the loops' rows.
+// The forward pass where joints close loops: the tree's own solution, the loops' rows, and the tree with their
+// wrenches.
 template <int kWidest>
-void finish_solution(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
-  if (plan.loops.empty()) return sweep_forth<kWidest>(plan, ev, sweep);
+[[gnu::noinline]] void solve_loops(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
   const bool holds = ev.loop_count > 0;
   sweep_forth<kWidest>(plan, ev, {sweep.source, sweep.biased, sweep.multipliers && !holds, sweep.gamma_h});
   clear_loop_multipliers(plan, ev);
@@ -21,6 +21,15 @@ void finish_solution(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
   const Sweep whole{Source::kForces, sweep.biased, sweep.multipliers, sweep.gamma_h};
   (void)sweep_back<kWidest, false>(plan, ev, whole);
   sweep_forth<kWidest>(plan, ev, whole);
+}
+
+// The forward pass.
+template <int kWidest>
+UNLATCH_INLINE void finish_solution(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  if (plan.loops.empty())
+    sweep_forth<kWidest>(plan, ev, sweep);
+  else
+    solve_loops<kWidest>(plan, ev, sweep);
 }
 
 // Factors at the present kinematics, joint frames and modes, and solves. At most `most` rows of loops count as

@@ -132,8 +132,9 @@ UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep&
   for (const std::int32_t g : plan.inner_groups) begin_block<kWidest, kFactor>(plan, ev, g, sweep.source);
   if (kFactor && !plan.rigid) add_varying_blocks(plan, ev);
   const bool far = is_far(plan);
-  for (std::size_t g = plan.groups.size(); g-- > 0;) {
-    const Group& group = plan.groups[g];
+  const std::span<const Group> groups = plan.groups;
+  for (std::size_t g = groups.size(); g-- > 0;) {
+    const Group& group = groups[g];
     if (far && g > 0) prefetch_block<-1>(plan, ev, g - 1);
     int node = kNone;
     if (group.kind != BodyKind::kRigid) {
@@ -241,9 +242,10 @@ template <bool kLeaf, class T, int kWidth>
 template <int kWidest>
 UNLATCH_INLINE void sweep_forth(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
   const bool far = is_far(plan);
-  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-    const Group& group = plan.groups[g];
-    if (far && g + 1 < plan.groups.size()) prefetch_block<+1>(plan, ev, g + 1);
+  const std::span<const Group> groups = plan.groups;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Group& group = groups[g];
+    if (far && g + 1 < groups.size()) prefetch_block<+1>(plan, ev, g + 1);
     if (group.kind != BodyKind::kRigid) {
       substitute_flexible(plan, ev, sweep, group);
       continue;

@@ -154,9 +154,9 @@ void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) 
   double* guard = ev.guards.data();
   for (const PlanEvent& event : now.plan.events) {
     const EventPhase phase = (state++)->phase;
-    const bool asleep = phase == EventPhase::kPending || (phase == EventPhase::kSpent && !event.repeat);
+    const bool can_cross = phase == EventPhase::kArmed || (phase == EventPhase::kSpent && event.repeat);
     const PlanCondition* first = conditions + event.first_condition;
-    if (asleep)
+    if (!can_cross)
       *guard++ = kNo;
     else if (event.flat_parts > 0)
       *guard++ = calc_all(now, ev, {first, at(event.flat_parts)});

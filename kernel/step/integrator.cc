@@ -18,9 +18,11 @@ namespace {
 
 constexpr Sweep kCorrection{Source::kNothing, true, false, 0};
 
-// Kernels that move bodies leave the kinematics of rigid ones.
-void complete_kinematics(const PlanData& plan, Evaluation& ev) {
-  if (!plan.rigid) update_kinematics(plan, ev);
+// Kernels that move bodies leave the kinematics of rigid ones, whose masses are constant.
+void complete_kinematics(const PlanData& plan, double t, Evaluation& ev) {
+  if (plan.rigid) return;
+  update_masses(plan, t, ev);
+  update_kinematics(plan, ev);
 }
 
 // Frames and targets of the joints where poses and modes have not changed since update_joints(), for accelerations.
@@ -68,8 +70,7 @@ int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independ
 enum class Loads { kUpdate, kKeep };
 
 int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, Evaluation& ev) {
-  update_masses(now.plan, now.t, ev);
-  complete_kinematics(now.plan, ev);
+  complete_kinematics(now.plan, now.t, ev);
   if (loads == Loads::kUpdate) update_loads(now, ev);
   update_joints(now.plan, now.state, RowTarget::kAcceleration, ev);
   return solve_dynamics(now, {Source::kForces, true, false, now.implicit.gamma_h}, start.independent_rows, ev);
@@ -79,15 +80,14 @@ int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, E
 int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   const PlanData& plan = end.plan;
   const Kernels& kernels = get_kernels(plan);
-  update_masses(plan, end.t, ev);
-  complete_kinematics(plan, ev);
+  complete_kinematics(plan, end.t, ev);
   update_joints(plan, end.state, RowTarget::kPosition, ev);
   const int node = kernels.factor_and_solve(plan, end.state, ev, kCorrection, start.independent_rows);
   if (node != kNone) return node;
   kernels.add_displacements(plan, ev);
   if (!plan.rigid) add_modal_displacements(plan, ev);
 
-  complete_kinematics(plan, ev);
+  complete_kinematics(plan, end.t, ev);
   update_joints(plan, end.state, RowTarget::kVelocity, ev);
   kernels.solve(plan, ev, kCorrection);
   kernels.add_velocities(plan, ev);
@@ -158,6 +158,7 @@ void update_velocities(const PlanData& plan, Evaluation& ev) noexcept {
 }
 
 void update_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept {
+  if (set == CoordinateSet::kDriven && plan.driven_coordinates == 0) return;
   const std::size_t rotations = measure_coordinates(plan, state, set, ev);
   if (rotations == 0) return;
   get_kernels(plan).calc_angles(ev.rotation_sines.data(), ev.rotation_cosines.data(), rotations);

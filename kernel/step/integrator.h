@@ -13,7 +13,7 @@
 
 namespace unlatch {
 
-// How an instant differs from the one that an evaluation is of, each including those above it, kMotion all but kModes.
+// Difference of an instant from the one that an evaluation is of; each includes those above it, kMotion all but kModes.
 enum class Changed {
   kCommands,    // the commands: poses, velocities, modes, elements and time are the same
   kVelocities,  // and the velocities: what integrate() leaves, which is at the end of its sub-step

@@ -283,7 +283,6 @@ double advance(Run& run, double now, double step_end, int& splits) {
   double target = reaches_due && due < end - slack ? due : end;
   std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_low.begin());
   std::copy(run.ev.pair_rates.begin(), run.ev.pair_rates.end(), search.rates_low.begin());
-  std::fill(search.tolerances.begin(), search.tolerances.end(), 0.0);
   const SubstepStart start = begin_substep(run.plan, now, run.ev);
   if (!try_substep(run, start, target)) return step_end;
 
@@ -306,6 +305,7 @@ double advance(Run& run, double now, double step_end, int& splits) {
   if (may_split && (crossings > 0 || reaches_due)) {
     ++splits;
     act_at(run, reached, false);
+    std::fill(search.tolerances.begin(), search.tolerances.end(), 0.0);  // as the next part finds them
   } else if (reached < step_end) {
     log_motion(run, reached, false);
     log_motion(run, reached, true);
@@ -326,7 +326,7 @@ bool is_finite(const State& state, std::span<const double> sensors) {
   return std::isfinite(sum);
 }
 
-// How far a state that is handed in may differ from the one that is kept.
+// Upper bound of the difference between a state that is handed in and the one that is kept.
 Changed compare(const FinalEvaluation& kept, const State& state) {
   return kept.valid && has_same_modes(kept.state, state) ? Changed::kMotion : Changed::kState;
 }

@@ -4,12 +4,12 @@
 // Only IEEE 754 additions, multiplications and divisions of doubles in a fixed order, and 64-bit integer arithmetic; no
 // tables but constants of mathematics, no loops, no state. Needs round-to-nearest and -ffp-contract=off.
 //
-//   function  range of the argument                method                                            largest error
-//   sin, cos  all finite                           2/pi to 1216 bits (Payne and Hanek 1983), Taylor  0.80 ulp
-//   exp       all; overflows to +inf, underflows   Cody and Waite 1980, two-part ln 2, Taylor        0.80 ulp
+//   function  range of the argument                method                                              largest error
+//   sin, cos  all finite                           2/pi to 1216 bits (Payne and Hanek 1983), Taylor    0.80 ulp
+//   exp       all; overflows to +inf, underflows   Cody and Waite 1980, two-part ln 2, Taylor          0.80 ulp
 //             gradually to +0
-//   log       normal numbers > 0                         exponent, 2 atanh((m − 1)/(m + 1)) by its series    2 ulp
-//   atan2     all quadrants, signed zeros, inf     table of atan(k/8), double-double quotient        0.56 ulp
+//   log       normal numbers > 0                   exponent, 2 atanh((m − 1)/(m + 1)) by its series    2 ulp
+//   atan2     all quadrants, signed zeros, inf     table of atan(k/8), double-double quotient          0.56 ulp
 //
 // (measured against MPFR: tests/kernel/elementary_test.cc). NaN, and the sine of an infinity, give the quiet NaN with a
 // zero payload. Cost on a 3 GHz x86-64: 15–27 ns each.

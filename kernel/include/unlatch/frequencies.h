@@ -1,4 +1,4 @@
-// How fast each elastic element would swing: it decides whether a step resolves it. Explicit Runge–Kutta is stable for
+// Frequencies of elastic elements, which decide whether a step resolves them. Explicit Runge–Kutta is stable for
 // h ω < 2.8 and accurate for h ω ≲ 0.2.
 #pragma once
 

@@ -25,7 +25,7 @@ using Attitude = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 // --- Bodies ---------------------------------------------------------------------------------------------------------
 
-// How a body's mass, centre of mass and inertia change: linear between the knots, constant beyond them.
+// Law of a body's mass, centre of mass and inertia: linear between the knots, constant beyond them.
 struct MassLaw {
   enum class Of { kTime, kBurnt };  // the knots' variable: t, s; or what the body has burnt, kg
   // Mass properties at one value of the variable.
@@ -36,7 +36,7 @@ struct MassLaw {
   };
   Of of = Of::kTime;                               // variable of the knots
   std::vector<Knot> knots;                         // in rising order
-  bool jet_damping = false;                        // see varying.h
+  bool jet_damping = false;                        // see kernel/dynamics/varying.h
   Eigen::Vector3d exit = Eigen::Vector3d::Zero();  // where the particles leave, from the body's origin, body axes, m
 };
 
@@ -177,7 +177,7 @@ struct JointSpring {
   int axis = kRotZ;                                         // Row: kX … kRotZ
   double effort = 0, stiffness = 0, damping = 0, rest = 0;  // N or N m, per m or rad, per m/s or rad/s, m or rad
   bool on = true;                                           // at the start
-  std::optional<bool> implicit{};  // integrated implicitly, see compliance.h; by default the plan decides
+  std::optional<bool> implicit{};  // integrated implicitly, see THEORY.md, section 5; by default the plan decides
 };
 
 // A torsion spring that keeps an axis of the follower in a plane of the base, (4.17) with a signed angle:
@@ -209,7 +209,7 @@ struct PlaneTorsion {
 //   kGas     preload (gas_length / (gas_length + u))^exponent: p V^γ constant, V = area · gas_length at u = 0; γ = 1 is
 //            isothermal, 1.4 adiabatic air; nothing presses from outside
 struct OneSided {
-  // What it is, for the names of its events.
+  // Kind, for the names of its events.
   enum class Kind { kPusher, kStop, kCord };
   // Force over the travel.
   enum class Law { kLinear, kTable, kGas };
@@ -238,10 +238,10 @@ struct OneSided {
 
 // Coulomb friction in a joint along or about a free axis, of the size of the reaction across it:
 //
-//   −coefficient · r · |R| · v / sqrt(v² + v_s²),   v = r · speed of the axis,   r = 1 along x, y, z, `radius` about an
+//   −coefficient · r · |R| · v / sqrt(v² + v_s²),   v = r · speed of the axis,   r = 1 along x, y, z, else `radius`
 //
-// axis, R the reaction of the point–plane rows that hold. Regularised: at rest it creeps at v / v_s = load / (μ |R|).
-// How R is found: kernel/dynamics/friction.h.
+// R is the reaction of the point–plane rows that hold, found as in kernel/dynamics/friction.h. Regularised: at rest it
+// creeps at v / v_s = load / (μ |R|).
 struct JointFriction {
   std::string name;        // unique among elements
   int joint = 0;           // index of the joint

@@ -16,7 +16,7 @@ namespace unlatch {
 
 struct PlanData;  // kernel/plan/plan_data.h
 
-// How many numbers one instruction works on. Every choice gives the same bits.
+// Instruction sets, by the numbers that one instruction works on. Every choice gives the same bits.
 enum class InstructionSet {
   kAuto,    // the widest that the processor has
   kScalar,  // one
