@@ -34,6 +34,9 @@ using GlobalSearch = void(const ScaledProblem& problem);
 // Several objectives: NSGA-II (Deb et al. 2002), the same order of constraints.
 using ParetoSearch = void(const ScaledProblem& problem);
 
+// One algorithm alone, by its name: to measure them (bench/optimizers). False: there is none of that name.
+using NamedSearch = bool(const char* algorithm, const ScaledProblem& problem);
+
 constexpr const char* kOptimizersModule = "unlatch-optimizers";
 
 }  // namespace unlatch::hil

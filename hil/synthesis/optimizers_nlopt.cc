@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 #include <nlopt.hpp>
+#include <string>
 
 #include "hil/synthesis/optimizers.h"
 
@@ -115,6 +116,18 @@ extern "C" void unlatch_search_local(const ScaledProblem& problem) {
   Values values(problem);
   std::vector<double> x = problem.start;
   if (search(nlopt::LD_SLSQP, problem, values, 0, x)) search(nlopt::LN_COBYLA, problem, values, kAround, x);
+}
+
+extern "C" bool unlatch_search_nlopt(const char* algorithm, const ScaledProblem& problem) {
+  const std::map<std::string, nlopt::algorithm> known{
+      {"slsqp", nlopt::LD_SLSQP}, {"mma", nlopt::LD_MMA}, {"cobyla", nlopt::LN_COBYLA}, {"isres", nlopt::GN_ISRES}};
+  const auto found = known.find(algorithm);
+  if (found == known.end()) return false;
+  nlopt::srand(problem.seed);
+  Values values(problem);
+  std::vector<double> x = problem.start;
+  search(found->second, problem, values, 0, x);
+  return true;
 }
 
 }  // namespace unlatch::hil

@@ -1,12 +1,16 @@
 // pagmo behind the interface of hil/synthesis/optimizers.h.
 #include <algorithm>
 #include <pagmo/algorithm.hpp>
+#include <pagmo/algorithms/cmaes.hpp>
 #include <pagmo/algorithms/gaco.hpp>
 #include <pagmo/algorithms/nsga2.hpp>
+#include <pagmo/algorithms/pso_gen.hpp>
+#include <pagmo/algorithms/sade.hpp>
 #include <pagmo/batch_evaluators/member_bfe.hpp>
 #include <pagmo/bfe.hpp>
 #include <pagmo/population.hpp>
 #include <pagmo/problem.hpp>
+#include <string>
 
 #include "hil/synthesis/optimizers.h"
 
@@ -56,26 +60,49 @@ struct Box {
 };
 
 template <typename Algorithm>
-void evolve(const ScaledProblem& problem, Algorithm algorithm) {
-  const pagmo::bfe batches{pagmo::member_bfe{}};
+void evolve(const ScaledProblem& problem, const Algorithm& algorithm) {
   try {
-    algorithm.set_bfe(batches);
-    pagmo::population population(pagmo::problem(Box{&problem}), batches, problem.population, problem.seed);
+    pagmo::population population(pagmo::problem(Box{&problem}), pagmo::bfe{pagmo::member_bfe{}}, problem.population,
+                                 problem.seed);
     algorithm.evolve(population);
   } catch (const MustEnd&) {
   }
+}
+
+// Each generation as one batch.
+template <typename Algorithm>
+void evolve_in_batches(const ScaledProblem& problem, Algorithm algorithm) {
+  algorithm.set_bfe(pagmo::bfe{pagmo::member_bfe{}});
+  evolve(problem, algorithm);
 }
 
 }  // namespace
 
 extern "C" void unlatch_search_global(const ScaledProblem& problem) {
   const auto kernel = static_cast<unsigned>(problem.population);
-  evolve(problem, pagmo::gaco(static_cast<unsigned>(problem.generations), kernel, 1.0, 0.0, 0.01, 1, 7, 100000, 100000,
-                              0.0, false, problem.seed));
+  evolve_in_batches(problem, pagmo::gaco(static_cast<unsigned>(problem.generations), kernel, 1.0, 0.0, 0.01, 1, 7,
+                                         100000, 100000, 0.0, false, problem.seed));
 }
 
 extern "C" void unlatch_search_pareto(const ScaledProblem& problem) {
-  evolve(problem, pagmo::nsga2(static_cast<unsigned>(problem.generations), 0.95, 10.0, 0.1, 50.0, problem.seed));
+  evolve_in_batches(problem,
+                    pagmo::nsga2(static_cast<unsigned>(problem.generations), 0.95, 10.0, 0.1, 50.0, problem.seed));
+}
+
+extern "C" bool unlatch_search_pagmo(const char* algorithm, const ScaledProblem& problem) {
+  const std::string name = algorithm;
+  const auto generations = static_cast<unsigned>(problem.generations);
+  if (name == "gaco")
+    unlatch_search_global(problem);
+  else if (name == "sade")
+    evolve(problem, pagmo::sade(generations, 2, 1, 0.0, 0.0, false, problem.seed));
+  else if (name == "cmaes")
+    evolve(problem, pagmo::cmaes(generations, -1, -1, -1, -1, 0.5, 0.0, 0.0, false, true, problem.seed));
+  else if (name == "pso")
+    evolve_in_batches(problem, pagmo::pso_gen(generations, 0.7298, 2.05, 2.05, 0.5, 5, 2, 4, false, problem.seed));
+  else
+    return false;
+  return true;
 }
 
 }  // namespace unlatch::hil
