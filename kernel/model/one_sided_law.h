@@ -62,8 +62,7 @@ inline double calc_largest_stiffness(const OneSidedLaw& law) {
   if (law.kind == OneSided::Law::kGas) return law.exponent * law.preload / law.gas_length;
   double largest = 0;
   for (std::size_t i = 1; i < law.travels.size(); ++i)
-    largest = std::max(largest,
-                       std::abs(law.forces[i] - law.forces[i - 1]) / (law.travels[i] - law.travels[i - 1]));
+    largest = std::max(largest, std::abs(law.forces[i] - law.forces[i - 1]) / (law.travels[i] - law.travels[i - 1]));
   return largest;
 }
 

@@ -268,7 +268,8 @@ TEST_P(Processes, HearEveryMessageBitForBit) {
   EXPECT_EQ(at, recorder.get_output().data() + recorder.get_output().size());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Processes, testing::Values("dds", "lcm", "udp"), [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(All, Processes, testing::Values("dds", "lcm", "udp"),
+                         [](const auto& test) { return test.param; });
 
 // Every topic finds its readers separately and at its own time. Hello and State are said again until they are answered,
 // as the protocol demands; of what the participant says after its HelloAck, nothing is lost.

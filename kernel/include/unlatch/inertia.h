@@ -8,7 +8,8 @@ namespace unlatch {
 // Principal moments of a symmetric inertia, kg m², rising. What is not finite in it comes out as NaN.
 [[nodiscard]] Eigen::Vector3d calc_principal_moments(const Eigen::Matrix3d& inertia);
 
-// Moments as above, and the axes of each as a column, in the frame of the inertia; they are right-handed and have length 1.
+// Moments as above, and the axes of each as a column, in the frame of the inertia; they are right-handed and have
+// length 1.
 struct PrincipalAxes {
   Eigen::Vector3d moments;
   Eigen::Matrix3d axes;
