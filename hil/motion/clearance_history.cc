@@ -115,7 +115,8 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   const MotionPiece& piece = window.get_present();
   Track& track = tracks_[pair];
   if (!std::isfinite(monitor_.get_reach(pair).bound)) return false;
-  if (skipping_ == Skipping::kOn && is_far(piece, pair)) {
+  const bool still = track.idle && !track.stale;  // in the piece before: it has no room for a wide bound
+  if (skipping_ == Skipping::kOn && !still && is_far(piece, pair)) {
     track.followed = false;
     track.stale = true;
     return true;
@@ -146,8 +147,12 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
     }
     return true;
   }
-  if (skipping_ == Skipping::kOff || !(track.value - most > get_limit(pair))) return false;
+  const double room = track.value - get_limit(pair);
+  if (skipping_ == Skipping::kOff || !(room > most)) return false;
   track.stale = true;
+  // Seen from a new reference the wide bound serves again.
+  constexpr double kUsed = 0.25;
+  if (track.moved > kUsed * room) set_reference(piece, pair, calc(window, static_cast<int>(pair), piece.to));
   return true;
 }
 
