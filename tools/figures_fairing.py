@@ -1,5 +1,6 @@
 """Figures of the elastic fairing halves: modes (the paper's figure 10) beside the curved beam's, the way of the halves, the
 elastic displacement of the dangerous points (figure 11), the room that is left to the payload."""
+import importlib.machinery
 import importlib.util
 import math
 
@@ -12,16 +13,16 @@ DESIGNS = {
     "optimum: 50 kN/m, 0.730 m, 59.7 deg": {"stiffness": "50 kN/m", "stroke": "0.7303993 m", "release_angle": "1.0424943 rad"},
 }
 
-
 FLOWN = 16  # samples of campaign.yaml
 
 
-def load_zone(tools):
-    """safe_zone.py, which reads modes files."""
-    spec = importlib.util.spec_from_file_location("safe_zone", tools.SCENARIOS / "fairing/safe_zone.py")
-    zone = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(zone)
-    return zone
+def read_modes(tools):
+    """Frequencies in Hz and points (mass, place, displacements by mode) of the halves' file, by the reader of tools/envelope."""
+    loader = importlib.machinery.SourceFileLoader("envelope", str(tools.ROOT / "tools/envelope"))
+    envelope = importlib.util.module_from_spec(importlib.util.spec_from_loader("envelope", loader))
+    loader.exec_module(envelope)
+    hz, rows, _ = envelope.read_modes(tools.SCENARIOS / MODES)
+    return hz, [(row[0], row[1:4], row[4:].reshape(-1, 3)) for row in rows]
 
 
 def add(figure, tools):
@@ -32,7 +33,7 @@ def add(figure, tools):
     def modes(bench):
         import matplotlib.pyplot as plt
         from matplotlib.tri import Triangulation
-        hz, points, _ = load_zone(tools).read_modes()
+        hz, points = read_modes(tools)
         beams = {1: "R1", 4: "R2", 5: "R3"}  # as `unlatch modes shell` matches them
         places = [place for _, place, _ in points]
         # The shell is unrolled, so that adjacent points are adjacent in the plane.
@@ -65,27 +66,23 @@ def add(figure, tools):
     @figure("fairing-zone")
     def zone(bench):
         import matplotlib.pyplot as plt
-        import numpy as np
-        safe = load_zone(tools)
-        shell = safe.Shell()
-        folder = tools.SCENARIOS / "fairing"
-        nominal = bench.call("run", folder / "scenario.yaml", "--until", 1.6, "--outputs", safe.OUTPUTS, "--json", "-")
-        curves = [("stiff", safe.calc_zone(nominal, shell, elastic=False)[0], "0.55"), ("elastic", safe.calc_zone(nominal, shell)[0], "#457b9d")]
-        flown = [safe.calc_zone(bench.call("run", folder / "campaign.yaml", "--sample", i, "--outputs", safe.OUTPUTS, "--json", "-"), shell)[0]
-                 for i in range(FLOWN)]
-        curves.append((f"worst of {FLOWN} dispersed", np.fmin.reduce(flown), "#e09f3e"))
-        dead = bench.call("run", folder / "scenario.yaml", "--until", 1.6, "--outputs", safe.OUTPUTS, "--json", "-", "--set",
-                          "elements.push1_left.enabled=false")
-        curves.append(("one pusher dead", safe.calc_zone(dead, shell)[0], "#c1121f"))
+        options = ("--of", "half1", "--seen-from", "core", "--origin", "0,0,3", "--stations", "0:12:0.5", "--azimuths", "36", "--wall", "0.01",
+                   "--every", "4", "--until", "1.6")
+        nominal = bench.sweep("fairing/scenario.yaml", *options)
+        dispersed = bench.sweep("fairing/campaign.yaml", *options, "--samples", f"0:{FLOWN}")
+        dead = bench.sweep("fairing/scenario.yaml", *options, "--set", "elements.push1_left.enabled=false")
+        stations = nominal["stations"]
         drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.8), sharey=True, constrained_layout=True)
-        image = left.pcolormesh(safe.AZIMUTHS, safe.STATIONS, 1000 * (curves[0][1] - curves[2][1]), cmap="viridis_r", vmin=0)
+        lost = [[math.nan if a is None or b is None else 1e3 * (a - b) for a, b in zip(*rows)] for rows in zip(nominal["stiff"], dispersed["radius"])]
+        image = left.pcolormesh([90 - math.degrees(a) for a in nominal["azimuths"]], stations, lost, cmap="viridis_r", vmin=0)
         drawn.colorbar(image, ax=left, label="room lost to a stiff half's, mm")
-        left.set(xlabel="azimuth from the middle of half 1, deg", ylabel="station from the base, m")
+        left.set(xlabel="azimuth from the middle of half 1, deg", ylabel="station from the base, m", xlim=(-100, 100))
         left.set_title(f"Half 1, {FLOWN} dispersed flights", loc="left")
         left.grid(False)
-        for label, zones, colour in curves:
-            least = np.array([np.nanmin(row) if not np.isnan(row).all() else np.nan for row in zones])
-            right.step(np.append(least, least[-1]), safe.STATIONS, where="post", color=colour, label=label)
+        for label, grid, colour in (("stiff", nominal["stiff"], "0.55"), ("elastic", nominal["radius"], "#457b9d"),
+                                    (f"worst of {FLOWN} dispersed", dispersed["radius"], "#e09f3e"), ("one pusher dead", dead["radius"], "#c1121f")):
+            least = [min((value for value in row if value is not None), default=math.nan) for row in grid]
+            right.step([*least, least[-1]], stations, where="post", color=colour, label=label)
         right.plot([1.6, 1.6, 0], [0.3, 8, 8], color="0.2", linestyle="--", label="payload")
         right.set(xlabel="smallest radius, m", xlim=(1.1, 2.05), ylim=(0, 10))
         right.legend(loc="lower left")
