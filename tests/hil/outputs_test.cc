@@ -191,6 +191,39 @@ contacts:
   EXPECT_NEAR(read("element.blow.slip_speed")[0], 0, 1e-9);
 }
 
+// One reading of a contact serves its outputs, whatever their order; each contact has its own.
+TEST_F(OutputsTest, ContactsThatAreReadInAnyOrderTellTheSame) {
+  scenario = hil::load_scenario_text(R"(unlatch: 1
+name: blows
+step: {dt: 1 ms, until: 0.2, contact_substeps: 8}
+bodies:
+  wall: {mass: 1e9, inertia: [1e9, 1e9, 1e9], shape: [{box: {size: [2, 10, 10]}}]}
+  a: {mass: 2, inertia: [1, 1, 1], position: [1.8, 0, 0], velocity: [-3, 0.5, 0], shape: [{sphere: {radius: 0.5}}]}
+  b: {mass: 1, inertia: [1, 1, 1], position: [1.8, 3, 0], velocity: [-3, 0, 0.25], shape: [{sphere: {radius: 0.5}}]}
+contacts:
+  first: {between: [wall, a], stiffness: 0.2 MN/m, friction: 0.3}
+  second: {between: [wall, b], stiffness: 0.1 MN/m, friction: 0.1}
+)",
+                                     "blows.yaml");
+  simulation = hil::build_simulation(scenario);
+  step(103);
+  hil::OutputReader reader(scenario, *simulation);
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < reader.list().size(); ++i) order.push_back((i * 7) % reader.list().size());
+  ASSERT_EQ(std::set<std::size_t>(order.begin(), order.end()).size(), order.size());
+  std::vector<double> mixed(reader.count_values()), one(reader.count_values());
+  reader.read(order, mixed);
+  int contacts = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    reader.read(std::span(&order[i], 1), one);
+    contacts += reader.list()[order[i]].name.starts_with("element.");
+  }
+  EXPECT_EQ(mixed, one);
+  EXPECT_EQ(contacts, 2 * 8);
+  EXPECT_NE(get(reader, "element.first.force", mixed), get(reader, "element.second.force", mixed));
+  EXPECT_GT(get(reader, "element.second.friction", mixed)[0], 0);
+}
+
 TEST_F(OutputsTest, GroupsHaveRatesOfTheirOwn) {
   load(
       "outputs:\n  - {select: [ball.velocity, \"*.force\"], every: 100}\n  - {select: [spring.length], rate: 200 "
