@@ -200,7 +200,14 @@ class PythonTest(ProcessTest):
     def test_other_threads_run_while_it_steps(self):
         with unlatch.load(REFERENCE) as sim:
             native, refused = sim._native, False
-            worker = threading.Thread(target=native.advance, args=(400_000, False))
+
+            def advance():
+                while True:
+                    try:
+                        return native.advance(400_000, False)
+                    except unlatch.OrderError:  # the other thread asked just then
+                        pass
+            worker = threading.Thread(target=advance)
             worker.start()
             while worker.is_alive() and not refused:
                 try:
