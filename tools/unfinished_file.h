@@ -9,12 +9,12 @@ namespace unlatch::tools {
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const std::string& target);
-  // What was not finished is removed.
+  // An unfinished file is removed.
   ~UnfinishedFile();
   UnfinishedFile(const UnfinishedFile&) = delete;
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
 
-  // Where to write.
+  // Path to write to.
   [[nodiscard]] const std::string& path() const { return path_; }
   // It is whole and closed. False, with errno: it cannot be put in its place.
   [[nodiscard]] bool finish();

@@ -21,7 +21,7 @@ class Handout {
 
   // A new worker, by any number, with its threads.
   void join(int worker, int threads);
-  // What it is to get now, if anything; `now`: s, from any origin, never less than before.
+  // Samples that it is to get now, if any; `now`: s, from any origin, never less than before.
   std::vector<std::int64_t> give(int worker, double now);
   // Its result has come. False: it has no such sample, or had it already.
   bool take(int worker, std::int64_t sample);

@@ -1,4 +1,4 @@
-// What subset sampling looks for: the failure whose probability it estimates. Key `subset` of a campaign file.
+// The failure whose probability subset sampling estimates. Key `subset` of a campaign file.
 #pragma once
 
 #include <cstdint>

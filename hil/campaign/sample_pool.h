@@ -27,7 +27,7 @@ class SamplePool {
   SamplePool& operator=(const SamplePool&) = delete;
 
   void add(std::span<const PlannedSample> samples);
-  // What has come since the last call; if nothing has, waits for it no longer than that. Throws what a sample threw.
+  // Results since the last call; if nothing has, waits for it no longer than that. Throws what a sample threw.
   std::vector<SampleRecord> take(std::chrono::milliseconds longest);
 
  private:

@@ -26,7 +26,7 @@ class SampleSource {
 
   // A new worker, by any number, with its threads.
   void join(int worker, int threads) { handout_.join(worker, threads); }
-  // What it is to run now, if anything; `now`: s, from any origin, never less than before.
+  // Samples that it is to run now, if any; `now`: s, from any origin, never less than before.
   std::vector<PlannedSample> give(int worker, double now);
   // A result has come. Throws ResultError: the worker was not given this sample, or not with these inputs.
   void take(int worker, const SampleRecord& record);

@@ -6,7 +6,7 @@
 
 namespace unlatch {
 
-// Where some guard crosses first: none has at `from`, one has at `to`. `other`: the end that was replaced last,
+// The earliest crossing of guards: none has crossed at `from`, one has at `to`. `other`: the end that was replaced last,
 // outside.
 struct Bracket {
   double from, to, other;
@@ -55,7 +55,7 @@ inline bool may_peak(const Flank& left, const Flank& right) {
   return meeting > 0 && meeting < h && left.value + left.rate * meeting >= 0;
 }
 
-// Where the cubic through both flanks is greatest; in the inner seven eighths.
+// Time at which the cubic through both flanks is greatest; in the inner seven eighths.
 inline double calc_peak(const Flank& left, const Flank& right) {
   const double h = right.time - left.time, rise = 6 * (right.value - left.value);
   const double first = h * left.rate, last = h * right.rate;

@@ -106,7 +106,7 @@ TEST(Subset, EstimatesOneInAHundredThousandWithFiveThousandRuns) {
     // Four standard errors of the mean of these seeds; a bias of some percent is known, of the order of 1 / N.
     EXPECT_NEAR(mean / test.probability, 1, 4 * spread / std::sqrt(kRepetitions));
     EXPECT_LT(spread, 0.8);
-    // What is said leaves out the correlation of levels: Au and Beck, section 5.
+    // The deviation leaves out the correlation of levels: Au and Beck, section 5.
     EXPECT_GT(deviations / kRepetitions, 0.6 * spread);
     EXPECT_GE(within, kRepetitions * 80 / 100);
   }

@@ -1,4 +1,4 @@
-// What a control law needs of a vehicle, looked up by name; what the vehicle lacks is gathered in words.
+// Channels and sensors that a control law needs, looked up by name; missing ones are gathered in words.
 #pragma once
 
 #include <string>

@@ -25,7 +25,7 @@ constexpr auto kTurn = std::chrono::milliseconds(1);  // longest wait of a turn;
 constexpr int kMostMessages = 1000;                   // of a turn
 constexpr std::uint32_t kMostJobs = 1024;             // of a rank, as the command line takes
 
-// What all ranks must have in common beside the shape.
+// Program and version, which all ranks must share beside the shape.
 std::uint64_t get_program() { return hil::calc_digest("unlatch " UNLATCH_VERSION); }
 
 // Bytes of a sample in kWork: its number and its inputs.

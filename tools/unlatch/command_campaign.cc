@@ -221,7 +221,7 @@ constexpr const char* kPromise =
     "The same table to the last bit for any number of jobs, in any order, resumed or not, on one machine or several. "
     "Exit code 1: a sample faulted or failed a requirement.";
 
-// What does not depend on the program.
+// Options that do not depend on the program.
 void add_options(Command command, CampaignOptions& options) {
   command.add_option("--samples", options.samples, "only these, from A to before B, counted from 0").type_name("A:B");
   command.add_flag("--resume", options.resume, "continues what the folder has");
