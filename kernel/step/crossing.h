@@ -6,8 +6,8 @@
 
 namespace unlatch {
 
-// The earliest crossing of guards: none has crossed at `from`, one has at `to`. `other`: the end that was replaced last,
-// outside.
+// The earliest crossing of guards: none has crossed at `from`, one has at `to`. `other`: the end that was replaced
+// last, outside.
 struct Bracket {
   double from, to, other;
   bool narrowed = false;  // there is an `other`
