@@ -1,4 +1,4 @@
-// What requirements can be about: every quantity of a scenario that one may name, with its unit.
+// The quantities of a scenario that requirements can be about, each with its unit.
 #pragma once
 
 #include <string>

@@ -65,7 +65,7 @@ struct Scenario {
   std::string name, title;
   double dt = 0, until = 0;              // s; until is a whole number of steps
   std::vector<NamedConstant> constants;  // in the order of the file, overrides applied
-  std::vector<WrittenNumber> numbers;    // of load_scenario(), not of ScenarioTree::read(); constants are not among them
+  std::vector<WrittenNumber> numbers;  // of load_scenario(), not of ScenarioTree::read(); constants are not among them
   Model model;
   FlightSoftware flight_software;
   Rates rates;

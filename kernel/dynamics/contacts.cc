@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/dynamics/push.h"
 #include "kernel/geometry/bounds.h"
 
 namespace unlatch {
@@ -12,14 +13,6 @@ namespace {
 constexpr double kMargin = 2;
 
 geometry::Placement get_placement(const BodyFrame& body) { return {body.p, body.R}; }
-
-// From a state alone: its angular velocities are in body axes.
-BodyFrame read_body_frame(const State& state, std::int32_t body) {
-  if (body == kGround) return get_ground<double>();
-  const BodyState& own = state.bodies[at(body)];
-  const Mat3 R = rotation_matrix(own.q);
-  return {R, own.p, own.v, R * own.w};
-}
 
 // Of the material at a point of W.
 Vec3 calc_velocity(const BodyFrame& body, const Vec3& point) { return body.v + cross(body.w, point - body.p); }
@@ -41,12 +34,6 @@ Vec3 calc_velocity(const BodyFrame& base, const BodyFrame& follower, const Vec3&
 
 // Of the distance: the witnesses lie along the normal, about which they may turn.
 double calc_rate(const geometry::Distance& distance, const Vec3& velocity) { return dot(distance.normal, velocity); }
-
-// A force at a point of W; nothing can push the ground.
-void push(Evaluation& ev, int body, const BodyFrame& frame, const Vec3& point, const Vec3& force) {
-  if (body != kGround)
-    add(ev.blocks.data(), ev.places[at(body)], &SharedLane::force, {force, cross(point - frame.p, force)});
-}
 
 bool has_closed_pair(const State& state, const PlanContact& contact) {
   for (std::int32_t i = 0; i < contact.pairs; ++i)
@@ -132,8 +119,8 @@ void add_contacts(const Instant& now, Evaluation& ev) noexcept {
       const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
       const PairForce f = calc_pair_force(contact, distance, base, follower, scale);
       ev.pair_distances[i] = distance.distance;
-      push(ev, body_b, follower, f.point, f.force);
-      push(ev, body_a, base, f.point, -f.force);
+      push(ev, body_b, f.force, cross(f.point - follower.p, f.force));
+      push(ev, body_a, -f.force, cross(f.point - base.p, -f.force));
       weight += f.normal;
       slip += f.normal * f.slip;
       loss += f.calc_loss();
@@ -196,12 +183,12 @@ ContactTotals get_contact_totals(const Plan& plan, const State& state, int conta
 ContactReading calc_contact(const Plan& owner, const State& state, int contact) noexcept {
   const PlanData& plan = owner.data();
   const PlanContact& own = plan.contacts[at(contact)];
-  const double t = static_cast<double>(state.header->tick) * plan.options.dt;
+  const double t = plan.get_time(state.header->tick);
   const double scale = calc_scale(state.elements[at(own.element)], t);
   ContactReading out;
   if (scale == 0) return out;
-  const BodyFrame base = read_body_frame(state, plan.shapes[at(own.base)].body);
-  const BodyFrame follower = read_body_frame(state, plan.shapes[at(own.follower)].body);
+  const BodyFrame base = calc_body_frame(state, plan.shapes[at(own.base)].body);
+  const BodyFrame follower = calc_body_frame(state, plan.shapes[at(own.follower)].body);
   Vec3 point{0, 0, 0};
   for (std::size_t i = at(own.first_pair); i < at(own.first_pair + own.pairs); ++i) {
     if (state.contacts[i].closed == 0) continue;
@@ -226,8 +213,8 @@ ContactReading calc_contact(const Plan& owner, const State& state, int contact) 
 
 geometry::GroupDistance calc_shape_distance(const Plan& owner, const State& state, int a, int b) noexcept {
   const PlanShapes &of_a = owner.data().shapes[at(a)], &of_b = owner.data().shapes[at(b)];
-  return geometry::calc_distance(of_a.group, get_placement(read_body_frame(state, of_a.body)), of_b.group,
-                                 get_placement(read_body_frame(state, of_b.body)));
+  return geometry::calc_distance(of_a.group, get_placement(calc_body_frame(state, of_a.body)), of_b.group,
+                                 get_placement(calc_body_frame(state, of_b.body)));
 }
 
 }  // namespace unlatch

@@ -238,10 +238,6 @@ bool is_grounded(const PlanData& plan, const State& state, double t) {
   return false;
 }
 
-double get_time(const PlanData& plan, const State& state) {
-  return static_cast<double>(state.header->tick) * plan.options.dt;
-}
-
 }  // namespace
 
 const char* const kPowerSourceNames[kPowerSources] = {"loads", "gravity", "motors",   "dampers",
@@ -263,7 +259,8 @@ EnergyFlow calc_energy_flow(const PlanData& plan, const State& state, double t, 
 
 EnergyFlow calc_energy_flow(const Plan& plan, const State& state, const Workspace& workspace,
                             const Vec3& frame) noexcept {
-  return calc_energy_flow(plan.data(), state, get_time(plan.data(), state), workspace.data().kept.evaluation, frame);
+  return calc_energy_flow(plan.data(), state, plan.data().get_time(state.header->tick),
+                          workspace.data().kept.evaluation, frame);
 }
 
 EnergyFlow change_frame(const EnergyFlow& flow, const Vec3& change) noexcept {
@@ -279,7 +276,7 @@ EnergyFlow change_frame(const EnergyFlow& flow, const Vec3& change) noexcept {
 
 Vec3 calc_audit_frame(const Plan& owner, const State& state, const Workspace& workspace) noexcept {
   const PlanData& plan = owner.data();
-  if (is_grounded(plan, state, get_time(plan, state))) return {0, 0, 0};
+  if (is_grounded(plan, state, plan.get_time(state.header->tick))) return {0, 0, 0};
   Vec3 momentum = {0, 0, 0};
   double mass = 0;
   const Evaluation& ev = workspace.data().kept.evaluation;

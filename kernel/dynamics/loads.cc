@@ -24,6 +24,17 @@ double find_profile(const PlanData& plan, int profile, double s, Evaluation& ev)
   return kept.value;
 }
 
+// At time t. `calc_law(profile, s)`: of the profile at the time s since it was switched on.
+template <class Law>
+double calc_size(const PlanLoad& load, std::span<const ElementState> elements, const Inputs& inputs, double t,
+                 const Law& calc_law) {
+  const ElementState& element = elements[at(load.element)];
+  const double scale = calc_scale(element, t);
+  if (scale == 0) return 0;
+  const double size = calc_law(load.profile, t - element.switched_on) * scale;
+  return load.channel == kNone ? size : size * inputs.commands[at(load.channel)];
+}
+
 }  // namespace
 
 double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) noexcept {
@@ -44,30 +55,21 @@ double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) 
   return 0;
 }
 
-double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, int load) noexcept {
-  const PlanLoad& own = plan.data().loads[at(load)];
-  const ElementState& element = state.elements[at(own.element)];
-  const double t = static_cast<double>(state.header->tick) * plan.get_options().dt, scale = calc_scale(element, t);
-  if (scale == 0) return 0;
-  const double value = calc_profile(plan.data(), plan.data().profiles[at(own.profile)], t - element.switched_on);
-  return value * scale * (own.channel == kNone ? 1.0 : inputs.commands[at(own.channel)]);
+double calc_load_size(const Plan& owner, const Inputs& inputs, const State& state, int load) noexcept {
+  const PlanData& plan = owner.data();
+  return calc_size(plan.loads[at(load)], state.elements, inputs, plan.get_time(state.header->tick),
+                   [&](int profile, double s) { return calc_profile(plan, plan.profiles[at(profile)], s); });
 }
 
 void update_loads(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;
   if (plan.loads.empty()) return;
   double *blocks = ev.blocks.data(), *sizes = ev.load_sizes.data();
-  const ElementState* elements = now.state.elements.data();
   for (const BodyEight& eight : plan.eights)
     if (eight.loaded) eight.get_applied(blocks, 0) = {};
   for (const PlanLoad& load : plan.loads) {
-    const ElementState& element = elements[load.element];
-    const double scale = calc_scale(element, now.t);
-    double size = 0;
-    if (scale != 0) {
-      size = find_profile(plan, load.profile, now.t - element.switched_on, ev) * scale;
-      if (load.channel != kNone) size *= now.inputs.commands[at(load.channel)];
-    }
+    const double size = calc_size(load, now.state.elements, now.inputs, now.t,
+                                  [&](int profile, double s) { return find_profile(plan, profile, s, ev); });
     *sizes++ = size;
     if (!load.world && size != 0)
       add(blocks, ev.places[at(load.body)], &AppliedBlock<double>::wrench, size * load.wrench);

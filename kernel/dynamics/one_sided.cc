@@ -94,7 +94,7 @@ void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept {
 OneSidedReading calc_one_sided(const Plan& owner, const State& state, const Workspace& workspace, int number) noexcept {
   const PlanData& plan = owner.data();
   const PlanOneSided& own = plan.one_sided[at(number)];
-  const double t = static_cast<double>(state.header->tick) * plan.options.dt;
+  const double t = plan.get_time(state.header->tick);
   const OneSidedMotion m = calc_motion(plan, workspace.data().kept.evaluation, own);
   return {m.x, m.depth, m.depth_rate, calc_force(plan, state, t, own, m),
           calc_scale(state.elements[at(own.element)], t)};

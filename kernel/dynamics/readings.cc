@@ -7,14 +7,6 @@
 namespace unlatch {
 namespace {
 
-double get_time(const Plan& plan, const State& state) {
-  return static_cast<double>(state.header->tick) * plan.get_options().dt;
-}
-
-BodyFrame get_frame(const State& state, std::int32_t body) {
-  return body == kGround ? get_ground<double>() : to_frame(state.bodies[at(body)]);
-}
-
 // The first of `elements` numbers elements of one kind in a row.
 template <class Elements>
 const auto* find(const Elements& elements, int element) {
@@ -26,8 +18,9 @@ const auto* find(const Elements& elements, int element) {
 
 SpringReading calc_point_spring(const Plan& plan, const State& state, int spring) noexcept {
   const PlanPointSpring& own = plan.data().point_springs[at(spring)];
-  const double scale = calc_scale(state.elements[at(own.element)], get_time(plan, state));
-  const PointSpringForce f = calc_force(own, get_frame(state, own.base), get_frame(state, own.follower), scale);
+  const double scale = calc_scale(state.elements[at(own.element)], plan.data().get_time(state.header->tick));
+  const PointSpringForce f =
+      calc_force(own, calc_body_frame(state, own.base), calc_body_frame(state, own.follower), scale);
   return {f.length, scale == 0 ? 0 : f.size, scale};
 }
 
@@ -42,27 +35,27 @@ PointSpringForce calc_point_spring(const PointSpring& spring, const BodyState& b
                             spring.stiffness,
                             spring.damping,
                             spring.free_length};
-  return calc_force(own, to_frame(base), to_frame(follower), scale);
+  return calc_force(own, calc_body_frame(base), calc_body_frame(follower), scale);
 }
 
 ElementReading calc_element(const Plan& owner, const State& state, const Workspace& workspace, int element) noexcept {
   const PlanData& plan = owner.data();
   const Evaluation& ev = workspace.data().kept.evaluation;
   ElementReading out;
-  out.scale = calc_scale(state.elements[at(element)], get_time(owner, state));
+  out.scale = calc_scale(state.elements[at(element)], plan.get_time(state.header->tick));
   if (const PlanLoad* const load = find(plan.loads, element)) {
     out.force = ev.load_sizes[at(element) - at(plan.loads[0].element)] * load->length;
   } else if (const PlanPointSpring* const spring = find(plan.point_springs, element)) {
     const PointSpringForce f =
-        calc_force(*spring, get_frame(state, spring->base), get_frame(state, spring->follower), out.scale);
+        calc_force(*spring, calc_body_frame(state, spring->base), calc_body_frame(state, spring->follower), out.scale);
     out = {f.size, f.length, f.rate, out.scale, spring->free_length - f.length};
   } else if (const PlanJointSpring* const joint = find(plan.joint_springs, element)) {
     out.length = ev.coordinates[at(joint->coordinate)];
     out.rate = ev.speeds[at(joint->coordinate)];
     out.force = calc_joint_spring(*joint, out.length, out.rate, out.scale);
   } else if (const PlanPlaneTorsion* const torsion = find(plan.plane_torsions, element)) {
-    const PlaneTorsionForce f =
-        calc_force(*torsion, get_frame(state, torsion->base), get_frame(state, torsion->follower), out.scale);
+    const PlaneTorsionForce f = calc_force(*torsion, calc_body_frame(state, torsion->base),
+                                           calc_body_frame(state, torsion->follower), out.scale);
     out = {f.size, f.angle, f.rate, out.scale};
   } else if (const PlanOneSided* const force = find(plan.one_sided, element)) {
     const OneSidedReading f = calc_one_sided(owner, state, workspace, force->number);

@@ -9,12 +9,6 @@
 
 namespace unlatch {
 
-// A body at rest at W for the ground. From a state alone: its angular velocities are in body axes.
-inline BodyFrame to_frame(const BodyState& body) noexcept {
-  const Mat3 R = rotation_matrix(body.q);
-  return {R, body.p, body.v, R * body.w};
-}
-
 inline PointSpringForce calc_force(const PlanPointSpring& spring, const BodyFrame& base, const BodyFrame& follower,
                                    double scale) noexcept {
   PointSpringForce f{base.R * spring.point_base, follower.R * spring.point_follower};

@@ -9,6 +9,15 @@ namespace unlatch {
 // Of a body or of the ground; needs update_kinematics().
 BodyFrame get_body_frame(const Evaluation& ev, int body) noexcept;
 
+// The same from states alone, whose angular velocities are in body axes.
+inline BodyFrame calc_body_frame(const BodyState& body) noexcept {
+  const Mat3 R = rotation_matrix(body.q);
+  return {R, body.p, body.v, R * body.w};
+}
+inline BodyFrame calc_body_frame(const State& state, int body) noexcept {
+  return body == kGround ? get_ground<double>() : calc_body_frame(state.bodies[at(body)]);
+}
+
 struct BodyKinematics {
   Mat3 R;  // R_WB
   Vec3 w;  // world axes, rad/s

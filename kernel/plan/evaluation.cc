@@ -73,7 +73,8 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
 
 void lay_out(const PlanData& plan, Arena& arena, EventSearch& search) {
   const std::size_t events = plan.events.size();
-  for (std::span<double>* guards : {&search.guards_low, &search.guards_high, &search.guards_middle, &search.tolerances})
+  for (std::span<double>* guards :
+       {&search.guards_low, &search.guards_high, &search.guards_middle, &search.tolerances, &search.exact})
     arena.take(*guards, events + plan.contact_pairs.size());
   for (std::span<double>* rates : {&search.rates_low, &search.rates_high})
     arena.take(*rates, plan.contact_pairs.size());
@@ -102,6 +103,7 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
 
   for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
   for (double& size : ev.friction_sizes) size = 0;
+  for (double& tolerance : data_->search.exact) tolerance = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};
   for (const PlanNonTreeJoint& joint : plan.non_tree_joints)  // of one that never holds nobody else writes them

@@ -149,7 +149,8 @@ struct EventSearch {
   std::span<double> guards_low, guards_high;  // at both ends of the bracket in which an event is located
   std::span<double> guards_middle;            // at the end of it that was replaced last
   std::span<double> rates_low, rates_high;    // Evaluation::pair_rates at both ends of the sub-step
-  std::span<double> tolerances;               // how far below zero a guard may stand and still count as reached
+  std::span<double> tolerances;               // how far below zero a guard may stand beside the one that was located
+  std::span<double> exact;                    // the same where none was located: zeros
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // evaluates one guard
   std::span<FiredEvent> fired;

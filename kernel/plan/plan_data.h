@@ -260,6 +260,7 @@ struct PlanData {
   PlanOptions options;
   InstructionSet instruction_set = InstructionSet::kScalar;  // chosen for this processor
   std::uint64_t hash = 0;  // of the model and its options: two plans with one hash step alike
+  double get_time(std::int64_t tick) const { return static_cast<double>(tick) * options.dt; }  // s
 
   // tree
   std::vector<TreeNode> nodes;

@@ -17,20 +17,21 @@ namespace unlatch {
 namespace {
 
 bool is_due(const PlanData& plan, std::size_t e, double now, const State& state, const Evaluation& ev,
-            const EventSearch& search) {
+            std::span<const double> tolerances) {
   const double slack = kSameInstant * plan.options.dt;
   const EventState& event = state.events[e];
   if (event.phase == EventPhase::kPending) return event.due <= now + slack;
   if (event.phase != EventPhase::kArmed) return false;
-  return ev.guards[e] >= -(plan.events[e].by_time ? slack : search.tolerances[e]);
+  return ev.guards[e] >= -(plan.events[e].by_time ? slack : tolerances[e]);
 }
 
-bool is_any_due(const PlanData& plan, double now, const State& state, const Evaluation& ev, const EventSearch& search) {
-  const double *guards = ev.guards.data(), *tolerances = search.tolerances.data();
+bool is_any_due(const PlanData& plan, double now, const State& state, const Evaluation& ev,
+                std::span<const double> tolerances) {
+  const double* guards = ev.guards.data();
   for (const std::int32_t e : plan.timed_events)
-    if (is_due(plan, at(e), now, state, ev, search)) return true;
+    if (is_due(plan, at(e), now, state, ev, tolerances)) return true;
   for (std::size_t e = 0; e < plan.events.size(); ++e)
-    if (guards[e] >= -tolerances[e] && is_due(plan, e, now, state, ev, search)) return true;
+    if (guards[e] >= -tolerances[e] && is_due(plan, e, now, state, ev, tolerances)) return true;
   for (std::size_t i = plan.events.size(); i < ev.guards.size(); ++i)
     if (guards[i] >= -tolerances[i]) return true;
   return false;
@@ -38,12 +39,12 @@ bool is_any_due(const PlanData& plan, double now, const State& state, const Eval
 
 // Lets pairs of shapes close and open that are due; returns how many. The distance at which a pair changes back is on
 // the other side of the present one, which location leaves next to zero.
-int change_pairs(const PlanData& plan, State& state, const Evaluation& ev, const EventSearch& search) {
+int change_pairs(const PlanData& plan, State& state, const Evaluation& ev, std::span<const double> tolerances) {
   constexpr double kApart = 1e-12;  // m
   int count = 0;
   for (std::size_t i = 0; i < state.contacts.size(); ++i) {
     const std::size_t e = plan.events.size() + i;
-    if (!(ev.guards[e] >= -search.tolerances[e])) continue;
+    if (!(ev.guards[e] >= -tolerances[e])) continue;
     ContactState& pair = state.contacts[i];
     if (pair.closed != 0)
       pair = {0, std::min(0.0, (pair.edge + ev.guards[e]) - kApart)};
@@ -96,13 +97,14 @@ RowSet apply(const PlanData& plan, const Action& action, double now, State& stat
 }
 
 // One round: pairs of shapes close and open; marks the events that are due, then lets them act. Returns how many acted.
-int act_once(const PlanData& plan, double now, State& state, const Evaluation& ev, EventSearch& search, RowSet& added) {
-  const int changes = change_pairs(plan, state, ev, search);
+int act_once(const PlanData& plan, double now, std::span<const double> tolerances, State& state, const Evaluation& ev,
+             EventSearch& search, RowSet& added) {
+  const int changes = change_pairs(plan, state, ev, tolerances);
   search.change_count += changes;
   int count = changes;
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
     search.acting[e] = 0;
-    if (!is_due(plan, e, now, state, ev, search)) continue;
+    if (!is_due(plan, e, now, state, ev, tolerances)) continue;
     EventState& event = state.events[e];
     if (event.phase == EventPhase::kArmed && plan.events[e].delay > 0) {
       event = {EventPhase::kPending, now + plan.events[e].delay};
@@ -154,16 +156,16 @@ double calc_next_due(const PlanData& plan, const State& state, double now) noexc
   return next;
 }
 
-StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& state, Evaluation& ev,
-               EventSearch& search, int& node) noexcept {
+StepStatus act(const PlanData& plan, const Inputs& inputs, double now, std::span<const double> tolerances, State& state,
+               Evaluation& ev, EventSearch& search, int& node) noexcept {
   // Every event acts or becomes pending at most once, and a pair of shapes changes for itself, or because its contact
   // was switched: at most twice as many rounds as events and pairs.
   for (std::size_t round = 0; round <= 2 * ev.guards.size(); ++round) {
-    if (!is_any_due(plan, now, state, ev, search)) return StepStatus::kOk;
+    if (!is_any_due(plan, now, state, ev, tolerances)) return StepStatus::kOk;
     const Balance before = calc_balance(plan, state, ev);
     const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
     RowSet added = 0;
-    const int count = act_once(plan, now, state, ev, search, added);
+    const int count = act_once(plan, now, tolerances, state, ev, search, added);
     if (count == 0) return StepStatus::kOk;
 
     Balance allowed{{0, 0, 0}, {0, 0, 0}, 0};
@@ -191,7 +193,7 @@ StepStatus act(const PlanData& plan, const Inputs& inputs, double now, State& st
     if (at(search.audit_count) < search.audits.size())
       search.audits[at(search.audit_count++)] = {
           now, before, jump, allowed, flow_before, calc_energy_flow(plan, state, now, ev, {0, 0, 0})};
-    for (double& tolerance : search.tolerances) tolerance = 0;
+    tolerances = search.exact;
     update_guards(instant, ev, search.stack);
   }
   return StepStatus::kTooManyEvents;

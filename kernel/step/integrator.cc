@@ -87,7 +87,7 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   kernels.add_displacements(plan, ev);
   if (!plan.rigid) add_modal_displacements(plan, ev);
 
-  complete_kinematics(plan, end.t, ev);
+  if (!plan.rigid) update_kinematics(plan, ev);
   update_joints(plan, end.state, RowTarget::kVelocity, ev);
   kernels.solve(plan, ev, kCorrection);
   kernels.add_velocities(plan, ev);

@@ -27,8 +27,6 @@ constexpr double kLocated = 1e-6;
 constexpr int kMostTries = 24;
 constexpr int kMostLooks = 8;  // tries of a sub-step that look for touches within it
 
-double get_time(const PlanData& plan, std::int64_t tick) { return static_cast<double>(tick) * plan.options.dt; }
-
 // False if what the factorisation takes in at a node, masses and arms, is not finite.
 bool has_finite_block(const PlanData& plan, const Evaluation& ev, int node) {
   const TreeNode& n = plan.nodes[at(node)];
@@ -209,7 +207,7 @@ double find_touches(Run& run, const SubstepStart& start, double end) {
   return tries == 0 || try_substep(run, start, end) ? end : -1;
 }
 
-// How far below its guard an event may stand and still act with the first: simultaneity granted.
+// How far below zero the guard of an event may stand that still acts with the first.
 void update_tolerances(Run& run) {
   EventSearch& s = run.search;
   for (std::size_t e = 0; e < s.tolerances.size(); ++e)
@@ -244,12 +242,12 @@ void log_motion(Run& run, double now, bool begins) {
   std::copy(run.ev.sensors.begin(), run.ev.sensors.end(), knot.sensors.begin());
 }
 
-// `begins`: of the knot before the events.
-bool act_at(Run& run, double now, bool begins) {
+// `tolerances`: of the events' guards. `begins`: of the knot before the events.
+bool act_at(Run& run, double now, std::span<const double> tolerances, bool begins) {
   log_motion(run, now, begins);
   const auto count = [&] { return run.search.fired_count + run.search.change_count; };
   const std::int32_t acted = count();
-  const StepStatus status = act(run.plan, run.inputs, now, run.state, run.ev, run.search, run.node);
+  const StepStatus status = act(run.plan, run.inputs, now, tolerances, run.state, run.ev, run.search, run.node);
   if (status == StepStatus::kOk && count() != acted)
     log_motion(run, now, true);
   else if (run.log != nullptr && !begins)
@@ -263,7 +261,7 @@ double calc_next_stop(const Run& run, double now, double end) {
   const auto is_closed = [](const ContactState& pair) { return pair.closed != 0; };
   const int parts = run.plan.contact_substeps;
   if (parts == 1 || std::none_of(run.state.contacts.begin(), run.state.contacts.end(), is_closed)) return end;
-  const double slack = kSameInstant * run.plan.options.dt, begin = get_time(run.plan, run.state.header->tick);
+  const double slack = kSameInstant * run.plan.options.dt, begin = run.plan.get_time(run.state.header->tick);
   for (int i = 1; i < parts; ++i) {
     const double stop = begin + (end - begin) * (static_cast<double>(i) / parts);
     if (stop > now + slack) return stop;
@@ -292,7 +290,8 @@ double advance(Run& run, double now, double step_end, int& splits) {
   if (target < 0) return step_end;
   double reached = target;
   const int crossings = count_crossings(run);
-  if (crossings > 0 && may_split) {
+  const bool located = crossings > 0 && may_split;
+  if (located) {
     std::size_t first = run.ev.guards.size();
     update_tolerances(run);
     reached = locate(run, start, target, first);
@@ -302,10 +301,9 @@ double advance(Run& run, double now, double step_end, int& splits) {
     run.report.postponed += crossings;
   }
   accept(run);
-  if (may_split && (crossings > 0 || reaches_due)) {
+  if (located || reaches_due) {
     ++splits;
-    act_at(run, reached, false);
-    std::fill(search.tolerances.begin(), search.tolerances.end(), 0.0);  // as the next part finds them
+    act_at(run, reached, located ? search.tolerances : search.exact, false);
   } else if (reached < step_end) {
     log_motion(run, reached, false);
     log_motion(run, reached, true);
@@ -364,14 +362,13 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   kept.valid = false;  // until this step has ended well
   Run run{plan, inputs, kept.evaluation, kept.state, data.search, log};
   if (log != nullptr) log->clear();
-  const double begin = get_time(plan, state.header->tick), end = get_time(plan, state.header->tick + 1);
+  const double begin = plan.get_time(state.header->tick), end = plan.get_time(state.header->tick + 1);
   run.search.fired_count = run.search.audit_count = run.search.change_count = 0;
-  std::fill(run.search.tolerances.begin(), run.search.tolerances.end(), 0.0);
 
   // Events that the new inputs bring about, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed)) return finish(run);
   rearm(plan, run.state, run.ev);
-  if (!act_at(run, begin, true)) return finish(run);
+  if (!act_at(run, begin, run.search.exact, true)) return finish(run);
 
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
@@ -394,7 +391,7 @@ StepStatus update_outputs(const Plan& owner, const Inputs& inputs, const State& 
   const Changed changed = compare(kept, state);
   kept.valid = false;
   Evaluation& ev = kept.evaluation;
-  const Instant now{plan, inputs, state, get_time(plan, state.header->tick)};
+  const Instant now{plan, inputs, state, plan.get_time(state.header->tick)};
   if (evaluate(now, changed, ev) != kNone) return StepStatus::kSingular;
   update_guards(now, ev, workspace.data().search.stack);
   update_sensors(plan, state, ev);

@@ -118,7 +118,7 @@ class PythonTest(ProcessTest):
             self.assertEqual((sim.constants["slope"].value, sim.constants["slope"].unit), (0.06, "rad"))
             self.assertEqual(sim.get_unit("constant", "node_radius"), "m")
             self.assertEqual(sim.numbers["bodies.core.mass"], unlatch.Number(98500, "kg"))
-        # What the list writes is what the language reads.
+        # The language reads what the list writes.
         for name in ("rate.core", "clearance.core.booster1", "displacement.nose1.x", "sensor.kr1", "time.liftoff:booster3"):
             with unlatch.load(BOOSTERS) as sim:
                 requirement = f"[{{id: one, {sim.quantities[name].text}, at_least: 0}}]"

@@ -107,7 +107,7 @@ class AntennaTest(ProcessTest):
         for i in range(1, RIBS + 1):
             self.compare_shock(report, f"hinge{i}", REFERENCE["ribs"]["shock"])
 
-    # Where springs and cables balance, the latches bear nothing.
+    # The latches bear nothing where springs and cables balance.
     def test_the_open_antenna_rests_in_its_shape(self):
         report = self.fly("ribs.yaml", [12], "--until", "12")
         self.assertTrue(all(verdict["met"] for verdict in report["verdict"]))

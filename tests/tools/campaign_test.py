@@ -425,7 +425,7 @@ echo "4711;cluster"
         self.assertEqual((self.folder / "jobs.txt").read_text().count("failed: "), 2)  # the merges: a requirement failed
 
     def test_the_gnu_parallel_script_gives_the_table_of_one_campaign(self):
-        # Where GNU parallel is not installed: its lines one after the other.
+        # Without GNU parallel its lines run one after the other.
         parallel = """#!/bin/bash
 while read -r one two three; do
   command=${@: -1}

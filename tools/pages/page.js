@@ -1,4 +1,4 @@
-// What the pages of unlatch have in common: elements, numbers, tables, plots. `data` is what the page was written with.
+// Common parts of the pages of unlatch: elements, numbers, tables, plots. `data` is what the page was written with.
 'use strict';
 const data = JSON.parse(document.getElementById('data').textContent);
 const SVG = 'http://www.w3.org/2000/svg';

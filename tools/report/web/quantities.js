@@ -177,7 +177,7 @@ const ownSensors = (run) => run.sensors.filter((sensor) => !DUPLICATED.has(senso
   Array.from({ length: sensor.width }, (_, k) => ({ unit: sensor.unit, column: sensor.column + k,
     name: sensor.width > 1 ? `${sensor.name}.${XYZ[k] ?? k}` : sensor.name }))));
 
-// What each requirement judges, in its interval: also displacements, angles, speeds and components that have no plot of their own.
+// Quantities that requirements judge, each in its interval: also displacements, angles, speeds and components that have no plot of their own.
 function requirements(runs) {
   const ids = [...new Set(runs.flatMap((run) => run.verdict.map((item) => item.id)))];
   const build = (id) => (run) => {
