@@ -1,9 +1,12 @@
 // Full steps: forces, four stages, both projections, event checks, outputs. `step/<scenario>` is a whole run's mean;
-// `step/<scenario>/<phase>` some ticks in the middle of a phase, again and again; `step/random/<n>` the first of a
-// random tree of n bodies on joints of every kind.
+// `step/<scenario>/<phase>` some ticks in the middle of a phase, again and again; `…_bare` without loads, guards and
+// outputs, `…_cold` with caches that others have used; `step/random/<n>` the first of a random tree of n bodies on
+// joints of every kind.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <chrono>
+#include <numeric>
 #include <vector>
 
 #include "bench/least.h"
@@ -52,6 +55,48 @@ void run_whole(benchmark::State& bench, Simulation simulation, int ticks) {
   }
 }
 
+// Four stages, both projections and the evaluation of the end, of the bodies and joints alone in the modes of `tick`:
+// without loads, springs, guards, events and outputs.
+void repeat_bare_steps(benchmark::State& bench, const Model& model, int tick) {
+  Simulation full(model);
+  for (int i = 0; i < tick; ++i) (void)full.advance();
+  Model skeleton;
+  skeleton.bodies = model.bodies;
+  skeleton.joints = model.joints;
+  skeleton.gravity = model.gravity;
+  Simulation bare(skeleton);
+  std::copy(full.state.bodies.begin(), full.state.bodies.end(), bare.state.bodies.begin());
+  std::copy(full.state.joints.begin(), full.state.joints.end(), bare.state.joints.begin());
+  const Inputs inputs{bare.commands};
+  const double h = bare.plan.get_options().dt;
+  int steps = kWindow;
+  for (auto _ : bench) {
+    int node = steps < kWindow ? kNone : evaluate_state(bare);
+    steps = steps < kWindow ? steps + 1 : 1;
+    const SubstepStart start = begin_substep(bare.data(), 0, bare.evaluation());
+    if (node == kNone) node = integrate({bare.data(), inputs, bare.state, 0}, start, h, bare.evaluation());
+    if (node == kNone) node = evaluate({bare.data(), inputs, bare.state, h}, Changed::kVelocities, bare.evaluation());
+    if (node != kNone) bench.SkipWithError("a pivot vanished");
+  }
+}
+
+// One step at a time, after reading memory of twice the second cache's size, as others on the processor do while the
+// thread rests.
+void repeat_cold_steps(benchmark::State& bench, Simulation simulation, int tick) {
+  using Clock = std::chrono::steady_clock;
+  for (int i = 0; i < tick; ++i) (void)simulation.advance();
+  const std::span<std::byte> state = simulation.state.get_bytes();
+  const std::vector<std::byte> saved(state.begin(), state.end());
+  const std::vector<long> others((2 << 20) / sizeof(long), 1);
+  for (auto _ : bench) {
+    if (simulation.state.header->tick >= tick + kWindow) std::copy(saved.begin(), saved.end(), state.begin());
+    benchmark::DoNotOptimize(std::accumulate(others.begin(), others.end(), 0L));
+    const Clock::time_point begin = Clock::now();
+    step_or_skip(bench, simulation);
+    bench.SetIterationTime(std::chrono::duration<double>(Clock::now() - begin).count());
+  }
+}
+
 // Reference events at 0.66581 (hinge → slider), 0.76905 (contact), 0.78879 s (slider → free).
 BENCHMARK_CAPTURE(repeat_steps, hinge, build_boosters(), 300, kWindow)
     ->Name("step/boosters/hinge")
@@ -66,6 +111,19 @@ BENCHMARK_CAPTURE(repeat_steps, throttled, build_throttled_boosters(), 300, kWin
     ->Name("step/boosters/hinge_throttled")
     ->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(repeat_steps, event, build_boosters(), 665, 1)->Name("step/boosters/event")->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_cold_steps, hinge, build_boosters(), 300)
+    ->Name("step/boosters/hinge_cold")
+    ->Apply(bench::keep_least)
+    ->UseManualTime();
+BENCHMARK_CAPTURE(repeat_bare_steps, hinge, build_soyuz(load_reference("soyuz_nominal")), 300)
+    ->Name("step/boosters/hinge_bare")
+    ->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_bare_steps, slider, build_soyuz(load_reference("soyuz_nominal")), 680)
+    ->Name("step/boosters/slider_bare")
+    ->Apply(bench::keep_least);
+BENCHMARK_CAPTURE(repeat_bare_steps, free, build_soyuz(load_reference("soyuz_nominal")), 1000)
+    ->Name("step/boosters/free_bare")
+    ->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(run_whole, boosters, build_boosters(), 2000)->Name("step/boosters")->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(repeat_steps, drive, build_array(), 3000, kWindow)
     ->Name("step/array/drive")

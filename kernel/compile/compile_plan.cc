@@ -422,6 +422,8 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   compile_elements(model, plan, coordinates);
   compile_contacts(model, plan);
   compile_one_sided_and_frictions(model, plan, coordinates);
+  plan.pair_forces = !plan.point_springs.empty() || !plan.joint_springs.empty() || !plan.plane_torsions.empty() ||
+                     !plan.contacts.empty() || !plan.one_sided.empty() || !plan.frictions.empty();
   link_conditions(plan, coordinates);
   plan.commanded_events =
       plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);

@@ -24,15 +24,17 @@ double find_profile(const PlanData& plan, int profile, double s, Evaluation& ev)
   return kept.value;
 }
 
-// At time t. `calc_law(profile, s)`: of the profile at the time s since it was switched on.
+// At time t, of the element that it is. `calc_law(profile, s)`: of the profile at the time s since it was switched on.
 template <class Law>
-double calc_size(const PlanLoad& load, std::span<const ElementState> elements, const Inputs& inputs, double t,
-                 const Law& calc_law) {
-  const ElementState& element = elements[at(load.element)];
+UNLATCH_INLINE double calc_size(const PlanLoad& load, const ElementState& element, const Inputs& inputs, double t,
+                                const Law& calc_law) {
   const double scale = calc_scale(element, t);
-  if (scale == 0) return 0;
-  const double size = calc_law(load.profile, t - element.switched_on) * scale;
-  return load.channel == kNone ? size : size * inputs.commands[at(load.channel)];
+  double size = 0;
+  if (scale != 0) {
+    size = calc_law(load.profile, t - element.switched_on) * scale;
+    if (load.channel != kNone) size *= inputs.commands[at(load.channel)];
+  }
+  return size;
 }
 
 }  // namespace
@@ -57,7 +59,8 @@ double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) 
 
 double calc_load_size(const Plan& owner, const Inputs& inputs, const State& state, int load) noexcept {
   const PlanData& plan = owner.data();
-  return calc_size(plan.loads[at(load)], state.elements, inputs, plan.get_time(state.header->tick),
+  const PlanLoad& own = plan.loads[at(load)];
+  return calc_size(own, state.elements[at(own.element)], inputs, plan.get_time(state.header->tick),
                    [&](int profile, double s) { return calc_profile(plan, plan.profiles[at(profile)], s); });
 }
 
@@ -65,10 +68,11 @@ void update_loads(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;
   if (plan.loads.empty()) return;
   double *blocks = ev.blocks.data(), *sizes = ev.load_sizes.data();
+  const ElementState* elements = now.state.elements.data();
   for (const BodyEight& eight : plan.eights)
     if (eight.loaded) eight.get_applied(blocks, 0) = {};
   for (const PlanLoad& load : plan.loads) {
-    const double size = calc_size(load, now.state.elements, now.inputs, now.t,
+    const double size = calc_size(load, elements[load.element], now.inputs, now.t,
                                   [&](int profile, double s) { return find_profile(plan, profile, s, ev); });
     *sizes++ = size;
     if (!load.world && size != 0)

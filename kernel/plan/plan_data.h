@@ -327,6 +327,7 @@ struct PlanData {
   std::vector<PlanOneSided> one_sided;
   std::vector<double> travels, travel_forces;
   std::vector<PlanFriction> frictions;
+  bool pair_forces = false;  // some element pushes two bodies apart: springs, contacts, one-sided forces, friction
   std::vector<PlanProfile> profiles;
   std::vector<Knot> knots;
   std::vector<Profile::Harmonic> harmonics;
