@@ -2,7 +2,9 @@
 // between them is that of the polynomial through five of them within a smooth run.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "hil/motion/extreme.h"
@@ -18,7 +20,7 @@ struct PeakReaction {
 
 class PeakReactions {
  public:
-  explicit PeakReactions(std::size_t joints) : rows_(joints * kRows) {}
+  explicit PeakReactions(std::size_t joints);
 
   // The reactions of the initial state.
   void begin(double time, const MultiplierView& multipliers);
@@ -29,14 +31,28 @@ class PeakReactions {
   [[nodiscard]] PeakReaction get(std::size_t joint, std::size_t row) const;
 
  private:
+  static constexpr std::int64_t kUnloaded = -1;
   struct Row {
-    SampledCurve curve;
-    Smallest low, high;  // `high`: of the negative
-    bool loaded = false;
+    Least low, high;                 // `high`: of the negative
+    std::int64_t first = kUnloaded;  // number of the knot at which its smooth run began
   };
-  static void finish(Row& row);
+  // The latest knots, of all rows together.
+  struct Knots {
+    double time = 0;
+    std::vector<double> multipliers;
+  };
+  Knots& get_knot(std::int64_t number) { return knots_[static_cast<std::size_t>(number % kCurvePoints)]; }
+  [[nodiscard]] const Knots& get_knot(std::int64_t number) const {
+    return knots_[static_cast<std::size_t>(number % kCurvePoints)];
+  }
+  void push(const MotionKnot& knot);
+  [[nodiscard]] double calc(std::size_t i, std::int64_t first, double time) const;
+  // The latest interval of row `i`, which has a neighbour on one side at most.
+  void look_into_latest(std::size_t i, Row& row) const;
 
   std::vector<Row> rows_;
+  std::array<Knots, kCurvePoints> knots_;
+  std::int64_t count_ = 0;  // of all knots so far
 };
 
 }  // namespace unlatch::hil

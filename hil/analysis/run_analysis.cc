@@ -5,24 +5,25 @@
 
 namespace unlatch::hil {
 
-RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation)
+RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const AnalysisRequest& request)
     : scenario_(scenario),
       simulation_(simulation),
+      request_(request),
       clearance_(scenario),
       contacts_(scenario, simulation),
       peaks_(scenario.model.joints.size()),
       requirements_(scenario, clearance_, contacts_),
-      separations_(scenario),
-      accuracy_(scenario, simulation) {
+      separations_(scenario, request.pushes) {
+  if (request.accuracy) accuracy_.emplace(scenario, simulation);
   simulation.keep_motion();
 }
 
 void RunAnalysis::update(const StepReport& report) {
-  accuracy_.update(report);
+  if (accuracy_) accuracy_->update(report);
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   postponed += report.postponed;
 
-  update_shared(report);
+  if (request_.redundancy) update_shared(report);
 
   if (report.substeps == 0) {
     clearance_.begin(simulation_.get_time(), simulation_.state().bodies);
@@ -58,7 +59,7 @@ void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
       window_.move_on(from, to);
       clearance_.add(window_);
       contacts_.add(window_, from, to);
-      peaks_.add(from, to, window_.is_smooth());
+      if (request_.reactions) peaks_.add(from, to, window_.is_smooth());
       requirements_.add_piece(window_, from, to);
       separations_.add_piece(window_, from, to);
       continue;

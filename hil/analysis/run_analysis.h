@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/analysis/analysis_request.h"
 #include "hil/analysis/peak_reactions.h"
 #include "hil/analysis/requirements.h"
 #include "hil/motion/clearance_history.h"
@@ -43,7 +44,7 @@ struct SharedReactions {
 class RunAnalysis {
  public:
   // The simulation keeps its motion from now on.
-  RunAnalysis(const Scenario& scenario, Simulation& simulation);
+  RunAnalysis(const Scenario& scenario, Simulation& simulation, const AnalysisRequest& request = {});
 
   // Looks at the state as it is, and at what its last step reported (a default report for the initial state).
   void update(const StepReport& report);
@@ -63,8 +64,8 @@ class RunAnalysis {
   [[nodiscard]] std::vector<ContactRecord> list_contacts() const { return contacts_.list(); }
   // The present value of requirement number i, see RequirementMonitor::get_now().
   [[nodiscard]] double get_requirement_now(std::size_t i) const { return requirements_.get_now(i); }
-  const AccuracyWatch& accuracy() const { return accuracy_; }  // notices, energy
-  std::int64_t postponed = 0;                                  // event instants left to a later tick
+  const AccuracyWatch& accuracy() const { return accuracy_.value(); }  // notices, energy; if they were asked for
+  std::int64_t postponed = 0;                                          // event instants left to a later tick
 
  private:
   void add_motion(std::span<const FiredEvent> events);
@@ -73,6 +74,7 @@ class RunAnalysis {
 
   const Scenario& scenario_;
   const Simulation& simulation_;
+  const AnalysisRequest request_;
   std::optional<std::int32_t> redundant_;  // rows, at the latest state
   MotionWindow window_;
   ClearanceHistory clearance_;
@@ -80,7 +82,7 @@ class RunAnalysis {
   PeakReactions peaks_;
   RequirementMonitor requirements_;
   SeparationMonitor separations_;
-  AccuracyWatch accuracy_;
+  std::optional<AccuracyWatch> accuracy_;
 };
 
 // The tick nearest to a time.

@@ -13,7 +13,8 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<std::string> kSampleStatusNames{"done", "faulted", "invalid", "interrupted"};
 
-SampleEvaluator::SampleEvaluator(const ScenarioTree& tree) : tree_(tree), columns_(list_columns(tree.get_nominal())) {}
+SampleEvaluator::SampleEvaluator(const ScenarioTree& tree)
+    : tree_(tree), columns_(list_columns(tree.get_nominal())), request_(list_needs(columns_)) {}
 
 std::optional<std::size_t> SampleEvaluator::find(const std::string& column) const {
   for (std::size_t i = 0; i < columns_.size(); ++i)
@@ -39,7 +40,7 @@ SampleResult SampleEvaluator::evaluate(std::span<const Setting> settings, const 
     const Scenario scenario = tree_.read(settings);
     const auto simulation = build_simulation(scenario);
     std::optional<RunAnalysis> analysis;
-    if (run.judges) analysis.emplace(scenario, *simulation);
+    if (run.judges) analysis.emplace(scenario, *simulation, request_);
     const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario.until, scenario.dt);
     const LogEnd end =
         run_fast(*simulation, analysis ? &*analysis : nullptr, nullptr, last, stop, [&](const StepReport& report) {

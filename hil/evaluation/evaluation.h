@@ -71,6 +71,7 @@ class SampleEvaluator {
 
   const ScenarioTree& tree_;
   const std::vector<ResultColumn> columns_;
+  const AnalysisRequest request_;
 };
 
 }  // namespace unlatch::hil

@@ -134,6 +134,12 @@ std::vector<ResultColumn> list_columns(const Scenario& scenario) {
   return columns;
 }
 
+AnalysisRequest list_needs(const std::vector<ResultColumn>& columns) {
+  const bool has_peaks = std::any_of(columns.begin(), columns.end(),
+                                     [](const ResultColumn& column) { return column.kind == Kind::kPeak; });
+  return {.accuracy = false, .reactions = has_peaks, .redundancy = false, .pushes = false};
+}
+
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
                                     const RunAnalysis& analysis) {
   const Results results(scenario, analysis);

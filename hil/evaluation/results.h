@@ -38,6 +38,9 @@ struct ResultColumn {
 // Of every run of the scenario, whatever its values.
 std::vector<ResultColumn> list_columns(const Scenario& scenario);
 
+// Parts of a run's analysis that these columns need.
+AnalysisRequest list_needs(const std::vector<ResultColumn>& columns);
+
 // Of the run so far, one for each column.
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
                                     const RunAnalysis& analysis);

@@ -227,7 +227,7 @@ void ClearanceHistory::keep_places(const MotionWindow& window, std::size_t pair)
 
 // The first zero, by bisection: between the knots, or before the bottom of a dip between them.
 void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, bool crosses,
-                                  const Smallest::Function& function) {
+                                  const TimeFunction& function) {
   constexpr int kHalvings = 40;
   const Smallest& whole = tracks_[pair].whole;
   if (now_[pair].touch || !(whole.get_value() <= 0)) return;

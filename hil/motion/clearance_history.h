@@ -90,7 +90,7 @@ class ClearanceHistory {
   void set_reference(const MotionPiece& piece, std::size_t pair, double value);
   void keep_places(const MotionWindow& window, std::size_t pair);
   void publish(std::size_t pair);
-  void find_touch(const MotionWindow& window, std::size_t pair, bool crosses, const Smallest::Function& function);
+  void find_touch(const MotionWindow& window, std::size_t pair, bool crosses, const TimeFunction& function);
 
   Skipping skipping_;
   ClearanceMonitor monitor_;

@@ -1,40 +1,84 @@
 // The smallest value of a function of time that is known at knots, located inside the steps.
 #pragma once
 
-#include <functional>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace unlatch::hil {
 
-// Between knots the function is smooth but where a piece begins. A minimum lies where a knot is below its neighbours,
-// or within the first or the last interval of a smooth run of knots; there the function itself is searched by golden
-// section (J. Kiefer, 1953), to 1e-8 of the interval or to the rounding of times.
-class Smallest {
+// A function of time, referred to: its caller keeps it.
+class TimeFunction {
  public:
-  using Function = std::function<double(double time)>;
+  template <class Function>
+  // NOLINTNEXTLINE(google-explicit-constructor): it stands for any function at a call
+  TimeFunction(const Function& function)
+      : function_(&function),
+        call_([](const void* of, double time) -> double { return (*static_cast<const Function*>(of))(time); }) {}
+  TimeFunction(const TimeFunction&) = default;
 
-  // `resolution`: dips that are shallower are noise of the function, and not searched.
-  explicit Smallest(double resolution = 0) : resolution_(resolution) {}
+  double operator()(double time) const { return call_(function_, time); }
 
-  // The next interval: values at its ends; `begins`: it does not continue the interval before smoothly (then call
-  // finish() first). `function` gives values within this interval and, unless it begins, the one before.
-  void add(double from, double at_from, double to, double at_to, bool begins, const Function& function);
-  // A single value.
-  void add(double time, double value);
-  // Looks into the last interval.
-  void finish(const Function& function);
+ private:
+  const void* function_;
+  double (*call_)(const void*, double);
+};
+
+// The smallest value so far. Between knots the function is smooth but where a run of them begins. A minimum lies where
+// a knot is below its neighbours, or within the first or the last interval of a smooth run of knots; there the function
+// itself is searched by golden section (J. Kiefer, 1953), to 1e-8 of the interval or to the rounding of times.
+// Dips that are shallower than `resolution` are noise of the function, and not searched.
+class Least {
+ public:
+  void take(double time, double value) {
+    if (!(value < value_)) return;
+    value_ = value;
+    time_ = time;
+  }
+  // Three knots in succession: searched where the function may be smaller about the middle one.
+  void look_about(const double times[3], const double values[3], double resolution, const TimeFunction& function) {
+    const double left = values[0] - values[1], right = values[2] - values[1];
+    if (!(left >= 0 && right >= 0)) return;
+    // The vertex of a parabola through the three is no deeper below the middle one than an eighth of this sum; twice
+    // that.
+    constexpr double kRounding = 1e-13;
+    const double dip = 0.25 * (left + right);
+    if (dip > std::max(resolution, kRounding * std::abs(values[1])) && values[1] - dip < value_)
+      search(times[0], times[2], function);
+  }
+  // An interval that has a neighbour on one side at most: searched where both ends descend into it.
+  void look_into(double from, double at_from, double to, double at_to, double resolution, const TimeFunction& function);
 
   [[nodiscard]] bool has_value() const { return value_ < std::numeric_limits<double>::infinity(); }
   [[nodiscard]] double get_value() const { return value_; }
   [[nodiscard]] double get_time() const { return time_; }
 
  private:
-  void take(double time, double value);
-  void search(double from, double to, const Function& function);
-  void search_edge(double from, double at_from, double to, double at_to, const Function& function);
+  void search(double from, double to, const TimeFunction& function);
 
-  double resolution_;
   double value_ = std::numeric_limits<double>::infinity(), time_ = 0;
+};
+
+// The smallest value of one function, with the knots that it needs.
+class Smallest {
+ public:
+  explicit Smallest(double resolution = 0) : resolution_(resolution) {}
+
+  // The next interval: values at its ends; `begins`: it does not continue the interval before smoothly (then call
+  // finish() first). `function` gives values within this interval and, unless it begins, the one before.
+  void add(double from, double at_from, double to, double at_to, bool begins, const TimeFunction& function);
+  // A single value.
+  void add(double time, double value);
+  // Looks into the last interval.
+  void finish(const TimeFunction& function);
+
+  [[nodiscard]] bool has_value() const { return least_.has_value(); }
+  [[nodiscard]] double get_value() const { return least_.get_value(); }
+  [[nodiscard]] double get_time() const { return least_.get_time(); }
+
+ private:
+  double resolution_;
+  Least least_;
   double times_[3] = {}, values_[3] = {};  // of the latest knots of this run
   int count_ = 0;
 };

@@ -85,10 +85,26 @@ void MotionWindow::move_on(const MotionKnot& from, const MotionKnot& to) {
   MotionPiece& piece = pieces_[present_];
   piece.from = from.time;
   piece.to = to.time;
-  piece.start.assign(from.state.bodies.begin(), from.state.bodies.end());
-  piece.end.assign(to.state.bodies.begin(), to.state.bodies.end());
-  piece.at_start.assign(from.accelerations.begin(), from.accelerations.end());
-  piece.at_end.assign(to.accelerations.begin(), to.accelerations.end());
+  if (smooth_) {
+    piece.start = before.end;
+    piece.at_start = before.at_end;
+  } else {
+    const Place& start = keep(from);
+    piece.start = start.bodies;
+    piece.at_start = start.accelerations;
+  }
+  const Place& end = keep(to);
+  piece.end = end.bodies;
+  piece.at_end = end.accelerations;
+}
+
+// Two pieces have at most four places, so those of the present ones are not overwritten.
+MotionWindow::Place& MotionWindow::keep(const MotionKnot& knot) {
+  Place& place = places_[next_];
+  next_ = (next_ + 1) % places_.size();
+  place.bodies.assign(knot.state.bodies.begin(), knot.state.bodies.end());
+  place.accelerations.assign(knot.accelerations.begin(), knot.accelerations.end());
+  return place;
 }
 
 BodyState MotionWindow::calc_body(int body, double time) const {

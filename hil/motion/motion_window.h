@@ -3,6 +3,7 @@
 // velocity and angular velocity by cubic ones (h⁴). At the knots it is the state itself.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -10,11 +11,11 @@
 
 namespace unlatch::hil {
 
-// A smooth piece of motion between two knots.
+// A smooth piece of motion between two knots, kept by the window that it is of.
 struct MotionPiece {
-  double from = 0, to = 0;                // s
-  std::vector<BodyState> start, end;      // by body
-  std::vector<Spatial> at_start, at_end;  // accelerations of the origins, world axes
+  double from = 0, to = 0;                        // s
+  std::span<const BodyState> start{}, end{};      // by body
+  std::span<const Spatial> at_start{}, at_end{};  // accelerations of the origins, world axes
   // Pose and velocity at a time between the two.
   [[nodiscard]] BodyState calc_body(std::size_t body, double time) const;
 };
@@ -22,6 +23,10 @@ struct MotionPiece {
 // The present piece and the one before it.
 class MotionWindow {
  public:
+  MotionWindow() = default;
+  MotionWindow(const MotionWindow&) = delete;
+  MotionWindow& operator=(const MotionWindow&) = delete;
+
   // Goes on to the piece between two knots.
   void move_on(const MotionKnot& from, const MotionKnot& to);
 
@@ -33,6 +38,15 @@ class MotionWindow {
   [[nodiscard]] BodyState calc_body(int body, double time) const;
 
  private:
+  // The bodies at a knot.
+  struct Place {
+    std::vector<BodyState> bodies;
+    std::vector<Spatial> accelerations;
+  };
+  Place& keep(const MotionKnot& knot);
+
+  std::array<Place, 4> places_;  // ends of the two pieces; where these go on smoothly they share one
+  std::size_t next_ = 0;         // of places_: the one that was taken longest ago
   MotionPiece pieces_[2];
   int present_ = 0;
   bool smooth_ = false, begun_ = false;

@@ -1,18 +1,28 @@
 // A quantity that is known at knots alone: between them the polynomial through the latest five of a smooth run.
 #pragma once
 
+#include <cstddef>
+#include <span>
+
 namespace unlatch::hil {
+
+inline constexpr int kCurvePoints = 5;
+
+// The polynomial through these points, at a time near them, by Neville's scheme. At most kCurvePoints.
+double interpolate(std::span<const double> times, std::span<const double> values, double time);
 
 class SampledCurve {
  public:
   // Knots in the order of time; `begins`: what came before does not go on smoothly.
   void add(double time, double value, bool begins);
   // At a time near the latest knots.
-  [[nodiscard]] double calc(double time) const;
+  [[nodiscard]] double calc(double time) const {
+    const auto count = static_cast<std::size_t>(count_);
+    return interpolate({times_, count}, {values_, count}, time);
+  }
 
  private:
-  static constexpr int kPoints = 5;
-  double times_[kPoints] = {}, values_[kPoints] = {};
+  double times_[kCurvePoints] = {}, values_[kCurvePoints] = {};
   int count_ = 0;
 };
 

@@ -19,7 +19,8 @@ SplitRate split(const Vec3& w, const Vec3& axis) {
 
 }  // namespace
 
-SeparationMonitor::SeparationMonitor(const Scenario& scenario) : model_(place_markers(scenario.model)) {
+SeparationMonitor::SeparationMonitor(const Scenario& scenario, bool pushes)
+    : model_(place_markers(scenario.model)), pushes_(pushes) {
   for (int i = 0; i < model_.element_count(); ++i)
     if (auto spring = SpringWork::make(model_, i)) springs_.push_back(std::move(*spring));
 }
@@ -42,12 +43,11 @@ void SeparationMonitor::add_events(const MotionKnot& before, const MotionKnot& a
       if (before.state.joints[i].mode != after.state.joints[i].mode) open(i, now, after, clearances);
     }
   }
-  const Bodies bodies(before.state.bodies.begin(), before.state.bodies.end());
   for (Track& track : tracks_) {
     if (track.over || before.time <= track.separation.release) continue;
     const bool ends = std::any_of(track.springs.begin(), track.springs.end(),
                                   [&](std::size_t i) { return springs_[i].acts(before) && !springs_[i].acts(after); });
-    if (ends) measure(track, before.time, bodies, before.state.auxiliary);
+    if (ends) set_end(track, before.time, before.state.bodies, before.state.auxiliary);
   }
 }
 
@@ -74,18 +74,23 @@ void SeparationMonitor::open(std::size_t joint, const Assemblies& now, const Mot
       track.springs.push_back(i);
   }
   track.sums.resize(track.springs.size());
-  measure(track, after.time, Bodies(after.state.bodies.begin(), after.state.bodies.end()), after.state.auxiliary);
+  set_end(track, after.time, after.state.bodies, after.state.auxiliary);
   clearances.release(after.time, pair.base.bodies, pair.follower.bodies);
 }
 
-void SeparationMonitor::measure(Track& track, double time, const Bodies& bodies, std::span<const double> burnt) const {
-  Separation& pair = track.separation;
-  pair.end = time;
-  const auto get = [&](int body) { return body < 0 ? get_rest() : bodies[static_cast<std::size_t>(body)]; };
+void SeparationMonitor::set_end(Track& track, double time, std::span<const BodyState> bodies,
+                                std::span<const double> burnt) {
+  track.separation.end = time;
+  track.bodies.assign(bodies.begin(), bodies.end());
+  track.burnt.assign(burnt.begin(), burnt.end());
+}
+
+void SeparationMonitor::measure(const Track& track, Separation& pair) const {
+  const auto get = [&](int body) { return body < 0 ? get_rest() : track.bodies[static_cast<std::size_t>(body)]; };
   const BodyState base = get(pair.base.body), follower = get(pair.follower.body);
   const Mat3 R_base = rotation_matrix(base.q), R_follower = rotation_matrix(follower.q);
-  const AssemblyMotion motion_base = calc_motion(model_, pair.base.bodies, bodies, time, burnt);
-  const AssemblyMotion motion_follower = calc_motion(model_, pair.follower.bodies, bodies, time, burnt);
+  const AssemblyMotion motion_base = calc_motion(model_, pair.base.bodies, track.bodies, pair.end, track.burnt);
+  const AssemblyMotion motion_follower = calc_motion(model_, pair.follower.bodies, track.bodies, pair.end, track.burnt);
   const Vec3 velocity = to_vec3(motion_follower.v - motion_base.v);
   const Vec3 parts = transpose_times(R_base, velocity);
   const double components[3] = {parts.x, parts.y, parts.z};
@@ -120,16 +125,16 @@ void SeparationMonitor::add_piece(const MotionWindow& window, const MotionKnot& 
       if (!spring.acts(from) && !spring.acts(to)) continue;
       const auto ends = spring.find_end(window, from);
       if (ends) end = std::max(end.value_or(*ends), *ends);
+      if (!pushes_) continue;
       const SpringWork::Sum sum = spring.calc(window, from, ends.value_or(to.time));
       track.sums[i].impulse += sum.impulse;
       track.sums[i].work += sum.work;
     }
     if (pair.pushes) end = to.time;  // as far as is known
     if (!end) continue;
-    Bodies bodies;
-    for (std::size_t b = 0; b < model_.bodies.size(); ++b)
-      bodies.push_back(window.calc_body(static_cast<int>(b), *end));
-    measure(track, *end, bodies, to.state.auxiliary);
+    set_end(track, *end, to.state.bodies, to.state.auxiliary);
+    if (*end == to.time) continue;
+    for (std::size_t b = 0; b < track.bodies.size(); ++b) track.bodies[b] = window.calc_body(static_cast<int>(b), *end);
   }
 }
 
@@ -137,7 +142,8 @@ std::vector<Separation> SeparationMonitor::list(const ClearanceHistory& clearanc
   std::vector<Separation> all;
   for (const Track& track : tracks_) {
     Separation& pair = all.emplace_back(track.separation);
-    for (std::size_t i = 0; i < track.springs.size(); ++i)
+    measure(track, pair);
+    for (std::size_t i = 0; pushes_ && i < track.springs.size(); ++i)
       pair.pushers.push_back({model_.element_name(springs_[track.springs[i]].get_element()),
                               norm(track.sums[i].impulse), track.sums[i].work});
     const std::vector<Clearance>& watched = clearances.get();

@@ -56,7 +56,8 @@ struct Separation {
 
 class SeparationMonitor {
  public:
-  explicit SeparationMonitor(const Scenario& scenario);
+  // `pushes`: the impulses and works of springs are wanted.
+  SeparationMonitor(const Scenario& scenario, bool pushes);
 
   // Events acted between two knots. Tells the clearances which bodies parted.
   void add_events(const MotionKnot& before, const MotionKnot& after, ClearanceHistory& clearances);
@@ -65,18 +66,20 @@ class SeparationMonitor {
 
  private:
   struct Track {
-    Separation separation;
-    Vec3 axis_W{0, 0, 0};
+    Separation separation;             // without what measure() works out
+    std::vector<BodyState> bodies;     // at the end of push, as far as is known
+    std::vector<double> burnt;         // kg, then
     std::vector<std::size_t> springs;  // between the two, of springs_
     std::vector<SpringWork::Sum> sums;
     bool over = false;  // joined again
   };
-  using Bodies = std::vector<BodyState>;
   void open(std::size_t joint, const Assemblies& now, const MotionKnot& after, ClearanceHistory& clearances);
-  // Numbers of the end of push, which is this time as far as is known.
-  void measure(Track& track, double time, const Bodies& bodies, std::span<const double> burnt) const;
+  static void set_end(Track& track, double time, std::span<const BodyState> bodies, std::span<const double> burnt);
+  // Works out the numbers of the end of push.
+  void measure(const Track& track, Separation& pair) const;
 
   const Model model_;  // with its markers placed
+  const bool pushes_;
   std::vector<SpringWork> springs_;
   std::vector<Track> tracks_;
 };
