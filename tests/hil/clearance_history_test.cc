@@ -35,7 +35,7 @@ TEST(Smallest, IsLocatedBetweenKnotsThatAreRoundingsOfTimeApart) {
     const auto function = [&](double time) { return (time - kMiddle) * (time - kMiddle) / (width * width) - 1; };
     const double times[3] = {kMiddle - 2 * width, kMiddle + 0.1 * width, kMiddle + 2 * width};
     int calls = 0;
-    const hil::Smallest::Function counted = [&](double time) {
+    const auto counted = [&](double time) {
       EXPECT_LT(++calls, 100) << width;
       if (calls > 200) throw std::runtime_error("the search does not end");
       return function(time);

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <thread>
 
+#include "hil/campaign/campaign.h"
 #include "hil/run/run.h"
 #include "tests/hil/scenario_support.h"
 
@@ -68,6 +70,39 @@ TEST(SampleEvaluator, GivesTheBitsOfLoadingTheFileAnew) {
     EXPECT_THAT(seen, testing::Not(testing::Contains(hashes))) << k;
     seen.push_back(hashes);
   }
+}
+
+std::vector<std::uint64_t> to_bits(const std::vector<double>& values) {
+  std::vector<std::uint64_t> bits;
+  for (const double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
+  return bits;
+}
+
+// A sample's analysis leaves out what its columns do not need; `unlatch run` asks for everything.
+TEST(SampleEvaluator, GivesTheValuesOfAnAnalysisOfEverythingInEveryShippedCampaign) {
+  for (const char* name : {"antenna", "array", "boosters", "capsule", "fairing"}) {
+    const hil::Campaign campaign =
+        hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name + "/campaign.yaml");
+    const SampleEvaluator evaluator(*campaign.tree);
+    const std::vector<Setting> settings = make_settings(campaign, draw_inputs(campaign, 1));
+    const hil::Scenario scenario = campaign.tree->read(settings);
+    const auto simulation = hil::build_simulation(scenario);
+    hil::RunAnalysis everything(scenario, *simulation);
+    const std::atomic<bool> stop{false};
+    hil::run_fast(*simulation, everything, nullptr, hil::calc_nearest_tick(scenario.until, scenario.dt), stop, [] {});
+    EXPECT_EQ(to_bits(evaluator.evaluate(settings).values),
+              to_bits(collect_results(evaluator.columns(), scenario, everything)))
+        << name;
+  }
+}
+
+TEST(SampleEvaluator, AsksForPeaksOfReactionsOnlyWhereAColumnShowsOne) {
+  const ScenarioTree tree(kBoosters);
+  std::vector<hil::ResultColumn> columns = list_columns(tree.get_nominal());
+  EXPECT_TRUE(list_needs(columns).reactions);
+  EXPECT_FALSE(list_needs(columns).accuracy);
+  std::erase_if(columns, [](const auto& column) { return column.kind == hil::ResultColumn::Kind::kPeak; });
+  EXPECT_FALSE(list_needs(columns).reactions);
 }
 
 TEST(SampleEvaluator, KeepsNothingFromOneSampleToTheNext) {
