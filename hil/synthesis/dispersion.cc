@@ -16,8 +16,9 @@ DispersedDesign::DispersedDesign(const DesignProblem& problem, const DesignPoint
     margins_.emplace_back(constraint.probability > 0 ? static_cast<std::size_t>(count_samples()) : 0);
 }
 
-void DispersedDesign::fly(std::int64_t sample, const std::atomic<bool>& stop) {
+bool DispersedDesign::fly(std::int64_t sample, const std::atomic<bool>& stop) {
   const SampleResult result = evaluator_.evaluate(make_settings(campaign_, draw_inputs(campaign_, sample)), stop);
+  if (result.status == SampleStatus::kInterrupted) return false;
   for (std::size_t i = 0; i < margins_.size(); ++i) {
     if (margins_[i].empty()) continue;
     const auto column = evaluator_.find(problem_.constraints[i].id + ".margin");
@@ -25,6 +26,7 @@ void DispersedDesign::fly(std::int64_t sample, const std::atomic<bool>& stop) {
     margins_[i][static_cast<std::size_t>(sample)] =
         std::isfinite(margin) ? margin : -std::numeric_limits<double>::infinity();
   }
+  return true;
 }
 
 double DispersedDesign::calc_margin(std::size_t constraint) const {

@@ -16,8 +16,8 @@ class DispersedDesign {
   DispersedDesign(const DesignProblem& problem, const DesignPoint& point, bool check);
 
   [[nodiscard]] std::int64_t count_samples() const { return campaign_.plan.samples; }
-  // Threads may fly different samples at a time. One that faults meets nothing.
-  void fly(std::int64_t sample, const std::atomic<bool>& stop);
+  // Threads may fly different samples at a time. One that faults meets nothing. False: `stop` ended it.
+  bool fly(std::int64_t sample, const std::atomic<bool>& stop);
 
   // Of a constraint with a probability, after all samples: the margin that this part of them has at least; NaN if a
   // sample without a result decides it.

@@ -10,10 +10,11 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <mutex>
 #include <sstream>
-#include <thread>
 
 #include "hil/language/setting.h"
+#include "hil/synthesis/side_by_side.h"
 
 namespace unlatch::hil {
 namespace {
@@ -41,6 +42,17 @@ std::string write_heading(const DesignProblem& problem) {
   return text + "\n";
 }
 
+// Of the constraints with a probability, after all flights.
+void set_margins(const DesignProblem& problem, const DispersedDesign& design, DesignSample& sample) {
+  for (std::size_t k = 0; k < problem.constraints.size(); ++k) {
+    const DesignConstraint& constraint = problem.constraints[k];
+    if (!(constraint.probability > 0)) continue;
+    const double margin = design.calc_margin(k);
+    sample.margins[k] = margin;
+    sample.values[k] = constraint.at_least ? constraint.limit + margin : constraint.limit - margin;
+  }
+}
+
 double read_cell(const std::string& text) {
   double value = kNothing;
   const std::from_chars_result end = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -49,18 +61,52 @@ double read_cell(const std::string& text) {
 
 }  // namespace
 
+// A batch while it is computed: samples that are done, and all before them, join the list and the journal in their
+// order. What `stop` or the deadline leaves out is the end of the batch.
+class DesignEvaluations::Batch {
+ public:
+  Batch(DesignEvaluations& owner, const std::vector<DesignPoint>& points)
+      : samples(points.size()), owner_(owner), first_(owner.samples_.size()), done_(points.size()) {
+    for (std::size_t i = 0; i < points.size(); ++i) samples[i].point = points[i];
+  }
+
+  // Sample i is whole. Threads may finish different ones at a time. Throws JournalError.
+  void finish(std::size_t i) {
+    const std::scoped_lock lock(mutex_);
+    done_[i] = true;
+    std::vector<DesignSample>& list = owner_.samples_;
+    const std::size_t before = list.size();
+    for (std::size_t k = before - first_; k < done_.size() && done_[k]; ++k) list.push_back(std::move(samples[k]));
+    if (list.size() == before) return;
+    owner_.append(before);
+    if (owner_.shown_) owner_.progress_();
+  }
+
+  std::vector<DesignSample> samples;
+
+ private:
+  DesignEvaluations& owner_;
+  const std::size_t first_;
+  std::mutex mutex_;
+  std::vector<bool> done_;
+};
+
 DesignEvaluations::DesignEvaluations(const DesignProblem& problem, const Options& options,
                                      const std::atomic<bool>& stop, std::function<void()> progress)
     : problem_(problem), options_(options), stop_(stop), progress_(std::move(progress)), limit_(problem.budget.runs) {
   if (options_.journal.empty()) return;
-  if (options_.resume) read_journal();
-  const int mode = options_.resume ? 0 : O_TRUNC;
-  file_ = open(options_.journal.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | mode, 0666);
-  if (file_ < 0) throw JournalError(options_.journal + ": " + std::strerror(errno));
-  // From the journal only what this search asks for stays: a row is written again when it is asked for.
   const std::string heading = write_heading(problem_);
-  if (ftruncate(file_, 0) != 0 || write(file_, heading.data(), heading.size()) != static_cast<ssize_t>(heading.size()))
-    throw JournalError(options_.journal + ": " + std::strerror(errno));
+  if (options_.resume) read_journal(heading);
+  file_ = open(options_.journal.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (known_.empty() ? O_TRUNC : 0), 0666);
+  if (file_ < 0) throw JournalError(options_.journal + ": " + std::strerror(errno));
+  written_ = static_cast<std::int64_t>(heading.size());
+  if (!known_.empty()) return;
+  try {
+    write_all(heading);
+  } catch (...) {
+    close(file_);
+    throw;
+  }
 }
 
 DesignEvaluations::~DesignEvaluations() {
@@ -75,13 +121,12 @@ void DesignEvaluations::set_deadline(double seconds) {
 }
 
 // Whole lines; the last one may have been cut off.
-void DesignEvaluations::read_journal() {
+void DesignEvaluations::read_journal(const std::string& heading) {
   std::ifstream file(options_.journal, std::ios::binary);
   if (!file) return;
   const std::string text((std::istreambuf_iterator<char>(file)), {});
-  const std::string heading = write_heading(problem_);
-  if (text.empty()) return;
-  if (text.compare(0, heading.size(), heading) != 0)
+  if (heading.starts_with(text)) return;
+  if (!text.starts_with(heading))
     throw JournalError(options_.journal + ": of another problem; give another folder, or leave --resume out");
   const std::size_t n = problem_.variables.size(), m = problem_.objectives.size(), k = problem_.constraints.size();
   for (std::size_t at = heading.size(), end = 0; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
@@ -99,7 +144,7 @@ void DesignEvaluations::read_journal() {
     for (std::size_t i = 0; i < m; ++i) sample.objectives.push_back(read_cell(cells[cell++]));
     for (std::size_t i = 0; i < k; ++i) sample.values.push_back(read_cell(cells[cell++]));
     for (std::size_t i = 0; i < k; ++i) sample.margins.push_back(read_cell(cells[cell++]));
-    known_.push_back(std::move(sample));
+    known_.push_back({std::move(sample), static_cast<std::int64_t>(end + 1)});
   }
 }
 
@@ -113,16 +158,36 @@ std::string DesignEvaluations::write_row(const DesignSample& sample, std::size_t
   return row + "\n";
 }
 
-void DesignEvaluations::append(std::size_t first) {
-  if (file_ < 0) return;
-  std::string rows;
-  for (std::size_t i = first; i < samples_.size(); ++i) rows += write_row(samples_[i], i + 1);
-  for (std::size_t done = 0; done < rows.size();) {
-    const ssize_t written = write(file_, rows.data() + done, rows.size() - done);
+// Rows of an earlier search that this one does not ask for.
+void DesignEvaluations::drop_tail() {
+  if (!has_tail_) return;
+  has_tail_ = false;
+  if (ftruncate(file_, written_) != 0 || lseek(file_, written_, SEEK_SET) != written_)
+    throw JournalError(options_.journal + ": " + std::strerror(errno));
+}
+
+void DesignEvaluations::finish_journal() {
+  if (file_ >= 0) drop_tail();
+}
+
+void DesignEvaluations::write_all(const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t written = write(file_, text.data() + done, text.size() - done);
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throw JournalError(options_.journal + ": " + std::strerror(errno));
+    if (written < 0)
+      throw JournalError(options_.journal + ": " + std::strerror(errno) +
+                         "; what it has is kept, --resume goes on with it");
     done += static_cast<std::size_t>(written);
   }
+}
+
+void DesignEvaluations::append(std::size_t first) {
+  if (file_ < 0) return;
+  drop_tail();
+  std::string rows;
+  for (std::size_t i = first; i < samples_.size(); ++i) rows += write_row(samples_[i], i + 1);
+  write_all(rows);
+  written_ += static_cast<std::int64_t>(rows.size());
 }
 
 DesignSample DesignEvaluations::run(const DesignPoint& point) const {
@@ -151,54 +216,51 @@ DesignSample DesignEvaluations::run(const DesignPoint& point) const {
   return sample;
 }
 
-// Threads take the next one that nobody has; each writes its own. `stop` leaves the rest.
-void DesignEvaluations::for_each(std::size_t count, const std::function<void(std::size_t)>& work) const {
-  std::atomic<std::size_t> next{0};
-  const auto take = [&] {
-    for (std::size_t i = 0; (i = next.fetch_add(1)) < count && !stop_.load();) work(i);
-  };
-  std::vector<std::jthread> threads;
-  const std::size_t jobs = std::min(count, static_cast<std::size_t>(std::max(1, options_.jobs)));
-  for (std::size_t i = 1; i < jobs; ++i) threads.emplace_back(take);
-  take();
+void DesignEvaluations::compute(const std::vector<DesignPoint>& points) {
+  Batch batch(*this, points);
+  if (has_probabilities(problem_)) return compute_dispersed(batch);
+  run_side_by_side(points.size(), options_.jobs, stop_, [&](std::size_t i) {
+    if (is_late()) return;
+    batch.samples[i] = run(points[i]);
+    if (batch.samples[i].status != SampleStatus::kInterrupted) batch.finish(i);
+  });
 }
 
-// False: `stop` was set.
-bool DesignEvaluations::compute(std::vector<DesignSample>& batch) {
-  const bool dispersed = has_probabilities(problem_);
-  std::vector<std::unique_ptr<DispersedDesign>> designs(batch.size());
-  for_each(batch.size(), [&](std::size_t i) {
-    batch[i] = run(batch[i].point);
-    if (!dispersed || batch[i].status == SampleStatus::kInvalid) return;
+// All flights of all designs side by side. Who flies the last one of a design finishes it.
+void DesignEvaluations::compute_dispersed(Batch& batch) {
+  const std::size_t count = batch.samples.size();
+  std::vector<std::unique_ptr<DispersedDesign>> designs(count);
+  run_side_by_side(count, options_.jobs, stop_, [&](std::size_t i) {
+    if (is_late()) return;
+    DesignSample& sample = batch.samples[i];
+    sample = run(sample.point);
+    if (sample.status == SampleStatus::kInterrupted) return;
     try {
-      designs[i] = std::make_unique<DispersedDesign>(problem_, batch[i].point, false);
+      if (sample.status != SampleStatus::kInvalid)
+        designs[i] = std::make_unique<DispersedDesign>(problem_, sample.point, false);
     } catch (const ScenarioError&) {
-      batch[i].status = SampleStatus::kInvalid;  // its constraints have no value
+      sample.status = SampleStatus::kInvalid;  // its constraints have no value
     }
+    if (!designs[i]) batch.finish(i);
   });
-  if (!dispersed || stop_.load()) return !stop_.load();
-  const auto samples = static_cast<std::size_t>(problem_.campaign->samples);
-  for_each(batch.size() * samples, [&](std::size_t i) {
-    if (designs[i / samples]) designs[i / samples]->fly(static_cast<std::int64_t>(i % samples), stop_);
+  const auto flights = static_cast<std::size_t>(problem_.campaign->samples);
+  std::vector<std::atomic<std::size_t>> left(count);
+  for (std::atomic<std::size_t>& one : left) one = flights;
+  run_side_by_side(count * flights, options_.jobs, stop_, [&](std::size_t k) {
+    const std::size_t i = k / flights;
+    if (!designs[i] || is_late() || !designs[i]->fly(static_cast<std::int64_t>(k % flights), stop_)) return;
+    if (left[i].fetch_sub(1) != 1) return;
+    set_margins(problem_, *designs[i], batch.samples[i]);
+    batch.finish(i);
   });
-  if (stop_.load()) return false;
-  for (std::size_t i = 0; i < batch.size(); ++i)
-    for (std::size_t k = 0; k < problem_.constraints.size(); ++k) {
-      const DesignConstraint& constraint = problem_.constraints[k];
-      if (!(constraint.probability > 0) || !designs[i]) continue;
-      const double margin = designs[i]->calc_margin(k);
-      batch[i].margins[k] = margin;
-      batch[i].values[k] = constraint.at_least ? constraint.limit + margin : constraint.limit - margin;
-    }
-  return true;
 }
 
 std::optional<std::vector<std::int64_t>> DesignEvaluations::check_dispersed(const DesignPoint& point) const {
   if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
   try {
     DispersedDesign design(problem_, point, true);
-    for_each(static_cast<std::size_t>(design.count_samples()),
-             [&](std::size_t i) { design.fly(static_cast<std::int64_t>(i), stop_); });
+    run_side_by_side(static_cast<std::size_t>(design.count_samples()), options_.jobs, stop_,
+                     [&](std::size_t i) { design.fly(static_cast<std::int64_t>(i), stop_); });
     if (stop_.load()) return std::nullopt;
     std::vector<std::int64_t> failures;
     for (std::size_t k = 0; k < problem_.constraints.size(); ++k) failures.push_back(design.count_failures(k));
@@ -208,9 +270,23 @@ std::optional<std::vector<std::int64_t>> DesignEvaluations::check_dispersed(cons
   }
 }
 
+// The journal has the same points in the same order, as far as it goes. Leaves those that it has not.
+void DesignEvaluations::take_known(std::vector<DesignPoint>& points) {
+  std::size_t taken = 0;
+  for (; taken < points.size() && samples_.size() < known_.size(); ++taken) {
+    const Known& known = known_[samples_.size()];
+    if (known.sample.point != points[taken]) break;
+    written_ = known.end;
+    samples_.push_back(known.sample);
+  }
+  taken_ += static_cast<std::int64_t>(taken);
+  points.erase(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(taken));
+  if (taken > 0 && shown_) progress_();
+}
+
 bool DesignEvaluations::evaluate(const std::vector<DesignPoint>& points, std::vector<std::int64_t>& indices) {
   indices.assign(points.size(), -1);
-  std::vector<DesignSample> batch;
+  std::vector<DesignPoint> batch;
   bool complete = true;
   for (const DesignPoint& point : points) {
     if (index_.count(point) != 0) continue;
@@ -219,29 +295,17 @@ bool DesignEvaluations::evaluate(const std::vector<DesignPoint>& points, std::ve
       break;
     }
     index_[point] = get_runs() + static_cast<std::int64_t>(batch.size());
-    batch.emplace_back().point = point;
+    batch.push_back(point);
   }
-  // The journal has the same batches in the same order, as far as it goes.
+  take_known(batch);
   const std::size_t first = samples_.size();
-  std::size_t taken = 0;
-  while (taken < batch.size() && first + taken < known_.size() && known_[first + taken].point == batch[taken].point) {
-    batch[taken] = known_[first + taken];
-    ++taken;
-  }
-  taken_ += static_cast<std::int64_t>(taken);
-  std::vector<DesignSample> rest(batch.begin() + static_cast<std::ptrdiff_t>(taken), batch.end());
-  if (!rest.empty() && !compute(rest)) {
-    for (const DesignSample& sample : batch) index_.erase(sample.point);
+  if (!batch.empty()) compute(batch);
+  for (std::size_t left = samples_.size() - first; left < batch.size(); ++left) {
+    index_.erase(batch[left]);
     complete = false;
-    batch.clear();
-  } else {
-    std::move(rest.begin(), rest.end(), batch.begin() + static_cast<std::ptrdiff_t>(taken));
   }
-  for (DesignSample& sample : batch) samples_.push_back(std::move(sample));
-  append(first);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (const auto found = index_.find(points[i]); found != index_.end()) indices[i] = found->second;
-  if (!batch.empty() && shown_) progress_();
   return complete;
 }
 

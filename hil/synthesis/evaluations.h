@@ -1,7 +1,7 @@
-// Samples of a problem of synthesis, in batches, with a journal. A batch is computed by several threads; its results
-// have one order, so that nothing depends on their number. Each whole batch is appended to the journal, a CSV file, in
-// one write: after the end of the process at any moment, a search that begins anew with the same journal takes from it
-// what it has, in the same order, and goes on.
+// Samples of a problem of synthesis, in batches, with a journal. A batch is computed side by side by several threads;
+// its results have one order, so that nothing depends on their number. Each sample is appended to the journal, a CSV
+// file, as soon as all before it are: after the end of the process at any moment, a search that begins anew with the
+// same journal takes from it what it has, in the same order, and goes on.
 #pragma once
 
 #include <atomic>
@@ -41,7 +41,8 @@ class DesignEvaluations {
     int jobs = 1;
   };
 
-  // All are referred to. Another thread may set `stop`. `progress` is called after each batch.
+  // All are referred to. Another thread may set `stop`. `progress` is called when there are more samples, by one thread
+  // at a time.
   DesignEvaluations(
       const DesignProblem& problem, const Options& options, const std::atomic<bool>& stop,
       std::function<void()> progress = [] {});
@@ -50,12 +51,15 @@ class DesignEvaluations {
   DesignEvaluations& operator=(const DesignEvaluations&) = delete;
 
   // Indices into get_samples(), one for each point; a point that was there before costs nothing. False: the budget is
-  // spent, or `stop` was set, and some are missing (-1).
+  // spent, or `stop` was set, and some are missing (-1); what was done before is kept. Throws JournalError.
   bool evaluate(const std::vector<DesignPoint>& points, std::vector<std::int64_t>& indices);
 
   // The samples that verify a result, under the campaign's dispersions: failures of each constraint with a
   // probability, 0 of the others. Nothing: there are none, the design has a mistake, or `stop` was set.
   [[nodiscard]] std::optional<std::vector<std::int64_t>> check_dispersed(const DesignPoint& point) const;
+
+  // Of the journal only what this search has asked for stays. To be called when it was not stopped.
+  void finish_journal();
 
   // From now on `progress` is not called: the search has ended, the runs around its result follow.
   void end_progress() { shown_ = false; }
@@ -71,23 +75,35 @@ class DesignEvaluations {
   [[nodiscard]] bool was_stopped() const { return stop_; }
 
  private:
+  struct Known {  // of the journal
+    DesignSample sample;
+    std::int64_t end = 0;  // of its row in the file
+  };
+  class Batch;
+
   DesignSample run(const DesignPoint& point) const;
-  void for_each(std::size_t count, const std::function<void(std::size_t)>& work) const;
-  void read_journal();
+  void read_journal(const std::string& heading);
+  void drop_tail();
+  void write_all(const std::string& text);
   void append(std::size_t first);
   [[nodiscard]] std::string write_row(const DesignSample& sample, std::size_t number) const;
-  bool compute(std::vector<DesignSample>& batch);
+  void take_known(std::vector<DesignPoint>& points);
+  void compute(const std::vector<DesignPoint>& points);
+  void compute_dispersed(Batch& batch);
 
   const DesignProblem& problem_;
   const Options options_;
   const std::atomic<bool>& stop_;
   const std::function<void()> progress_;
-  std::vector<DesignSample> samples_, known_;  // known_: of the journal, in its order
+  std::vector<DesignSample> samples_;
+  std::vector<Known> known_;
   std::map<DesignPoint, std::int64_t> index_;
   std::int64_t limit_ = 0, taken_ = 0;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   bool shown_ = true;
   int file_ = -1;
+  std::int64_t written_ = 0;  // end of the last row of samples_ in the file; an earlier search's may follow
+  bool has_tail_ = true;
 };
 
 }  // namespace unlatch::hil

@@ -47,9 +47,9 @@ double DesignMerit::calc_violation(const DesignSample& sample, std::size_t const
 Violation DesignMerit::calc_violation(const DesignSample& sample) const {
   Violation violation;
   for (std::size_t i = 0; i < sample.margins.size(); ++i)
-    if (const double size = calc_violation(sample, i); size > violation.size) violation = {size, i};
-  for (const double objective : sample.objectives)
-    if (!std::isfinite(objective)) violation.size = std::max(violation.size, kNoResult);
+    if (const double size = calc_violation(sample, i); size > violation.size) violation = {size, i, std::nullopt};
+  for (std::size_t i = 0; i < sample.objectives.size() && violation.size < kNoResult; ++i)
+    if (!std::isfinite(sample.objectives[i])) violation = {kNoResult, std::nullopt, i};
   return violation;
 }
 

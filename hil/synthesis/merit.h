@@ -2,6 +2,7 @@
 // so that a search compares like with like: objectives by their size at the first sample, constraints by their limit.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "hil/synthesis/evaluations.h"
@@ -12,7 +13,8 @@ namespace unlatch::hil {
 // Largest violation of a sample's constraints, each as a part of its limit: 0 if all are met.
 struct Violation {
   double size = 0;
-  std::size_t constraint = 0;  // the one
+  std::optional<std::size_t> constraint;  // the one; nothing: the constraints are met,
+  std::optional<std::size_t> objective;   // and this objective has no value
 };
 
 class DesignMerit {

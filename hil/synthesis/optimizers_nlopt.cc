@@ -1,5 +1,7 @@
 // NLopt behind the interface of hil/synthesis/optimizers.h.
 #include <algorithm>
+#include <cmath>
+#include <exception>
 #include <map>
 #include <nlopt.hpp>
 #include <string>
@@ -12,7 +14,8 @@ namespace {
 constexpr double kTolerance = 1e-7;  // of a variable's range
 constexpr int kMaxEvaluations = 2000;
 
-// Values and derivatives at one point, by one batch; NLopt asks for the functions one after the other.
+// Values and derivatives at one point, by one batch: all differences of a gradient are there at once, however many
+// functions there are, and threads fly them side by side. NLopt asks for the functions one after the other.
 class Values {
  public:
   explicit Values(const ScaledProblem& problem) : problem_(problem) {}
@@ -45,19 +48,37 @@ class Values {
     return derivatives_[x] = derivatives;
   }
 
+  // What ended the search, if it was an exception of the problem's.
+  void throw_if_failed() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
  private:
   void fetch(const std::vector<std::vector<double>>& points) {
     std::vector<std::vector<double>> missing;
-    for (const std::vector<double>& point : points)
+    for (const std::vector<double>& point : points) {
+      if (!std::ranges::all_of(point, [](double x) { return std::isfinite(x); })) throw nlopt::roundoff_limited();
       if (known_.count(point) == 0 && std::find(missing.begin(), missing.end(), point) == missing.end())
         missing.push_back(point);
+    }
     if (missing.empty()) return;
     std::vector<ScaledSample> samples;
-    if (!problem_.evaluate(missing, samples)) throw nlopt::forced_stop();
+    if (!evaluate(missing, samples)) throw nlopt::forced_stop();
     for (std::size_t i = 0; i < missing.size(); ++i) known_[missing[i]] = samples[i];
   }
 
+  // NLopt would take an exception for a lack of progress.
+  bool evaluate(const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
+    try {
+      return problem_.evaluate(points, samples);
+    } catch (...) {
+      error_ = std::current_exception();
+      return false;
+    }
+  }
+
   const ScaledProblem& problem_;
+  std::exception_ptr error_;
   std::map<std::vector<double>, ScaledSample> known_;
   std::map<std::vector<double>, std::vector<ScaledSample>> derivatives_;
 };
@@ -82,7 +103,7 @@ double calc_constraint(const std::vector<double>& x, std::vector<double>& gradie
   return constraint.values->get(x).constraints[constraint.index];
 }
 
-// The point where it ended. False: the search must end now.
+// The point where it ended. False: the search must end now. Throws what the problem has thrown.
 bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& values, double step,
             std::vector<double>& x) {
   nlopt::opt optimizer(algorithm, static_cast<unsigned>(problem.variables));
@@ -101,6 +122,7 @@ bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& va
   try {
     optimizer.optimize(x, value);
   } catch (const nlopt::forced_stop&) {
+    values.throw_if_failed();
     return false;
   } catch (const nlopt::roundoff_limited&) {  // as near as it can come
   } catch (const std::runtime_error&) {       // NLOPT_FAILURE: no progress from here

@@ -24,6 +24,9 @@ class ProblemReader {
       : problem_(problem), folder_(std::move(folder)), mistakes_(mistakes) {}
 
   void read(const YamlNode& root) {
+    if (root.is_mapping() && root.find(kKey) == nullptr && root.find("unlatch") != nullptr)
+      return mistakes_.add(root.mark, "this is a scenario, not a problem of synthesis",
+                           "`unlatch run` flies it; a problem of synthesis names it: `scenario: FILE`");
     YamlMap top(root, "the file", mistakes_);
     if (!root.is_mapping()) return;
     if (const YamlNode* version = top.require(kKey))
@@ -32,7 +35,9 @@ class ProblemReader {
     if (const YamlNode* name = top.require("name")) problem_.name = read_name(*name, mistakes_);
     if (const YamlNode* title = top.find("title")) problem_.title = read_text(*title, mistakes_);
     read_set(top);
+    const std::size_t before = mistakes_.count();
     read_variables(top, problem_, mistakes_);
+    variables_sound_ = mistakes_.count() == before;
     const int method = top.choice("method", "method", kSearchMethodNames, 0);
     if (method >= 0) problem_.method = static_cast<SearchMethod>(method);
     problem_.seed = static_cast<std::uint32_t>(read_whole(top, "seed", 1, 0, 4294967295.0));
@@ -58,7 +63,7 @@ class ProblemReader {
   double read_whole(YamlMap& map, const char* key, double fallback, double least, double most) {
     const double value = map.number(key, "", fallback);
     if (value >= least && value <= most && value == std::floor(value)) return value;
-    mistakes_.add(map.node().find(key)->mark, std::string("this ") + key + " is not usable",
+    mistakes_.add(map.node().find(key)->mark, std::string("'") + key + "' is out of range",
                   "a whole number, " + to_text(least) + " to " + to_text(most));
     return fallback;
   }
@@ -224,7 +229,7 @@ class ProblemReader {
     for (const YamlNode& item : node.items) {
       YamlMap map(item, "an objective", mistakes_);
       if (!item.is_mapping()) continue;
-      const std::string sense = map.only_one_of({"minimise", "maximise"}, "an objective has a sense");
+      const std::string sense = map.only_one_of({"minimise", "maximise"}, "a sense");
       if (!sense.empty()) read_objective(*map.find(sense), sense == "maximise");
       map.finish();
     }
@@ -246,13 +251,12 @@ class ProblemReader {
       problem_.objectives.push_back(objective);
       return;
     }
+    if (!variables_sound_) return;  // the expression may name one that has a mistake
     std::vector<std::string> known;
     for (const ResultColumn& column : evaluator.columns()) known.push_back(column.name);
     for (const DesignVariable& variable : problem_.variables) known.push_back(variable.name);
     try {
-      DesignPoint start;
-      for (const DesignVariable& variable : problem_.variables) start.push_back(variable.start);
-      objective.unit = describe_objective(calc_expression(problem_, objective, start).dimension);
+      objective.unit = describe_objective(calc_expression(problem_, objective, get_start()).dimension);
       problem_.objectives.push_back(objective);
     } catch (const ExpressionError& error) {
       mistakes_.add(node.mark,
@@ -269,10 +273,11 @@ class ProblemReader {
     return !torque && dimension == find_unit("J")->dimension ? "J" : describe_unit(dimension);
   }
 
-  // Each end of each variable, the others at their start: what the scenario's own reader says of it.
+  // Each end of each variable, with the scenario's own values of the others; then the start: what the scenario's own
+  // reader says of it.
   void check_bounds() {
-    DesignPoint start;
-    for (const DesignVariable& variable : problem_.variables) start.push_back(variable.start);
+    const std::size_t before = mistakes_.count();
+    const DesignPoint start = get_start();
     for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
       const DesignVariable& variable = problem_.variables[i];
       std::vector<double> ends{variable.lower, variable.upper};
@@ -281,27 +286,44 @@ class ProblemReader {
       for (const double end : ends) {
         DesignPoint point = start;
         point[i] = end;
-        try {
-          (void)problem_.tree->read(make_settings(problem_, point));
-        } catch (const ScenarioError& error) {
-          const ScenarioMistake& first = error.mistakes.front();
-          if (told.insert(first.what).second)
-            mistakes_.add(
-                variable.mark,
-                "'" + variable.name + "' at " + write_value(variable, end) + " makes no valid scenario: " + first.what,
-                first.mend);
-        }
+        std::vector<Setting> settings = make_settings(problem_, point);
+        std::erase_if(settings, [&](const Setting& setting) {
+          return std::ranges::find(variable.paths, setting.path) == variable.paths.end();
+        });
+        const auto mistake = find_mistake(settings);
+        if (mistake && told.insert(mistake->what).second)
+          mistakes_.add(
+              variable.mark,
+              "'" + variable.name + "' at " + write_value(variable, end) + " makes no valid scenario: " + mistake->what,
+              mistake->mend);
       }
     }
+    if (mistakes_.count() != before || problem_.variables.empty()) return;
+    if (const auto mistake = find_mistake(make_settings(problem_, start)))
+      mistakes_.add(problem_.variables.front().mark,
+                    "the variables at their start make no valid scenario: " + mistake->what, mistake->mend);
+  }
+
+  [[nodiscard]] std::optional<ScenarioMistake> find_mistake(const std::vector<Setting>& settings) const {
+    try {
+      (void)problem_.tree->read(settings);
+      return std::nullopt;
+    } catch (const ScenarioError& error) {
+      return error.mistakes.front();
+    }
+  }
+
+  [[nodiscard]] DesignPoint get_start() const {
+    DesignPoint start;
+    for (const DesignVariable& variable : problem_.variables) start.push_back(variable.start);
+    return start;
   }
 
   // The paths of the variables must be the campaign's scenario's, too.
   void check_campaign() {
     if (!problem_.campaign || mistakes_.count() != 0) return;
-    DesignPoint start;
-    for (const DesignVariable& variable : problem_.variables) start.push_back(variable.start);
     try {
-      (void)make_campaign(*problem_.campaign, make_settings(problem_, start), false);
+      (void)make_campaign(*problem_.campaign, make_settings(problem_, get_start()), false);
     } catch (const ScenarioError& error) {
       mistakes_.add(problem_.variables.front().mark,
                     "the campaign, with the variables at their start: " + error.mistakes.front().what,
@@ -312,12 +334,13 @@ class ProblemReader {
   DesignProblem& problem_;
   const std::string folder_;
   Mistakes& mistakes_;
-  bool campaign_told_ = false;
+  bool campaign_told_ = false, variables_sound_ = false;
 };
 
 }  // namespace
 
 bool is_design_problem(const std::string& text) {
+  if (text.find(kKey) == std::string::npos) return false;
   try {
     const YamlNode root = parse_yaml(text);
     return root.is_mapping() && root.find(kKey) != nullptr && root.find("unlatch") == nullptr;

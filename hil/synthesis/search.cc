@@ -29,16 +29,17 @@ class Search {
     if (evaluations_.get_samples().empty()) return result_;
     take_best();
     if (!evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
+    if (!evaluations_.was_stopped()) evaluations_.finish_journal();
     return result_;
   }
 
  private:
-  // The first sample, by whose size everything is scaled.
+  // The first sample, by whose size everything is scaled, whatever the deadline.
   DesignMerit start() {
     evaluations_.set_limit(problem_.budget.runs);
-    evaluations_.set_deadline(problem_.budget.seconds);
     std::vector<std::int64_t> first;
     cut_ = !evaluations_.evaluate({get_start()}, first);
+    evaluations_.set_deadline(problem_.budget.seconds);
     return DesignMerit(problem_, cut_ ? nullptr : &evaluations_.get_samples().front());
   }
 
@@ -57,7 +58,7 @@ class Search {
     if (problem_.method == SearchMethod::kGlobal || (automatic && catalogue)) return search_global();
     result_.method = SearchMethod::kLocal;
     search_local(get_start());
-    if (automatic && !is_over() && !is_feasible()) search_global();
+    if (automatic && !is_feasible() && !is_spent()) search_global();
   }
 
   // Catalogues alone, all of their combinations within the budget.
@@ -92,16 +93,16 @@ class Search {
   // problem itself; then the least violation, until a point meets all; then the problem from there. The first two have
   // a part of the budget each, so that neither takes it all.
   void search_local(const DesignPoint& from) {
-    if (list_continuous(problem_).empty() || is_over()) return;
+    if (list_continuous(problem_).empty() || is_spent()) return;
     const bool lost = !is_feasible();
     search_problem(from, lost ? kForFeasible : 1);
-    if (!lost || is_over()) return;
+    if (!lost || is_spent()) return;
     if (is_feasible()) {
       if (cut_) search_problem(get_best().point, 1);
       return;
     }
     search_least_violation(get_best().point);
-    if (!is_over() && is_feasible()) search_problem(get_best().point, 1);
+    if (is_feasible() && !is_spent()) search_problem(get_best().point, 1);
   }
 
   // `share`: of the runs that are left.
@@ -144,7 +145,7 @@ class Search {
     const auto left = static_cast<double>(problem_.budget.runs - evaluations_.get_runs());
     evolve("unlatch_search_global", kColony + kColonyEach * problem_.variables.size(),
            evaluations_.get_runs() + static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * left));
-    if (polish && !is_over()) search_local(get_best().point);
+    if (polish) search_local(get_best().point);
   }
 
   // Repeated points cost nothing, so that there may be more generations than the budget has runs for.
@@ -172,9 +173,12 @@ class Search {
 
   static LocalSearch* find_local() { return find_function<LocalSearch>(kOptimizersModule, "unlatch_search_local"); }
 
-  // Nothing may follow.
-  [[nodiscard]] bool is_over() const {
-    return evaluations_.was_stopped() || evaluations_.is_late() || evaluations_.get_runs() >= problem_.budget.runs;
+  // The phase that was to follow may not: the budget has ended the search.
+  bool is_spent() {
+    const bool spent =
+        evaluations_.was_stopped() || evaluations_.is_late() || evaluations_.get_runs() >= problem_.budget.runs;
+    cut_ = cut_ || spent;
+    return spent;
   }
   // The best of all samples so far; each is looked at once.
   const DesignSample& get_best() {

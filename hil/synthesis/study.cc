@@ -26,7 +26,7 @@ class Study {
 
   void run() {
     evaluations_.end_progress();
-    evaluations_.set_deadline(0);
+    evaluations_.set_deadline(problem_.budget.seconds);
     const std::int64_t most = evaluations_.get_runs() + std::min(kStudyRuns, problem_.budget.runs);
     evaluations_.set_limit(most);
     add_sensitivities();

@@ -1,5 +1,5 @@
 // The surroundings of a result: differences, slices through it, and for each active constraint what it
-// costs. Runs on top of the search's budget, at most as many again and at most kStudyRuns.
+// costs. Runs on top of the search's budget: at most as many and as many seconds again, and at most kStudyRuns.
 #pragma once
 
 #include "hil/synthesis/search.h"

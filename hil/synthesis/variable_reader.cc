@@ -44,7 +44,7 @@ class VariableReader {
     variable.name = key.text;
     variable.mark = key.mark;
     const std::size_t before = mistakes_.count();
-    const std::string where = map.only_one_of({"path", "paths"}, "a variable says which values of the scenario it is");
+    const std::string where = map.only_one_of({"path", "paths"}, "the values of the scenario that it is");
     if (where == "path") variable.paths.push_back(read_text(*map.find("path"), mistakes_));
     if (where == "paths") {
       const YamlNode& list = *map.find("paths");
@@ -52,7 +52,7 @@ class VariableReader {
         mistakes_.add(list.mark, "paths is not a list", "write [PATH, PATH]");
       for (const YamlNode& item : list.items) variable.paths.push_back(read_text(item, mistakes_));
     }
-    const std::string range = map.only_one_of({"between", "values"}, "a variable has bounds or a catalogue");
+    const std::string range = map.only_one_of({"between", "values"}, "bounds or a catalogue");
     if (range == "between") read_bounds(*map.find("between"), variable);
     if (range == "values") read_catalogue(*map.find("values"), variable);
     if (const YamlNode* start = map.find("start")) read_start(*start, variable, mistakes_.count() == before);
@@ -83,8 +83,10 @@ class VariableReader {
   }
 
   void read_catalogue(const YamlNode& node, DesignVariable& variable) {
-    if (!node.is_sequence() || node.items.size() < 2 || node.items.size() > kMaxCatalogue)
-      return mistakes_.add(node.mark, "no catalogue", "write a list of 2 to 1000 values");
+    if (!node.is_sequence()) return mistakes_.add(node.mark, "no catalogue", "write a list: [1 kN, 2 kN]");
+    if (node.items.size() < 2 || node.items.size() > kMaxCatalogue)
+      return mistakes_.add(node.mark, "a catalogue of length " + std::to_string(node.items.size()),
+                           "give 2 to 1000; `set` gives all runs one value");
     variable.catalogue = node.items;
     variable.upper = static_cast<double>(node.items.size() - 1);
     for (const YamlNode& item : node.items) {

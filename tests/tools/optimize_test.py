@@ -7,6 +7,7 @@ import csv
 import json
 import math
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -169,10 +170,10 @@ class OptimizeTest(ProcessTest):
         text = PROBLEM + "method: global\n"
         self.optimize(text, "whole")
         whole = (self.folder / "whole/history.csv").read_bytes()
-        for part in 0, 30, len(whole) // 2, len(whole) - 7:
+        for part in 0, 30, len(whole) // 2, len(whole) - 7:  # 30: of the heading
             out = self.folder / f"part{part}"
             out.mkdir()
-            if part > 30:
+            if part > 0:
                 (out / "history.csv").write_bytes(whole[:part])
                 (out / "manifest.json").write_bytes((self.folder / "whole/manifest.json").read_bytes())
             self.optimize(text, out.name, "--resume")
@@ -278,6 +279,77 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(result["violation"]["constraint"], "far")
         self.assertAlmostEqual(result["violation"]["size"], 1 - 2 / 8 ** 0.5, delta=VALUE)
         self.assertIn("at their bounds: a, b", result["violation"]["text"])
+
+    def test_an_objective_without_a_value_is_told_and_no_constraint_is_blamed(self):
+        (self.folder / "s.yaml").write_text(SCENARIO + "events: [{name: never, when: {time: 5 s}}]\n")
+        result = self.optimize(PROBLEM.replace("a^2 + 4*b^2", "event.never") + "budget: {runs: 60}\n", "o", code=1)
+        self.assertEqual(result["status"], "infeasible")
+        self.assertEqual(result["violation"]["objective"], "event.never")
+        self.assertNotIn("constraint", result["violation"])
+        self.assertIn("has a value of event.never", result["violation"]["text"])
+        self.assertTrue(result["constraints"][0]["met"])
+
+    def test_an_objective_that_has_no_value_in_a_part_of_the_bounds_is_best_outside_it(self):
+        text = PROBLEM.replace("a^2 + 4*b^2", "sqrt(a / (1 N) - 2)") + "budget: {runs: 200}\n"
+        result = self.optimize(text, "o", code=None)
+        self.assertTrue(result["feasible"])
+        self.assertLess(result["objectives"][0]["value"], 0.1)
+        self.assertGreaterEqual(result["variables"]["a"]["value"], 2)
+
+    def test_a_constant_objective_gives_a_point_that_meets_the_constraints(self):
+        result = self.optimize(PROBLEM.replace("a^2 + 4*b^2", "3"), "o")
+        self.assertEqual((result["status"], result["objectives"][0]["value"]), ("optimal", 3))
+        self.look_at("o")
+
+    def test_a_budget_that_ends_before_the_search_begins_gives_no_optimum(self):
+        for number, budget in enumerate(("runs: 1", "seconds: 1 us")):  # the start is flown in any case
+            result = self.optimize(PROBLEM + f"budget: {{{budget}}}\n", f"o{number}")
+            self.assertEqual((result["status"], result["runs"]), ("budget", 1))
+            self.look_at(f"o{number}")
+
+    def test_seconds_bound_the_runs_around_the_result_too(self):
+        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 10 ms, until: 1 s", "dt: 1 ms, until: 100 s").replace("1 m}", "10 km}"))
+        result = self.optimize(PROBLEM + "budget: {runs: 1000000, seconds: 1 ms}\n", "o", code=None)
+        self.assertLess(result["study_runs"], 10)  # without a bound: as many as slices and differences ask for
+
+    def test_a_full_disk_ends_the_search_and_resume_goes_on(self):
+        def allow_small_files():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a write beyond the limit fails, as on a full disk
+            resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+        for number, text in enumerate((PROBLEM, PROBLEM + "method: global\n")):
+            self.optimize(text, f"whole{number}")
+            done = subprocess.run([UNLATCH, "optimize", self.folder / "p.yaml", "--out", self.folder / f"full{number}"],
+                                  capture_output=True, text=True, preexec_fn=allow_small_files)
+            self.assertEqual(done.returncode, 3)
+            self.assertIn("--resume", done.stderr)
+            self.assertFalse((self.folder / f"full{number}/result.json").exists())
+            self.optimize(text, f"full{number}", "--resume")
+            for file in "history.csv", "result.json":
+                self.assertEqual((self.folder / f"full{number}" / file).read_bytes(), (self.folder / f"whole{number}" / file).read_bytes())
+
+    def test_a_file_of_another_kind_is_told(self):
+        (self.folder / "p.yaml").write_text(PROBLEM)
+        for verb, file, told in (("optimize", "s.yaml", "this is a scenario"), ("run", "p.yaml", "`unlatch optimize`")):
+            options = ["--out", self.folder / "o"] if verb == "optimize" else []
+            done = subprocess.run([UNLATCH, verb, self.folder / file, *options], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+            self.assertIn(told, done.stderr)
+
+    def test_a_mistake_is_told_once_at_its_own_place(self):
+        cases = {"between: [5 N, 0 N]": "not below the upper one", "between: [5 N, 5 N]": "not below the upper one",
+                 "values: [1 N]": "a catalogue of length 1", "values: []": "a catalogue of length 0", "between: [.nan, 5 N]": "not finite"}
+        for text, told in cases.items():
+            (self.folder / "p.yaml").write_text(PROBLEM.replace("between: [0 N, 5 N]", text, 1))
+            done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, text)
+            self.assertIn(told, done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)  # not of the objective that names the variable
+        (self.folder / "p.yaml").write_text(PROBLEM.replace("elements.px.profile", "elements.px.profil"))
+        done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)  # not of the other variable
+        self.assertIn("did you mean 'profile'", done.stderr)
 
     def test_all_mistakes_are_told_at_once(self):
         wrong = PROBLEM.replace("a: {path: elements.px.profile", "a: {path: elements.nothing.profile").replace(

@@ -123,18 +123,20 @@ Json build_verification(const DesignReport& report) {
   return json;
 }
 
-// Values of the violated constraint, and the limit that this point would meet.
+// Values of the violated constraint, and the limit that this point would meet; or what no run gives.
 std::string describe_violation(const DesignReport& report) {
   const hil::Violation& violation = report.result.violation;
   const DesignSample& best = report.evaluations.get_samples()[report.result.best];
-  if (report.problem.constraints.empty() || violation.constraint >= report.problem.constraints.size() ||
-      !std::isfinite(best.values[violation.constraint]))
+  if (violation.objective && best.status == hil::SampleStatus::kDone)
+    return "no run that meets all constraints has a value of " + report.problem.objectives[*violation.objective].text;
+  if (!violation.constraint || best.status != hil::SampleStatus::kDone)
     return "no run gives all of the results that the problem asks for: the nearest ended '" +
            hil::kSampleStatusNames[static_cast<std::size_t>(best.status)] + "'";
-  const DesignConstraint& constraint = report.problem.constraints[violation.constraint];
-  std::string text =
-      format("%s must be %s; the best that was found is %.6g %s", constraint.name.c_str(),
-             describe_constraint(constraint).c_str(), best.values[violation.constraint], constraint.unit.c_str());
+  const DesignConstraint& constraint = report.problem.constraints[*violation.constraint];
+  const double value = best.values[*violation.constraint];
+  std::string text = constraint.name + " must be " + describe_constraint(constraint) + "; ";
+  text += std::isfinite(value) ? format("the best that was found is %.6g %s", value, constraint.unit.c_str())
+                               : "no run has a value of it";
   for (const std::size_t i : report.result.against)
     if (i != violation.constraint) text += ", against " + report.problem.constraints[i].name;
   std::string bounds;
@@ -207,8 +209,10 @@ Json build_design_json(const DesignReport& report) {
   json["constraints"] = build_constraints(report, best);
   if (!result.feasible) {
     json["violation"] = {{"size", result.violation.size}, {"text", describe_violation(report)}};
-    if (result.violation.constraint < problem.constraints.size())
-      json["violation"]["constraint"] = problem.constraints[result.violation.constraint].name;
+    if (result.violation.constraint)
+      json["violation"]["constraint"] = problem.constraints[*result.violation.constraint].name;
+    if (result.violation.objective)
+      json["violation"]["objective"] = problem.objectives[*result.violation.objective].text;
     for (const std::size_t i : result.against) json["violation"]["against"].push_back(problem.constraints[i].name);
   }
   json["sensitivities"] = build_sensitivities(report);
@@ -238,8 +242,10 @@ void print_design(std::FILE* to, const DesignReport& report) {
                      ? " (at its bound)"
                      : "");
   for (std::size_t i = 0; i < problem.objectives.size(); ++i)
-    std::fprintf(to, "  %s %s: %.9g %s\n", get_sense(problem.objectives[i]), problem.objectives[i].text.c_str(),
-                 best.objectives[i], problem.objectives[i].unit.c_str());
+    std::fprintf(to, "  %s %s: %s\n", get_sense(problem.objectives[i]), problem.objectives[i].text.c_str(),
+                 std::isfinite(best.objectives[i])
+                     ? format("%.9g %s", best.objectives[i], problem.objectives[i].unit.c_str()).c_str()
+                     : "no value");
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const bool active = !result.constraints.empty() && result.constraints[i].active;
     if (!active && best.margins[i] >= 0) continue;

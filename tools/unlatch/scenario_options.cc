@@ -4,6 +4,7 @@
 
 #include "hil/campaign/campaign.h"
 #include "hil/run/run.h"
+#include "hil/synthesis/problem.h"
 #include "tools/campaign/campaign_data.h"
 #include "tools/unlatch/commands.h"
 
@@ -98,7 +99,21 @@ void add_scenario_options(Command command, ScenarioOptions& options) {
       .repeatable();
 }
 
+namespace {
+
+void refuse_design_problem(const std::string& path) {
+  if (hil::is_standard_input(path) || !hil::is_design_problem(hil::read_text_file(path, "scenario"))) return;
+  throw hil::ScenarioError({{.file = path,
+                             .mark = {},
+                             .override_text = "",
+                             .what = "this is a problem of synthesis, not a scenario",
+                             .mend = "`unlatch optimize` looks for its values, and its DIR/patch.yaml runs"}});
+}
+
+}  // namespace
+
 hil::Scenario load(const ScenarioOptions& options) {
+  refuse_design_problem(options.path);
   std::vector<std::string> overrides = options.overrides;
   if (options.dt > 0) overrides.push_back("step.dt=" + to_text(options.dt));
   if (options.until > 0) overrides.push_back("step.until=" + to_text(options.until));

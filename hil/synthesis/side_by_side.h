@@ -1,0 +1,16 @@
+// Independent pieces of work on several threads.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+
+namespace unlatch::hil {
+
+// Calls work(0) … work(count - 1), at most `jobs` at a time: each thread, this one included, takes the next that nobody
+// has. `stop`, which another thread may set, leaves the rest; an exception does, too: the first is thrown here, after
+// all threads have ended.
+void run_side_by_side(std::size_t count, int jobs, const std::atomic<bool>& stop,
+                      const std::function<void(std::size_t)>& work);
+
+}  // namespace unlatch::hil
