@@ -4,8 +4,8 @@
 
 namespace unlatch::hil {
 
-// Events, clearances, contacts, separations and requirements belong to every analysis. By default everything is asked for, as for
-// a run that people look at.
+// Events, clearances, contacts, separations and requirements belong to every analysis. By default everything is asked
+// for, as for a run that people look at.
 struct AnalysisRequest {
   bool accuracy = true;    // notices, and the audit of energy
   bool reactions = true;   // their peaks
