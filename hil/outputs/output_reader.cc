@@ -145,6 +145,12 @@ void OutputReader::read_element(const Output& output, std::span<double> to) cons
     case Kind::kElementStroke:
       to[0] = reading.stroke;
       break;
+    case Kind::kElementWound:
+      to[0] = reading.wound;
+      break;
+    case Kind::kElementOnDrum:
+      to[0] = reading.on_drum;
+      break;
     case Kind::kElementRate:
       to[0] = reading.rate;
       break;

@@ -175,6 +175,10 @@ class List {
       add_force(of, angular);
       add_coordinate(of, angular);
       add(Kind::kElementStroke, of, "stroke", "stroke", "", angular ? "rad" : "m", {"stroke"});
+      if (force.drum) {
+        add(Kind::kElementWound, of, "wound", "wound", "", "rad", {"wound"});
+        add(Kind::kElementOnDrum, of, "on_drum", "on_drum", "", "m", {"on_drum"});
+      }
       finish(of);
     }
     for (const JointFriction& friction : model_.frictions) {

@@ -36,6 +36,8 @@ struct Output {
     kElementForce,         // of an element (unlatch/readings.h), N or N m
     kElementLength,        // of a point spring, m
     kElementStroke,        // what is left of the stroke of a point spring or one-sided force, m or rad
+    kElementWound,         // angle of a cord on its drum, rad
+    kElementOnDrum,        // and length, m
     kElementCoordinate,    // of a joint spring, plane torsion, one-sided force or friction, m or rad
     kElementRate,          // rate of the length or coordinate, m/s or rad/s
     kElementScale,         // of an element's switch, 0 to 1

@@ -91,10 +91,11 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   using Kind = Condition::Kind;
   Condition condition;
   YamlMap map(node, "a condition", mistakes_);
-  const std::string kind = map.only_one_of(
-      {"time", "reaction", "displacement", "angle", "speed", "body_rate", "burnt", "clearance", "contact", "signal",
-       "command", "mode", "all", "any", "not", "reaction_force", "reaction_moment", "force", "engaged"},
-      "to say what it looks at");
+  const std::string kind =
+      map.only_one_of({"time",      "reaction",       "displacement",    "angle",   "speed",   "body_rate", "burnt",
+                       "clearance", "contact",        "signal",          "command", "mode",    "all",       "any",
+                       "not",       "reaction_force", "reaction_moment", "force",   "engaged", "wound",     "bearing"},
+                      "to say what it looks at");
   if (kind.empty()) return condition;
   const YamlNode& value = *map.find(kind);
   if (kind == "time") {
@@ -135,6 +136,10 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   } else if (kind == "engaged") {
     condition.kind = Kind::kEngaged;
     condition.subject = read_one_sided(value);
+  } else if (kind == "wound" || kind == "bearing") {
+    condition.kind = kind == "wound" ? Kind::kWound : Kind::kBearing;
+    condition.subject = read_wound_cord(value);
+    read_threshold(map, "rad", condition);
   } else if (kind == "burnt") {
     condition.kind = Kind::kBurnt;
     condition.subject = read_choice(value, "body", bodies_, mistakes_);

@@ -55,6 +55,10 @@ void ScenarioReader::read_cord(YamlMap& map, OneSided force) {
   force.kind = OneSided::Kind::kCord;
   force.pulls = true;
   read_between(map, force.base, force.follower);
+  const YamlNode *wraps = map.find("wraps"), *point = map.find("point");
+  if (wraps && point)
+    mistakes_.add(point->mark, "a cord with a `point` on the base and a drum there",
+                  "leave `point` out: its anchor follows from the angle that it is wound");
   force.point_base = map.vector("point", "m", Eigen::Vector3d::Zero());
   force.point_follower = map.vector("follower_point", "m", Eigen::Vector3d::Zero());
   if (map.find("length")) force.limit = map.number("length", "m");
@@ -69,9 +73,39 @@ void ScenarioReader::read_cord(YamlMap& map, OneSided force) {
     part.when.subject = static_cast<int>(model_.one_sided.size());
     part.when.threshold = map.number("parts_at", "N");
     part.then = {{.kind = Action::Kind::kSwitch, .subject = part.when.subject}};  // numbered by append_events()
-    parting_cords_.push_back(std::move(part));
+    cord_events_.push_back(std::move(part));
   }
+  if (wraps) read_drum(*wraps, force);
   model_.one_sided.push_back(std::move(force));
+}
+
+void ScenarioReader::read_drum(const YamlNode& node, OneSided& cord) {
+  YamlMap map(node, "wraps", mistakes_);
+  Drum drum;
+  drum.centre = map.vector("centre", "m", Eigen::Vector3d::Zero());
+  drum.axis = map.vector("axis", "").stableNormalized();
+  drum.radius = map.number("radius", "m");
+  drum.left = map.choice("sense", "sense", {"right", "left"}, 0) == 1;
+  if (map.find("wound")) drum.wound = map.number("wound", "rad");
+  const bool lets_go = map.find("releases") != nullptr;
+  const bool radial = lets_go && map.choice("releases", "release", {"tangential", "radial"}, 0) == 1;
+  map.finish();
+  const auto number = static_cast<int>(model_.one_sided.size());
+  Event unwound;
+  unwound.name = "unwound";
+  unwound.subject = cord.name;
+  unwound.when.kind = Condition::Kind::kWound;
+  unwound.when.subject = number;
+  unwound.when.below = true;
+  unwound.repeat = unwound.crossing = true;
+  Event release = unwound;
+  release.name = "release";
+  if (radial) release.when.kind = Condition::Kind::kBearing;
+  release.repeat = release.crossing = false;
+  release.then = {{.kind = Action::Kind::kSwitch, .subject = number}};  // numbered by append_events()
+  cord_events_.push_back(std::move(unwound));
+  if (lets_go) cord_events_.push_back(std::move(release));
+  cord.drum = drum;
 }
 
 void ScenarioReader::read_stop(const std::string& name, const YamlNode& node) {
@@ -144,6 +178,15 @@ Action ScenarioReader::read_impulse(YamlMap& map) {
   return action;
 }
 
+// The number of a cord with a drum among pushers, stops and cords.
+int ScenarioReader::read_wound_cord(const YamlNode& node) {
+  const int number = read_one_sided(node);
+  if (static_cast<std::size_t>(number) < model_.one_sided.size() &&
+      !model_.one_sided[static_cast<std::size_t>(number)].drum)
+    mistakes_.add(node.mark, "'" + node.text + "' is not wound on anything", "a cord with `wraps`");
+  return number;
+}
+
 // The number of a pusher, stop or cord among these.
 int ScenarioReader::read_one_sided(const YamlNode& node) {
   std::vector<std::string> names;
@@ -154,9 +197,10 @@ int ScenarioReader::read_one_sided(const YamlNode& node) {
 // Events that come with joints and elements, after those of the scenario.
 void ScenarioReader::append_events() {
   const int first = model_.element_count() - static_cast<int>(model_.one_sided.size() + model_.frictions.size());
-  for (Event& part : parting_cords_) part.then.front().subject += first;
+  for (Event& event : cord_events_)
+    for (Action& action : event.then) action.subject += first;
   const std::size_t own = model_.events.size();
-  for (const std::vector<Event>* list : {&parting_joints_, &parting_cords_})
+  for (const std::vector<Event>* list : {&parting_joints_, &cord_events_})
     model_.events.insert(model_.events.end(), list->begin(), list->end());
   model_ = complete_events(model_);
   for (std::size_t i = own; i < model_.events.size(); ++i)

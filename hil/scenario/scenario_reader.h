@@ -104,11 +104,13 @@ class ScenarioReader {
   bool read_line(YamlMap& map, OneSided& force);
   void read_pusher(YamlMap& map, OneSided force);
   void read_cord(YamlMap& map, OneSided force);
+  void read_drum(const YamlNode& node, OneSided& cord);
   void read_stop(const std::string& name, const YamlNode& node);
   void read_friction(YamlMap& map, JointFriction friction);
   void read_parting(const YamlNode& node, const Joint& joint, int number);
   Action read_impulse(YamlMap& map);
   int read_one_sided(const YamlNode& node);
+  int read_wound_cord(const YamlNode& node);
   void append_events();
 
   // Timing.
@@ -161,7 +163,7 @@ class ScenarioReader {
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
   std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for those left out
-  std::vector<Event> parting_joints_, parting_cords_;     // see append_events()
+  std::vector<Event> parting_joints_, cord_events_;       // see append_events()
   std::vector<Placement> placements_;
   std::map<std::string, FlexibleStructure> structures_;  // by flexible body
   std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where

@@ -1,5 +1,7 @@
 #include "hil/separations/spring_work.h"
 
+#include <algorithm>
+
 #include "hil/scenario/from_eigen.h"
 #include "hil/scenario/index.h"
 #include "unlatch/readings.h"
@@ -39,6 +41,12 @@ std::optional<SpringWork> SpringWork::make(const Model& model, int element) {
     const OneSided& force = *work.one_sided_;
     work.limit_ = calc_limit(model, force);
     if (force.joint != kNone) work.geometry_.emplace(model, force.joint);
+    if (force.drum) {
+      work.drum_ = place_drum(model, force);
+      work.drum_number_ = static_cast<std::size_t>(
+          std::count_if(model.one_sided.begin(), model.one_sided.begin() + static_cast<std::ptrdiff_t>(work.number_),
+                        [](const OneSided& f) { return f.drum.has_value(); }));
+    }
     work.base_ = work.geometry_ ? work.geometry_->get_base() : force.base;
     work.follower_ = work.geometry_ ? work.geometry_->get_follower() : force.follower;
     return work;
@@ -79,8 +87,9 @@ std::optional<double> SpringWork::find_end(const MotionWindow& window, const Mot
   return high;
 }
 
-SpringWork::Force SpringWork::calc_force(const BodyState& base, const BodyState& follower, double scale) const {
-  if (one_sided_) return calc_one_sided(base, follower, scale);
+SpringWork::Force SpringWork::calc_force(const BodyState& base, const BodyState& follower, double scale,
+                                         double bearing) const {
+  if (one_sided_) return calc_one_sided(base, follower, scale, bearing);
   if (joint_) {
     const double x = geometry_->calc_coordinate(base, follower, joint_->axis);
     const double rate = geometry_->calc_speed(base, follower, joint_->axis);
@@ -91,13 +100,21 @@ SpringWork::Force SpringWork::calc_force(const BodyState& base, const BodyState&
   return {f.size * f.direction, f.size * f.rate};
 }
 
-SpringWork::Force SpringWork::calc_one_sided(const BodyState& base, const BodyState& follower, double scale) const {
+SpringWork::Force SpringWork::calc_one_sided(const BodyState& base, const BodyState& follower, double scale,
+                                             double bearing) const {
   double x = 0, rate = 0;
   Vec3 direction;
   if (geometry_) {
     x = geometry_->calc_coordinate(base, follower, one_sided_->axis);
     rate = geometry_->calc_speed(base, follower, one_sided_->axis);
     direction = geometry_->calc_axis(base, one_sided_->axis);
+  } else if (drum_) {
+    const Mat3 R_base = rotation_matrix(base.q), R_follower = rotation_matrix(follower.q);
+    const Vec3 arm = R_follower * to_vec3(one_sided_->point_follower), end = (follower.p + arm) - base.p;
+    const CordPath path = calc_cord_path(*drum_, R_base, end, bearing);
+    x = path.length;
+    direction = path.direction;
+    rate = dot(direction, (follower.v + cross(R_follower * follower.w, arm)) - (base.v + cross(R_base * base.w, end)));
   } else {
     const Line line(*one_sided_, base, follower);
     const Mat3 R = rotation_matrix(base.q);
@@ -119,11 +136,12 @@ SpringWork::Sum SpringWork::calc(const MotionWindow& window, const MotionKnot& f
   if (!(h > 0)) return sum;
   if (one_sided_ && from.state.engaged[number_] == 0) return sum;
   const ElementState& element = from.state.elements[static_cast<std::size_t>(element_)];
+  const double bearing = drum_ ? from.state.bearings[drum_number_] : 0;
   for (const int i : {0, 1, 2}) {
     const double time = i == 2 ? to : from.time + 0.5 * i * h, weight = (i == 1 ? 4 : 1) * h / 6;
     const double scale = calc_scale(element, time);
     if (scale == 0) continue;
-    const Force force = calc_force(window.calc_body(base_, time), window.calc_body(follower_, time), scale);
+    const Force force = calc_force(window.calc_body(base_, time), window.calc_body(follower_, time), scale, bearing);
     sum.impulse += weight * force.force;
     sum.work += weight * force.power;
   }

@@ -8,6 +8,7 @@
 
 #include "hil/motion/joint_frame.h"
 #include "hil/motion/motion_window.h"
+#include "unlatch/cords.h"
 
 namespace unlatch::hil {
 
@@ -36,8 +37,10 @@ class SpringWork {
     Vec3 force;    // on the follower, W
     double power;  // W
   };
-  [[nodiscard]] Force calc_force(const BodyState& base, const BodyState& follower, double scale) const;
-  [[nodiscard]] Force calc_one_sided(const BodyState& base, const BodyState& follower, double scale) const;
+  // `bearing`: of a cord with a drum, at the beginning of the piece.
+  [[nodiscard]] Force calc_force(const BodyState& base, const BodyState& follower, double scale, double bearing) const;
+  [[nodiscard]] Force calc_one_sided(const BodyState& base, const BodyState& follower, double scale,
+                                     double bearing) const;
   [[nodiscard]] double calc_length(const BodyState& base, const BodyState& follower) const;
 
   int element_ = 0, base_ = kGround, follower_ = 0;
@@ -47,6 +50,8 @@ class SpringWork {
   std::size_t number_ = 0;  // of the one-sided force among these
   double limit_ = 0;        // of its coordinate, m or rad
   std::optional<JointGeometry> geometry_;
+  std::optional<CordDrum> drum_;
+  std::size_t drum_number_ = 0;  // into State::bearings
 };
 
 }  // namespace unlatch::hil

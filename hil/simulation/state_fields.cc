@@ -22,6 +22,7 @@ constexpr const char* kSignalFields[] = {"value"};
 constexpr const char* kAuxiliaryFields[] = {"value"};
 constexpr const char* kContactFields[] = {"closed", "edge"};
 constexpr const char* kEngagedFields[] = {"engaged"};
+constexpr const char* kBearingFields[] = {"bearing"};
 
 // Auxiliary states, in the order of State::auxiliary.
 std::vector<std::string> list_auxiliary(const Model& model) {
@@ -37,6 +38,14 @@ std::vector<std::string> list_auxiliary(const Model& model) {
   for (const Contact& contact : model.contacts)
     for (const char* what : {" impulse", " slip", " dissipated"})
       names.push_back("contact '" + contact.name + "'" + what);
+  return names;
+}
+
+// Cords with drums, in the order of State::bearings.
+std::vector<std::string> list_wound_cords(const Model& model) {
+  std::vector<std::string> names;
+  for (const OneSided& cord : model.one_sided)
+    if (cord.drum) names.push_back(cord.name);
   return names;
 }
 
@@ -77,6 +86,8 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
                    [](std::size_t i) { return "pair " + std::to_string(i + 1) + " of shapes in contact"; }),
       make_section(state.engaged, kEngagedFields, 1,
                    [&](std::size_t i) { return quote("element", model.one_sided[i].name); }),
+      make_section(state.bearings, kBearingFields, 0,
+                   [names = list_wound_cords(model)](std::size_t i) { return quote("element", names[i]); }),
   };
 }
 

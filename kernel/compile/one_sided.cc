@@ -1,20 +1,43 @@
 #include "kernel/compile/one_sided.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "kernel/model/from_eigen.h"
+#include "unlatch/cords.h"
+#include "unlatch/elementary.h"
 #include "unlatch/motion.h"
 #include "unlatch/readings.h"
 
 namespace unlatch {
-namespace {
-
-Eigen::Vector3d place(const Model& model, int body, const Eigen::Vector3d& point) {
-  if (body == kGround) return point;
-  return model.bodies[at(body)].p_WB + get_attitude(model, body) * point;
+// The anchor is as far back from the end as the cord is wound, and the bearing of its tangent.
+CordDrum place_drum(const Model& model, const OneSided& cord) {
+  const Drum& drum = *cord.drum;
+  const Eigen::Matrix3d R = get_attitude(model, cord.base);
+  const Vec3 z = to_vec(drum.left ? Eigen::Vector3d(-drum.axis) : drum.axis);
+  const Vec3 end =
+      to_vec(R.transpose() * (place(model, cord.follower, cord.point_follower) - place(model, cord.base, drum.centre)));
+  const double height = dot(z, end), r = drum.radius;
+  const Vec3 out = end - height * z;
+  const double rho = norm(out), straight = std::sqrt(std::max(0.0, (rho - r) * (rho + r)));
+  double wound = drum.wound.value_or(0);
+  if (!drum.wound && cord.limit)
+    wound = (std::sqrt(std::max(0.0, *cord.limit * *cord.limit - height * height)) - straight) / r;
+  const double bearing = elementary::atan2(straight, r) + std::max(0.0, wound);
+  const Vec3 e = (1.0 / rho) * out, across = cross(z, e);
+  double sine = 0, cosine = 1;
+  elementary::sincos(bearing, sine, cosine);
+  return {to_vec(drum.centre), {cosine * e - sine * across, sine * e + cosine * across, z}, r, bearing};
 }
 
-}  // namespace
-
 double calc_start(const Model& model, const OneSided& force) {
+  if (force.drum) {
+    const CordDrum drum = place_drum(model, force);
+    const Eigen::Vector3d origin = place(model, force.base, Eigen::Vector3d::Zero());
+    return calc_cord_path(drum, to_mat(get_attitude(model, force.base)),
+                          to_vec(place(model, force.follower, force.point_follower) - origin), drum.bearing)
+        .length;
+  }
   if (force.joint == kNone) {
     const Eigen::Vector3d line =
         place(model, force.follower, force.point_follower) - place(model, force.base, force.point_base);
@@ -58,6 +81,10 @@ void compile_one_sided(const Model& model, const OneSided& f, std::int32_t eleme
   out.count = static_cast<std::int32_t>(f.travels.size());
   plan.travels.insert(plan.travels.end(), f.travels.begin(), f.travels.end());
   plan.travel_forces.insert(plan.travel_forces.end(), f.forces.begin(), f.forces.end());
+  if (f.drum) {
+    out.drum = static_cast<std::int32_t>(plan.drums.size());
+    plan.drums.push_back(place_drum(model, f));
+  }
   out.engaged = out.sign * (out.limit - calc_start(model, f)) >= 0 ? 1 : 0;
   plan.one_sided.push_back(out);
 }

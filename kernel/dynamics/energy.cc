@@ -199,7 +199,7 @@ void add_contacts(const PlanData& plan, const State& state, double t, const Eval
 // rounding, and the force still acts: the power before the event. After it nothing acts and nothing is lost.
 void add_one_sided(const PlanData& plan, const State& state, double t, const Evaluation& ev, Sum& sum) {
   for (const PlanOneSided& own : plan.one_sided) {
-    const OneSidedMotion m = calc_motion(plan, ev, own);
+    const OneSidedMotion m = calc_motion(plan, state, ev, own);
     if (state.engaged[at(own.number)] == 0 && ends_with_depth(plan, own, m)) continue;
     const ElementState& element = state.elements[at(own.element)];
     const double scale = calc_scale(element, t);

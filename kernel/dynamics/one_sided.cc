@@ -29,19 +29,25 @@ double get_scale(const OneSidedLaw& law) {
 
 }  // namespace
 
-OneSidedMotion calc_motion(const PlanData& plan, const Evaluation& ev, const PlanOneSided& own) noexcept {
+OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
+                           const PlanOneSided& own) noexcept {
   if (own.joint != kNone) return calc_joint_motion(plan, ev, own);
   const BodyFrame base = get_body_frame(ev, own.base), follower = get_body_frame(ev, own.follower);
   OneSidedMotion m{};
   m.r_follower = follower.R * own.point_follower;
-  const Vec3 from_base = (follower.p + m.r_follower) - base.p, end = base.R * own.point_base;
-  const Vec3 line = from_base - end;
-  if (own.guided) {  // the force meets the base where the follower's point is
+  const Vec3 from_base = (follower.p + m.r_follower) - base.p;
+  if (own.drum != kNone) {  // the pull's line passes through the end, where its moments are the same as at the drum
+    m.path = calc_cord_path(plan.drums[at(own.drum)], base.R, from_base, state.bearings[at(own.drum)]);
+    m.direction = m.path.direction;
+    m.r_base = from_base;
+    m.x = m.path.length;
+  } else if (own.guided) {  // the force meets the base where the follower's point is
     m.direction = base.R * own.guide;
     m.r_base = from_base;
-    m.x = dot(m.direction, line);
+    m.x = dot(m.direction, from_base - base.R * own.point_base);
   } else {
-    m.r_base = end;
+    m.r_base = base.R * own.point_base;
+    const Vec3 line = from_base - m.r_base;
     m.x = norm(line);
     if (m.x > 0) m.direction = (1.0 / m.x) * line;
   }
@@ -49,6 +55,12 @@ OneSidedMotion calc_motion(const PlanData& plan, const Evaluation& ev, const Pla
   m.depth = own.sign * (own.limit - m.x);
   m.depth_rate = -own.sign * dot(m.direction, v);
   return m;
+}
+
+void store_bearings(const PlanData& plan, const Evaluation& ev, State& state) noexcept {
+  if (plan.drums.empty()) return;
+  for (const PlanOneSided& own : plan.one_sided)
+    if (own.drum != kNone) state.bearings[at(own.drum)] = calc_motion(plan, state, ev, own).path.bearing;
 }
 
 OneSidedLaw get_law(const PlanData& plan, const PlanOneSided& own) noexcept {
@@ -82,7 +94,7 @@ void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept {
   const PlanData& plan = now.plan;
   for (const PlanOneSided& own : plan.one_sided) {
     if (now.state.engaged[at(own.number)] == 0) continue;
-    const OneSidedMotion m = calc_motion(plan, ev, own);
+    const OneSidedMotion m = calc_motion(plan, now.state, ev, own);
     const Vec3 force = (own.sign * calc_force(plan, now.state, now.t, own, m)) * m.direction;
     if (own.joint != kNone && own.axis >= kRotX)
       turn_apart(ev, own.base, own.follower, force);
@@ -95,9 +107,15 @@ OneSidedReading calc_one_sided(const Plan& owner, const State& state, const Work
   const PlanData& plan = owner.data();
   const PlanOneSided& own = plan.one_sided[at(number)];
   const double t = plan.get_time(state.header->tick);
-  const OneSidedMotion m = calc_motion(plan, workspace.data().kept.evaluation, own);
-  return {m.x, m.depth, m.depth_rate, calc_force(plan, state, t, own, m),
-          calc_scale(state.elements[at(own.element)], t)};
+  const OneSidedMotion m = calc_motion(plan, state, workspace.data().kept.evaluation, own);
+  return {m.x,
+          m.depth,
+          m.depth_rate,
+          calc_force(plan, state, t, own, m),
+          calc_scale(state.elements[at(own.element)], t),
+          std::max(0.0, m.path.winding),
+          m.path.on_drum,
+          m.path.bearing};
 }
 
 double calc_one_sided_force(const OneSided& force, double depth, double depth_rate) noexcept {

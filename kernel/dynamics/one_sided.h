@@ -15,10 +15,12 @@ struct OneSidedMotion {
   Vec3 direction;           // along which the coordinate grows; of an angle, its axis; 0 where the line has no length
   Vec3 r_base, r_follower;  // from the bodies' origins to where it acts
   double x, depth, depth_rate;  // coordinate, m or rad; depth and its rate
+  CordPath path{};              // of a cord with a drum
 };
 
 // Needs kinematics, joint frames and coordinates.
-OneSidedMotion calc_motion(const PlanData& plan, const Evaluation& ev, const PlanOneSided& own) noexcept;
+OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
+                           const PlanOneSided& own) noexcept;
 // The law of one in the plan.
 OneSidedLaw get_law(const PlanData& plan, const PlanOneSided& own) noexcept;
 
@@ -33,6 +35,9 @@ double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedM
 // Of the two that calc_reach compares, the depth is the less: not engaged, it is beyond its limit or, but for rounding,
 // at it. Otherwise it is within reach, and its force is 0.
 bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept;
+
+// The bearings of cords' ends on their drums: counts them on from those in the state, which they replace.
+void store_bearings(const PlanData& plan, const Evaluation& ev, State& state) noexcept;
 
 // Adds their forces to the bodies'.
 void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept;

@@ -59,7 +59,7 @@ ElementReading calc_element(const Plan& owner, const State& state, const Workspa
     out = {f.size, f.angle, f.rate, out.scale};
   } else if (const PlanOneSided* const force = find(plan.one_sided, element)) {
     const OneSidedReading f = calc_one_sided(owner, state, workspace, force->number);
-    out = {force->sign * f.force, f.coordinate, -force->sign * f.depth_rate, out.scale, f.depth};
+    out = {force->sign * f.force, f.coordinate, -force->sign * f.depth_rate, out.scale, f.depth, f.wound, f.on_drum};
   } else if (const PlanFriction* const friction = find(plan.frictions, element)) {
     out.length = ev.coordinates[at(friction->coordinate)];
     out.rate = ev.speeds[at(friction->coordinate)];

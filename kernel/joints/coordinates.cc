@@ -1,17 +1,11 @@
 #include "kernel/joints/coordinates.h"
 
-#include <cmath>
-
 #include "kernel/joints/kinematics.h"
+#include "kernel/math/angles.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
-
-// The value of `angle` + 2πk nearest to `previous`.
-double unwind(double angle, double previous) { return angle - kTwoPi * std::nearbyint((angle - previous) / kTwoPi); }
 
 // Sine and cosine, times one number, of the turn by which the follower's pair of axes stands from the base's.
 struct Turn {

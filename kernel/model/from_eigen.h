@@ -17,6 +17,12 @@ inline Eigen::Matrix3d get_attitude(const Model& model, int body) {
                          : model.bodies[static_cast<std::size_t>(body)].q_WB.normalized().toRotationMatrix();
 }
 
+// A point of a body, or of the ground, at the beginning, W.
+inline Eigen::Vector3d place(const Model& model, int body, const Eigen::Vector3d& point) {
+  if (body == kGround) return point;
+  return model.bodies[static_cast<std::size_t>(body)].p_WB + get_attitude(model, body) * point;
+}
+
 // Axes of a joint's rotation rows, column by column, in each body's axes.
 struct RotationFrame {
   Eigen::Matrix3d base, follower;

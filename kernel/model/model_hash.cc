@@ -93,6 +93,7 @@ class Hasher {
     add(f.kind, f.pulls, f.joint, f.axis, f.base, f.follower, f.point_base, f.point_follower, f.guide, f.limit,
         f.stroke, f.law, f.preload, f.stiffness, f.gas_length, f.exponent, f.travels, f.forces, f.damping, f.friction,
         f.friction_speed, f.on);
+    if (f.drum) add(f.drum->centre, f.drum->axis, f.drum->radius, f.drum->left, f.drum->wound);
   }
   void add_one(const JointFriction& f) { add(f.joint, f.axis, f.coefficient, f.radius, f.speed, f.on); }
   void add_one(const Impulse& i) { add(i.body, i.frame, i.point, i.linear, i.angular, i.channel); }

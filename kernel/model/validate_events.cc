@@ -73,6 +73,12 @@ struct EventCheck {
       case Kind::kReach:
         check_subject("pusher, stop or cord", condition.subject, model.one_sided.size(), "when");
         break;
+      case Kind::kWound:
+      case Kind::kBearing:
+        if (!is_index(condition.subject, model.one_sided.size()) ||
+            !model.one_sided[static_cast<std::size_t>(condition.subject)].drum)
+          report("it looks at how far a cord is wound that has no drum", "the index of a cord with a drum", "when");
+        break;
       case Kind::kBodyRate:
         check_subject("body", condition.subject, model.bodies.size(), "when");
         break;

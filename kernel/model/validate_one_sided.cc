@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/model/from_eigen.h"
 #include "kernel/model/validate.h"
 
 namespace unlatch {
@@ -59,6 +60,8 @@ void check_law(Check& check, const OneSided& f) {
     check.report("its stroke is 0", "the length over which it pushes", "stroke");
   check.check_not_negative("preload", f.preload);
   check.check_not_negative("stiffness", f.stiffness);
+  if (f.kind == OneSided::Kind::kCord && f.stiffness == 0)
+    check.report("its stiffness is 0, so that nothing tells where it is taut", "greater than 0", "stiffness");
   check.check_not_negative("damping", f.damping);
   check.check_not_negative("friction", f.friction);
   check.check_positive("friction_speed", f.friction_speed);
@@ -77,10 +80,46 @@ void check_law(Check& check, const OneSided& f) {
                  "a stroke that ends where the force does, or before", "stroke");
 }
 
+// Of its drum alone; true if its end can be placed on it.
+bool check_drum(Check& check, const OneSided& f) {
+  const Drum& drum = *f.drum;
+  const std::size_t before = check.errors.size();
+  if (f.kind != OneSided::Kind::kCord || !f.pulls || f.joint != kNone || f.guide)
+    check.report("it is wound on a drum, and is no cord between two points", "a cord that pulls, without a guide",
+                 "wraps");
+  check.check_positive("radius", drum.radius);
+  check.check_finite("centre", drum.centre.allFinite());
+  if (!(std::abs(drum.axis.norm() - 1) < 1e-9))
+    check.report("its drum's axis has the length " + show(drum.axis.norm()), "a vector that is not zero", "axis");
+  if (drum.wound) check.check_not_negative("wound", *drum.wound);
+  if (!drum.wound && !f.limit)
+    check.report("neither its length nor the angle that it is wound is given", "give `wound`, or `length`, or both",
+                 "wraps");
+  return check.errors.size() == before;
+}
+
+// Its end is outside the drum, and its length reaches from the drum to there.
+void check_wound_end(Check& check, const OneSided& f) {
+  constexpr double kRounding = 1e-9;  // of the radius: an end that lies on the drum
+  const Model placed = place_markers(check.model);
+  const Eigen::Vector3d end = place(placed, f.follower, f.point_follower) - place(placed, f.base, f.drum->centre);
+  const Eigen::Vector3d axis = get_attitude(placed, f.base) * f.drum->axis;
+  const double height = end.dot(axis), rho = (end - height * axis).norm(), radius = f.drum->radius;
+  if (rho < radius * (1 - kRounding))
+    return check.report(
+        "its end is inside its drum, " + show(rho) + " m from an axis with the radius " + show(radius) + " m",
+        "an end on the drum or outside", "wraps");
+  const double tangent = std::sqrt(std::max(0.0, rho * rho - radius * radius)), needed = std::hypot(tangent, height);
+  if (!f.drum->wound && *f.limit < needed * (1 - kRounding))
+    check.report("its length is " + show(*f.limit) + " m, and its end is " + show(needed) + " m from the drum",
+                 "a longer cord, or the angle that it is `wound`, which stretches it", "length");
+}
+
 void check_one_sided(const Model& model, const OneSided& f, ModelErrors& errors) {
   Check check{model, quoted("element", f.name), errors};
   check_law(check, f);
   check.check_finite("limit", !f.limit || std::isfinite(*f.limit));
+  const bool placeable = !f.drum || check_drum(check, f);
   if (f.joint != kNone) {
     if (!is_index(f.joint, model.joints.size())) check.report("it is on no joint", "a joint's index", "joint");
     if (!is_index(f.axis, kRows)) check.report("it has no axis", "x … rot_z", "axis");
@@ -88,9 +127,10 @@ void check_one_sided(const Model& model, const OneSided& f, ModelErrors& errors)
   }
   check.check_finite("point", f.point_base.allFinite());
   check.check_finite("follower_point", f.point_follower.allFinite());
-  if (f.base != kGround) check.check_body(f.base, "between");
-  if (check.check_body(f.follower, "between") && f.base == f.follower)
-    check.report("it connects a body with itself", "name two bodies", "between");
+  const bool held = f.base == kGround || check.check_body(f.base, "between");
+  const bool ends = check.check_body(f.follower, "between");
+  if (ends && f.base == f.follower) check.report("it connects a body with itself", "name two bodies", "between");
+  if (f.drum && placeable && held && ends) check_wound_end(check, f);
   if (f.guide && !(std::abs(f.guide->norm() - 1) < 1e-9))
     check.report("guide has the length " + show(f.guide->norm()), "a vector that is not zero", "guide");
 }

@@ -12,6 +12,7 @@
 #include "kernel/math/index.h"
 #include "kernel/model/one_sided_law.h"
 #include "kernel/plan/blocks.h"
+#include "unlatch/cords.h"
 #include "unlatch/geometry.h"
 #include "unlatch/plan.h"
 #include "unlatch/state.h"
@@ -199,6 +200,7 @@ struct PlanOneSided {
   OneSidedLaw law;            // without its table
   std::int32_t first, count;  // its table, into PlanData::travels and travel_forces
   std::int64_t engaged;       // at the start
+  std::int32_t drum = kNone;  // into PlanData::drums and State::bearings
 };
 
 struct PlanFriction {
@@ -325,6 +327,7 @@ struct PlanData {
   std::vector<ContactPair> contact_pairs;  // those of one contact together
   std::int32_t contact_substeps = 1;
   std::vector<PlanOneSided> one_sided;
+  std::vector<CordDrum> drums;  // of cords, in the model's order
   std::vector<double> travels, travel_forces;
   std::vector<PlanFriction> frictions;
   bool pair_forces = false;  // some element pushes two bodies apart: springs, contacts, one-sided forces, friction

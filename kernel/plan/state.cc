@@ -31,6 +31,7 @@ State::State(const Plan& owner, std::span<std::byte> memory) noexcept {
   auxiliary = take<double>(cursor, plan.initial_auxiliary.size());
   contacts = take<ContactState>(cursor, plan.contact_pairs.size());
   engaged = take<std::int64_t>(cursor, plan.one_sided.size());
+  bearings = take<double>(cursor, plan.drums.size());
   bytes_ = memory.first(static_cast<std::size_t>(cursor - memory.data()));
 }
 
@@ -45,7 +46,8 @@ std::size_t Plan::get_state_bytes() const noexcept {
   return sizeof(StateHeader) + plan.bodies.size() * sizeof(BodyState) + plan.joints.size() * sizeof(JointState) +
          plan.element_scales.size() * sizeof(ElementState) + plan.events.size() * sizeof(EventState) +
          (static_cast<std::size_t>(plan.signal_count) + plan.initial_auxiliary.size()) * sizeof(double) +
-         plan.contact_pairs.size() * sizeof(ContactState) + plan.one_sided.size() * sizeof(std::int64_t);
+         plan.contact_pairs.size() * sizeof(ContactState) + plan.one_sided.size() * sizeof(std::int64_t) +
+         plan.drums.size() * sizeof(double);
 }
 
 void init_state(const Plan& owner, State& state) noexcept {
@@ -62,6 +64,7 @@ void init_state(const Plan& owner, State& state) noexcept {
     state.elements[e] = {0, scale, scale, 0, 0};
   }
   for (const PlanOneSided& own : plan.one_sided) state.engaged[at(own.number)] = own.engaged;
+  for (std::size_t i = 0; i < plan.drums.size(); ++i) state.bearings[i] = plan.drums[i].bearing;
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
     const PlanEvent& event = plan.events[e];
     const bool holds =

@@ -135,7 +135,7 @@ bool may_arm(const PlanData& plan, const State& state, const Evaluation& ev, std
   if (event.engages == kNone) return ev.guards[at(e)] < 0;
   if (state.engaged[at(event.engages)] == event.engaged) return false;
   if (ev.guards[at(e)] < 0) return true;
-  const double rate = calc_motion(plan, ev, plan.one_sided[at(event.engages)]).depth_rate;
+  const double rate = calc_motion(plan, state, ev, plan.one_sided[at(event.engages)]).depth_rate;
   return event.engaged != 0 ? rate > 0 : rate < 0;
 }
 

@@ -56,8 +56,8 @@ Effort calc_effort(const PlanData& plan, const State& state, const Evaluation& e
   return {joint.base, joint.follower, {-n, -cross(f.r_base, n)}, {n, cross(f.r_follower, n)}};
 }
 
-Effort calc_effort(const PlanData& plan, const Evaluation& ev, const PlanOneSided& s) {
-  const OneSidedMotion m = calc_motion(plan, ev, s);
+Effort calc_effort(const PlanData& plan, const State& state, const Evaluation& ev, const PlanOneSided& s) {
+  const OneSidedMotion m = calc_motion(plan, state, ev, s);
   const Vec3 e = norm(m.direction) > 0 ? m.direction : Vec3{1, 0, 0};
   if (s.joint != kNone && s.axis >= kRotX) return turn_apart(s.base, s.follower, e);
   return {s.base, s.follower, {-e, -cross(m.r_base, e)}, {e, cross(m.r_follower, e)}};
@@ -93,7 +93,7 @@ std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& s
     add(s.element, s.stiffness, s.damping, calc_effort(plan, state, ev, s), s.compliant != kNone);
   for (const PlanPlaneTorsion& s : plan.plane_torsions) add(s.element, s.stiffness, s.damping, calc_effort(ev, s));
   for (const PlanOneSided& s : plan.one_sided)
-    add(s.element, calc_largest_stiffness(get_law(plan, s)), s.law.damping, calc_effort(plan, ev, s));
+    add(s.element, calc_largest_stiffness(get_law(plan, s)), s.law.damping, calc_effort(plan, state, ev, s));
   return out;
 }
 

@@ -29,13 +29,17 @@ double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
 double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
   const PlanOneSided& own = now.plan.one_sided[at(c.subject)];
   if (!is_on(now.state.elements[at(own.element)], now.t)) return kNo;
-  const double reach = calc_reach(now.plan, own, calc_motion(now.plan, ev, own));
+  const double reach = calc_reach(now.plan, own, calc_motion(now.plan, now.state, ev, own));
   return c.below ? -reach - std::numeric_limits<double>::min() : reach;
 }
 
 double calc_one_sided_force(const Instant& now, const Evaluation& ev, std::size_t number) {
   const PlanOneSided& own = now.plan.one_sided[number];
-  return calc_force(now.plan, now.state, now.t, own, calc_motion(now.plan, ev, own));
+  return calc_force(now.plan, now.state, now.t, own, calc_motion(now.plan, now.state, ev, own));
+}
+
+CordPath calc_path(const Instant& now, const Evaluation& ev, std::size_t number) {
+  return calc_motion(now.plan, now.state, ev, now.plan.one_sided[number]).path;
 }
 
 UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
@@ -76,6 +80,12 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
       break;
     case Condition::Kind::kOneSidedForce:
       value = calc_one_sided_force(now, ev, subject);
+      break;
+    case Condition::Kind::kWound:
+      value = calc_path(now, ev, subject).winding;
+      break;
+    case Condition::Kind::kBearing:
+      value = calc_path(now, ev, subject).bearing;
       break;
     case Condition::Kind::kReach:
       return calc_reach_guard(now, ev, c);

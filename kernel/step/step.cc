@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/step/crossing.h"
 #include "kernel/step/events.h"
 #include "kernel/step/guards.h"
@@ -221,6 +222,7 @@ void accept(Run& run) {
     const PlanCoordinate& c = run.plan.coordinates[i];
     if (c.row >= kRotX) run.state.joints[at(c.joint)].angle[c.row - kRotX] = run.ev.coordinates[i];
   }
+  store_bearings(run.plan, run.ev, run.state);
   rearm(run.plan, run.state, run.ev);
 }
 
@@ -320,6 +322,7 @@ bool is_finite(const State& state, std::span<const double> sensors) {
   for (const JointState& j : state.joints)
     sum += (j.angle[0] + j.angle[1]) + (j.angle[2] + j.offset.x) + (j.offset.y + j.offset.z);
   for (const double number : state.auxiliary) sum += number;
+  for (const double number : state.bearings) sum += number;
   for (const double number : sensors) sum += number;
   return std::isfinite(sum);
 }

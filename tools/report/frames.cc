@@ -153,7 +153,9 @@ void FrameRecorder::take_one_sided(float* to) const {
   for (int i = 0; i < static_cast<int>(model.one_sided.size()); ++i) {
     const ElementReading force =
         calc_element(simulation_.plan(), simulation_.state(), simulation_.workspace(), first + i);
-    for (const double value : {force.force, force.length, force.scale, force.stroke}) *to++ = static_cast<float>(value);
+    const double bearing = calc_one_sided(simulation_.plan(), simulation_.state(), simulation_.workspace(), i).bearing;
+    for (const double value : {force.force, force.length, force.scale, force.stroke, bearing, force.wound})
+      *to++ = static_cast<float>(value);
   }
 }
 

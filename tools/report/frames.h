@@ -22,7 +22,8 @@ namespace unlatch::tools {
 //   point    its position (3, m) in the axes and from the origin of the body that it is seen from
 //   spring   of springs between points: force (N), length (m), switch scale
 //   one-sided force (pusher, stop, cord)   force along its coordinate (N or N m), coordinate (m or rad), switch scale,
-//            depth (m or rad; it acts where it is on and above 0)
+//            depth (m or rad; it acts where it is on and above 0); of a cord with a drum the bearing of its end and the
+//            angle wound (rad)
 //   contact  F_n (N), |F_t| (N), depth (m), slip (m/s)
 //   requirement   the present value of its quantity, in its unit; NaN outside its interval
 //   modal    of flexible bodies, in the model's order: the modal coordinates
@@ -33,7 +34,7 @@ struct FrameLayout {
   std::vector<std::size_t> modal;  // per body: its first modal column
 };
 inline constexpr std::size_t kBodyColumns = 13, kJointColumns = 1 + kRows, kPointColumns = 3, kSpringColumns = 3,
-                             kOneSidedColumns = 4, kContactColumns = 4;
+                             kOneSidedColumns = 6, kContactColumns = 4;
 
 class FrameRecorder {
  public:

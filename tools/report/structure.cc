@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "tools/shape_json.h"
+#include "unlatch/cords.h"
 #include "unlatch/inertia.h"
 
 namespace unlatch::tools {
@@ -15,6 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostPairs = 40;  // the nearest ones; a page with hundreds of curves shows none
 
 Json to_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+Json to_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
 template <class Q>
 Json to_json_attitude(const Q& q) {
   return Json::array({q.w(), q.x(), q.y(), q.z()});
@@ -111,9 +113,11 @@ Json build_springs(const Model& model, const FrameLayout& layout) {
   return list;
 }
 
-// `between`: the ends of a pusher or cord that acts along the line between two points, else null.
+// `between`: the ends of a pusher or cord that acts along the line between two points, else null. `drum`: what a cord
+// is wound on, axes of the base, the anchor along the first.
 Json build_one_sided(const Model& model, const FrameLayout& layout) {
   constexpr const char* kKinds[] = {"pusher", "stop", "cord"};
+  const Model placed = place_markers(model);
   Json list = Json::array();
   for (std::size_t i = 0; i < model.one_sided.size(); ++i) {
     const OneSided& force = model.one_sided[i];
@@ -121,12 +125,19 @@ Json build_one_sided(const Model& model, const FrameLayout& layout) {
              {"kind", kKinds[static_cast<std::size_t>(force.kind)]},
              {"angle", force.joint != kNone && force.axis >= kRotX},
              {"between", nullptr},
+             {"drum", nullptr},
              {"column", layout.one_sided + kOneSidedColumns * i}};
     if (force.joint == kNone)
       one["between"] = {{"base", force.base},
                         {"follower", force.follower},
                         {"point_base", to_json(force.point_base)},
                         {"point_follower", to_json(force.point_follower)}};
+    if (force.drum) {
+      const CordDrum drum = place_drum(placed, force);
+      one["drum"] = {{"centre", to_json(drum.centre)},
+                     {"axes", Json::array({to_json(drum.axes.x), to_json(drum.axes.y), to_json(drum.axes.z)})},
+                     {"radius", drum.radius}};
+    }
     list.push_back(std::move(one));
   }
   return list;

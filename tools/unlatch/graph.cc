@@ -340,6 +340,10 @@ class Phases {
         return "force of " + name(model_.one_sided[index].name) + than;
       case Kind::kEngaged:
         return name(model_.one_sided[index].name) + " acts";
+      case Kind::kWound:
+        return "angle wound of " + name(model_.one_sided[index].name) + than;
+      case Kind::kBearing:
+        return "bearing of " + name(model_.one_sided[index].name) + than;
       case Kind::kReach:
         return name(model_.one_sided[index].name) + (c.below ? " at its end" : " reached");
       case Kind::kSignal:

@@ -193,6 +193,18 @@ struct PlaneTorsion {
   bool on = true;                                            // at the start
 };
 
+// Cylinder of the base on which a cord between two points is wound, without friction and as thin as a thread. x is the
+// length of the cord's whole path from its anchor on the cylinder to the follower's point: the arc and the tangent, out
+// of the anchor's plane the helix and its tangent; once unwound, the straight line, which winds up the other way if it
+// swings on (unlatch/cords.h). The force is along the straight part. The cylinder's length has no end.
+struct Drum {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // on its axis, in the plane of the anchor; base axes, m
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // unit, base axes
+  double radius = 0;                                 // m, > 0
+  bool left = false;                                 // from its anchor the cord runs left-handed about the axis
+  std::optional<double> wound{};  // angle at the start, rad, ≥ 0; by default that of a cord of the length `limit`
+};
+
 // A force that acts on one side of a limit of a coordinate x, and in one direction: a pusher within its stroke, a stop
 // beyond its place, a cord that is taut. With s = +1 for what pushes x up from below the limit, −1 for what pulls it
 // down from above, and the depth δ = s (limit − x),
@@ -225,6 +237,7 @@ struct OneSided {
   // x is the length of the line between them; with a guide, the place of the follower's point along this axis of the
   // base, unit, base axes: the force is along it, at the follower's point, whatever the point does across it.
   std::optional<Eigen::Vector3d> guide{};
+  std::optional<Drum> drum{};         // of a cord: it is wound on this, and `point_base` does not count
   std::optional<double> limit{};      // m or rad; by default `stroke` from where x is at the start: + stroke for s = +1
   double stroke = 0;                  // m or rad, ≥ 0
   Law law = Law::kLinear;             // F
@@ -355,6 +368,9 @@ struct Condition {
     kOneSidedForce,  // of a one-sided force (its number among these) at its switch scale, N or N m; 0 while not engaged
     kEngaged,        // a one-sided force is engaged
     kReach,          // complete_events(): depth or force of a one-sided force, whichever is less; `below`: its negative
+    kWound,          // angle that a cord is wound on its drum (its number among one-sided forces), rad; negative: it is
+                     // straight, and that far off the tangent
+    kBearing,        // of a cord's end about its drum's axis from its anchor, turns counted, rad
   };
   Kind kind = Kind::kTime;       // kind
   int subject = 0;               // index of the joint, body, signal, channel, surface or contact

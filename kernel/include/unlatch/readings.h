@@ -55,6 +55,8 @@ struct ElementReading {
   double scale = 0;   // of its switch: 0 while it is off
   double stroke = 0;  // that is left: point spring: its free length less its length, m; one-sided force: its depth, m
                       // or rad
+  double wound = 0;   // of a cord: angle on its drum, rad
+  double on_drum = 0;  // and length, m
 };
 
 // `element`: as in State::elements. The state must be that of the workspace's latest step() or update_outputs().
@@ -67,6 +69,9 @@ struct OneSidedReading {
   double depth_rate = 0;  // m/s or rad/s
   double force = 0;       // N or N m, never negative; 0 while it is off or not engaged
   double scale = 0;       // of its switch: 0 while it is off
+  double wound = 0;       // of a cord: angle on its drum, rad; 0 if it is straight
+  double on_drum = 0;     // and length, m
+  double bearing = 0;     // of its end about the drum's axis from the anchor, turns counted, rad
 };
 
 // Of the state that the latest step() or update_outputs() left in the workspace; its number among the model's one-sided

@@ -2,7 +2,7 @@
 // it, move it: the step gives the same bits. Every field is 8 bytes wide, so the block has no padding.
 //
 //   [StateHeader][BodyState × bodies][JointState × joints][ElementState × elements][EventState ×
-//   events][signals][auxiliary][ContactState × pairs][one-sided forces]
+//   events][signals][auxiliary][ContactState × pairs][one-sided forces][drums]
 #pragma once
 
 #include <cstddef>
@@ -91,6 +91,8 @@ class State {
   std::span<ContactState> contacts;  // of each contact in the model's order, each pair of its shapes: those of the
                                      // base, with each of them those of the follower
   std::span<std::int64_t> engaged;   // one-sided forces, in the model's order: 1 while engaged, else 0
+  std::span<double> bearings;        // of the ends of cords with drums, in the model's order: CordPath::bearing at the
+                                     // start of the step, rad
 
   // The whole block.
   std::span<std::byte> get_bytes() const { return bytes_; }

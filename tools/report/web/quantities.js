@@ -142,9 +142,14 @@ function oneSided(runs) {
     const places = run.column(column + 1), scales = run.column(column + 2), depths = run.column(column + 3);
     return map(run.count, (i) => (scales[i] !== 0 && depths[i] > 0 ? places[i] : NaN));
   };
+  const wound = (run) => run.one_sided.flatMap(({ name, drum, column }, i) => {
+    const scales = run.column(column + 2), angles = run.column(column + 5);
+    return drum === null ? [] : [{ name, colour: i, values: map(run.count, (k) => (scales[k] !== 0 ? angles[k] : NaN)), marks: [] }];
+  });
   const choices = [
     { name: 'force', unit: 'N', build: curves(false, force) }, { name: 'place', unit: 'm', build: curves(false, travel) },
-    { name: 'moment', unit: 'N m', build: curves(true, force) }, { name: 'angle', unit: 'rad', build: curves(true, travel) } ];
+    { name: 'moment', unit: 'N m', build: curves(true, force) }, { name: 'angle', unit: 'rad', build: curves(true, travel) },
+    { name: 'wound', unit: 'rad', build: wound } ];
   return { title: 'Pushers, stops and cords', note: 'along their coordinate on the follower; places while they act',
     choices: choices.filter((choice) => runs.some((run) => choice.build(run).length > 0)) };
 }

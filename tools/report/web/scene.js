@@ -5,6 +5,7 @@ import { GROUND } from './run.js';
 import { Arrow, buildBody, calcReach, quaternion } from './shapes.js';
 
 const vector = (v) => new THREE.Vector3(v[0], v[1], v[2]);
+const CORD_POINTS = 130;  // of a cord on a drum, its end the last
 
 export class Actors {
   // `ghost`: the second run, drawn as an outline without forces.
@@ -20,7 +21,7 @@ export class Actors {
     this.loads = ghost ? [] : run.loads.map(() => new Arrow(true));
     for (const arrow of [...this.reactions, ...this.loads]) this.group.add(arrow.group);
     this.springs = ghost ? [] : run.springs.map(() => this.addLine(2));
-    this.pushers = ghost ? [] : run.one_sided.filter((force) => force.between !== null).map((force) => ({ force, line: this.addLine(2) }));
+    this.pushers = ghost ? [] : run.one_sided.filter((force) => force.between !== null).map((force) => ({ force, line: this.addLine(force.drum ? CORD_POINTS : 2) }));
     this.paths = run.points.map((point) => this.addPath(point));
     this.unit = this.calcUnit();
   }
@@ -137,10 +138,28 @@ export class Actors {
     this.putLine(line, spring);
   }
 
-  // A pusher, stop or cord between two points is drawn while it acts.
+  // A pusher, stop or cord between two points is drawn while it acts; a cord with a drum while it is on.
   updatePusher(line, force, place) {
-    line.visible = this.run.at(force.column + 2, place, true) !== 0 && this.run.at(force.column + 3, place, true) > 0;
-    this.putLine(line, force.between);
+    line.visible = this.run.at(force.column + 2, place, true) !== 0 && (force.drum !== null || this.run.at(force.column + 3, place, true) > 0);
+    if (force.drum) this.putCord(line, force, place);
+    else this.putLine(line, force.between);
+  }
+
+  // Along the drum from the anchor to where the cord leaves it, rising as a helix, and on to its end.
+  putCord(line, { between: { base, follower, point_follower: to }, drum: { centre, axes, radius }, column }, place) {
+    const wound = this.run.at(column + 5, place) * Math.sign(this.run.at(column + 4, place));
+    const middle = this.toView(base, centre), end = this.toView(follower, to);
+    const [x, y, z] = axes.map((axis) => vector(axis).applyQuaternion(this.getPose(base).q));
+    const on = (angle, height) => middle.clone().addScaledVector(x, radius * Math.cos(angle)).addScaledVector(y, radius * Math.sin(angle)).addScaledVector(z, height);
+    const height = end.clone().sub(middle).dot(z);
+    const arc = radius * Math.abs(wound), straight = end.clone().addScaledVector(z, -height).distanceTo(on(wound, 0));
+    const points = line.geometry.getAttribute('position');
+    for (let i = 0; i < CORD_POINTS - 1; i += 1) {
+      const part = i / (CORD_POINTS - 2);
+      points.setXYZ(i, ...on(wound * part, arc + straight > 0 ? height * part * arc / (arc + straight) : 0));
+    }
+    points.setXYZ(CORD_POINTS - 1, ...end);
+    points.needsUpdate = true;
   }
 
   putLine(line, { base, follower, point_base: from, point_follower: to }) {

@@ -1,0 +1,36 @@
+// Path of a cord that is wound on a drum, see Drum in unlatch/model.h: the shortest one from its anchor to its end that
+// goes round the cylinder as often as the end has gone round its axis. Derivation and limits: kernel/THEORY.md, section
+// 5. The step uses the same function.
+#pragma once
+
+#include "unlatch/math.h"
+#include "unlatch/model.h"
+
+namespace unlatch {
+
+// A drum with its anchor, axes of the body that carries it.
+struct CordDrum {
+  Vec3 centre;     // on the axis, in the plane of the anchor, from the body's origin, m
+  Mat3 axes;       // x through the anchor, y the way in which the cord runs on from there, z the drum's axis
+  double radius;   // m
+  double bearing;  // of the cord's end about z from the anchor at the start, turns counted, rad
+};
+
+// Of a cord with a drum at the model's initial poses. Markers are placed.
+CordDrum place_drum(const Model& model, const OneSided& cord);
+
+// Path of a cord, world axes.
+struct CordPath {
+  double length;   // of the whole path, m
+  Vec3 direction;  // gradient of the length over the end's place: along the straight part, unit unless the end is
+                   // inside the drum; 0 where the path has no length
+  double bearing;  // of the end about the drum's axis from the anchor, turns counted, rad
+  double winding;  // angle that is wound, rad; negative: the cord is straight, and that far off the tangent
+  double on_drum;  // length that is wound, m
+};
+
+// `R_WB`: attitude of the drum's body. `end`: of the cord, from that body's origin, world axes, m. `previous`: a
+// bearing less than half a turn from the present one, rad.
+CordPath calc_cord_path(const CordDrum& drum, const Mat3& R_WB, const Vec3& end, double previous) noexcept;
+
+}  // namespace unlatch
