@@ -52,8 +52,8 @@ class YoyoTest(ProcessTest):
         for spin in ("60 rpm", "120 rpm"):
             rates = []
             for stiffness in (2e5, 8e5):
-                found = run(YOYO, *FINE, "--set", f"constants.stiffness={stiffness}", "--set", f"constants.spin={spin}",
-                            "--set", "step.until=2", "--set", "constants.tension=0.001", "--sample", "2")
+                found = run(YOYO, *FINE, "--set", f"constants.stiffness={stiffness} N/m", "--set", f"constants.spin={spin}",
+                            "--set", "step.until=2", "--set", "constants.tension=1 mN", "--sample", "2")
                 rates.append(abs(found["samples"][-1]["bodies"]["satellite"]["w"][2]))
             self.assertLess(rates[1], 0.002)
             self.assertLess(rates[1], 0.5 * rates[0])
@@ -87,8 +87,8 @@ class YoyoTest(ProcessTest):
     # Released along the radius, the cords swing on about their hinges first, and may be shorter by that radius.
     def test_released_along_the_radius_shorter_cords_stop_it(self):
         length = "sqrt(from_axis^2 + inertia / (2*tip)) - radius"
-        found = run(YOYO, *FINE, "--set", f"constants.length={length}", "--set", "constants.stiffness=8e5", "--set", "constants.tension=0.001",
-                    "--set", "templates.yoyo.elements.cord<i>.wraps.releases=radial", "--sample", "1.5")
+        found = run(YOYO, *FINE, "--set", f"constants.length={length}", "--set", "constants.stiffness=800 kN/m", "--set", "constants.tension=1 mN",
+                    "--set", "elements.cord1.wraps.releases=radial", "--set", "elements.cord2.wraps.releases=radial", "--sample", "1.5")
         self.assertLess(abs(found["samples"][-1]["bodies"]["satellite"]["w"][2]), 0.005)
         times = get_times(found)
         self.assertGreater(times["release:cord1"], times["unwound:cord1"] + 0.005)
