@@ -54,7 +54,7 @@ def add(figure, tools):
                   label="closed form, masses\non the surface")
         left.set_ylabel("spin, rpm")
         left.set_title("Spin", loc="left")
-        left.legend()
+        left.legend(loc="lower left", bbox_to_anchor=(0, 0.05))
         run, times = runs["late"], [t - FIRE for t in tools.get_times(runs["late"])]
         for number, colour, label in ((1, "#2a9d8f", "first"), (2, "#e9a23b", "late")):
             middle.plot(times, [-s["elements"][f"cord{number}"]["force"] for s in run["samples"]], color=colour, linewidth=0.9, label=label)
@@ -62,10 +62,12 @@ def add(figure, tools):
                     color=COLOURS[0], linewidth=0.9, label="both at once")
         middle.set_ylabel("N")
         middle.set_title("Pull of a cord", loc="left")
-        middle.legend(loc="lower center")
+        middle.set_ylim(top=780)
+        middle.legend(loc="upper left")
         right.set_ylabel("rpm")
         right.set_title("Rate across the spin", loc="left")
-        right.legend()
+        right.set_ylim(top=2.5)
+        right.legend(loc="upper left")
         for axes in (left, middle, right):
             axes.set_xlim(-0.05, 0.85)
             axes.set_xlabel("time from the release, s")
