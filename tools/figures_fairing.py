@@ -92,10 +92,11 @@ def add(figure, tools):
     def unzip(bench):
         import matplotlib.pyplot as plt
         drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.3), constrained_layout=True)
-        flights = [("at once", "scenario.yaml", (), "0.2")]
-        flights += [(f"{speed} m/s", "unzip.yaml", ("--set", f"constants.speed={speed} m/s"), colour)
-                    for speed, colour in ((1000, "#457b9d"), (400, "#2a9d5c"), (200, "#e09f3e"), (100, "#c1121f"))]
-        for label, file, options, colour in flights:
+        flights = [("at once", "scenario.yaml", (), "0.2", "-")]
+        flights += [(f"{speed} m/s" if end == "base" else None, "unzip.yaml", ("--set", f"constants.speed={speed} m/s", "--set", f"constants.begin={begin}"), colour, style)
+                    for speed, colour in ((1000, "#457b9d"), (400, "#2a9d5c"), (200, "#e09f3e"), (100, "#c1121f"))
+                    for end, begin, style in (("base", "0 m", "-"), ("nose", "13.97 m", "--")) if (speed, end) != (1000, "nose")]  # that one is the other
+        for label, file, options, colour, style in flights:
             run = bench.call("run", tools.SCENARIOS / "fairing" / file, "--outputs",
                              "clearance.core.half1_base_left@10,joint.hinge1.angle@10", "--json", "-", *options)
             table = run["outputs"][0]
@@ -104,14 +105,15 @@ def add(figure, tools):
             angle, gap = columns["hinge1.angle.x"], columns["clearance.core.half1_base_left"]
             released = min((event["t"] for event in run["events"] if event["name"] == "release"), default=math.inf)
             until = sum(t <= released for t in table["t"])
-            left.plot(table["t"][:until], [abs(math.degrees(v)) for v in angle[:until]], color=colour, label=label)
-            right.plot(table["t"][:until], gap[:until], color=colour, label=label)
+            left.plot(table["t"][:until], [abs(math.degrees(v)) for v in angle[:until]], color=colour, linestyle=style, label=label)
+            right.plot(table["t"][:until], gap[:until], color=colour, linestyle=style, label=label)
         left.axhline(60, color="0.6", linewidth=0.8, linestyle="--")
         left.set(xlabel="t, s", ylabel="hinge of half 1, deg", xlim=(0, 3))
-        left.set_title("The joint opens …", loc="left")
-        left.legend()
-        right.set(xlabel="t, s", ylabel="base edge to payload, m", xlim=(0, 1.5), ylim=(0.2, 0.7))
+        left.set_title("Solid: the joint opens from the base", loc="left")
+        right.set(xlabel="t, s", ylabel="base edge to payload, m", xlim=(0, 1.5), ylim=(0.2, 0.8))
+        right.plot([], [], color="0.5", linestyle="--", label="from the nose")
         right.set_title("Edge at the base", loc="left")
+        right.legend(loc="upper center", ncol=3)
         return drawn
 
     @figure("fairing-arc")

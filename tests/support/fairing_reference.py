@@ -35,7 +35,8 @@ LOCKS = [("base_left", "base_right", 0, 0), ("base_right", "base_left", 0, 0), (
          ("middle_right", "middle_left", 4, 0), ("push_left", "push_right", 6.86892, 0), ("push_right", "push_left", 6.86892, 0),
          ("top_left", "top_right", 8, 0), ("top_right", "top_left", 8, 0), ("nose", "nose", 13.97, -0.02)]
 LOCK, SPEED = 15e6, 200.0
-CASES = {"scenario": {"until": 3.0}, "dead-pusher": {"until": 3.6, "dead": (0, "push_left")}, "unzip": {"until": 3.0, "locked": True}}
+CASES = {"scenario": {"until": 3.0}, "dead-pusher": {"until": 3.6, "dead": (0, "push_left")}, "unzip": {"until": 3.0, "locked": True},
+         "unzip-nose": {"until": 3.0, "locked": True, "begin": 13.97}}
 
 
 def cross(a):
@@ -120,8 +121,9 @@ class Half:
 class Jettison:
     """y: core p q v w, then of each half: angle, its rate (hinged) or p q v w (free), and always eta, its rate."""
 
-    def __init__(self, half, until=0.0, dead=None, locked=False):
-        self.locks = [lock for lock in LOCKS if locked and lock[2] > 0]  # those that still hold
+    def __init__(self, half, until=0.0, dead=None, locked=False, begin=0.0):
+        opens = [(one, other, abs(z - begin) / SPEED, rest) for one, other, z, rest in LOCKS]
+        self.locks = [lock for lock in opens if locked and lock[2] > 0]  # those that still hold; when they let go, s
         self.half, self.until, self.dead, self.hinged, self.pushing = half, until, dead, [True, True], True
         self.start = np.concatenate([CORE_START, [1, 0, 0, 0], np.zeros(6), *[np.zeros(2 + 2 * SELECT)] * 2])
 
@@ -271,7 +273,7 @@ class Jettison:
     def run(self):
         t, y, events, samples = 0.0, self.start, [], {}
         while t < self.until:
-            stop = min(s for s in SAMPLES + [z / SPEED for _, _, z, _ in self.locks] if s > t)  # the pushers' end is among them
+            stop = min(s for s in SAMPLES + [opens for _, _, opens, _ in self.locks] if s > t)  # the pushers' end is among them
             guards, held = [], [k for k in (0, 1) if self.hinged[k]]
             for k in held:
                 def guard(_, z, k=k):
@@ -286,7 +288,7 @@ class Jettison:
                 y = self.release(y, due)
             elif t in SAMPLES:
                 samples[str(t)] = self.describe(y)
-            self.locks = [lock for lock in self.locks if lock[2] / SPEED > t]
+            self.locks = [lock for lock in self.locks if lock[2] > t]
             if t == PUSHED:
                 self.pushing = False
         return {"events": events, "samples": samples}
