@@ -1,7 +1,7 @@
 """Figures of antennas that open: pictures of ribs and of a pantograph ring, angles and shocks of the latches."""
 import math
 
-WEAK = {"cables": ((), "#1d3557"), "no cables": (("--set", "constants.cable=0", "--set", "constants.cable_damping=0"), "#c1121f")}
+WEAK = {"cables": ((), "#1d3557"), "no cables": (("--set", "constants.cable=1e-6 N/m", "--set", "constants.cable_damping=0"), "#c1121f")}
 HALF, POST = 0.8, 1.7  # m, as in ring.yaml
 LENGTH = 2.4  # of a rib
 

@@ -61,7 +61,8 @@ void check_law(Check& check, const OneSided& f) {
   check.check_not_negative("preload", f.preload);
   check.check_not_negative("stiffness", f.stiffness);
   if (f.kind == OneSided::Kind::kCord && f.stiffness == 0)
-    check.report("its stiffness is 0, so that nothing tells where it is taut", "greater than 0", "stiffness");
+    check.report("its stiffness is 0, so that nothing tells where it is taut",
+                 "greater than 0: a cord that is to do nothing may have 1e-6 N/m", "stiffness");
   check.check_not_negative("damping", f.damping);
   check.check_not_negative("friction", f.friction);
   check.check_positive("friction_speed", f.friction_speed);
