@@ -9,6 +9,7 @@
 
 #include "hil/motion/clearance.h"
 #include "hil/notices/contact_resolution.h"
+#include "hil/notices/friction_resolution.h"
 #include "hil/notices/notices.h"
 #include "hil/notices/resolution.h"
 #include "hil/scenario/index.h"
@@ -422,6 +423,12 @@ void find_step_surprises(const Scenario& scenario, const Simulation& simulation,
         reading.closed ? calc_rates(model, simulation.state(), contact, reading) : estimate_rates(model, contact),
         dt / model.contact_substeps);
     if (!text.empty()) findings.push_back({"contact", where, text});
+  }
+  if (has_friction(model)) {
+    const std::vector<ElementMobility> mobilities = calc_mobilities(simulation);
+    for (const FrictionRate& rate : calc_friction_rates(simulation, mobilities))
+      if (const std::string text = describe_unresolved(rate, dt); !text.empty())
+        findings.push_back({"friction", quoted("element", model.element_name(rate.element)), text});
   }
   for (const Body& body : model.bodies) {
     const double size = body.w_WB_B.norm() * dt;

@@ -24,7 +24,7 @@ std::vector<SpringStart> list_springs(const Scenario& scenario);
 // Something to look at; the run goes on as the scenario says. `where`: a key of Scenario::marks, or empty.
 struct Finding {
   std::string name;  // branch, start, never, overlap, points, modes, direction, free_spring, inertia,
-                     // contact, step, outputs, trivial
+                     // contact, friction, step, outputs, trivial
   std::string where, text;
 };
 // Overwrites nothing of `simulation`; allocates and may take as long as some hundred steps.

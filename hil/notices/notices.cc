@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "hil/notices/contact_resolution.h"
+#include "hil/notices/friction_resolution.h"
 #include "hil/notices/resolution.h"
 #include "unlatch/readings.h"
 
@@ -42,6 +43,7 @@ AccuracyWatch::AccuracyWatch(const Scenario& scenario, const Simulation& simulat
       restless_(scenario.model.channels.size()),
       pointless_(scenario.model.point_springs.size()),
       unresolved_(scenario.model.contacts.size()),
+      sticking_(static_cast<std::size_t>(scenario.model.element_count())),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
@@ -72,6 +74,7 @@ void AccuracyWatch::update(const StepReport& report) {
   if (!begun_ || !report.events.empty()) watch_springs();
   watch_directions();
   watch_contacts();
+  watch_friction(!begun_ || !report.events.empty());
   watch_commands();
   watch_drift();
   watch_energy();
@@ -138,6 +141,19 @@ void AccuracyWatch::watch_contacts() {
     if (text.empty()) continue;
     unresolved_[i] = true;
     add("contact", contact.name, text);
+  }
+}
+
+// Modes decide the mobilities, reactions and speeds the friction.
+void AccuracyWatch::watch_friction(bool modes_are_new) {
+  if (!has_friction(scenario_.model)) return;
+  if (modes_are_new) mobilities_ = calc_mobilities(simulation_.plan(), simulation_.state(), workspace_);
+  for (const FrictionRate& rate : calc_friction_rates(simulation_, mobilities_)) {
+    const auto i = static_cast<std::size_t>(rate.element);
+    const std::string text = sticking_[i] ? "" : describe_unresolved(rate, dt_);
+    if (text.empty()) continue;
+    sticking_[i] = true;
+    add("friction", scenario_.model.element_name(rate.element), text);
   }
 }
 

@@ -4,10 +4,10 @@
 //   rotation   |w|·dt of a body beyond kAccurate
 //   spring     dt·ω or dt·decay of a spring that is on, in the modes that hold, beyond kAccurate
 //   contact    sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
+//   friction   dt times the rate at which friction in a joint, a pusher or a stop stops its motion, beyond kAccurate
 //   mode       dt·ω of a mode of a flexible body beyond kAccurate
 //   command    a commanded value that turns back and forth faster than dt·ω = kAccurate: a loop that its delay of a
-//   tick
-//              and its hold rule
+//              tick and its hold rule
 //   drift      a row's position residual; norm: of a body's quaternion
 //   direction  a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   energy     what no force explains, beyond kEnergyNotice of the largest energy; beyond kEnergyFailure the run failed
@@ -55,6 +55,7 @@ class AccuracyWatch {
   void watch_springs();
   void watch_directions();
   void watch_contacts();
+  void watch_friction(bool modes_are_new);
   void watch_commands();
   void watch_drift();
   void watch_energy();
@@ -67,6 +68,8 @@ class AccuracyWatch {
   std::vector<bool> turning_, denormal_, stiff_, restless_;  // bodies, bodies, elements, channels that were told
   std::vector<bool> pointless_;                              // point springs that were told to have no direction
   std::vector<bool> unresolved_;                             // contacts that were told
+  std::vector<bool> sticking_;                               // elements whose friction was told
+  std::vector<ElementMobility> mobilities_;                  // in the present modes
   std::vector<Course> courses_;
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;

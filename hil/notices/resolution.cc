@@ -77,6 +77,7 @@ class Trial {
     for (std::size_t j = 0; j < modes.size(); ++j) state_.joints[j].mode = modes[j];
     return calc_frequencies(plan_, state_, workspace_);
   }
+  std::vector<ElementMobility> calc_mobilities() { return unlatch::calc_mobilities(plan_, state_, workspace_); }
 
  private:
   static constexpr std::size_t kAlignment = 64;
@@ -98,6 +99,10 @@ std::string describe(const Model& model, const Combination& initial, const Combi
 }
 
 }  // namespace
+
+std::vector<ElementMobility> calc_mobilities(const Simulation& simulation) {
+  return Trial(simulation).calc_mobilities();
+}
 
 std::vector<int> find_reachable_modes(const Model& model, int joint) {
   std::set<int> modes{model.joints[static_cast<std::size_t>(joint)].mode};

@@ -29,6 +29,9 @@ struct SpringResolution {
 // about the one with the fewest rows. O(n) for each spring and combination; allocates.
 std::vector<SpringResolution> calc_resolutions(const Simulation& simulation);
 
+// Of one-sided forces and frictions, in the simulation's modes and poses; allocates.
+std::vector<ElementMobility> calc_mobilities(const Simulation& simulation);
+
 // Modes of a joint that hold at the start or that some event sets, ascending.
 std::vector<int> find_reachable_modes(const Model& model, int joint);
 

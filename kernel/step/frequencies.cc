@@ -48,7 +48,9 @@ Effort calc_effort(const Evaluation& ev, const PlanPointSpring& s) {
   return push_apart(base, follower, s.base, s.follower, base.R * s.point_base, follower.R * s.point_follower);
 }
 
-Effort calc_effort(const PlanData& plan, const State& state, const Evaluation& ev, const PlanJointSpring& s) {
+// Of a spring or friction in a joint.
+template <class InJoint>
+Effort calc_joint_effort(const PlanData& plan, const State& state, const Evaluation& ev, const InJoint& s) {
   const PlanJoint& joint = plan.joints[at(s.joint)];
   const JointFrame f = get_joint_frame(plan, state, ev, s.joint);
   if (s.axis >= kRotX) return turn_apart(joint.base, joint.follower, column(f.m, s.axis - kRotX));
@@ -70,30 +72,50 @@ Effort calc_effort(const Evaluation& ev, const PlanPlaneTorsion& s) {
   return turn_apart(s.base, s.follower, size > 0 ? (1.0 / size) * across : Vec3{1, 0, 0});
 }
 
-}  // namespace
-
-std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& state, Workspace& workspace) {
-  const PlanData& plan = owner.data();
+// An evaluation of `state` that mobilities can be computed with; null if a pivot vanishes.
+Evaluation* factor(const PlanData& plan, const State& state, Workspace& workspace) {
   FinalEvaluation& kept = workspace.data().kept;
   kept.valid = false;
   Evaluation& ev = kept.evaluation;
-  std::vector<ElementFrequency> out;
   load_state(plan, state, ev);
   update_kinematics(plan, ev);
   update_joints(plan, state, RowTarget::kVelocity, ev);
   const Sweep nothing{Source::kNothing, false, false, 0};
-  if (get_kernels(plan).factor_and_solve(plan, state, ev, nothing, kAllRows) != kNone) return out;
+  if (get_kernels(plan).factor_and_solve(plan, state, ev, nothing, kAllRows) != kNone) return nullptr;
   clear_modal_forces(plan, ev);
+  return &ev;
+}
+
+}  // namespace
+
+std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& state, Workspace& workspace) {
+  const PlanData& plan = owner.data();
+  std::vector<ElementFrequency> out;
+  Evaluation* const factored = factor(plan, state, workspace);
+  if (factored == nullptr) return out;
+  Evaluation& ev = *factored;
   const auto add = [&](int element, double stiffness, double damping, const Effort& effort, bool implicit = false) {
     const double mobility = calc_mobility(plan, effort, ev);
     out.push_back({element, std::sqrt(stiffness * mobility), damping * mobility, implicit});
   };
   for (const PlanPointSpring& s : plan.point_springs) add(s.element, s.stiffness, s.damping, calc_effort(ev, s));
   for (const PlanJointSpring& s : plan.joint_springs)
-    add(s.element, s.stiffness, s.damping, calc_effort(plan, state, ev, s), s.compliant != kNone);
+    add(s.element, s.stiffness, s.damping, calc_joint_effort(plan, state, ev, s), s.compliant != kNone);
   for (const PlanPlaneTorsion& s : plan.plane_torsions) add(s.element, s.stiffness, s.damping, calc_effort(ev, s));
   for (const PlanOneSided& s : plan.one_sided)
     add(s.element, calc_largest_stiffness(get_law(plan, s)), s.law.damping, calc_effort(plan, state, ev, s));
+  return out;
+}
+
+std::vector<ElementMobility> calc_mobilities(const Plan& owner, const State& state, Workspace& workspace) {
+  const PlanData& plan = owner.data();
+  std::vector<ElementMobility> out;
+  Evaluation* const ev = factor(plan, state, workspace);
+  if (ev == nullptr) return out;
+  for (const PlanOneSided& s : plan.one_sided)
+    out.push_back({s.element, calc_mobility(plan, calc_effort(plan, state, *ev, s), *ev)});
+  for (const PlanFriction& s : plan.frictions)
+    out.push_back({s.element, calc_mobility(plan, calc_joint_effort(plan, state, *ev, s), *ev)});
   return out;
 }
 
