@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hil/scenario/shapes.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::tools {
@@ -53,6 +54,22 @@ inline nlohmann::ordered_json build_shape_json(const geometry::Shape& shape) {
     }
   }
   return {};
+}
+
+// {"kind": "mesh", "file": "part.stl", "vertices": [[x, y, z], …], "triangles": [[i, k, l], …]}: numbers of vertices
+// from 0.
+inline nlohmann::ordered_json build_shape_json(const hil::TriangleMesh& mesh) {
+  using Json = nlohmann::ordered_json;
+  Json vertices = Json::array();
+  for (const Vec3& p : mesh.get_vertices()) vertices.push_back({p.x, p.y, p.z});
+  return {{"kind", "mesh"},
+          {"file", mesh.get_place().file},
+          {"vertices", std::move(vertices)},
+          {"triangles", mesh.get_triangles()}};
+}
+
+inline nlohmann::ordered_json build_shape_json(const hil::BodyShape& shape) {
+  return shape.mesh ? build_shape_json(*shape.mesh) : build_shape_json(shape.shape);
 }
 
 }  // namespace unlatch::tools

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxBytes = 1u << 20, kMaxFiles = 64, kMaxName = 200;
+constexpr std::size_t kMaxBytes = kMaxScenarioBytes, kMaxFiles = 64, kMaxName = 200;
 const std::string kMarker = "--- # included: ";
 
 // YAML itself cannot hold such a line but as the begin of another document, which no scenario has.
@@ -28,7 +28,7 @@ std::size_t find_marker(const std::string& text, std::size_t from) {
 bool is_standard_input(const std::string& path) { return path == "-" || path == "/dev/stdin"; }
 
 // A descriptor is read whatever it is: standard input, or a shell's <(...). A named pipe or a device might never end.
-std::string read_text_file(const std::string& path, const std::string& kind) {
+std::string read_text_file(const std::string& path, const std::string& kind, std::size_t most) {
   const std::string mend = "name a readable " + kind + " file (.yaml)";
   const auto fail = [&](const std::string& what, const std::string& right) -> std::string {
     throw ScenarioError({{path, {}, "", what, right}});
@@ -47,14 +47,20 @@ std::string read_text_file(const std::string& path, const std::string& kind) {
     const int cause = errno;
     return fail(std::string("it cannot be opened: ") + (cause != 0 ? std::strerror(cause) : "unknown cause"), mend);
   }
-  std::string text(kMaxBytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  std::string text;
+  constexpr std::size_t kPart = 1u << 20;
+  while (stream && text.size() <= most) {
+    const std::size_t before = text.size(), part = std::min(kPart, most + 1 - before);
+    text.resize(before + part);
+    stream.read(text.data() + before, static_cast<std::streamsize>(part));
+    text.resize(before + static_cast<std::size_t>(stream.gcount()));
+  }
   if (stream.bad()) return fail("it cannot be read", mend);
-  if (text.size() > kMaxBytes) {
+  if (text.size() > most) {
     const auto size = fs::file_size(source, error);
-    return fail(error ? "it has more than 1 MiB" : "it has " + std::to_string(size) + " bytes",
-                "a " + kind + " has at most 1 MiB (1048576 bytes)");
+    const std::string limit = std::to_string(most >> 20) + " MiB";
+    return fail(error ? "it has more than " + limit : "it has " + std::to_string(size) + " bytes",
+                "a " + kind + " has at most " + limit + " (" + std::to_string(most) + " bytes)");
   }
   return text;
 }
@@ -74,6 +80,10 @@ ScenarioSources::ScenarioSources(const std::string& text, std::string folder)
 }
 
 const std::string& ScenarioSources::read(const std::string& name) {
+  return read(name, {"scenario", kMaxBytes, [](const std::string& text) { return text; }});
+}
+
+const std::string& ScenarioSources::read(const std::string& name, const ConvertedFile& as) {
   if (order_.size() >= kMaxFiles) throw std::runtime_error("more than 64 files");
   auto found = texts_.find(name);
   if (found == texts_.end()) {
@@ -84,7 +94,7 @@ const std::string& ScenarioSources::read(const std::string& name) {
     if (std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first != folder.end())
       throw std::runtime_error("it lies outside the scenario's folder");
     try {
-      found = texts_.emplace(name, read_text_file(path.string(), "scenario")).first;
+      found = texts_.emplace(name, as.convert(read_text_file(path.string(), as.kind, as.most))).first;
     } catch (const ScenarioError& failure) {
       throw std::runtime_error(failure.mistakes.at(0).what);
     }

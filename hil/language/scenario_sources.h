@@ -2,6 +2,7 @@
 // recordings. In such a text each included file follows a line `--- # included: NAME`.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,9 +11,17 @@ namespace unlatch::hil {
 
 // "-" and "/dev/stdin" stand for standard input.
 bool is_standard_input(const std::string& path);
-// The text of a regular file, or of an open descriptor, at most 1 MiB; `kind`: the kind of file expected, for messages.
-// Throws ScenarioError.
-std::string read_text_file(const std::string& path, const std::string& kind);
+inline constexpr std::size_t kMaxScenarioBytes = 1u << 20;
+// The text of a regular file, or of an open descriptor, at most `most` bytes; `kind`: the kind of file expected, for
+// messages. Throws ScenarioError.
+std::string read_text_file(const std::string& path, const std::string& kind, std::size_t most = kMaxScenarioBytes);
+
+// A file whose text, as it is kept, is made from its bytes: meshes.
+struct ConvertedFile {
+  std::string kind;                                              // for messages
+  std::size_t most = 0;                                          // bytes
+  std::function<std::string(const std::string& bytes)> convert;  // may throw std::runtime_error
+};
 
 class ScenarioSources {
  public:
@@ -24,6 +33,8 @@ class ScenarioSources {
   // std::runtime_error if there is none, if it lies outside that folder (symbolic links followed), or if the texts
   // together have more than 1 MiB.
   const std::string& read(const std::string& name);
+  // The text that is made from a file.
+  const std::string& read(const std::string& name, const ConvertedFile& as);
   // Main text and everything that was read.
   std::string join() const;
 

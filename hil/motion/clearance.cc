@@ -4,34 +4,58 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
+
+#include "hil/meshes/mesh_tree.h"
 
 namespace unlatch::hil {
 namespace {
 
+enum class Meshes { kLeftOut, kAsSpheres };
+
 geometry::ShapeGroup build_group(const std::string& name, const std::vector<BodyShape>& shapes,
-                                 const std::vector<int>& chosen) {
+                                 const std::vector<int>& chosen, Meshes about = Meshes::kLeftOut) {
   std::vector<geometry::Shape> list;
   for (const int i : chosen) {
     if (i < 0 || static_cast<std::size_t>(i) >= shapes.size())
       throw std::invalid_argument("clearance: " + name + " has no shape " + std::to_string(i));
-    list.push_back(shapes[static_cast<std::size_t>(i)].shape);
+    const BodyShape& shape = shapes[static_cast<std::size_t>(i)];
+    if (!shape.mesh)
+      list.push_back(shape.shape);
+    else if (about == Meshes::kAsSpheres)
+      list.push_back(
+          {.kind = geometry::ShapeKind::kSphere, .from = shape.mesh->get_centre(), .radius = shape.mesh->get_bound()});
   }
   return geometry::build_group(name, list);
 }
 
-// Shapes of `a` that leave out the same shapes of `b`, by what they have left of it.
-std::map<std::vector<int>, std::vector<int>> split(const ClearancePair& pair) {
+bool is_left_out(const ClearancePair& pair, int a, int b) {
+  return std::find(pair.except.begin(), pair.except.end(), std::pair(a, b)) != pair.except.end();
+}
+
+bool has_mesh(const std::vector<BodyShape>& shapes, int i) {
+  return i >= 0 && static_cast<std::size_t>(i) < shapes.size() && shapes[static_cast<std::size_t>(i)].mesh;
+}
+
+// Shapes of `a` that leave out the same shapes of `b`, by what they have left of it; of the kernel.
+std::map<std::vector<int>, std::vector<int>> split(const ClearancePair& pair, const std::vector<BodyShape>& a,
+                                                   const std::vector<BodyShape>& b) {
   std::map<std::vector<int>, std::vector<int>> parts;
   for (const int i : pair.a.shapes) {
+    if (has_mesh(a, i)) continue;
     std::vector<int> left;
     for (const int k : pair.b.shapes)
-      if (std::find(pair.except.begin(), pair.except.end(), std::pair(i, k)) == pair.except.end()) left.push_back(k);
+      if (!has_mesh(b, k) && !is_left_out(pair, i, k)) left.push_back(k);
     if (!left.empty()) parts[left].push_back(i);
   }
   return parts;
 }
 
 }  // namespace
+
+const char* get_method_name(DistanceMethod method) {
+  return method == DistanceMethod::kMesh ? "mesh (triangles)" : "exact";
+}
 
 geometry::Placement to_placement(const BodyState& body) { return {body.p, rotation_matrix(body.q)}; }
 
@@ -51,17 +75,52 @@ ClearanceMonitor::ClearanceMonitor(const std::vector<ClearancePair>& pairs,
   for (const ClearancePair& pair : pairs) {
     clearances_.push_back({.a = pair.a.body, .b = pair.b.body, .name_a = pair.a.name, .name_b = pair.b.name});
     std::vector<Part>& parts = parts_.emplace_back();
-    for (const auto& [of_b, of_a] : split(pair))
-      parts.push_back({.a = build_group(pair.a.name, get_shapes(pair.a), of_a),
-                       .b = build_group(pair.b.name, get_shapes(pair.b), of_b),
+    const std::vector<BodyShape>&of_pair_a = get_shapes(pair.a), &of_pair_b = get_shapes(pair.b);
+    for (const auto& [of_b, of_a] : split(pair, of_pair_a, of_pair_b))
+      parts.push_back({.a = build_group(pair.a.name, of_pair_a, of_a),
+                       .b = build_group(pair.b.name, of_pair_b, of_b),
                        .shapes_a = of_a,
                        .shapes_b = of_b});
-    const geometry::ShapeGroup a = build_group(pair.a.name, get_shapes(pair.a), pair.a.shapes);
-    const geometry::ShapeGroup b = build_group(pair.b.name, get_shapes(pair.b), pair.b.shapes);
+    add_meshes(pair, of_pair_a, of_pair_b);
+    const geometry::ShapeGroup a = build_group(pair.a.name, of_pair_a, pair.a.shapes, Meshes::kAsSpheres);
+    const geometry::ShapeGroup b = build_group(pair.b.name, of_pair_b, pair.b.shapes, Meshes::kAsSpheres);
     const bool of_b = std::isfinite(b.bound) && !(a.bound < b.bound);
     reaches_.push_back({.of_b = of_b, .centre = of_b ? b.centre : a.centre, .bound = of_b ? b.bound : a.bound});
-    if (parts.empty()) throw std::invalid_argument("clearance: " + pair.a.name + " – " + pair.b.name + " has no shape");
+    if (parts.empty() && mesh_parts_.back().empty())
+      throw std::invalid_argument("clearance: " + pair.a.name + " – " + pair.b.name + " has no shape");
   }
+}
+
+void ClearanceMonitor::add_meshes(const ClearancePair& pair, const std::vector<BodyShape>& a,
+                                  const std::vector<BodyShape>& b) {
+  std::vector<MeshPart>& parts = mesh_parts_.emplace_back();
+  for (const int i : pair.a.shapes)
+    for (const int k : pair.b.shapes) {
+      if (is_left_out(pair, i, k) || !(has_mesh(a, i) || has_mesh(b, k))) continue;
+      const BodyShape &of_a = a.at(static_cast<std::size_t>(i)), &of_b = b.at(static_cast<std::size_t>(k));
+      MeshPart part;
+      part.mesh_is_a = of_a.mesh != nullptr;
+      part.shape_a = i, part.shape_b = k;
+      part.mesh = part.mesh_is_a ? of_a.mesh : of_b.mesh;
+      const BodyShape& other = part.mesh_is_a ? of_b : of_a;
+      part.other_mesh = other.mesh;
+      if (!other.mesh) part.other = geometry::compile_shape(other.shape);
+      parts.push_back(std::move(part));
+    }
+  if (!parts.empty()) clearances_.back().method = DistanceMethod::kMesh;
+}
+
+geometry::Distance ClearanceMonitor::calc_mesh(const MeshPart& part, const geometry::Placement& a,
+                                               const geometry::Placement& b, double limit) {
+  const geometry::Placement &own = part.mesh_is_a ? a : b, &other = part.mesh_is_a ? b : a;
+  const MeshTree& tree = part.mesh->get_tree();
+  geometry::Distance d = part.other_mesh ? tree.calc_distance(own, part.other_mesh->get_tree(), other, limit)
+                                         : tree.calc_distance(own, part.other, other, limit);
+  if (!part.mesh_is_a) {
+    std::swap(d.on_a, d.on_b);
+    d.normal = -d.normal;
+  }
+  return d;
 }
 
 PairDistance ClearanceMonitor::calc(std::size_t pair, const geometry::Placement& a,
@@ -75,6 +134,10 @@ PairDistance ClearanceMonitor::calc(std::size_t pair, const geometry::Placement&
       out = {found.least, part.shapes_a[static_cast<std::size_t>(found.shape_a)],
              part.shapes_b[static_cast<std::size_t>(found.shape_b)]};
   }
+  for (const MeshPart& part : mesh_parts_[pair]) {
+    const geometry::Distance found = calc_mesh(part, near_a, near_b, out.least.distance);
+    if (found.distance < out.least.distance) out = {found, part.shape_a, part.shape_b};
+  }
   out.least.on_a += a.p_WB;
   out.least.on_b += a.p_WB;
   return out;
@@ -85,6 +148,12 @@ double ClearanceMonitor::get_size(std::size_t pair) const {
   for (const Part& part : parts_[pair])
     for (const geometry::ShapeGroup* group : {&part.a, &part.b})
       if (std::isfinite(group->bound)) size = std::max(size, group->bound + norm(group->centre));
+  for (const MeshPart& part : mesh_parts_[pair]) {
+    for (const auto& mesh : {part.mesh, part.other_mesh})
+      if (mesh) size = std::max(size, mesh->get_bound() + norm(mesh->get_centre()));
+    if (!part.other_mesh && std::isfinite(part.other.bound))
+      size = std::max(size, part.other.bound + norm(part.other.p_BS));
+  }
   return size;
 }
 

@@ -1,10 +1,12 @@
 // Signed distance between bodies, their groups and shapes: positive apart, negative the depth of an overlap. From the
-// kernel's geometry (unlatch/geometry.h), which states definitions and errors. For reports, off the cyclic thread.
+// kernel's geometry (unlatch/geometry.h), which states definitions and errors; of triangle meshes from
+// hil/meshes/mesh_tree.h, without depths. For reports, off the cyclic thread.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,9 +31,15 @@ struct PairDistance {
   int shape_a = kNone, shape_b = kNone;  // indices in the bodies' shapes
 };
 
+// Origin of a pair's distance. kExact: the kernel's shapes. kMesh: some of its shapes are triangle meshes, whose
+// distance is that of their facets, and never negative.
+enum class DistanceMethod { kExact, kMesh };
+const char* get_method_name(DistanceMethod method);  // "exact", "mesh (triangles)"
+
 struct Clearance {
-  int a = 0, b = 0;                                           // bodies
-  std::string name_a, name_b;                                 // "core", "core.skirt"
+  int a = 0, b = 0;            // bodies
+  std::string name_a, name_b;  // "core", "core.skirt"
+  DistanceMethod method = DistanceMethod::kExact;
   double now = std::numeric_limits<double>::infinity();       // m, at the last update
   double smallest = std::numeric_limits<double>::infinity();  // m, of all updates
   double time = 0;                                            // s, when it was smallest
@@ -74,13 +82,25 @@ class ClearanceMonitor {
   const std::vector<Clearance>& get() const { return clearances_; }
 
  private:
-  // Every shape of one group against every one of the other.
+  // Every shape of one group against every one of the other; of the kernel.
   struct Part {
     geometry::ShapeGroup a, b;
     std::vector<int> shapes_a, shapes_b;  // their indices in the bodies
   };
+  // A shape against a mesh, or a mesh against a mesh.
+  struct MeshPart {
+    std::shared_ptr<const TriangleMesh> mesh{}, other_mesh{};  // the latter null: `other`
+    geometry::CompiledShape other{};
+    bool mesh_is_a = true;
+    int shape_a = 0, shape_b = 0;  // their indices in the bodies
+  };
+  static geometry::Distance calc_mesh(const MeshPart& part, const geometry::Placement& a, const geometry::Placement& b,
+                                      double limit);
+  void add_meshes(const ClearancePair& pair, const std::vector<BodyShape>& a, const std::vector<BodyShape>& b);
+
   std::vector<Clearance> clearances_;
-  std::vector<std::vector<Part>> parts_;  // of each pair
+  std::vector<std::vector<Part>> parts_;           // of each pair
+  std::vector<std::vector<MeshPart>> mesh_parts_;  // of each pair
   std::vector<Reach> reaches_;
 };
 

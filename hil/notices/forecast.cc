@@ -224,7 +224,8 @@ void find_intruders(const Scenario& scenario, std::vector<Finding>& findings) {
   std::vector<Solid> solids;
   for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
     std::vector<geometry::Shape> shapes;
-    for (const BodyShape& shape : scenario.shapes[at(b)]) shapes.push_back(shape.shape);
+    for (const BodyShape& shape : scenario.shapes[at(b)])
+      if (!shape.mesh) shapes.push_back(shape.shape);  // meshes have no depth
     if (!shapes.empty())
       solids.push_back({b, geometry::build_group(model.bodies[at(b)].name, shapes), to_placement(get_pose(model, b))});
   }
@@ -260,6 +261,13 @@ void find_overlaps(const Scenario& scenario, std::vector<Finding>& findings) {
   monitor.update(0, poses);
   for (const Clearance& c : monitor.get()) {
     if (c.now > 0) continue;
+    if (c.method == DistanceMethod::kMesh && c.now == 0) {
+      findings.push_back({"overlap", quoted("body", model.bodies[at(c.b)].name),
+                          c.name_b + " touches or crosses " + c.name_a +
+                              " at the start; their smallest clearance is 0: triangles have no depth. Leave out faces "
+                              "that mate by `except`"});
+      continue;
+    }
     findings.push_back(
         {"overlap", quoted("body", model.bodies[at(c.b)].name),
          c.name_b + format(" touches or overlaps %s at the start, by %.4g m: their smallest clearance is that "

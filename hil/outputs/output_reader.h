@@ -23,6 +23,9 @@ class OutputReader {
   [[nodiscard]] const std::vector<Output>& list() const { return list_; }
   [[nodiscard]] std::size_t count_values() const { return hil::count_values(list_); }
 
+  // Of the scenario's pairs, in their order, as they were read last.
+  [[nodiscard]] const std::vector<Clearance>& get_clearances() const { return clearances_.get(); }
+
   // `to`: count_values() numbers. Those of outputs that are not asked for stay as they are.
   void read(std::span<double> to);
   void read(std::span<const std::size_t> outputs, std::span<double> to);

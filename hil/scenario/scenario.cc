@@ -26,11 +26,11 @@ const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "ab
 namespace {
 
 Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::string& file,
-                   std::vector<std::string> overrides, Mistakes& mistakes) {
+                   std::vector<std::string> overrides, Mistakes& mistakes, const Scenario* like = nullptr) {
   Scenario scenario;
   scenario.file = file;
   scenario.overrides = std::move(overrides);
-  ScenarioReader(scenario, sources, mistakes).read(root);
+  ScenarioReader(scenario, sources, mistakes, like).read(root);
   mistakes.throw_if_any();
   scenario.text = sources.join();
   scenario.files = mistakes.files();
@@ -150,10 +150,18 @@ Scenario ScenarioTree::read(std::span<const Setting> settings) const {
       mistakes.add(e.mark, e.what(), e.mend);
     }
   }
-  return read_tree(root, sources, nominal_.file, std::move(overrides), mistakes);
+  return read_tree(root, sources, nominal_.file, std::move(overrides), mistakes, &nominal_);
 }
 
 // --- The reader's top level -----------------------------------------------------------------------------------------
+
+ScenarioReader::ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes, const Scenario* like)
+    : scenario_(scenario), model_(scenario.model), sources_(sources), mistakes_(mistakes) {
+  if (like == nullptr) return;
+  for (const std::vector<BodyShape>& shapes : like->shapes)
+    for (const BodyShape& shape : shapes)
+      if (shape.mesh) known_meshes_.push_back(shape.mesh);
+}
 
 void ScenarioReader::read(const YamlNode& root) {
   if (root.kind == YamlNode::Kind::kNull)

@@ -10,6 +10,11 @@ bool is_same_pair(const ClearancePair& x, const ClearancePair& y) {
   return (x.a.name == y.a.name && x.b.name == y.b.name) || (x.a.name == y.b.name && x.b.name == y.a.name);
 }
 
+// Meshes have one from everything.
+bool has_distance(const BodyShape& a, const BodyShape& b) {
+  return a.mesh || b.mesh || geometry::has_distance(a.shape.kind, b.shape.kind);
+}
+
 bool has(const ShapeSet& set, int shape) { return std::binary_search(set.shapes.begin(), set.shapes.end(), shape); }
 
 bool is_left_out(const ClearancePair& pair, int a, int b) {
@@ -96,13 +101,13 @@ std::optional<ClearancePair> ScenarioReader::read_shape_pair(const YamlNode& nod
 
 // Pairs of shapes that have a distance and are not left out.
 std::size_t ScenarioReader::count_distances(const ClearancePair& pair) const {
-  const auto kind = [&](int body, int shape) {
-    return scenario_.shapes[static_cast<std::size_t>(body)][static_cast<std::size_t>(shape)].shape.kind;
+  const auto get_shape = [&](int body, int shape) -> const BodyShape& {
+    return scenario_.shapes[static_cast<std::size_t>(body)][static_cast<std::size_t>(shape)];
   };
   std::size_t count = 0;
   for (const int i : pair.a.shapes)
     for (const int k : pair.b.shapes)
-      if (!is_left_out(pair, i, k) && geometry::has_distance(kind(pair.a.body, i), kind(pair.b.body, k))) ++count;
+      if (!is_left_out(pair, i, k) && has_distance(get_shape(pair.a.body, i), get_shape(pair.b.body, k))) ++count;
   return count;
 }
 

@@ -5,6 +5,24 @@
 
 namespace unlatch::hil {
 
+// Shapes that the step computes distances of.
+std::optional<ClearancePair> ScenarioReader::read_surface_pair(const YamlNode& node) {
+  std::optional<ClearancePair> pair = read_shape_pair(node);
+  if (!pair) return pair;
+  for (const ShapeSet* set : {&pair->a, &pair->b})
+    for (const int shape : set->shapes) {
+      const BodyShape& own = scenario_.shapes[static_cast<std::size_t>(set->body)][static_cast<std::size_t>(shape)];
+      if (!own.mesh) continue;
+      mistakes_.add(
+          node.mark,
+          set->name + " has a mesh, " + own.mesh->get_place().file +
+              ": contacts, conditions and sensors are between other shapes",
+          "name a shape or a group without meshes, as core.skirt; meshes are for clearances and requirements");
+      return {};
+    }
+  return pair;
+}
+
 // The shapes of a set are one surface of the model, whoever names them.
 int ScenarioReader::find_surface(const ShapeSet& set) {
   std::vector<Surface>& surfaces = model_.surfaces;
@@ -30,7 +48,7 @@ void ScenarioReader::read_contact(const std::string& name, const YamlNode& node)
   Contact contact;
   contact.name = name;
   const YamlNode* const between = map.require("between");
-  const std::optional<ClearancePair> pair = between ? read_shape_pair(*between) : std::nullopt;
+  const std::optional<ClearancePair> pair = between ? read_surface_pair(*between) : std::nullopt;
   const YamlNode* const except = map.find("except");
   if (pair) {
     std::vector<ClearancePair> pairs{*pair};

@@ -40,7 +40,7 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
   if (sensor.kind == Kind::kContact) sensor.subject = map.choice("signal", "signal", model_.signals);
   if (sensor.kind == Kind::kDistance) {
     const YamlNode* const between = map.require("between");
-    const std::optional<ClearancePair> pair = between ? read_shape_pair(*between) : std::nullopt;
+    const std::optional<ClearancePair> pair = between ? read_surface_pair(*between) : std::nullopt;
     if (pair) sensor.subject = find_surface(pair->a), sensor.other = find_surface(pair->b);
   } else if (sensor.kind >= Kind::kReaction) {
     sensor.subject = map.choice("joint", "joint", joints_);
@@ -113,7 +113,7 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   } else if (kind == "clearance") {
     YamlMap inner(value, kind, mistakes_);
     const YamlNode* const between = inner.require("between");
-    const std::optional<ClearancePair> pair = between ? read_shape_pair(*between) : std::nullopt;
+    const std::optional<ClearancePair> pair = between ? read_surface_pair(*between) : std::nullopt;
     inner.finish();
     condition.kind = Kind::kDistance;
     if (pair) condition.subject = find_surface(pair->a), condition.axis = find_surface(pair->b);

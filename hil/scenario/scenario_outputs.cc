@@ -36,6 +36,9 @@ void ScenarioReader::read_output_group(const YamlNode& node, const std::vector<O
   } else if (map.find("every") || map.find("period")) {
     group.rate = read_rate(map);
   }
+  if (const YamlNode* phase = map.find("phase"); phase && !map.find("every") && !map.find("period"))
+    mistakes_.add(phase->mark, "phase without every or period",
+                  "a phase counts ticks of one of them: {every: 10, phase: 5}");
   map.finish();
   scenario_.outputs.push_back(std::move(group));
 }

@@ -20,9 +20,8 @@ namespace unlatch::hil {
 
 class ScenarioReader {
  public:
-  // `sources`: of files that the scenario names.
-  ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes)
-      : scenario_(scenario), model_(scenario.model), sources_(sources), mistakes_(mistakes) {}
+  // `sources`: of files that the scenario names. `like`: a reading of the same files, whose meshes are shared.
+  ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes, const Scenario* like = nullptr);
   void read(const YamlNode& root);
 
  private:
@@ -66,13 +65,15 @@ class ScenarioReader {
   std::vector<BodyShape> read_shapes(const YamlNode& node);
   BodyShape read_body_shape(const YamlNode& node);
   geometry::Shape read_shape(const std::string& key, const YamlNode& node);
+  std::shared_ptr<const TriangleMesh> read_mesh_shape(const YamlNode& node);
   void read_hollow(const std::string& key, YamlMap& map, geometry::Shape& shape);
   void report_shape(const geometry::Shape& shape, const YamlNode& node);
 
   // Pairs of shapes. Those that return nothing have noted a mistake.
   [[nodiscard]] ShapeSet get_shapes_of(int body) const;
   std::optional<ShapeSet> read_shape_set(const YamlNode& node);
-  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);  // two names: of different bodies
+  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);    // two names: of different bodies
+  std::optional<ClearancePair> read_surface_pair(const YamlNode& node);  // the same, for the step: without meshes
   [[nodiscard]] std::size_t count_distances(const ClearancePair& pair) const;
   void tell_undefined(const ClearancePair& pair);
   std::vector<ClearancePair> list_all_pairs();
@@ -168,6 +169,7 @@ class ScenarioReader {
   std::map<std::string, FlexibleStructure> structures_;  // by flexible body
   std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where
   std::set<std::string> flawed_;
+  std::vector<std::shared_ptr<const TriangleMesh>> known_meshes_;
 };
 
 std::string get_si(const Channel& channel);    // the unit of its numbers, "" if it is none of SI's

@@ -1,6 +1,7 @@
 // Shapes of bodies, and the points whose path is drawn.
 #include <algorithm>
 
+#include "hil/meshes/mesh_file.h"
 #include "hil/scenario/from_eigen.h"
 #include "hil/scenario/scenario_reader.h"
 
@@ -28,6 +29,8 @@ constexpr KindOfShape kKinds[] = {
     {"hollow_frustum", ShapeKind::kHollow},
     {"hollow_profile", ShapeKind::kHollow},
 };
+
+constexpr const char* kMesh = "mesh";
 
 // The key of a scenario in which a member of Shape was written.
 std::vector<std::string> list_keys(const std::string& member) {
@@ -58,12 +61,53 @@ BodyShape ScenarioReader::read_body_shape(const YamlNode& node) {
   YamlMap map(node, "a shape", mistakes_);
   std::vector<std::string> keys;
   for (const KindOfShape& kind : kKinds) keys.emplace_back(kind.key);
+  keys.emplace_back(kMesh);
   const std::string key = map.only_one_of(keys, "a kind");
   if (const YamlNode* name = map.find("name")) out.name = read_name(*name, mistakes_);
   if (const YamlNode* group = map.find("group")) out.group = read_name(*group, mistakes_);
   map.finish();
-  if (!key.empty()) out.shape = read_shape(key, *node.find(key));
+  if (key == kMesh)
+    out.mesh = read_mesh_shape(*node.find(key));
+  else if (!key.empty())
+    out.shape = read_shape(key, *node.find(key));
   return out;
+}
+
+// {file: part.stl, scale: 1 mm, origin: [x, y, z], attitude: …}. Null: a mistake has been noted.
+std::shared_ptr<const TriangleMesh> ScenarioReader::read_mesh_shape(const YamlNode& node) {
+  YamlMap map(node, kMesh, mistakes_);
+  const YamlNode* file = map.require("file");
+  MeshPlace place;
+  place.scale = map.number("scale", "m", place.scale);
+  place.origin = to_vec3(map.vector("origin", "m", Eigen::Vector3d::Zero()));
+  if (const YamlNode* attitude = map.find("attitude")) {
+    const Eigen::Quaterniond q = read_attitude(*attitude);
+    place.q_BM = {q.w(), q.x(), q.y(), q.z()};
+  }
+  map.finish();
+  constexpr double kLeast = 1e-9, kMost = 1e9;
+  if (!(place.scale >= kLeast && place.scale <= kMost)) {
+    mistakes_.add(map.find("scale")->mark, "this scale is not usable", "the length of one unit of the file: 1 mm, 1 m");
+    return nullptr;
+  }
+  if (file == nullptr) return nullptr;
+  const std::string name = read_text(*file, mistakes_);
+  try {
+    place.file = resolve_include("", name);
+    for (const std::shared_ptr<const TriangleMesh>& known : known_meshes_)
+      if (is_same(known->get_place(), place)) {
+        sources_.read(place.file);
+        return known;
+      }
+    const auto convert = [&](const std::string& bytes) { return write_mesh_text(read_mesh(bytes, place.file)); };
+    const std::string& text = sources_.read(place.file, {"mesh", kMaxMeshFile, convert});
+    const MeshData data = is_mesh_text(text) ? read_mesh_text(text) : read_mesh(text, place.file);
+    return known_meshes_.emplace_back(std::make_shared<const TriangleMesh>(place, data));
+  } catch (const std::runtime_error& error) {
+    mistakes_.add(file->mark, "this mesh cannot be read: " + std::string(error.what()),
+                  "an STL or OBJ file in or below the scenario's folder");
+    return nullptr;
+  }
 }
 
 Shape ScenarioReader::read_shape(const std::string& key, const YamlNode& node) {

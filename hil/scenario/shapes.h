@@ -2,10 +2,12 @@
 // mass. Lengths are in metres, in the axes of the body.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "hil/meshes/triangle_mesh.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::hil {
@@ -14,7 +16,9 @@ namespace unlatch::hil {
 struct BodyShape {
   std::string name;       // unique in its body; empty: none
   std::string group;      // of shapes of the body; empty: none
-  geometry::Shape shape;  // without mistakes; body axes, of a marker the marker's
+  geometry::Shape shape;  // without mistakes; body axes, of a marker the marker's; does not count beside `mesh`
+  // Triangles instead: for distances in reports and for pictures. Null: a shape of the kernel.
+  std::shared_ptr<const TriangleMesh> mesh{};
 };
 
 // Shapes of one body: all, one by its name, or a group.

@@ -23,7 +23,7 @@ from language import load_sections, load_yaml, parse_type  # noqa: E402
 SECTIONS = load_sections()
 SCHEMA = json.loads((SOURCE / "hil/scenarios/unlatch.schema.json").read_text())
 EVERYTHING = load_yaml((SOURCE / "hil/language/everything.yaml").read_text())
-PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes"))
+PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.obj"))
 
 # Keys that are worked out before the loader's reader asks for any, so it does not list them.
 NOT_OF_SCENARIOS = {"unlatch_part"}

@@ -29,7 +29,12 @@ json summarize(const unlatch::hil::Scenario& s) {
   for (const auto& group : s.rates.groups)
     out["groups"].push_back({group.rate.every, group.rate.phase, group.sensors, group.channels});
   for (const auto& shapes : s.shapes)
-    for (const auto& [name, group, shape] : shapes) {
+    for (const auto& [name, group, shape, mesh] : shapes) {
+      if (mesh) {
+        const auto& [file, scale, origin, q] = mesh->get_place();
+        out["shapes"].push_back({name, group, file, scale, origin.x, origin.y, origin.z, q.w, q.x, q.y, q.z});
+        continue;
+      }
       const auto& q = shape.q_BS;
       out["shapes"].push_back({name, group, static_cast<int>(shape.kind), shape.from.x, shape.from.y, shape.from.z, q.w,
                                q.x, q.y, q.z, shape.half});

@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MODULES = ("kernel", "hil", "library", "bridge", "tools")  # from below
 KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dynamics", "compile", "solver", "dispatch",
           "step")  # from below
-HIL = ("modules", "messages", "language", "flexible", "scenario", "realtime", "simulation", "recording", "motion", "notices",
+HIL = ("modules", "messages", "language", "flexible", "meshes", "scenario", "realtime", "simulation", "recording", "motion", "notices",
        "separations", "analysis", "outputs", "run", "evaluation", "sampling", "statistics", "campaign", "synthesis", "session", "faults", "executive")  # from below
 LIBRARY = ("include", "c", "python", "fmi")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)

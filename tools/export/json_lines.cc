@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 Json build_body(const hil::Scenario& scenario, std::size_t body) {
   Json shapes = Json::array();
   for (const hil::BodyShape& part : scenario.shapes[body]) {
-    Json json = build_shape_json(part.shape);
+    Json json = build_shape_json(part);
     if (!part.name.empty()) json["name"] = part.name;
     if (!part.group.empty()) json["group"] = part.group;
     shapes.push_back(std::move(json));
@@ -62,6 +62,9 @@ class JsonSink final : public Sink {
     run["outputs"] = build_output_list_json(list, selection.outputs());
     run["clearance"] = Json::array();
     for (const hil::ClearancePair& pair : scenario.clearance) run["clearance"].push_back({pair.a.name, pair.b.name});
+    run["clearance_methods"] = Json::array();
+    for (const hil::Clearance& pair : selection.reader().get_clearances())
+      run["clearance_methods"].push_back(hil::get_method_name(pair.method));
     run["scenario_text"] = header.scenario_text;
     run["overrides"] = header.overrides;
     put(run);

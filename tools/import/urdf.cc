@@ -242,7 +242,8 @@ class Reader {
       shape.from = to_vec3(X_BS * Eigen::Vector3d(0, 0, -0.5 * cylinder.length));
       shape.to = to_vec3(X_BS * Eigen::Vector3d(0, 0, 0.5 * cylinder.length));
     } else {
-      model_.remarks.push_back("link '" + link + "': a mesh is left out; write a hull, or simple shapes");
+      model_.remarks.push_back("link '" + link +
+                               "': a mesh is left out; a scenario can name its STL or OBJ file by `mesh`");
       return;
     }
     body.shapes.push_back(std::move(shape));

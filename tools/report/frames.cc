@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "hil/language/base64.h"
 #include "hil/scenario/index.h"
-#include "tools/report/base64.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
@@ -28,7 +28,7 @@ template <class T>
 std::string encode_base64(const std::vector<T>& values) {
   static_assert(std::endian::native == std::endian::little, "the page reads little-endian numbers");
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(values.data());
-  return to_base64({bytes, values.size() * sizeof(T)});
+  return hil::to_base64({bytes, values.size() * sizeof(T)});
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ Json build_bodies(const hil::Scenario& scenario, const FrameLayout& layout) {
   for (std::size_t i = 0; i < scenario.model.bodies.size(); ++i) {
     const Body& body = scenario.model.bodies[i];
     Json shapes = Json::array();
-    for (const hil::BodyShape& part : scenario.shapes[i]) shapes.push_back(build_shape_json(part.shape));
+    for (const hil::BodyShape& part : scenario.shapes[i]) shapes.push_back(build_shape_json(part));
     if (shapes.empty() && body.mass > 0) shapes.push_back(build_shape_json(build_equivalent_box(body)));
     list.push_back({{"name", body.name},
                     {"mass", body.mass},
@@ -164,6 +164,7 @@ Json build_pairs(const hil::RunAnalysis& analysis, const FrameLayout& layout) {
     list.push_back({{"a", clearances[i].a},
                     {"b", clearances[i].b},
                     {"name", clearances[i].name_a + " – " + clearances[i].name_b},
+                    {"method", hil::get_method_name(clearances[i].method)},
                     {"min", clearances[i].smallest},
                     {"t", clearances[i].time},
                     {"column", layout.pairs + i}});

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "hil/modules/module.h"
+#include "hil/motion/clearance.h"
 #include "library/fmi/write_fmu.h"
 #include "tools/exit_codes.h"
 #include "tools/export/node_writer.h"
@@ -93,6 +94,13 @@ int write_fmu(const ExportOptions& options) {
   if (!options.format.empty() || !options.out.empty())
     refuse_option("--fmu", "the FMU is the output; --format and --out are for recordings");
   const hil::Scenario scenario = hil::load_scenario(options.log, options.overrides);
+  const hil::ClearanceMonitor monitor(scenario.clearance, scenario.shapes);
+  for (const hil::Clearance& pair : monitor.get())
+    if (pair.method == hil::DistanceMethod::kMesh)
+      refuse_option("--fmu",
+                    "the distance of " + pair.name_a + " and " + pair.name_b +
+                        " is that of a mesh, which needs a library that an FMU does not carry: take the pair out of "
+                        "clearance and requirements");
   std::string overrides;
   for (const std::string& line : options.overrides) overrides += line + "\n";
   const auto write = hil::find_function<decltype(unlatch_write_fmu)>("unlatch-fmu", "unlatch_write_fmu");

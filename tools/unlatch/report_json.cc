@@ -61,6 +61,7 @@ Json build_clearance(const hil::Clearance& clearance, const hil::PairDistance& a
                {"witnesses", {to_json(at.least.on_a), to_json(at.least.on_b)}},
                {"normal", to_json(at.least.normal)},
                {"shapes", {at.shape_a, at.shape_b}},
+               {"method", hil::get_method_name(clearance.method)},
                {"touch", clearance.touch ? Json(*clearance.touch) : Json(nullptr)}};
   if (clearance.after_release) {
     json["after_release"] = {{"from", clearance.after_release->from},

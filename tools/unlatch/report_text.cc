@@ -57,11 +57,19 @@ std::string describe_time(const hil::Clearance& clearance) {
 }
 
 std::string describe_touch(const hil::Clearance& clearance) {
-  char text[64];
-  std::snprintf(text, sizeof text,
-                clearance.smallest < 0 ? "  they overlap, touch at %.4f s" : "  they touch at %.4f s",
-                clearance.touch.value_or(clearance.time));
+  char text[80];
+  const char* const format = clearance.smallest < 0 ? "  they overlap, touch at %.4f s"
+                             : clearance.method == hil::DistanceMethod::kMesh
+                                 ? "  they touch at %.4f s, and may overlap: triangles have no depth"
+                                 : "  they touch at %.4f s";
+  std::snprintf(text, sizeof text, format, clearance.touch.value_or(clearance.time));
   return text;
+}
+
+// Beside distances that are not those of the kernel's shapes.
+std::string describe_method(const hil::Clearance& clearance) {
+  if (clearance.method == hil::DistanceMethod::kExact) return "";
+  return std::string("  ") + hil::get_method_name(clearance.method);
 }
 
 void print_clearances(std::FILE* to, const RunReport& report) {
@@ -79,8 +87,8 @@ void print_clearances(std::FILE* to, const RunReport& report) {
     });
     const hil::Clearance& clearance = clearances[least];
     const std::string of_group = "  the smallest of " + std::to_string(group.size()) + " pairs " + keys[least];
-    std::fprintf(to, "  %-28s %12.6g m %s%s%s\n", pairs[least].c_str(), clearance.smallest,
-                 describe_time(clearance).c_str(),
+    std::fprintf(to, "  %-28s %12.6g m %s%s%s%s\n", pairs[least].c_str(), clearance.smallest,
+                 describe_time(clearance).c_str(), describe_method(clearance).c_str(),
                  clearance.smallest > 0 ? "" : paint(to, Colour::kRed, describe_touch(clearance)).c_str(),
                  group.size() == 1 ? "" : of_group.c_str());
     if (!clearance.after_release || clearance.after_release->smallest == clearance.smallest) continue;

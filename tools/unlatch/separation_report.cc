@@ -149,6 +149,7 @@ nlohmann::ordered_json build_separations_json(const RunReport& report) {
       json["clearance"] = {{"pair", {clearance->name_a, clearance->name_b}},
                            {"min", clearance->after_release->smallest},
                            {"t", clearance->after_release->time},
+                           {"method", hil::get_method_name(clearance->method)},
                            {"now", clearance->now},
                            {"closing", is_closing(*clearance)},
                            {"rate", clearance->rate}};

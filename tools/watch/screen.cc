@@ -189,7 +189,10 @@ class Screen {
       Line line = begin();
       line.add(pad(pair, 29) + " ");
       line.add(clearance.now > 0 ? Colour::kGreen : Colour::kRed, format("%8.3f m", clearance.now));
-      add(line.add(format("%8.3f m at %.3f s", clearance.smallest, clearance.time)));
+      line.add(format("%8.3f m at %.3f s", clearance.smallest, clearance.time));
+      if (clearance.method == hil::DistanceMethod::kMesh)
+        line.add(Colour::kDim, std::string("  ") + hil::get_method_name(clearance.method));
+      add(line);
     }
     add_rest(view_.clearances.size(), shown, "pairs");
   }

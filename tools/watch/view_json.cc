@@ -54,6 +54,7 @@ std::string build_json(const View& view) {
   json["clearance"] = Json::array();
   for (const hil::Clearance& clearance : view.clearances) {
     json["clearance"].push_back({{"pair", {clearance.name_a, clearance.name_b}},
+                                 {"method", hil::get_method_name(clearance.method)},
                                  {"now", clearance.now},
                                  {"least_seen", clearance.smallest},
                                  {"t", clearance.time}});

@@ -44,7 +44,7 @@ function clearances(runs) {
   const nearest = findNearest(runs);
   const all = runs.some((run) => run.pairs_in_all > run.pairs.length) ? '; of many pairs the 40 nearest' : '';
   const build = (run) => run.pairs.map((pair) => ({
-    name: pair.name, colour: pairColour(pair), values: run.column(pair.column),
+    name: pair.method === 'exact' ? pair.name : `${pair.name}, ${pair.method}`, colour: pairColour(pair), values: run.column(pair.column),
     rank: -pair.min, marks: [{ t: pair.t, value: pair.min }] }));
   const smallest = nearest === null ? ''
     : `; the smallest ${digits(nearest.pair.min, 4)} m at ${digits(nearest.pair.t, 5)} s, ${nearest.pair.name}`;

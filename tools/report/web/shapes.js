@@ -34,6 +34,15 @@ function buildWall(shape, sides) {
   return lathe.applyMatrix4(new THREE.Matrix4().makeBasis(new THREE.Vector3().crossVectors(axis, side), axis, side)).translate(...shape.from);
 }
 
+// Flat facets: corners are not shared.
+function buildMesh(shape) {
+  const geometry = new THREE.BufferGeometry();
+  const corners = shape.triangles.flatMap((triangle) => triangle.flatMap((corner) => shape.vertices[corner]));
+  geometry.setAttribute('position', new THREE.Float32BufferAttribute(corners, 3));
+  geometry.computeVertexNormals();
+  return geometry;
+}
+
 function buildGeometry(shape, sides) {
   const length = shape.from && shape.to ? vector(shape.to).distanceTo(vector(shape.from)) : 0;
   const thin = Math.max(shape.radius ?? 0, 0.01 * length);  // a capsule of radius 0 is a segment
@@ -46,6 +55,7 @@ function buildGeometry(shape, sides) {
     case 'box': return new THREE.BoxGeometry(...shape.size).applyQuaternion(quaternion(shape.attitude)).translate(...shape.centre);
     case 'half_space': return buildPlane(shape, sides);
     case 'hollow': return buildWall(shape, sides);
+    case 'mesh': return buildMesh(shape);
     default: return new ConvexGeometry(shape.points.map(vector));
   }
 }
@@ -53,7 +63,7 @@ function buildGeometry(shape, sides) {
 // A group in body axes. `style`: 'solid', 'assumed' (no shape was given) or 'ghost' (of the second run).
 export function buildBody(body, style) {
   const group = new THREE.Group();
-  const open = body.shapes.some((shape) => shape.kind === 'hollow' || shape.kind === 'half_space');
+  const open = body.shapes.some((shape) => ['hollow', 'half_space', 'mesh'].includes(shape.kind));
   const material = style === 'solid'
     ? new THREE.MeshStandardMaterial({ roughness: 0.75, metalness: 0.05, side: open ? THREE.DoubleSide : THREE.FrontSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })
     : new THREE.MeshBasicMaterial({ transparent: true, opacity: style === 'ghost' ? 0.15 : 0.25, depthWrite: false });

@@ -50,10 +50,14 @@ function both(runs, headings, listItems) {
   return fold(table(two ? ['', ...headings] : headings, rows), items);
 }
 
+// Distances of triangle meshes are told apart from those of exact shapes, where a run has some.
 function buildClearances(runs, clock) {
-  return both(runs, ['bodies', 'smallest, m', 'at t, s'], (run) => run.clearance.map((item) => ({
+  const meshes = runs.some((run) => run.clearance.some((item) => item.method !== 'exact'));
+  const describe = (item) => (item.min < 0 ? 'they overlap' : item.method === 'exact' ? 'they touch' : 'they touch or overlap: triangles have no depth');
+  return both(runs, ['bodies', 'smallest, m', 'at t, s', ...(meshes ? ['distance'] : [])], (run) => run.clearance.map((item) => ({
     name: item.pair.join(' – '), rank: -item.min,
-    cells: [item.pair.join(' – '), item.min > 0 ? fixed(item.min, 4) : el('strong', { class: 'badtext' }, `${fixed(item.min, 4)}, ${item.min < 0 ? 'they overlap' : 'they touch'}`), go(clock, item.t)] })));
+    cells: [item.pair.join(' – '), item.min > 0 ? fixed(item.min, 4) : el('strong', { class: 'badtext' }, `${fixed(item.min, 4)}, ${describe(item)}`), go(clock, item.t),
+      ...(meshes ? [item.method] : [])] })));
 }
 
 function buildSeparations(runs, clock) {
