@@ -70,6 +70,7 @@ Kind find_kind(const Model& model, const PlanData& plan, const TreeNode& node) {
 struct Candidate {
   int node;    // as the topology numbered it
   int parent;  // in the new order
+  int tree;    // number of its root
   std::uint64_t key;
   int rank;  // among its parent's children of this kind
 };
@@ -84,10 +85,10 @@ class Layout {
 
   void compile() {
     std::vector<int> level_of(old_.size(), 0), placed(old_.size(), kNone);
-    int levels = 0;
     for (std::size_t k = 0; k < old_.size(); ++k) {
-      if (old_[k].parent != kNone) level_of[k] = level_of[at(old_[k].parent)] + 1;
-      levels = std::max(levels, level_of[k] + 1);
+      const int parent = old_[k].parent;
+      if (parent != kNone) level_of[k] = level_of[at(parent)] + 1;
+      tree_of_.push_back(parent == kNone ? trees_++ : tree_of_[at(parent)]);
     }
     // The topology goes level by level, so each level is one stretch of it.
     plan_.nodes.reserve(old_.size());
@@ -113,7 +114,7 @@ class Layout {
     std::vector<Candidate> level;
     for (std::size_t k = begin; k < end; ++k) {
       const int parent = old_[k].parent == kNone ? kNone : placed[at(old_[k].parent)];
-      level.push_back({static_cast<int>(k), parent, find_kind(model_, plan_, old_[k]).get_key(), 0});
+      level.push_back({static_cast<int>(k), parent, tree_of_[k], find_kind(model_, plan_, old_[k]).get_key(), 0});
     }
     const auto sort = [&](auto order) {
       std::sort(level.begin(), level.end(), [&](const Candidate& a, const Candidate& b) {
@@ -129,27 +130,31 @@ class Layout {
     std::vector<Candidate> siblings = take_siblings(level);
     sort([](const Candidate& c) { return std::tuple(c.key, c.rank, c.parent); });
     for (std::size_t i = 0; i < siblings.size();) i += place_siblings(siblings, i, placed);
-    for (std::size_t i = 0; i < level.size();) i += place_chunk(level, i, placed);
+    for (std::size_t i = 0; i < level.size();) i = place_kind(level, i, placed);
   }
 
-  // Takes those children out of the level that are many enough, of one parent and kind, for groups of their own.
-  static std::vector<Candidate> take_siblings(std::vector<Candidate>& level) {
+  // Takes those children out of the level that are many enough, of one parent and kind, for groups of their own. Other
+  // trees do not count: a tree is summed in one order, whatever is computed beside it.
+  std::vector<Candidate> take_siblings(std::vector<Candidate>& level) const {
     std::vector<Candidate> siblings, others;
+    std::vector<std::size_t> of_kind(at(trees_), 0);  // per tree
     for (std::size_t i = 0; i < level.size();) {
       std::size_t kind_end = i;
-      while (kind_end < level.size() && level[kind_end].key == level[i].key) ++kind_end;
+      for (; kind_end < level.size() && level[kind_end].key == level[i].key; ++kind_end)
+        ++of_kind[at(level[kind_end].tree)];
       const std::size_t kind_begin = i;
       while (i < kind_end) {
         std::size_t end = i;
         while (end < kind_end && level[end].parent == level[i].parent) ++end;
         const std::size_t count = end - i;
         const bool many = level[i].parent != kNone && count >= kFewestSiblings &&
-                          (count >= kWidest || 2 * count > kind_end - kind_begin);
+                          (count >= kWidest || 2 * count > of_kind[at(level[i].tree)]);
         std::vector<Candidate>& to = many ? siblings : others;
         to.insert(to.end(), level.begin() + static_cast<std::ptrdiff_t>(i),
                   level.begin() + static_cast<std::ptrdiff_t>(end));
         i = end;
       }
+      for (std::size_t k = kind_begin; k < kind_end; ++k) of_kind[at(level[k].tree)] = 0;
     }
     level = std::move(others);
     return siblings;
@@ -170,16 +175,31 @@ class Layout {
     return end - begin;
   }
 
-  // The next group from nodes of one kind: neighbours of the parents' lanes if that makes a good part of a group.
-  std::size_t place_chunk(const std::vector<Candidate>& level, std::size_t begin, std::vector<int>& placed) {
-    std::size_t kin = begin;
-    while (kin < level.size() && level[kin].key == level[begin].key && kin - begin < kWidest) ++kin;
-    std::size_t count = kin - begin;
-    if (level[begin].parent == kNone) return place_group(&level[begin], count, ParentLink::kRoot, placed);
+  // Nodes of one kind: `count` of them from `first` on become a group.
+  struct Chunk {
+    std::size_t first, count;
+    ParentLink link;
+  };
+
+  // The groups of one kind; returns where it ends. From the leaves to the root the last group comes first: so that a
+  // parent's children add to it by rising rank, within a group and from group to group, the first ranks go to the back.
+  std::size_t place_kind(const std::vector<Candidate>& level, std::size_t begin, std::vector<int>& placed) {
+    std::size_t end = begin;
+    while (end < level.size() && level[end].key == level[begin].key) ++end;
+    std::vector<Chunk> chunks;
+    for (std::size_t i = begin; i < end; i += chunks.back().count) chunks.push_back(find_chunk(level, i, end));
+    for (std::size_t i = chunks.size(); i-- > 0;)
+      place_group(&level[chunks[i].first], chunks[i].count, chunks[i].link, placed);
+    return end;
+  }
+
+  // The next group of a kind that ends at `end`: neighbours of the parents' lanes if that makes a good part of a group.
+  Chunk find_chunk(const std::vector<Candidate>& level, std::size_t begin, std::size_t end) const {
+    const std::size_t kin = std::min(end, begin + kWidest), count = kin - begin;
+    if (level[begin].parent == kNone) return {begin, count, ParentLink::kRoot};
     const std::size_t neighbours = count_neighbours(level, begin, kin);
-    if (neighbours == count || neighbours >= 4)
-      return place_group(&level[begin], neighbours, ParentLink::kContiguous, placed);
-    return place_group(&level[begin], count, ParentLink::kGather, placed);
+    if (neighbours == count || neighbours >= 4) return {begin, neighbours, ParentLink::kContiguous};
+    return {begin, count, ParentLink::kGather};
   }
 
   // Number of nodes from `begin` on whose parents are neighbouring lanes of one group, with room for empty lanes behind
@@ -198,7 +218,7 @@ class Layout {
 
   static int get_width(std::size_t count) { return static_cast<int>(std::bit_ceil(count)); }
 
-  std::size_t place_group(const Candidate* members, std::size_t count, ParentLink link, std::vector<int>& placed) {
+  void place_group(const Candidate* members, std::size_t count, ParentLink link, std::vector<int>& placed) {
     const Kind kind = find_kind(model_, plan_, old_[at(members[0].node)]);
     Group group{};
     group.first = static_cast<std::int32_t>(plan_.lane_nodes.size());
@@ -231,7 +251,6 @@ class Layout {
     }
     // Empty lanes of a contiguous group lie beside the parents that are no parents of theirs, and give them nothing.
     plan_.groups.push_back(group);
-    return count;
   }
 
   ChildSide find_side(const Candidate* members, std::size_t count) const {
@@ -412,9 +431,10 @@ class Layout {
   const Model& model_;
   PlanData& plan_;
   std::vector<TreeNode> old_;
-  std::vector<bool> loaded_;                            // per body
+  std::vector<bool> loaded_;  // per body
+  std::vector<int> tree_of_;  // per node, as the topology numbered it
+  int trees_ = 0;
   std::vector<GroupLane> lanes_;                        // of the nodes in their new order
-                                                        // of the nodes in their new order
   std::vector<int> eight_of_;                           // per group
   int open_ = kNone;                                    // eight that narrow groups go to
   std::int32_t used_ = 0, joined_ = 0, constants_ = 0;  // used_: by the solver's blocks

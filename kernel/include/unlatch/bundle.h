@@ -1,0 +1,50 @@
+// Bundle: runs of one kind of system stepped side by side, for campaigns. Their bodies share the lanes of the
+// processor's packs, and each run has the bits that step() gives it alone: its own modes, events and sub-steps. A run
+// in whose step something happens (an event, a closed contact) takes that step alone and comes back.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "unlatch/model.h"
+#include "unlatch/step.h"
+
+namespace unlatch {
+
+struct BundleData;  // kernel/step/bundle.h
+
+// One of the runs, as step() takes it.
+struct BundleRun {
+  const Plan* plan = nullptr;      // of its model
+  Inputs inputs;                   // of this step
+  State* state = nullptr;          // its own
+  Workspace* workspace = nullptr;  // its own. After the step its sensors are those of the new state; its accelerations
+                                   // and multipliers are so only if the run was stepped alone
+  MotionLog* log = nullptr;        // as for step()
+  bool goes_on = true;             // false: it has ended, and nothing happens to it
+  StepReport report{};             // of the step
+};
+
+class Bundle {
+ public:
+  static constexpr std::size_t kMost = 8;  // runs side by side
+
+  // `models` with their plans, all compiled with the same options; each plan must outlive the bundle. Nothing where
+  // nobody gains by it, or where it cannot be: fewer than two models or more than kMost, closed loops, flexible bodies,
+  // different gravity. Allocates.
+  static std::optional<Bundle> build(std::span<const Model* const> models, std::span<const Plan* const> plans);
+  Bundle(Bundle&&) noexcept;
+  Bundle& operator=(Bundle&&) noexcept;
+  ~Bundle();
+
+  // A step of each run that goes on, in the order of the models. Allocates nothing.
+  void step(std::span<BundleRun> runs) noexcept;
+
+ private:
+  explicit Bundle(std::unique_ptr<BundleData> data);
+  std::unique_ptr<BundleData> data_;
+};
+
+}  // namespace unlatch

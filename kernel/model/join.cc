@@ -1,0 +1,245 @@
+#include "kernel/model/join.h"
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kernel/math/index.h"
+
+namespace unlatch {
+namespace {
+
+// Appends models to one. Indices of the model that is being appended rise by the number of those before it.
+class Joiner {
+ public:
+  explicit Joiner(std::span<const Model* const> models) : models_(models.begin(), models.end()) {
+    joined_.name = models_.front()->name;
+    joined_.gravity = models_.front()->gravity;
+    joined_.contact_substeps = models_.front()->contact_substeps;
+  }
+
+  Model join() && {
+    for (number_ = 0; number_ < models_.size(); ++number_) append(complete_events(*models_[number_]));
+    return std::move(joined_);
+  }
+
+ private:
+  // Kinds of elements, in their order in the one numbering.
+  static constexpr std::size_t kKinds = 7;
+  static std::array<int, kKinds> count_elements(const Model& model) {
+    const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
+    return {count(model.loads),    count(model.point_springs), count(model.joint_springs), count(model.plane_torsions),
+            count(model.contacts), count(model.one_sided),     count(model.frictions)};
+  }
+
+  template <class Item>
+  static int count(const std::vector<Item>& list) {
+    return static_cast<int>(list.size());
+  }
+  static int shift(int index, int by) { return index < 0 ? index : index + by; }  // the ground and "none" stay
+  std::string rename(const std::string& name) const { return std::to_string(number_) + "." + name; }
+
+  // Appends a list, after `change` to each item.
+  template <class Item, class Change>
+  static void append(const std::vector<Item>& from, std::vector<Item>& to, const Change& change) {
+    for (Item item : from) {
+      change(item);
+      to.push_back(std::move(item));
+    }
+  }
+
+  void append(const Model& model) {
+    const Model& j = joined_;
+    bodies_ = count(j.bodies), joints_ = count(j.joints), surfaces_ = count(j.surfaces), contacts_ = count(j.contacts);
+    one_sided_ = count(j.one_sided), channels_ = count(j.channels), signals_ = count(j.signals);
+    impulses_ = count(j.impulses);
+    find_elements(model);
+    append_bodies(model);
+    append_elements(model);
+    append_interfaces(model);
+    append(model.events, joined_.events, [&](Event& e) {
+      e.name = rename(e.name);
+      change(e.when);
+      for (Action& action : e.then) change(action);
+    });
+  }
+
+  // Numbers of the model's elements in the joined model, in which all of one kind follow each other.
+  void find_elements(const Model& model) {
+    std::array<int, kKinds> all{}, before{};
+    for (std::size_t m = 0; m < models_.size(); ++m) {
+      const std::array<int, kKinds> counts = count_elements(*models_[m]);
+      for (std::size_t kind = 0; kind < kKinds; ++kind) {
+        all[kind] += counts[kind];
+        if (m < number_) before[kind] += counts[kind];
+      }
+    }
+    elements_.clear();
+    const std::array<int, kKinds> own = count_elements(model);
+    for (std::size_t kind = 0, first = 0; kind < kKinds; first += static_cast<std::size_t>(all[kind++]))
+      for (int i = 0; i < own[kind]; ++i) elements_.push_back(static_cast<int>(first) + before[kind] + i);
+  }
+
+  void append_bodies(const Model& model) {
+    append(model.bodies, joined_.bodies, [&](Body& b) {
+      b.name = rename(b.name);
+      if (b.marker) b.marker->body += bodies_;
+    });
+    append(model.joints, joined_.joints, [&](Joint& j) {
+      j.name = rename(j.name);
+      j.base = shift(j.base, bodies_);
+      j.follower = shift(j.follower, bodies_);
+    });
+  }
+
+  void append_elements(const Model& model) {
+    const auto change_ends = [&](auto& element) {
+      element.name = rename(element.name);
+      element.base = shift(element.base, bodies_);
+      element.follower = shift(element.follower, bodies_);
+    };
+    append(model.loads, joined_.loads, [&](Load& l) {
+      l.name = rename(l.name);
+      l.body = shift(l.body, bodies_);
+      l.channel = shift(l.channel, channels_);
+      l.tank = shift(l.tank, bodies_);
+    });
+    append(model.point_springs, joined_.point_springs, change_ends);
+    append(model.joint_springs, joined_.joint_springs, [&](JointSpring& s) {
+      s.name = rename(s.name);
+      s.joint += joints_;
+    });
+    append(model.plane_torsions, joined_.plane_torsions, change_ends);
+    append(model.surfaces, joined_.surfaces, [&](Surface& s) {
+      s.name = rename(s.name);
+      s.body = shift(s.body, bodies_);
+    });
+    append(model.contacts, joined_.contacts, [&](Contact& c) {
+      c.name = rename(c.name);
+      c.base += surfaces_;
+      c.follower += surfaces_;
+    });
+    append(model.one_sided, joined_.one_sided, [&](OneSided& o) {
+      change_ends(o);
+      o.joint = shift(o.joint, joints_);
+    });
+    append(model.frictions, joined_.frictions, [&](JointFriction& f) {
+      f.name = rename(f.name);
+      f.joint += joints_;
+    });
+  }
+
+  void append_interfaces(const Model& model) {
+    append(model.channels, joined_.channels, [&](Channel& c) { c.name = rename(c.name); });
+    append(model.signals, joined_.signals, [&](std::string& s) { s = rename(s); });
+    append(model.sensors, joined_.sensors, [&](Sensor& s) {
+      s.name = rename(s.name);
+      s.subject = shift(s.subject, get_shift(s.kind));
+      if (s.kind == Sensor::Kind::kDistance) s.other += surfaces_;
+    });
+    append(model.impulses, joined_.impulses, [&](Impulse& i) {
+      i.body += bodies_;
+      i.channel = shift(i.channel, channels_);
+    });
+  }
+
+  int get_shift(Sensor::Kind kind) const {
+    switch (kind) {
+      case Sensor::Kind::kContact:
+        return signals_;
+      case Sensor::Kind::kReaction:
+      case Sensor::Kind::kDisplacement:
+      case Sensor::Kind::kAngle:
+      case Sensor::Kind::kSpeed:
+        return joints_;
+      case Sensor::Kind::kDistance:
+        return surfaces_;
+      case Sensor::Kind::kPosition:
+      case Sensor::Kind::kAttitude:
+      case Sensor::Kind::kVelocity:
+      case Sensor::Kind::kRate:
+      case Sensor::Kind::kAcceleration:
+      case Sensor::Kind::kSpecificForce:
+        break;
+    }
+    return bodies_;
+  }
+
+  int get_shift(Condition::Kind kind) const {
+    switch (kind) {
+      case Condition::Kind::kReaction:
+      case Condition::Kind::kDisplacement:
+      case Condition::Kind::kAngle:
+      case Condition::Kind::kSpeed:
+      case Condition::Kind::kMode:
+      case Condition::Kind::kForceSize:
+      case Condition::Kind::kMomentSize:
+        return joints_;
+      case Condition::Kind::kBodyRate:
+      case Condition::Kind::kBurnt:
+        return bodies_;
+      case Condition::Kind::kSignal:
+        return signals_;
+      case Condition::Kind::kCommand:
+        return channels_;
+      case Condition::Kind::kDistance:
+        return surfaces_;
+      case Condition::Kind::kClosed:
+        return contacts_;
+      case Condition::Kind::kOneSidedForce:
+      case Condition::Kind::kEngaged:
+      case Condition::Kind::kReach:
+      case Condition::Kind::kWound:
+      case Condition::Kind::kBearing:
+        return one_sided_;
+      case Condition::Kind::kTime:
+      case Condition::Kind::kAll:
+      case Condition::Kind::kAny:
+      case Condition::Kind::kNot:
+        break;
+    }
+    return 0;
+  }
+
+  void change(Condition& condition) const {
+    condition.subject = shift(condition.subject, get_shift(condition.kind));
+    if (condition.kind == Condition::Kind::kDistance) condition.axis += surfaces_;
+    for (Condition& part : condition.parts) change(part);
+  }
+
+  void change(Action& action) const {
+    switch (action.kind) {
+      case Action::Kind::kSetMode:
+        action.subject += joints_;
+        break;
+      case Action::Kind::kSwitch:
+      case Action::Kind::kRamp:
+        action.subject = elements_[at(action.subject)];
+        break;
+      case Action::Kind::kRaise:
+        action.subject += signals_;
+        break;
+      case Action::Kind::kImpulse:
+        action.subject += impulses_;
+        break;
+      case Action::Kind::kEngage:
+        action.subject += one_sided_;
+        break;
+    }
+  }
+
+  std::vector<const Model*> models_;
+  std::size_t number_ = 0;  // of the model that is being appended
+  Model joined_;
+  // Items of the models before it, by which its indices rise; its elements' numbers in the joined model.
+  int bodies_ = 0, joints_ = 0, surfaces_ = 0, contacts_ = 0, one_sided_ = 0, channels_ = 0, signals_ = 0,
+      impulses_ = 0;
+  std::vector<int> elements_;
+};
+
+}  // namespace
+
+Model join_models(std::span<const Model* const> models) { return Joiner(models).join(); }
+
+}  // namespace unlatch

@@ -1,0 +1,15 @@
+// Several models in one that do not touch each other.
+#pragma once
+
+#include <span>
+
+#include "unlatch/model.h"
+
+namespace unlatch {
+
+// The lists of the models one after the other, in their order, and their elements kind by kind. Names begin with the
+// number of their model. Gravity and contact_substeps are those of the first. Events that one-sided forces need and
+// that a model does not list are added to it first.
+Model join_models(std::span<const Model* const> models);
+
+}  // namespace unlatch
