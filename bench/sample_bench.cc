@@ -1,11 +1,14 @@
 // Processor time of one sample of a campaign, and of its parts, by turns over the same samples:
 //   sample_bench CAMPAIGN [SAMPLES [TURNS]]
-// Prints ms of the fastest turn: settings to a scenario, scenario to a simulation, the bare steps, the whole sample.
+// Prints ms of the fastest turn: settings to a scenario, scenario to a simulation, the bare steps, the whole sample;
+// and side by side (unlatch/bundle.h) the bare steps and the whole sample.
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "hil/campaign/campaign.h"
@@ -24,9 +27,19 @@ double get_processor_time() {  // s
 
 // Per sample, ms.
 template <typename Task>
-double measure(const std::vector<std::vector<hil::Setting>>& samples, const Task& task) {
+double measure(const std::vector<hil::SampleTask>& samples, const Task& task) {
   const double begin = get_processor_time();
-  for (const auto& settings : samples) task(settings);
+  for (const hil::SampleTask& sample : samples) task(sample);
+  return 1e3 * (get_processor_time() - begin) / static_cast<double>(samples.size());
+}
+
+double measure_side_by_side(const hil::SampleEvaluator& evaluator, std::vector<hil::SampleTask> samples, bool judges) {
+  const std::atomic<bool> never{false};
+  for (hil::SampleTask& sample : samples) sample.run.judges = judges;
+  const std::span<const hil::SampleTask> all = samples;
+  const double begin = get_processor_time();
+  for (std::size_t i = 0; i < all.size(); i += hil::SampleEvaluator::kSideBySide)
+    (void)evaluator.evaluate(all.subspan(i, std::min(hil::SampleEvaluator::kSideBySide, all.size() - i)), never);
   return 1e3 * (get_processor_time() - begin) / static_cast<double>(samples.size());
 }
 
@@ -36,22 +49,29 @@ int main(int argc, char** argv) {
   if (argc < 2) return 2;
   const hil::Campaign campaign = hil::load_campaign(argv[1]);
   const hil::SampleEvaluator evaluator(*campaign.tree);
-  const int count = argc > 2 ? std::atoi(argv[2]) : 20, turns = argc > 3 ? std::atoi(argv[3]) : 7;
-  std::vector<std::vector<hil::Setting>> samples;
-  for (int i = 0; i < count; ++i) samples.push_back(make_settings(campaign, draw_inputs(campaign, i)));
+  const int count = argc > 2 ? std::atoi(argv[2]) : 24, turns = argc > 3 ? std::atoi(argv[3]) : 7;
+  std::vector<hil::SampleTask> samples;
+  for (int i = 0; i < count; ++i) samples.push_back({make_settings(campaign, draw_inputs(campaign, i))});
 
   const std::atomic<bool> never{false};
   hil::SampleRun bare;
   bare.judges = false;
-  std::array<double, 4> least;
+  std::array<double, 6> least;
   least.fill(1e300);
   for (int turn = 0; turn < turns; ++turn) {
-    const std::array<double, 4> times{
-        measure(samples, [&](const auto& settings) { (void)campaign.tree->read(settings); }),
-        measure(samples, [&](const auto& settings) { (void)hil::build_simulation(campaign.tree->read(settings)); }),
-        measure(samples, [&](const auto& settings) { (void)evaluator.evaluate(settings, never, bare); }),
-        measure(samples, [&](const auto& settings) { (void)evaluator.evaluate(settings); })};
+    const std::array<double, 6> times{
+        measure(samples, [&](const hil::SampleTask& sample) { (void)campaign.tree->read(sample.settings); }),
+        measure(
+            samples,
+            [&](const hil::SampleTask& sample) { (void)hil::build_simulation(campaign.tree->read(sample.settings)); }),
+        measure(samples,
+                [&](const hil::SampleTask& sample) { (void)evaluator.evaluate(sample.settings, never, bare); }),
+        measure(samples, [&](const hil::SampleTask& sample) { (void)evaluator.evaluate(sample.settings); }),
+        measure_side_by_side(evaluator, samples, false),
+        measure_side_by_side(evaluator, samples, true)};
     for (std::size_t i = 0; i < times.size(); ++i) least[i] = std::min(least[i], times[i]);
   }
-  std::printf("%.3f %.3f %.3f %.3f\n", least[0], least[1] - least[0], least[2] - least[1], least[3]);
+  const double built = least[1];
+  std::printf("%.3f %.3f %.3f %.3f %.3f %.3f\n", least[0], built - least[0], least[2] - built, least[3],
+              least[4] - built, least[5]);
 }

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/evaluation/evaluation.h"
+
 namespace unlatch::hil {
 namespace {
 
-constexpr double kAhead = 0.5;  // s of work that a worker has
+constexpr double kAhead = 0.5;                                      // s of work that a worker has
+constexpr std::int64_t kSideBySide = SampleEvaluator::kSideBySide;  // samples that a thread runs at once
 
 }  // namespace
 
@@ -40,7 +43,7 @@ std::int64_t Handout::calc_share(const Worker& worker, double now) const {
   const double time = now - worker.begin;  // s
   const double ahead = worker.begin < 0 || time <= 0 ? 0 : kAhead * static_cast<double>(worker.came) / time;
   const std::int64_t wanted =
-      std::max<std::int64_t>(worker.threads + 1, std::lround(std::min(ahead, static_cast<double>(kMost))));
+      std::max<std::int64_t>(worker.threads * kSideBySide, std::lround(std::min(ahead, static_cast<double>(kMost))));
   const std::int64_t fair = not_given_ * worker.threads / (2 * std::int64_t{threads_});
   return std::min(wanted, std::max<std::int64_t>(worker.threads, fair));
 }

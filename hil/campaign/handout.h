@@ -1,6 +1,6 @@
-// Which worker gets which samples, for a campaign on several processes: a few at a time, as many as it runs in half a
-// second, and towards the end no more than it has threads. So slow workers get fewer, and none is waited for long. Who
-// runs a sample changes nothing in its result.
+// Which worker gets which samples, for a campaign on several processes: as many as it runs in half a second, or as its
+// threads run side by side if that is more, and towards the end no more than it has threads. So slow workers get fewer,
+// and none is waited for long. Who runs a sample changes nothing in its result.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace unlatch::hil {
 
 class Handout {
  public:
-  static constexpr std::int64_t kMost = 256;  // samples that a worker has, or one more than its threads; those of a
-                                              // killed job are run again
+  static constexpr std::int64_t kMost = 256;  // samples that a worker has, or eight a thread if that is more; those of
+                                              // a killed job are run again
   // Samples from `first` to before `last`, but those of `done`, which may name others too.
   Handout(std::int64_t first, std::int64_t last, const std::vector<std::int64_t>& done);
   // From now on to before `last`; nothing if that is not more than before.

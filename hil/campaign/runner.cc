@@ -1,6 +1,7 @@
 #include "hil/campaign/runner.h"
 
 #include <chrono>
+#include <utility>
 
 #include "hil/campaign/sample_pool.h"
 
@@ -14,9 +15,15 @@ constexpr auto kTurn = std::chrono::milliseconds(20);  // longest wait; then `st
 
 }  // namespace
 
-SampleRecord run_sample(const Campaign& campaign, const SampleEvaluator& evaluator, const PlannedSample& sample,
-                        const std::atomic<bool>& stop) {
-  return {sample.sample, sample.inputs, evaluator.evaluate(make_settings(campaign, sample.inputs), stop)};
+std::vector<SampleRecord> run_together(const Campaign& campaign, const SampleEvaluator& evaluator,
+                                       std::vector<PlannedSample> samples, const std::atomic<bool>& stop) {
+  std::vector<SampleTask> tasks;
+  for (const PlannedSample& sample : samples) tasks.push_back({make_settings(campaign, sample.inputs)});
+  std::vector<SampleResult> results = evaluator.evaluate(tasks, stop);
+  std::vector<SampleRecord> records;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    records.push_back({samples[i].sample, std::move(samples[i].inputs), std::move(results[i])});
+  return records;
 }
 
 void run_samples(const Campaign& campaign, const SampleEvaluator& evaluator, std::int64_t first, std::int64_t last,

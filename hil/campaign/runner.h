@@ -5,14 +5,15 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "hil/campaign/sample_source.h"
 
 namespace unlatch::hil {
 
-// Runs one sample as the campaign does.
-SampleRecord run_sample(const Campaign& campaign, const SampleEvaluator& evaluator, const PlannedSample& sample,
-                        const std::atomic<bool>& stop);
+// Runs samples as the campaign does, side by side; SampleEvaluator::kSideBySide at the most.
+std::vector<SampleRecord> run_together(const Campaign& campaign, const SampleEvaluator& evaluator,
+                                       std::vector<PlannedSample> samples, const std::atomic<bool>& stop);
 
 // Samples from `first` to before `last`, but those that the file has. `finished` is called after each, by this thread.
 // Another thread may set `stop`: samples in flight are left. Throws what append() throws.

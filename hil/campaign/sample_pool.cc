@@ -1,5 +1,6 @@
 #include "hil/campaign/sample_pool.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "hil/campaign/runner.h"
@@ -7,7 +8,7 @@
 namespace unlatch::hil {
 
 SamplePool::SamplePool(const Campaign& campaign, const SampleEvaluator& evaluator, int jobs)
-    : campaign_(campaign), evaluator_(evaluator) {
+    : campaign_(campaign), evaluator_(evaluator), jobs_(static_cast<std::size_t>(jobs)) {
   for (int i = 0; i < jobs; ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -34,19 +35,29 @@ std::vector<SampleRecord> SamplePool::take(std::chrono::milliseconds longest) {
   return std::exchange(records_, {});
 }
 
+// Of the samples that wait, as many as a thread runs side by side, or its share if that is less.
+std::vector<PlannedSample> SamplePool::take_share() {
+  const std::size_t share = (samples_.size() + jobs_ - 1) / jobs_;
+  std::vector<PlannedSample> taken;
+  for (std::size_t i = std::min(share, SampleEvaluator::kSideBySide); i > 0; --i) {
+    taken.push_back(std::move(samples_.front()));
+    samples_.pop_front();
+  }
+  return taken;
+}
+
 void SamplePool::work() {
   std::unique_lock lock(mutex_);
   try {
     while (true) {
       has_samples_.wait(lock, [&] { return stop_ || !samples_.empty(); });
       if (stop_) return;
-      const PlannedSample sample = std::move(samples_.front());
-      samples_.pop_front();
+      std::vector<PlannedSample> samples = take_share();
       lock.unlock();
-      SampleRecord record = run_sample(campaign_, evaluator_, sample, stop_);
+      std::vector<SampleRecord> records = run_together(campaign_, evaluator_, std::move(samples), stop_);
       lock.lock();
-      if (record.result.status == SampleStatus::kInterrupted) return;
-      records_.push_back(std::move(record));
+      for (SampleRecord& record : records)
+        if (record.result.status != SampleStatus::kInterrupted) records_.push_back(std::move(record));
       has_records_.notify_one();
     }
   } catch (...) {

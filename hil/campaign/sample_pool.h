@@ -31,10 +31,12 @@ class SamplePool {
   std::vector<SampleRecord> take(std::chrono::milliseconds longest);
 
  private:
+  std::vector<PlannedSample> take_share();
   void work();
 
   const Campaign& campaign_;
   const SampleEvaluator& evaluator_;
+  const std::size_t jobs_;
   std::atomic<bool> stop_{false};
   std::mutex mutex_;  // of all below
   std::condition_variable has_samples_, has_records_;

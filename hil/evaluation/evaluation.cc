@@ -1,6 +1,9 @@
 #include "hil/evaluation/evaluation.h"
 
+#include <algorithm>
 #include <limits>
+#include <memory>
+#include <utility>
 
 #include "hil/run/run.h"
 
@@ -33,33 +36,140 @@ std::vector<double> SampleEvaluator::collect(const Scenario& scenario, const Run
   return by_name;
 }
 
+// One sample under way. A mistake of its settings, or what a look throws, is its result.
+class SampleEvaluator::Flight {
+ public:
+  Flight(const SampleEvaluator& evaluator, std::span<const Setting> settings, const SampleRun& run)
+      : evaluator_(evaluator), run_(run) {
+    guard([&] {
+      scenario_.emplace(evaluator.tree_.read(settings));
+      simulation_ = build_simulation(*scenario_);
+      if (run.judges) analysis_.emplace(*scenario_, *simulation_, evaluator.request_);
+      const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario_->until, scenario_->dt);
+      flight_.emplace(*simulation_, analysis_ ? &*analysis_ : nullptr, nullptr, last, [this](const StepReport& report) {
+        if (run_.look) run_.look(*scenario_, *simulation_, report);
+      });
+    });
+  }
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+
+  [[nodiscard]] bool goes_on() const { return result_.status == SampleStatus::kDone && flight_ && flight_->goes_on(); }
+  [[nodiscard]] const Simulation& get_simulation() const { return *simulation_; }
+
+  // The step of a tick: begin() and, once it is taken, end(); or alone().
+  BundleRun begin() {
+    flight_->begin_tick();
+    return simulation_->begin_step();
+  }
+  void end(const StepReport& report) {
+    simulation_->end_step(report);
+    guard([&] { flight_->end_tick(report); });
+  }
+  void step_alone() {
+    flight_->begin_tick();
+    const StepReport report = simulation_->step();
+    guard([&] { flight_->end_tick(report); });
+  }
+  void interrupt() { flight_->interrupt(); }
+  SampleResult finish() {
+    if (result_.status == SampleStatus::kInvalid) return std::move(result_);
+    guard([&] {
+      const LogEnd end = flight_->finish();
+      if (run_.end) run_.end(*simulation_);
+      if (end.status == RunStatus::kAborted) result_.status = SampleStatus::kInterrupted;
+      if (end.status == RunStatus::kFaulted) result_.status = SampleStatus::kFaulted;
+      result_.message = end.message;
+      result_.ticks = end.tick;
+      result_.hash = end.hash;
+      result_.model_hash = simulation_->get_model_hash();
+      result_.values = analysis_ ? evaluator_.collect(*scenario_, *analysis_)
+                                 : std::vector<double>(evaluator_.columns_.size(), kNothing);
+    });
+    return std::move(result_);
+  }
+
+ private:
+  template <class Task>
+  void guard(const Task& task) {
+    try {
+      task();
+    } catch (const ScenarioError& error) {
+      result_.status = SampleStatus::kInvalid;
+      result_.message = error.what();
+      result_.values.assign(evaluator_.columns_.size(), kNothing);
+    }
+  }
+
+  const SampleEvaluator& evaluator_;
+  const SampleRun& run_;
+  std::optional<Scenario> scenario_;
+  std::unique_ptr<Simulation> simulation_;
+  std::optional<RunAnalysis> analysis_;
+  std::optional<FastRun> flight_;
+  SampleResult result_;
+};
+
+void SampleEvaluator::fly_alone(Flight& flight, const std::atomic<bool>& stop) {
+  while (flight.goes_on()) {
+    if (stop.load(std::memory_order_relaxed)) return flight.interrupt();
+    flight.step_alone();
+  }
+}
+
+// Of all flights, if they go on and the kernel makes one of them.
+std::optional<Bundle> SampleEvaluator::build_bundle(std::span<Flight* const> flights) {
+  std::vector<const Model*> models;
+  std::vector<const Plan*> plans;
+  for (const Flight* flight : flights) {
+    models.push_back(&flight->get_simulation().model());
+    plans.push_back(&flight->get_simulation().plan());
+  }
+  return Bundle::build(models, plans);
+}
+
+void SampleEvaluator::fly_together(Bundle& bundle, std::span<Flight* const> flights, const std::atomic<bool>& stop) {
+  std::vector<BundleRun> runs(flights.size());
+  const auto goes_on = [](const Flight* flight) { return flight->goes_on(); };
+  while (std::ranges::any_of(flights, goes_on)) {
+    if (stop.load(std::memory_order_relaxed)) {
+      for (Flight* flight : flights)
+        if (flight->goes_on()) flight->interrupt();
+      return;
+    }
+    for (std::size_t i = 0; i < flights.size(); ++i) {
+      if (flights[i]->goes_on())
+        runs[i] = flights[i]->begin();
+      else
+        runs[i].goes_on = false;
+    }
+    bundle.step(runs);
+    for (std::size_t i = 0; i < flights.size(); ++i)
+      if (runs[i].goes_on) flights[i]->end(runs[i].report);
+  }
+}
+
+std::vector<SampleResult> SampleEvaluator::evaluate(std::span<const SampleTask> tasks,
+                                                    const std::atomic<bool>& stop) const {
+  std::vector<std::unique_ptr<Flight>> flights;
+  for (const SampleTask& task : tasks) flights.push_back(std::make_unique<Flight>(*this, task.settings, task.run));
+  std::vector<Flight*> going;
+  for (const auto& flight : flights)
+    if (flight->goes_on()) going.push_back(flight.get());
+  if (std::optional<Bundle> bundle = build_bundle(going))
+    fly_together(*bundle, going, stop);
+  else
+    for (Flight* flight : going) fly_alone(*flight, stop);
+  std::vector<SampleResult> results;
+  for (const auto& flight : flights) results.push_back(flight->finish());
+  return results;
+}
+
 SampleResult SampleEvaluator::evaluate(std::span<const Setting> settings, const std::atomic<bool>& stop,
                                        const SampleRun& run) const {
-  SampleResult result;
-  try {
-    const Scenario scenario = tree_.read(settings);
-    const auto simulation = build_simulation(scenario);
-    std::optional<RunAnalysis> analysis;
-    if (run.judges) analysis.emplace(scenario, *simulation, request_);
-    const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario.until, scenario.dt);
-    const LogEnd end =
-        run_fast(*simulation, analysis ? &*analysis : nullptr, nullptr, last, stop, [&](const StepReport& report) {
-          if (run.look) run.look(scenario, *simulation, report);
-        });
-    if (run.end) run.end(*simulation);
-    if (end.status == RunStatus::kAborted) result.status = SampleStatus::kInterrupted;
-    if (end.status == RunStatus::kFaulted) result.status = SampleStatus::kFaulted;
-    result.message = end.message;
-    result.ticks = end.tick;
-    result.hash = end.hash;
-    result.model_hash = simulation->get_model_hash();
-    result.values = analysis ? collect(scenario, *analysis) : std::vector<double>(columns_.size(), kNothing);
-  } catch (const ScenarioError& error) {
-    result.status = SampleStatus::kInvalid;
-    result.message = error.what();
-    result.values.assign(columns_.size(), kNothing);
-  }
-  return result;
+  Flight flight(*this, settings, run);
+  fly_alone(flight, stop);
+  return flight.finish();
 }
 
 SampleResult SampleEvaluator::evaluate(std::span<const Setting> settings) const {

@@ -22,6 +22,7 @@
 #include "hil/language/setting.h"
 #include "hil/messages/messages.h"
 #include "hil/scenario/scenario_tree.h"
+#include "unlatch/bundle.h"
 
 namespace unlatch::hil {
 
@@ -52,6 +53,11 @@ struct SampleRun {
   std::function<void(const Simulation&)> end;
 };
 
+struct SampleTask {
+  std::vector<Setting> settings;
+  SampleRun run{};
+};
+
 class SampleEvaluator {
  public:
   // Refers to the tree.
@@ -65,8 +71,16 @@ class SampleEvaluator {
   SampleResult evaluate(std::span<const Setting> settings, const std::atomic<bool>& stop,
                         const SampleRun& run = {}) const;
   SampleResult evaluate(std::span<const Setting> settings) const;
+  // Of several samples, stepped side by side where that gains (unlatch/bundle.h), kSideBySide at the most: their
+  // results are those of one after the other.
+  static constexpr std::size_t kSideBySide = Bundle::kMost;
+  std::vector<SampleResult> evaluate(std::span<const SampleTask> tasks, const std::atomic<bool>& stop) const;
 
  private:
+  class Flight;
+  static void fly_alone(Flight& flight, const std::atomic<bool>& stop);
+  static std::optional<Bundle> build_bundle(std::span<Flight* const> flights);
+  static void fly_together(Bundle& bundle, std::span<Flight* const> flights, const std::atomic<bool>& stop);
   std::vector<double> collect(const Scenario& scenario, const RunAnalysis& analysis) const;
 
   const ScenarioTree& tree_;

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "hil/realtime/clock.h"
 #include "hil/realtime/executive_timing.h"
-#include "hil/run/run_record.h"
 
 namespace unlatch::hil {
 
@@ -51,46 +51,64 @@ LogHeader build_log_header(const Scenario& scenario, const Simulation& simulatio
   return header;
 }
 
-LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
-                const std::atomic<bool>& stop, const std::function<void()>& look) {
-  return run_fast(simulation, &analysis, recorder, last_tick, stop, [&look](const StepReport&) { look(); });
+FastRun::FastRun(Simulation& simulation, RunAnalysis* analysis, Recorder* recorder, std::int64_t last_tick, Look look)
+    : simulation_(simulation),
+      analysis_(analysis),
+      record_(simulation, recorder),
+      last_tick_(last_tick),
+      look_(std::move(look)) {
+  if (analysis_ != nullptr) analysis_->update(StepReport{});
+  record_.state(get_status());
+  look_(StepReport{});
 }
 
-LogEnd run_fast(Simulation& simulation, RunAnalysis* analysis, Recorder* recorder, std::int64_t last_tick,
-                const std::atomic<bool>& stop, const std::function<void(const StepReport&)>& look) {
-  LogEnd end;
+RunStatus FastRun::get_status() const {
+  return simulation_.get_tick() == last_tick_ ? RunStatus::kDone : RunStatus::kRunning;
+}
+
+void FastRun::end_tick(const StepReport& report) {
+  if (report.status != StepStatus::kOk) {
+    end_.status = RunStatus::kFaulted;
+    end_.step_status = static_cast<std::int32_t>(report.status);
+    end_.joint = report.joint;
+    return;
+  }
+  if (analysis_ != nullptr) analysis_->update(report);
+  record_.events(report);
+  record_.state(get_status());
+  look_(report);
+}
+
+void FastRun::interrupt() {
+  end_.status = RunStatus::kAborted;
+  end_.message = "interrupted";
+}
+
+LogEnd FastRun::finish() {
+  end_.tick = simulation_.get_tick();
+  end_.hash = simulation_.calc_hash();
+  if (end_.status == RunStatus::kFaulted)
+    end_.message = describe_fault(end_, simulation_.model(), simulation_.plan().get_options().dt);
+  return end_;
+}
+
+LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
+                const std::atomic<bool>& stop, const std::function<void()>& look) {
   Timing timing;
-  RunRecord record(simulation, recorder);
-  if (analysis != nullptr) analysis->update(StepReport{});
-  record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
-  look(StepReport{});
-  while (simulation.get_tick() < last_tick && end.status == RunStatus::kDone) {
+  FastRun run(simulation, &analysis, recorder, last_tick, [&look](const StepReport&) { look(); });
+  while (run.goes_on()) {
     if (stop.load(std::memory_order_relaxed)) {
-      end.status = RunStatus::kAborted;
-      end.message = "interrupted";
+      run.interrupt();
       break;
     }
-    record.tick();
+    run.begin_tick();
     const std::int64_t begin_ns = get_monotonic_ns();
     const StepReport report = simulation.step();
     timing.step.record(get_monotonic_ns() - begin_ns);
-    if (report.status != StepStatus::kOk) {
-      end.status = RunStatus::kFaulted;
-      end.step_status = static_cast<std::int32_t>(report.status);
-      end.joint = report.joint;
-      break;
-    }
-    if (analysis != nullptr) analysis->update(report);
-    record.events(report);
-    record.state(simulation.get_tick() == last_tick ? RunStatus::kDone : RunStatus::kRunning);
-    look(report);
+    run.end_tick(report);
   }
-  end.tick = simulation.get_tick();
-  end.hash = simulation.calc_hash();
+  LogEnd end = run.finish();
   end.timing = timing.summarize();
-  if (end.status == RunStatus::kFaulted) {
-    end.message = describe_fault(end, simulation.model(), simulation.plan().get_options().dt);
-  }
   return end;
 }
 

@@ -105,11 +105,23 @@ void Simulation::keep_motion() {
   log_ = MotionLog(plan_, {log_memory_.get(), MotionLog::get_bytes(plan_)});
 }
 
-StepReport Simulation::step() noexcept {
+BundleRun Simulation::begin_step() noexcept {
   held_.latch(get_tick(), channels_);
-  const StepReport report =
-      unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_, log_memory_ ? &log_ : nullptr);
+  return {.plan = &plan_,
+          .inputs = {held_.get_channels()},
+          .state = &state_,
+          .workspace = &workspace_,
+          .log = log_memory_ ? &log_ : nullptr};
+}
+
+void Simulation::end_step(const StepReport& report) noexcept {
   if (report.status == StepStatus::kOk) held_.sample(get_tick(), workspace_.sensors);
+}
+
+StepReport Simulation::step() noexcept {
+  const BundleRun run = begin_step();
+  const StepReport report = unlatch::step(plan_, run.inputs, state_, workspace_, run.log);
+  end_step(report);
   return report;
 }
 

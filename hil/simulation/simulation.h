@@ -13,6 +13,7 @@
 #include "hil/messages/messages.h"
 #include "hil/realtime/nonblocking.h"
 #include "hil/scenario/rates.h"
+#include "unlatch/bundle.h"
 #include "unlatch/frequencies.h"
 #include "unlatch/model.h"
 #include "unlatch/plan.h"
@@ -36,6 +37,10 @@ class Simulation {
   // One tick with the channels' present values, those that are latched now (hil/scenario/rates.h). On any status but
   // kOk nothing has changed but what is latched.
   StepReport step() noexcept UNLATCH_NONBLOCKING;
+  // The same in two halves, for a step beside those of other simulations (unlatch/bundle.h): the inputs are latched;
+  // then, with what the bundle reports, the sensors are sampled.
+  BundleRun begin_step() noexcept;
+  void end_step(const StepReport& report) noexcept;
 
   // From now on each step leaves the knots of its motion; allocates. For the analysis of a run, off the cyclic thread.
   void keep_motion();

@@ -25,14 +25,6 @@ class Joiner {
   }
 
  private:
-  // Kinds of elements, in their order in the one numbering.
-  static constexpr std::size_t kKinds = 7;
-  static std::array<int, kKinds> count_elements(const Model& model) {
-    const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
-    return {count(model.loads),    count(model.point_springs), count(model.joint_springs), count(model.plane_torsions),
-            count(model.contacts), count(model.one_sided),     count(model.frictions)};
-  }
-
   template <class Item>
   static int count(const std::vector<Item>& list) {
     return static_cast<int>(list.size());
@@ -67,17 +59,17 @@ class Joiner {
 
   // Numbers of the model's elements in the joined model, in which all of one kind follow each other.
   void find_elements(const Model& model) {
-    std::array<int, kKinds> all{}, before{};
+    std::array<int, kElementKinds> all{}, before{};
     for (std::size_t m = 0; m < models_.size(); ++m) {
-      const std::array<int, kKinds> counts = count_elements(*models_[m]);
-      for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      const std::array<int, kElementKinds> counts = count_elements(*models_[m]);
+      for (std::size_t kind = 0; kind < kElementKinds; ++kind) {
         all[kind] += counts[kind];
         if (m < number_) before[kind] += counts[kind];
       }
     }
     elements_.clear();
-    const std::array<int, kKinds> own = count_elements(model);
-    for (std::size_t kind = 0, first = 0; kind < kKinds; first += static_cast<std::size_t>(all[kind++]))
+    const std::array<int, kElementKinds> own = count_elements(model);
+    for (std::size_t kind = 0, first = 0; kind < kElementKinds; first += static_cast<std::size_t>(all[kind++]))
       for (int i = 0; i < own[kind]; ++i) elements_.push_back(static_cast<int>(first) + before[kind] + i);
   }
 
@@ -239,6 +231,12 @@ class Joiner {
 };
 
 }  // namespace
+
+std::array<int, kElementKinds> count_elements(const Model& model) {
+  const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
+  return {count(model.loads),    count(model.point_springs), count(model.joint_springs), count(model.plane_torsions),
+          count(model.contacts), count(model.one_sided),     count(model.frictions)};
+}
 
 Model join_models(std::span<const Model* const> models) { return Joiner(models).join(); }
 

@@ -125,8 +125,10 @@ UNLATCH_INLINE void add_to_parents(const GroupView<T, kWidth>& v, const Passed<T
   }
   double* blocks = v.ev.blocks.data();
   if (v.group.link == ParentLink::kContiguous) {
+    // From the group's first lane on, since an empty lane has its neighbour's parent.
+    const Place& first = v.plan.lane_parents[at(v.group.first)];
     SubtreeBlock<Wide<kWidth>>& block =
-        as_block<SubtreeBlock, kWidth>(blocks + get_position<SubtreeBlock<double>>(v.parents[0]).first);
+        as_block<SubtreeBlock, kWidth>(blocks + get_position<SubtreeBlock<double>>(first).first + v.lane);
     if (v.group.begins == kNone) return add<kFactor>(block, passed);
     const GroupView<T, kWidth> parent(v.plan, v.ev, static_cast<std::size_t>(v.group.begins), v.lane);
     const Passed<T> own = get_own(parent, source);

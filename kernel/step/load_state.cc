@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "kernel/dynamics/one_sided.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
 
@@ -118,6 +119,28 @@ void store_motion(const PlanData& plan, const Evaluation& ev, State& state) noex
     state.bodies[b] = {motion.p, motion.q, motion.v, motion.w};
   }
   std::copy(ev.auxiliary.now.begin(), ev.auxiliary.now.end(), state.auxiliary.begin());
+}
+
+void store_substep(const PlanData& plan, const Evaluation& ev, State& state) noexcept {
+  store_motion(plan, ev, state);
+  for (std::size_t i = 0; i < plan.coordinates.size(); ++i) {
+    const PlanCoordinate& c = plan.coordinates[i];
+    if (c.row >= kRotX) state.joints[at(c.joint)].angle[c.row - kRotX] = ev.coordinates[i];
+  }
+  store_bearings(plan, ev, state);
+}
+
+bool is_finite(const State& state, std::span<const double> sensors) noexcept {
+  double sum = 0;
+  for (const BodyState& b : state.bodies)
+    sum += ((b.p.x + b.p.y) + (b.p.z + b.q.w)) + ((b.q.x + b.q.y) + (b.q.z + b.v.x)) +
+           ((b.v.y + b.v.z) + (b.w.x + b.w.y)) + b.w.z;
+  for (const JointState& j : state.joints)
+    sum += (j.angle[0] + j.angle[1]) + (j.angle[2] + j.offset.x) + (j.offset.y + j.offset.z);
+  for (const double number : state.auxiliary) sum += number;
+  for (const double number : state.bearings) sum += number;
+  for (const double number : sensors) sum += number;
+  return std::isfinite(sum);
 }
 
 }  // namespace unlatch

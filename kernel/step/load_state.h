@@ -20,4 +20,10 @@ void load_modes(const PlanData& plan, const State& state, Evaluation& ev) noexce
 // Poses, velocities and auxiliary states out of the evaluation into `state`.
 void store_motion(const PlanData& plan, const Evaluation& ev, State& state) noexcept;
 
+// The same, and all else that the state remembers of a sub-step that has ended: angles and bearings, turns counted.
+void store_substep(const PlanData& plan, const Evaluation& ev, State& state) noexcept;
+
+// All numbers that a step makes are finite: one that is not survives being summed.
+bool is_finite(const State& state, std::span<const double> sensors) noexcept;
+
 }  // namespace unlatch

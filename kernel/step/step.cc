@@ -217,12 +217,7 @@ void update_tolerances(Run& run) {
 
 // The latest try holds.
 void accept(Run& run) {
-  store_motion(run.plan, run.ev, run.state);
-  for (std::size_t i = 0; i < run.plan.coordinates.size(); ++i) {
-    const PlanCoordinate& c = run.plan.coordinates[i];
-    if (c.row >= kRotX) run.state.joints[at(c.joint)].angle[c.row - kRotX] = run.ev.coordinates[i];
-  }
-  store_bearings(run.plan, run.ev, run.state);
+  store_substep(run.plan, run.ev, run.state);
   rearm(run.plan, run.state, run.ev);
 }
 
@@ -311,20 +306,6 @@ double advance(Run& run, double now, double step_end, int& splits) {
     log_motion(run, reached, true);
   }
   return reached;
-}
-
-// All numbers that a step makes are finite: one that is not survives being summed.
-bool is_finite(const State& state, std::span<const double> sensors) {
-  double sum = 0;
-  for (const BodyState& b : state.bodies)
-    sum += ((b.p.x + b.p.y) + (b.p.z + b.q.w)) + ((b.q.x + b.q.y) + (b.q.z + b.v.x)) +
-           ((b.v.y + b.v.z) + (b.w.x + b.w.y)) + b.w.z;
-  for (const JointState& j : state.joints)
-    sum += (j.angle[0] + j.angle[1]) + (j.angle[2] + j.offset.x) + (j.offset.y + j.offset.z);
-  for (const double number : state.auxiliary) sum += number;
-  for (const double number : state.bearings) sum += number;
-  for (const double number : sensors) sum += number;
-  return std::isfinite(sum);
 }
 
 // Upper bound of the difference between a state that is handed in and the one that is kept.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "hil/run/run.h"
 #include "library/c/calls.h"
@@ -45,14 +46,19 @@ void Batch::add(std::vector<std::string> overrides) {
 unlatch_status Batch::run(double until, std::size_t threads, std::atomic<bool>& interrupted) {
   if (!(until >= 0) || std::isinf(until))
     return fail(UNLATCH_ERROR_RANGE, "the end of the run is no time from 0 on, s");
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  // Each thread takes as many as it runs side by side, or its share if that is less.
+  const std::size_t share = std::clamp<std::size_t>(size() / threads, 1, hil::SampleEvaluator::kSideBySide);
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
-    for (std::size_t i = next++; i < size() && !interrupted.load(std::memory_order_relaxed); i = next++) {
-      const std::int64_t status = integers_[UNLATCH_SAMPLE_STATUS][i];
-      if (status == UNLATCH_INTERRUPTED) run_sample(i, until, interrupted);
+    for (std::size_t i = next.fetch_add(share); i < size() && !interrupted.load(std::memory_order_relaxed);
+         i = next.fetch_add(share)) {
+      std::vector<std::size_t> samples;
+      for (std::size_t k = i; k < std::min(i + share, size()); ++k)
+        if (integers_[UNLATCH_SAMPLE_STATUS][k] == UNLATCH_INTERRUPTED) samples.push_back(k);
+      run_samples(samples, until, interrupted);
     }
   };
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   {
     std::vector<std::jthread> helpers;
     for (std::size_t i = 1; i < std::min(threads, size()); ++i) helpers.emplace_back(work);
@@ -94,33 +100,54 @@ void Batch::keep(std::size_t sample, const hil::SampleResult& result) {
   }
 }
 
-void Batch::run_sample(std::size_t sample, double until, const std::atomic<bool>& stop) {
+std::optional<hil::SampleTask> Batch::build_task(std::size_t sample, double until) {
   double* const first_events = &first_events_[sample * events_];
   std::fill_n(first_events, events_, kNever);  // of a run that was interrupted
-  hil::SampleRun run;
-  run.until = until;
-  run.judges = judges_;
-  run.look = [&](const hil::Scenario& scenario, const hil::Simulation& simulation, const StepReport& report) {
+  hil::SampleTask task;
+  task.run.until = until;
+  task.run.judges = judges_;
+  task.run.look = [this, first_events](const hil::Scenario& scenario, const hil::Simulation& simulation,
+                                       const StepReport& report) {
     if (simulation.get_tick() == 0) check_lists(scenario);
     for (const FiredEvent& fired : report.events) {
       double& first = first_events[static_cast<std::size_t>(fired.event)];
       if (std::isnan(first)) first = fired.time;
     }
   };
-  run.end = [&](const hil::Simulation& simulation) {
+  task.run.end = [this, sample](const hil::Simulation& simulation) {
     const std::span<const BodyState> bodies = simulation.state().bodies;
     std::memcpy(&last_bodies_[sample * bodies_ * kBodyNumbers], bodies.data(), bodies.size_bytes());
   };
   try {
-    std::vector<hil::Setting> settings;
-    for (const std::string& text : overrides_[sample]) settings.push_back(hil::parse_setting(text));
-    keep(sample, evaluator_.evaluate(settings, stop, run));
+    for (const std::string& text : overrides_[sample]) task.settings.push_back(hil::parse_setting(text));
   } catch (const hil::YamlError& error) {
     integers_[UNLATCH_SAMPLE_STATUS][sample] = UNLATCH_ERROR_SCENARIO;
     texts_[sample] = std::string("an override: ") + error.what() + "; " + error.mend;
+    return std::nullopt;
   } catch (const std::exception& error) {
     integers_[UNLATCH_SAMPLE_STATUS][sample] = UNLATCH_ERROR_INTERNAL;
     texts_[sample] = error.what();
+    return std::nullopt;
+  }
+  return task;
+}
+
+void Batch::run_samples(std::span<const std::size_t> samples, double until, const std::atomic<bool>& stop) {
+  std::vector<std::size_t> numbers;
+  std::vector<hil::SampleTask> tasks;
+  for (const std::size_t sample : samples)
+    if (std::optional<hil::SampleTask> task = build_task(sample, until)) {
+      numbers.push_back(sample);
+      tasks.push_back(*std::move(task));
+    }
+  try {
+    const std::vector<hil::SampleResult> results = evaluator_.evaluate(tasks, stop);
+    for (std::size_t i = 0; i < numbers.size(); ++i) keep(numbers[i], results[i]);
+  } catch (const std::exception& error) {
+    for (const std::size_t sample : numbers) {
+      integers_[UNLATCH_SAMPLE_STATUS][sample] = UNLATCH_ERROR_INTERNAL;
+      texts_[sample] = error.what();
+    }
   }
 }
 

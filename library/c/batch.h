@@ -4,6 +4,8 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,7 +31,8 @@ class Batch {
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
 
  private:
-  void run_sample(std::size_t sample, double until, const std::atomic<bool>& stop);
+  std::optional<hil::SampleTask> build_task(std::size_t sample, double until);
+  void run_samples(std::span<const std::size_t> samples, double until, const std::atomic<bool>& stop);
   void check_lists(const hil::Scenario& scenario) const;  // throws ScenarioError
   void keep(std::size_t sample, const hil::SampleResult& result);
 

@@ -96,6 +96,32 @@ TEST(SampleEvaluator, GivesTheValuesOfAnAnalysisOfEverythingInEveryShippedCampai
   }
 }
 
+// Some end early, one is no valid scenario; the shipped campaigns with loops or flexible bodies run one by one.
+TEST(SampleEvaluator, GivesSamplesSideBySideTheBitsOfEachAlone) {
+  for (const char* name : {"antenna", "array", "boosters", "capsule", "fairing"}) {
+    const hil::Campaign campaign =
+        hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name + "/campaign.yaml");
+    const SampleEvaluator evaluator(*campaign.tree);
+    std::vector<hil::SampleTask> tasks;
+    for (int i = 0; i < 5; ++i) tasks.push_back({make_settings(campaign, draw_inputs(campaign, i))});
+    tasks[1].run.until = 0.7;
+    tasks[2].settings.push_back(hil::parse_setting("step.dt=-1"));
+    const std::atomic<bool> stop{false};
+    const std::vector<SampleResult> together = evaluator.evaluate(tasks, stop);
+    ASSERT_EQ(together.size(), tasks.size());
+    EXPECT_EQ(together[2].status, SampleStatus::kInvalid);
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      const SampleResult alone = evaluator.evaluate(tasks[i].settings, stop, tasks[i].run);
+      EXPECT_EQ(together[i].status, alone.status) << name << i;
+      EXPECT_EQ(together[i].message, alone.message) << name << i;
+      EXPECT_EQ(together[i].ticks, alone.ticks) << name << i;
+      EXPECT_EQ(together[i].hash, alone.hash) << name << i;
+      EXPECT_EQ(together[i].model_hash, alone.model_hash) << name << i;
+      EXPECT_EQ(to_bits(together[i].values), to_bits(alone.values)) << name << i;
+    }
+  }
+}
+
 TEST(SampleEvaluator, AsksForPeaksOfReactionsOnlyWhereAColumnShowsOne) {
   const ScenarioTree tree(kBoosters);
   std::vector<hil::ResultColumn> columns = list_columns(tree.get_nominal());

@@ -137,7 +137,7 @@ TEST_F(SamplePoolTest, GivesTheRecordsOfTheSamplesItGot) {
       EXPECT_TRUE(hashes.emplace(record.sample, calc_hash(record)).second);
   const std::atomic<bool> never{false};
   for (const hil::PlannedSample& sample : samples)
-    EXPECT_EQ(hashes.at(sample.sample), calc_hash(run_sample(campaign_, evaluator, sample, never)));
+    EXPECT_EQ(hashes.at(sample.sample), calc_hash(run_together(campaign_, evaluator, {sample}, never).front()));
 }
 
 TEST_F(SamplePoolTest, EndsWithSamplesThatWait) {

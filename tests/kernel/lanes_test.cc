@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "kernel/plan/plan_data.h"
@@ -64,6 +65,43 @@ TEST(Lanes, EveryWidthGivesRandomSystemsTheSameReactionsToTheLastBit) {
       for (std::size_t i = 0; i < other.workspace.multipliers.size(); ++i)
         ASSERT_EQ(get_bits(other.workspace.multipliers[i]), get_bits(scalar.workspace.multipliers[i]))
             << get_name(set) << " seed " << seed << " multiplier " << i;
+    }
+  }
+}
+
+// Arms that are alike fill a part of a group of four or eight; its empty lanes lie beside their parents'.
+TEST(Lanes, EveryWidthGivesThreeToSevenArmsOfTwoLinksTheSameBits) {
+  for (int arms = 3; arms < 8; ++arms) {
+    Model model;
+    model.bodies = {box("hub", 50, 4, 5, 6)};
+    model.bodies[0].w_WB_B = {0.1, 0.2, -0.3};
+    for (int arm = 0; arm < arms; ++arm)
+      for (int link = 0; link < 2; ++link) {
+        const std::string name = std::to_string(arm) + "." + std::to_string(link);
+        const int number = static_cast<int>(model.bodies.size());
+        Body body = box(name, 3 + arm, 0.2, 0.3, 0.4);
+        body.p_WB = {link + 1.0, 0.5 * arm, 0};
+        body.v_WB = model.bodies[0].w_WB_B.cross(body.p_WB);
+        body.w_WB_B = model.bodies[0].w_WB_B;
+        model.bodies.push_back(body);
+        Joint joint;
+        joint.name = name;
+        joint.base = link == 0 ? 0 : number - 1;
+        joint.follower = number;
+        joint.point_base = link == 0 ? Eigen::Vector3d(0.5, 0.5 * arm, 0) : Eigen::Vector3d(0.5, 0, 0);
+        joint.point_follower = {-0.5, 0, 0};
+        joint.modes = {{"hinge", kRevoluteRows}};
+        model.joints.push_back(joint);
+      }
+    const Simulation widest = [&] {
+      Simulation s = build(model, InstructionSet::kAuto);
+      for (int tick = 0; tick < 20; ++tick) EXPECT_EQ(s.advance().status, StepStatus::kOk) << arms;
+      return s;
+    }();
+    for (const InstructionSet set : find_widths()) {
+      Simulation other = build(model, set);
+      for (int tick = 0; tick < 20; ++tick) EXPECT_EQ(other.advance().status, StepStatus::kOk) << arms << get_name(set);
+      EXPECT_EQ(calc_hash(other.state), calc_hash(widest.state)) << arms << " " << get_name(set);
     }
   }
 }

@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
     const std::vector<hil::PlannedSample> work = receive_work(shape.inputs);
     if (work.empty()) break;
     for (const hil::PlannedSample& sample : work) {
-      hil::SampleRecord record = run_sample(campaign, evaluator, sample, never);
+      hil::SampleRecord record = run_together(campaign, evaluator, {sample}, never).front();
       if (mode == "sample") record.sample = campaign.plan.samples + 5;
       if (mode == "inputs") record.inputs[0] += 1e-15;
       encode_record(shape, record, bytes);

@@ -20,8 +20,7 @@ struct BundleRun {
   const Plan* plan = nullptr;      // of its model
   Inputs inputs;                   // of this step
   State* state = nullptr;          // its own
-  Workspace* workspace = nullptr;  // its own. After the step its sensors are those of the new state; its accelerations
-                                   // and multipliers are so only if the run was stepped alone
+  Workspace* workspace = nullptr;  // its own; afterwards with the outputs of the new state, as step() leaves them
   MotionLog* log = nullptr;        // as for step()
   bool goes_on = true;             // false: it has ended, and nothing happens to it
   StepReport report{};             // of the step

@@ -1,0 +1,250 @@
+#include "unlatch/bundle.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "kernel/dynamics/compliance.h"
+#include "kernel/step/bundle.h"
+#include "kernel/step/events.h"
+#include "kernel/step/guards.h"
+#include "kernel/step/integrator.h"
+#include "kernel/step/load_state.h"
+#include "kernel/step/sensors.h"
+
+namespace unlatch {
+namespace {
+
+// Calls `act` with each part of a member's state, its header left out, and with the place of that part in the joint
+// state.
+template <class Act>
+void for_parts(const BundleMember& member, const State& own, const State& joint, const Act& act) {
+  const auto list = [&](const auto& from, const auto& to, Stretch s) {
+    if (s.count > 0)
+      act(std::as_writable_bytes(from.subspan(at(s.own), at(s.count))),
+          std::as_writable_bytes(to.subspan(at(s.joint), at(s.count))));
+  };
+  const auto whole = [&](const auto& from, const auto& to, std::int32_t first) {
+    list(from, to, {0, first, static_cast<std::int32_t>(from.size())});
+  };
+  whole(own.bodies, joint.bodies, member.body);
+  whole(own.joints, joint.joints, member.joint);
+  for (const Stretch& kind : member.elements) list(own.elements, joint.elements, kind);
+  whole(own.events, joint.events, member.event);
+  whole(own.signals, joint.signals, member.signal);
+  for (const Stretch& part : member.auxiliary) list(own.auxiliary, joint.auxiliary, part);
+  whole(own.contacts, joint.contacts, member.pair);
+  whole(own.engaged, joint.engaged, member.one_sided);
+  whole(own.bearings, joint.bearings, member.bearing);
+}
+
+// The joint state takes over a member's; true if it was another.
+bool take_over(const BundleMember& member, const State& own, const State& joint) {
+  bool differs = false;
+  for_parts(member, own, joint, [&](std::span<std::byte> from, std::span<std::byte> to) {
+    if (std::memcmp(from.data(), to.data(), from.size()) == 0) return;
+    std::memcpy(to.data(), from.data(), from.size());
+    differs = true;
+  });
+  return differs;
+}
+
+void give_back(const BundleMember& member, const State& joint, const State& own) {
+  for_parts(member, own, joint, [](std::span<std::byte> to, std::span<std::byte> from) {
+    std::memcpy(to.data(), from.data(), from.size());
+  });
+}
+
+// A step side by side, under way.
+class SideBySide {
+ public:
+  SideBySide(BundleData& data, std::span<BundleRun> runs)
+      : data_(data),
+        plan_(data.plan.data()),
+        kept_(data.workspace.data().kept),
+        search_(data.workspace.data().search),
+        ev_(kept_.evaluation),
+        state_(kept_.state),
+        runs_(runs) {
+    for (std::size_t m = 0; m < runs.size(); ++m) stays_[m] = runs[m].goes_on;
+  }
+
+  void step() {
+    if (!begin() || !integrate_all()) stays_.fill(false);
+    for (std::size_t m = 0; m < runs_.size(); ++m) {
+      BundleRun& run = runs_[m];
+      if (stays_[m])
+        finish(m);
+      else if (run.goes_on)
+        run.report = unlatch::step(*run.plan, run.inputs, *run.state, *run.workspace, run.log);
+    }
+  }
+
+ private:
+  Instant get_instant(double t) const { return {plan_, {data_.commands}, state_, t}; }
+
+  // The joint state and its evaluation at the beginning, with the commands. False if it cannot be evaluated.
+  bool begin() {
+    bool differs = !kept_.valid, any = false;
+    kept_.valid = false;
+    for (std::size_t m = 0; m < runs_.size(); ++m) {
+      const BundleMember& member = data_.members[m];
+      std::copy(runs_[m].inputs.commands.begin(), runs_[m].inputs.commands.end(),
+                data_.commands.begin() + member.channel);
+      differs |= take_over(member, *runs_[m].state, state_);
+      if (runs_[m].goes_on && !any) state_.header->tick = runs_[m].state->header->tick;
+      any |= runs_[m].goes_on;
+    }
+    begin_ = plan_.get_time(state_.header->tick), end_ = plan_.get_time(state_.header->tick + 1);
+    for (std::size_t m = 0; m < runs_.size(); ++m)
+      stays_[m] = stays_[m] && runs_[m].state->header->tick == state_.header->tick;
+    if (!begin_evaluation(get_instant(begin_), differs ? Changed::kState : Changed::kCommands)) return false;
+    rearm(plan_, state_, ev_);
+    const bool stiff = is_stiff(plan_, state_, 0.5 * (begin_ + end_));
+    for (std::size_t m = 0; m < runs_.size(); ++m)
+      stays_[m] = stays_[m] && begins_quietly(m) &&
+                  is_stiff(runs_[m].plan->data(), *runs_[m].state, 0.5 * (begin_ + end_)) == stiff;
+    log_beginning();
+    return true;
+  }
+  bool begin_evaluation(const Instant& now, Changed changed) {
+    const bool evaluates = changed != Changed::kCommands || plan_.commanded_loads;
+    if (evaluates && evaluate(now, changed, ev_) != kNone) return false;
+    if (evaluates || plan_.commanded_events) update_guards(now, ev_, search_.stack);
+    return true;
+  }
+
+  // The guards of a member's events, and those of its pairs of shapes, among those of all.
+  struct Guards {
+    std::span<const double> events, pairs;
+  };
+  Guards get_guards(std::size_t m, std::span<const double> all) const {
+    const BundleMember& member = data_.members[m];
+    const State& own = *runs_[m].state;
+    return {all.subspan(at(member.event), own.events.size()),
+            all.subspan(plan_.events.size() + at(member.pair), own.contacts.size())};
+  }
+  std::span<const EventState> get_events(std::size_t m) const {
+    return state_.events.subspan(at(data_.members[m].event), runs_[m].state->events.size());
+  }
+
+  // No event is due at the beginning of the step, none that waits becomes due in it, and no contact is closed.
+  bool begins_quietly(std::size_t m) const {
+    const PlanData& own = runs_[m].plan->data();
+    const Guards guards = get_guards(m, ev_.guards);
+    const std::span<const EventState> events = get_events(m);
+    const double slack = kSameInstant * plan_.options.dt;
+    for (std::size_t e = 0; e < events.size(); ++e) {
+      if (events[e].phase == EventPhase::kPending && events[e].due <= end_ + slack) return false;
+      if (events[e].phase == EventPhase::kArmed && guards.events[e] >= -(own.events[e].by_time ? slack : 0.0))
+        return false;
+    }
+    if (std::any_of(guards.pairs.begin(), guards.pairs.end(), [](double guard) { return guard >= 0; })) return false;
+    const std::span<const ContactState> pairs = runs_[m].state->contacts;
+    if (std::any_of(pairs.begin(), pairs.end(), [](const ContactState& pair) { return pair.closed != 0; }))
+      return false;
+    return true;
+  }
+
+  // The whole step as one sub-step. False if that fails.
+  bool integrate_all() {
+    if (std::none_of(stays_.begin(), stays_.end(), [](bool stays) { return stays; })) return false;
+    std::copy(ev_.guards.begin(), ev_.guards.end(), search_.guards_low.begin());
+    std::copy(ev_.pair_rates.begin(), ev_.pair_rates.end(), search_.rates_low.begin());
+    const Instant end = get_instant(end_);
+    const SubstepStart start = begin_substep(plan_, begin_, ev_);
+    if (integrate(end, start, end_, ev_) != kNone || evaluate(end, Changed::kVelocities, ev_) != kNone) return false;
+    update_guards(end, ev_, search_.stack);
+    for (std::size_t m = 0; m < runs_.size(); ++m) stays_[m] = stays_[m] && passes_quietly(m);
+    store_substep(plan_, ev_, state_);
+    rearm(plan_, state_, ev_);
+    update_sensors(plan_, state_, ev_);
+    ++state_.header->tick;
+    return kept_.valid = is_finite(state_, ev_.sensors);
+  }
+
+  // No guard crosses zero, and no pair of shapes can have touched in between.
+  bool passes_quietly(std::size_t m) const {
+    const PlanData& own = runs_[m].plan->data();
+    const double slack = kSameInstant * plan_.options.dt;
+    const Guards low = get_guards(m, search_.guards_low), high = get_guards(m, ev_.guards);
+    const std::span<const EventState> events = get_events(m);
+    for (std::size_t e = 0; e < events.size(); ++e)
+      if (events[e].phase == EventPhase::kArmed && low.events[e] < 0 &&
+          high.events[e] >= -(own.events[e].by_time ? slack : 0.0))
+        return false;
+    const auto first = at(data_.members[m].pair);
+    for (std::size_t i = 0; i < low.pairs.size(); ++i)
+      if ((low.pairs[i] < 0 && high.pairs[i] >= 0) ||
+          (search_.rates_low[first + i] < 0 && ev_.pair_rates[first + i] > 0))
+        return false;
+    return true;
+  }
+
+  // A member's state at the end of the step, its outputs and its report.
+  void finish(std::size_t m) {
+    BundleRun& run = runs_[m];
+    const BundleMember& member = data_.members[m];
+    give_back(member, state_, *run.state);
+    run.state->header->tick = state_.header->tick;
+    FinalEvaluation& own = run.workspace->data().kept;
+    own.valid = false;  // these outputs are all that it has of the new state
+    Evaluation& to = own.evaluation;
+    for (std::size_t b = 0; b < to.places.size(); ++b)
+      write(to.blocks.data(), to.places[b], &SharedBlock<double>::acceleration, get_acceleration(member, b));
+    for (std::size_t i = 0; i < to.multipliers.size(); ++i)
+      to.multipliers.get(i / kRows, i % kRows) = get_multiplier(member, i);
+    copy_sensors(member, to.sensors);
+    run.report = {};
+    run.report.substeps = 1;
+    add_knot(m, end_, false);
+  }
+  Spatial get_acceleration(const BundleMember& member, std::size_t body) const {
+    return ev_.get_acceleration(member.body + static_cast<int>(body));
+  }
+  double get_multiplier(const BundleMember& member, std::size_t i) const {
+    return ev_.multipliers[at(member.joint) * kRows + i];
+  }
+  void copy_sensors(const BundleMember& member, std::span<double> to) const {
+    std::copy_n(ev_.sensors.begin() + member.sensor, to.size(), to.begin());
+  }
+
+  // The knots at the beginning of the step. What leaves later writes its own.
+  void log_beginning() {
+    if (std::none_of(runs_.begin(), runs_.end(), [](const BundleRun& run) { return run.log != nullptr; })) return;
+    update_sensors(plan_, state_, ev_);
+    for (std::size_t m = 0; m < runs_.size(); ++m) {
+      if (!stays_[m] || runs_[m].log == nullptr) continue;
+      runs_[m].log->clear();
+      add_knot(m, begin_, true);
+    }
+  }
+  void add_knot(std::size_t m, double time, bool begins) {
+    if (runs_[m].log == nullptr) return;
+    const BundleMember& member = data_.members[m];
+    MotionKnot& knot = runs_[m].log->add();
+    knot.time = time;
+    knot.begins = begins;
+    *knot.state.header = {state_.header->tick, runs_[m].plan->get_hash()};
+    give_back(member, state_, knot.state);
+    for (std::size_t b = 0; b < knot.accelerations.size(); ++b) knot.accelerations[b] = get_acceleration(member, b);
+    for (std::size_t i = 0; i < knot.multipliers.size(); ++i) knot.multipliers[i] = get_multiplier(member, i);
+    copy_sensors(member, knot.sensors);
+  }
+
+  BundleData& data_;
+  const PlanData& plan_;
+  FinalEvaluation& kept_;
+  EventSearch& search_;
+  Evaluation& ev_;
+  State& state_;
+  std::span<BundleRun> runs_;
+  std::array<bool, Bundle::kMost> stays_{};  // by run: it takes this step side by side
+  double begin_ = 0, end_ = 0;               // s
+};
+
+}  // namespace
+
+void Bundle::step(std::span<BundleRun> runs) noexcept { SideBySide(*data_, runs).step(); }
+
+}  // namespace unlatch

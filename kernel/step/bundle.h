@@ -1,0 +1,36 @@
+// Runs in the lanes of one plan: where each of them lies in it.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "kernel/model/join.h"
+#include "kernel/plan/evaluation.h"
+#include "unlatch/bundle.h"
+
+namespace unlatch {
+
+// `count` items of a member's list, from `own` on, are those of the joint plan's list from `joint` on.
+struct Stretch {
+  std::int32_t own = 0, joint = 0, count = 0;
+};
+
+// A run. Its first of each list in the joint plan.
+struct BundleMember {
+  std::int32_t body, joint, event, signal, pair, one_sided, bearing, sensor, channel;
+  std::array<Stretch, kElementKinds> elements;  // by kind
+  std::array<Stretch, 2> auxiliary;             // masses burnt; totals of contacts
+};
+
+struct BundleData {
+  explicit BundleData(Plan plan_in);
+
+  Plan plan;  // of all members, see model/join.h
+  std::vector<BundleMember> members;
+  std::vector<double> commands;  // of all members' channels
+  std::unique_ptr<std::byte, void (*)(std::byte*)> memory;
+  Workspace workspace;  // its kept state is that of all members at the end of their latest step side by side
+};
+
+}  // namespace unlatch

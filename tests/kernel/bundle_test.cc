@@ -1,0 +1,245 @@
+// Bundles: runs side by side have the bits of each alone.
+#include "unlatch/bundle.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/golden/golden_models.h"
+#include "tests/support/contact_models.h"
+#include "tests/support/malloc_guard.h"
+#include "tests/support/random_model.h"
+#include "tests/support/reference_models.h"
+#include "tests/support/simulation.h"
+#include "tests/support/small_models.h"
+
+namespace unlatch::test {
+namespace {
+
+void delay(Condition& condition, double seconds) {
+  if (condition.kind == Condition::Kind::kTime) condition.threshold += seconds;
+  for (Condition& part : condition.parts) delay(part, seconds);
+}
+
+// The same structure with other masses, loads, speeds and times of events.
+Model disperse(const Model& model, int number) {
+  Model out = model;
+  const double grown = 1 + 0.01 * number;
+  for (Body& body : out.bodies) {
+    body.mass *= grown;
+    body.inertia *= grown;
+    if (!body.law) continue;
+    for (MassLaw::Knot& knot : body.law->knots) {
+      knot.mass *= grown;
+      knot.inertia *= grown;
+    }
+  }
+  for (Load& load : out.loads) load.direction *= 1 + 0.003 * number;
+  for (Event& event : out.events) delay(event.when, 0.0037 * number);
+  return out;
+}
+
+// A simulation that keeps the knots of its motion.
+struct Logged {
+  explicit Logged(const Model& model, const PlanOptions& options)
+      : simulation(model, options), memory(MotionLog::get_bytes(simulation.plan)), log(simulation.plan, memory.get()) {
+    (void)update_outputs(simulation.plan, {simulation.commands}, simulation.state, simulation.workspace);
+  }
+  Simulation simulation;
+  Block memory;
+  MotionLog log;
+};
+
+template <class Span>
+std::string get_bytes(const Span& span) {
+  return {reinterpret_cast<const char*>(span.data()), span.size() * sizeof(span[0])};
+}
+
+// The same of numbers; −0 is 0.
+template <class Numbers>
+std::string get_numbers(const Numbers& numbers) {
+  std::string out;
+  for (double number : numbers) {
+    number += 0.0;
+    out += get_bytes(std::span(&number, 1));
+  }
+  return out;
+}
+
+// All that a step leaves, by name.
+using Parts = std::vector<std::pair<std::string, std::string>>;
+Parts list_parts(const Logged& run, const StepReport& report) {
+  Parts parts{{"state", get_bytes(run.simulation.state.get_bytes())},
+              {"events", get_bytes(report.events)},
+              {"report", std::to_string(static_cast<int>(report.status)) + " " + std::to_string(report.substeps) + " " +
+                             std::to_string(report.postponed)}};
+  const Workspace& workspace = run.simulation.workspace;
+  std::vector<double> multipliers, accelerations;
+  for (std::size_t i = 0; i < workspace.multipliers.size(); ++i) multipliers.push_back(workspace.multipliers[i]);
+  for (std::size_t b = 0; b < workspace.accelerations.size(); ++b) {
+    const Spatial a = workspace.accelerations[b];
+    for (const Vec3& v : {a.lin, a.ang}) accelerations.insert(accelerations.end(), {v.x, v.y, v.z});
+  }
+  parts.emplace_back("multipliers", get_numbers(multipliers));
+  parts.emplace_back("accelerations", get_numbers(accelerations));
+  parts.emplace_back("sensors", get_numbers(workspace.sensors));
+  for (const MotionKnot& knot : run.log.get_knots()) {
+    parts.emplace_back("knot's time", get_bytes(std::span(&knot.time, 1)) + (knot.begins ? "b" : "-"));
+    parts.emplace_back("knot's state", get_bytes(knot.state.get_bytes()));
+    parts.emplace_back("knot's sensors", get_numbers(knot.sensors));
+    parts.emplace_back("knot's multipliers", get_numbers(knot.multipliers));
+  }
+  return parts;
+}
+
+// The name of the first part that differs; empty if none does.
+std::string find_difference(const Parts& a, const Parts& b) {
+  if (a.size() != b.size()) return "number of knots";
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (a[i] != b[i]) return a[i].first;
+  return "";
+}
+
+struct Fleet {
+  Fleet(const std::vector<Model>& models, const PlanOptions& options) {
+    std::vector<const Model*> all;
+    std::vector<const Plan*> plans;
+    for (const Model& model : models) {
+      alone.push_back(std::make_unique<Logged>(model, options));
+      together.push_back(std::make_unique<Logged>(model, options));
+      all.push_back(&model);
+      plans.push_back(&together.back()->simulation.plan);
+      Simulation& s = together.back()->simulation;
+      runs.push_back({&s.plan, {s.commands}, &s.state, &s.workspace, &together.back()->log});
+    }
+    bundle = Bundle::build(all, plans);
+  }
+
+  // Steps both; the run that differs and in what, or nothing. Runs whose step failed have ended.
+  std::string advance() {
+    bundle->step(runs);
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      if (!runs[k].goes_on) continue;
+      Logged& one = *alone[k];
+      const StepReport report = step(one.simulation.plan, {one.simulation.commands}, one.simulation.state,
+                                     one.simulation.workspace, &one.log);
+      split += report.substeps > 1;
+      if (report.status != StepStatus::kOk) runs[k].goes_on = false;
+      if (report.status != runs[k].report.status) return "run " + std::to_string(k) + ": status";
+      if (report.status != StepStatus::kOk) continue;
+      const std::string difference = find_difference(list_parts(one, report), list_parts(*together[k], runs[k].report));
+      if (!difference.empty()) return "run " + std::to_string(k) + ": " + difference;
+    }
+    return "";
+  }
+
+  std::vector<std::unique_ptr<Logged>> alone, together;
+  std::vector<BundleRun> runs;
+  std::optional<Bundle> bundle;
+  int split = 0;  // steps with events
+};
+
+std::vector<Model> build_fleet(const Model& model, int runs) {
+  std::vector<Model> models;
+  for (int k = 0; k < runs; ++k) models.push_back(disperse(model, k));
+  return models;
+}
+
+TEST(Bundle, RunsOfTheGoldenModelsHaveTheBitsOfEachAlone) {
+  int bundles = 0;
+  for (const GoldenModel& golden : build_golden_models())
+    for (const InstructionSet set : {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::kAuto}) {
+      PlanOptions options;
+      options.dt = golden.dt;
+      options.instruction_set = set;
+      if (!is_supported(set)) continue;
+      Fleet fleet(build_fleet(golden.model, 5), options);
+      if (!fleet.bundle) continue;
+      ++bundles;
+      for (int tick = 0; tick < golden.ticks; ++tick)
+        ASSERT_EQ(fleet.advance(), "") << golden.model.name << " tick " << tick << " " << get_name(set);
+    }
+  EXPECT_GT(bundles, 10);
+}
+
+TEST(Bundle, BoostersThatSeparateAtDifferentTicksHaveTheBitsOfEachAlone) {
+  Fleet fleet(build_fleet(build_soyuz(load_reference("soyuz_nominal")), 8), {});
+  ASSERT_TRUE(fleet.bundle);
+  for (int tick = 0; tick < 1200; ++tick) ASSERT_EQ(fleet.advance(), "") << "tick " << tick;
+  EXPECT_GE(fleet.split, 32) << "four hinges and four sliders of each, at their own ticks";
+}
+
+TEST(Bundle, RandomSystemsWhoseJointsChangeAtDifferentTimesHaveTheBitsOfEachAlone) {
+  constexpr std::uint64_t kFirstSeed = 88100;
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 60; ++seed) {
+    std::mt19937_64 random(seed);
+    Model model = build_random_model(seed);
+    for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
+      Event event;
+      event.name = "change" + std::to_string(j);
+      event.when = when_time(0.001 * static_cast<double>(random() % 40) + 0.0005);
+      event.then = {act_set_mode(j, static_cast<int>(random() % model.joints[at(j)].modes.size()))};
+      model.events.push_back(event);
+    }
+    Fleet fleet(build_fleet(model, 2 + static_cast<int>(seed % 7)), {});
+    if (!fleet.bundle) continue;
+    for (int tick = 0; tick < 60; ++tick) ASSERT_EQ(fleet.advance(), "") << "seed " << seed << " tick " << tick;
+  }
+}
+
+TEST(Bundle, RunsWithClosedContactsHaveTheBitsOfEachAlone) {
+  for (Model model : {build_dropped_ball(0.02), build_block_on_feet(), build_sixteen_pairs()}) {
+    model.contact_substeps = 4;
+    Fleet fleet(build_fleet(model, 4), {});
+    ASSERT_TRUE(fleet.bundle);
+    for (int tick = 0; tick < 300; ++tick) ASSERT_EQ(fleet.advance(), "") << model.name << " tick " << tick;
+  }
+}
+
+// A run that fails or ends disturbs no other, and one whose state its owner replaces goes on from there.
+TEST(Bundle, RunsEndAndBeginAnewWithoutADifferenceToTheOthers) {
+  Fleet fleet(build_fleet(build_soyuz(load_reference("soyuz_nominal")), 4), {});
+  ASSERT_TRUE(fleet.bundle);
+  for (int tick = 0; tick < 60; ++tick) {
+    if (tick == 10) fleet.runs[1].goes_on = false;
+    if (tick == 20)
+      for (Logged* run : {fleet.alone[2].get(), fleet.together[2].get()}) run->simulation.state.bodies[0].v.x = 1e200;
+    if (tick == 30)
+      for (Logged* run : {fleet.alone[3].get(), fleet.together[3].get()}) run->simulation.state.bodies[0].w.y += 0.01;
+    ASSERT_EQ(fleet.advance(), "") << "tick " << tick;
+  }
+  EXPECT_FALSE(fleet.runs[2].goes_on);
+  EXPECT_EQ(fleet.together[1]->simulation.state.header->tick, 10);
+  EXPECT_EQ(fleet.together[0]->simulation.state.header->tick, 60);
+}
+
+TEST(Bundle, StepsWithoutAllocating) {
+  if (!kCountsAllocations) GTEST_SKIP() << "this build's sanitizer owns malloc";
+  Fleet fleet(build_fleet(build_soyuz(load_reference("soyuz_nominal")), 8), {});
+  ASSERT_TRUE(fleet.bundle);
+  const AllocationCount count;
+  for (int tick = 0; tick < 300; ++tick) fleet.bundle->step(fleet.runs);
+  EXPECT_EQ(count.get(), 0);
+}
+
+TEST(Bundle, IsMadeOfTwoToEightTreesOfRigidBodiesUnderOneGravity) {
+  const Model boosters = build_soyuz(load_reference("soyuz_nominal"));
+  const auto is_made = [](const std::vector<Model>& models) { return Fleet(models, {}).bundle.has_value(); };
+  EXPECT_FALSE(is_made({boosters}));
+  EXPECT_TRUE(is_made({boosters, boosters}));
+  EXPECT_FALSE(is_made(std::vector<Model>(9, boosters)));
+  Model elsewhere = boosters;
+  elsewhere.gravity.uniform.z() -= 1;
+  EXPECT_FALSE(is_made({boosters, elsewhere}));
+  Model ball = build_dropped_ball(1);
+  ball.gravity = boosters.gravity;
+  EXPECT_TRUE(is_made({boosters, ball})) << "structures may differ";
+}
+
+}  // namespace
+}  // namespace unlatch::test
