@@ -38,13 +38,27 @@ void Handout::join(int worker, int threads) {
   threads_ += threads;
 }
 
+double Handout::calc_rate(const Worker& worker, double now) {
+  const double time = now - worker.begin;
+  return worker.begin < 0 || time <= 0 ? 0 : static_cast<double>(worker.came) / time;
+}
+
+// The worker's part of all that they run: by what they have run so far, or by threads while some have run nothing.
+double Handout::calc_part(const Worker& worker, double now) const {
+  double all = 0;
+  for (const auto& [number, other] : workers_) {
+    const double rate = calc_rate(other, now);
+    if (rate == 0) return static_cast<double>(worker.threads) / threads_;
+    all += rate;
+  }
+  return calc_rate(worker, now) / all;
+}
+
 // Samples that the worker should have in hand.
 std::int64_t Handout::calc_share(const Worker& worker, double now) const {
-  const double time = now - worker.begin;  // s
-  const double ahead = worker.begin < 0 || time <= 0 ? 0 : kAhead * static_cast<double>(worker.came) / time;
-  const std::int64_t wanted =
-      std::max<std::int64_t>(worker.threads * kSideBySide, std::lround(std::min(ahead, static_cast<double>(kMost))));
-  const std::int64_t fair = not_given_ * worker.threads / (2 * std::int64_t{threads_});
+  const double ahead = std::min(kAhead * calc_rate(worker, now), static_cast<double>(kMost));
+  const std::int64_t wanted = std::max<std::int64_t>(worker.threads * kSideBySide, std::lround(ahead));
+  const std::int64_t fair = std::lround(0.5 * static_cast<double>(not_given_) * calc_part(worker, now));
   return std::min(wanted, std::max<std::int64_t>(worker.threads, fair));
 }
 

@@ -35,6 +35,8 @@ class Handout {
     std::int64_t came = 0;
     double begin = -1;  // s, of its first sample
   };
+  [[nodiscard]] static double calc_rate(const Worker& worker, double now);  // samples a second
+  [[nodiscard]] double calc_part(const Worker& worker, double now) const;   // 0 … 1
   [[nodiscard]] std::int64_t calc_share(const Worker& worker, double now) const;
 
   const std::int64_t first_;

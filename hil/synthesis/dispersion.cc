@@ -16,9 +16,18 @@ DispersedDesign::DispersedDesign(const DesignProblem& problem, const DesignPoint
     margins_.emplace_back(constraint.probability > 0 ? static_cast<std::size_t>(count_samples()) : 0);
 }
 
-bool DispersedDesign::fly(std::int64_t sample, const std::atomic<bool>& stop) {
-  const SampleResult result = evaluator_.evaluate(make_settings(campaign_, draw_inputs(campaign_, sample)), stop);
-  if (result.status == SampleStatus::kInterrupted) return false;
+bool DispersedDesign::fly(std::int64_t first, std::size_t number, const std::atomic<bool>& stop) {
+  std::vector<SampleTask> tasks;
+  for (std::size_t i = 0; i < number; ++i)
+    tasks.push_back({make_settings(campaign_, draw_inputs(campaign_, first + static_cast<std::int64_t>(i)))});
+  const std::vector<SampleResult> results = evaluator_.evaluate(tasks, stop);
+  for (const SampleResult& result : results)
+    if (result.status == SampleStatus::kInterrupted) return false;
+  for (std::size_t i = 0; i < number; ++i) keep(first + static_cast<std::int64_t>(i), results[i]);
+  return true;
+}
+
+void DispersedDesign::keep(std::int64_t sample, const SampleResult& result) {
   for (std::size_t i = 0; i < margins_.size(); ++i) {
     if (margins_[i].empty()) continue;
     const auto column = evaluator_.find(problem_.constraints[i].id + ".margin");
@@ -26,7 +35,6 @@ bool DispersedDesign::fly(std::int64_t sample, const std::atomic<bool>& stop) {
     margins_[i][static_cast<std::size_t>(sample)] =
         std::isfinite(margin) ? margin : -std::numeric_limits<double>::infinity();
   }
-  return true;
 }
 
 double DispersedDesign::calc_margin(std::size_t constraint) const {

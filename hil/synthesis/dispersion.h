@@ -16,8 +16,9 @@ class DispersedDesign {
   DispersedDesign(const DesignProblem& problem, const DesignPoint& point, bool check);
 
   [[nodiscard]] std::int64_t count_samples() const { return campaign_.plan.samples; }
-  // Threads may fly different samples at a time. One that faults meets nothing. False: `stop` ended it.
-  bool fly(std::int64_t sample, const std::atomic<bool>& stop);
+  // `number` samples from `first` on, SampleEvaluator::kSideBySide at the most. Threads may fly different ones at a
+  // time. One that faults meets nothing. False: `stop` ended them.
+  bool fly(std::int64_t first, std::size_t number, const std::atomic<bool>& stop);
 
   // Of a constraint with a probability, after all samples: the margin that this part of them has at least; NaN if a
   // sample without a result decides it.
@@ -25,6 +26,8 @@ class DispersedDesign {
   [[nodiscard]] std::int64_t count_failures(std::size_t constraint) const;
 
  private:
+  void keep(std::int64_t sample, const SampleResult& result);
+
   const DesignProblem& problem_;
   const Campaign campaign_;
   const SampleEvaluator evaluator_;

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <limits>
 #include <mutex>
+#include <span>
 #include <sstream>
 
 #include "hil/language/setting.h"
@@ -190,20 +191,24 @@ void DesignEvaluations::append(std::size_t first) {
   written_ += static_cast<std::int64_t>(rows.size());
 }
 
-DesignSample DesignEvaluations::run(const DesignPoint& point) const {
-  DesignSample sample;
-  sample.point = point;
-  const SampleResult result = problem_.evaluator->evaluate(make_settings(problem_, point), stop_);
+void DesignEvaluations::run(std::span<DesignSample> samples) const {
+  std::vector<SampleTask> tasks;
+  for (const DesignSample& sample : samples) tasks.push_back({make_settings(problem_, sample.point)});
+  const std::vector<SampleResult> results = problem_.evaluator->evaluate(tasks, stop_);
+  for (std::size_t i = 0; i < samples.size(); ++i) keep(results[i], samples[i]);
+}
+
+void DesignEvaluations::keep(const SampleResult& result, DesignSample& sample) const {
   sample.status = result.status;
   sample.hash = result.hash;
-  if (result.status == SampleStatus::kInterrupted) return sample;
+  if (result.status == SampleStatus::kInterrupted) return;
   const bool done = result.status == SampleStatus::kDone;  // else the results are those of a part of the flight
   for (const Objective& objective : problem_.objectives) {
     double value = kNothing;
     try {
       if (done)
-        value =
-            objective.is_column ? result.values[objective.column] : calc_expression(problem_, objective, point).value;
+        value = objective.is_column ? result.values[objective.column]
+                                    : calc_expression(problem_, objective, sample.point).value;
     } catch (const ExpressionError&) {  // at this point it has no finite value
     }
     sample.objectives.push_back(value);
@@ -213,28 +218,31 @@ DesignSample DesignEvaluations::run(const DesignPoint& point) const {
     sample.values.push_back(nominal ? result.values[constraint.value] : kNothing);
     sample.margins.push_back(nominal ? result.values[constraint.margin] : kNothing);
   }
-  return sample;
 }
 
 void DesignEvaluations::compute(const std::vector<DesignPoint>& points) {
   Batch batch(*this, points);
   if (has_probabilities(problem_)) return compute_dispersed(batch);
-  run_side_by_side(points.size(), options_.jobs, stop_, [&](std::size_t i) {
-    if (is_late()) return;
-    batch.samples[i] = run(points[i]);
-    if (batch.samples[i].status != SampleStatus::kInterrupted) batch.finish(i);
-  });
+  run_shares(batch.samples, [&](std::size_t i) { batch.finish(i); });
+}
+
+// Calls done(i) after sample i, on the thread that has run it; samples that were interrupted are left.
+void DesignEvaluations::run_shares(std::span<DesignSample> samples, const std::function<void(std::size_t)>& done) {
+  run_shares_side_by_side(samples.size(), SampleEvaluator::kSideBySide, options_.jobs, stop_,
+                          [&](std::size_t first, std::size_t number) {
+                            if (is_late()) return;
+                            run(samples.subspan(first, number));
+                            for (std::size_t i = first; i < first + number; ++i)
+                              if (samples[i].status != SampleStatus::kInterrupted) done(i);
+                          });
 }
 
 // All flights of all designs side by side. Who flies the last one of a design finishes it.
 void DesignEvaluations::compute_dispersed(Batch& batch) {
   const std::size_t count = batch.samples.size();
   std::vector<std::unique_ptr<DispersedDesign>> designs(count);
-  run_side_by_side(count, options_.jobs, stop_, [&](std::size_t i) {
-    if (is_late()) return;
+  run_shares(batch.samples, [&](std::size_t i) {
     DesignSample& sample = batch.samples[i];
-    sample = run(sample.point);
-    if (sample.status == SampleStatus::kInterrupted) return;
     try {
       if (sample.status != SampleStatus::kInvalid)
         designs[i] = std::make_unique<DispersedDesign>(problem_, sample.point, false);
@@ -246,21 +254,29 @@ void DesignEvaluations::compute_dispersed(Batch& batch) {
   const auto flights = static_cast<std::size_t>(problem_.campaign->samples);
   std::vector<std::atomic<std::size_t>> left(count);
   for (std::atomic<std::size_t>& one : left) one = flights;
-  run_side_by_side(count * flights, options_.jobs, stop_, [&](std::size_t k) {
-    const std::size_t i = k / flights;
-    if (!designs[i] || is_late() || !designs[i]->fly(static_cast<std::int64_t>(k % flights), stop_)) return;
-    if (left[i].fetch_sub(1) != 1) return;
-    set_margins(problem_, *designs[i], batch.samples[i]);
-    batch.finish(i);
-  });
+  const auto fly = [&](std::size_t design, std::size_t first, std::size_t number) {
+    if (!designs[design] || is_late() || !designs[design]->fly(static_cast<std::int64_t>(first), number, stop_)) return;
+    if (left[design].fetch_sub(number) != number) return;
+    set_margins(problem_, *designs[design], batch.samples[design]);
+    batch.finish(design);
+  };
+  run_shares_side_by_side(count * flights, SampleEvaluator::kSideBySide, options_.jobs, stop_,
+                          [&](std::size_t first, std::size_t number) {
+                            for (std::size_t k = first, end = first + number; k < end;) {
+                              const std::size_t own = std::min(end - k, flights - k % flights);  // of one design
+                              fly(k / flights, k % flights, own);
+                              k += own;
+                            }
+                          });
 }
 
 std::optional<std::vector<std::int64_t>> DesignEvaluations::check_dispersed(const DesignPoint& point) const {
   if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
   try {
     DispersedDesign design(problem_, point, true);
-    run_side_by_side(static_cast<std::size_t>(design.count_samples()), options_.jobs, stop_,
-                     [&](std::size_t i) { design.fly(static_cast<std::int64_t>(i), stop_); });
+    run_shares_side_by_side(
+        static_cast<std::size_t>(design.count_samples()), SampleEvaluator::kSideBySide, options_.jobs, stop_,
+        [&](std::size_t first, std::size_t number) { design.fly(static_cast<std::int64_t>(first), number, stop_); });
     if (stop_.load()) return std::nullopt;
     std::vector<std::int64_t> failures;
     for (std::size_t k = 0; k < problem_.constraints.size(); ++k) failures.push_back(design.count_failures(k));

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -81,7 +82,9 @@ class DesignEvaluations {
   };
   class Batch;
 
-  DesignSample run(const DesignPoint& point) const;
+  void run(std::span<DesignSample> samples) const;
+  void keep(const SampleResult& result, DesignSample& sample) const;
+  void run_shares(std::span<DesignSample> samples, const std::function<void(std::size_t)>& done);
   void read_journal(const std::string& heading);
   void drop_tail();
   void write_all(const std::string& text);

@@ -32,4 +32,12 @@ void run_side_by_side(std::size_t count, int jobs, const std::atomic<bool>& stop
   if (error) std::rethrow_exception(error);
 }
 
+void run_shares_side_by_side(std::size_t count, std::size_t most, int jobs, const std::atomic<bool>& stop,
+                             const std::function<void(std::size_t, std::size_t)>& work) {
+  const auto threads = static_cast<std::size_t>(std::max(1, jobs));
+  const std::size_t share = std::clamp<std::size_t>((count + threads - 1) / threads, 1, most);
+  run_side_by_side((count + share - 1) / share, jobs, stop,
+                   [&](std::size_t i) { work(i * share, std::min(share, count - i * share)); });
+}
+
 }  // namespace unlatch::hil

@@ -13,4 +13,9 @@ namespace unlatch::hil {
 void run_side_by_side(std::size_t count, int jobs, const std::atomic<bool>& stop,
                       const std::function<void(std::size_t)>& work);
 
+// The same in shares of pieces that follow each other, of `most` pieces, or fewer so that each thread has its part:
+// work(first, number).
+void run_shares_side_by_side(std::size_t count, std::size_t most, int jobs, const std::atomic<bool>& stop,
+                             const std::function<void(std::size_t, std::size_t)>& work);
+
 }  // namespace unlatch::hil

@@ -87,9 +87,9 @@ std::optional<Bundle> Bundle::build(std::span<const Model* const> models, std::s
   if (models.size() < 2 || models.size() > kMost || plans.size() != models.size()) return std::nullopt;
   for (std::size_t m = 0; m < models.size(); ++m)
     if (!is_fit(*models[m], *plans[m]) || !has_same_gravity(*models[m], *models[0])) return std::nullopt;
-  PlanResult joint = compile_plan(join_models(models), plans[0]->get_options());
-  if (!joint.plan) return std::nullopt;
-  auto data = std::make_unique<BundleData>(*std::move(joint.plan));
+  PlanResult joined = compile_plan(join_models(models), plans[0]->get_options());
+  if (!joined.plan) return std::nullopt;
+  auto data = std::make_unique<BundleData>(*std::move(joined.plan));
   MemberPlacer placer(models, plans);
   for (std::size_t m = 0; m < models.size(); ++m) data->members.push_back(placer.place(*models[m], plans[m]->data()));
   return Bundle(std::move(data));

@@ -15,33 +15,33 @@
 namespace unlatch {
 namespace {
 
-// Calls `act` with each part of a member's state, its header left out, and with the place of that part in the joint
+// Calls `act` with each part of a member's state, its header left out, and with the place of that part in the joined
 // state.
 template <class Act>
-void for_parts(const BundleMember& member, const State& own, const State& joint, const Act& act) {
+void for_parts(const BundleMember& member, const State& own, const State& joined, const Act& act) {
   const auto list = [&](const auto& from, const auto& to, Stretch s) {
     if (s.count > 0)
       act(std::as_writable_bytes(from.subspan(at(s.own), at(s.count))),
-          std::as_writable_bytes(to.subspan(at(s.joint), at(s.count))));
+          std::as_writable_bytes(to.subspan(at(s.joined), at(s.count))));
   };
   const auto whole = [&](const auto& from, const auto& to, std::int32_t first) {
     list(from, to, {0, first, static_cast<std::int32_t>(from.size())});
   };
-  whole(own.bodies, joint.bodies, member.body);
-  whole(own.joints, joint.joints, member.joint);
-  for (const Stretch& kind : member.elements) list(own.elements, joint.elements, kind);
-  whole(own.events, joint.events, member.event);
-  whole(own.signals, joint.signals, member.signal);
-  for (const Stretch& part : member.auxiliary) list(own.auxiliary, joint.auxiliary, part);
-  whole(own.contacts, joint.contacts, member.pair);
-  whole(own.engaged, joint.engaged, member.one_sided);
-  whole(own.bearings, joint.bearings, member.bearing);
+  whole(own.bodies, joined.bodies, member.body);
+  whole(own.joints, joined.joints, member.joint);
+  for (const Stretch& kind : member.elements) list(own.elements, joined.elements, kind);
+  whole(own.events, joined.events, member.event);
+  whole(own.signals, joined.signals, member.signal);
+  for (const Stretch& part : member.auxiliary) list(own.auxiliary, joined.auxiliary, part);
+  whole(own.contacts, joined.contacts, member.pair);
+  whole(own.engaged, joined.engaged, member.one_sided);
+  whole(own.bearings, joined.bearings, member.bearing);
 }
 
-// The joint state takes over a member's; true if it was another.
-bool take_over(const BundleMember& member, const State& own, const State& joint) {
+// The joined state takes over a member's; true if it was another.
+bool take_over(const BundleMember& member, const State& own, const State& joined) {
   bool differs = false;
-  for_parts(member, own, joint, [&](std::span<std::byte> from, std::span<std::byte> to) {
+  for_parts(member, own, joined, [&](std::span<std::byte> from, std::span<std::byte> to) {
     if (std::memcmp(from.data(), to.data(), from.size()) == 0) return;
     std::memcpy(to.data(), from.data(), from.size());
     differs = true;
@@ -49,8 +49,8 @@ bool take_over(const BundleMember& member, const State& own, const State& joint)
   return differs;
 }
 
-void give_back(const BundleMember& member, const State& joint, const State& own) {
-  for_parts(member, own, joint, [](std::span<std::byte> to, std::span<std::byte> from) {
+void give_back(const BundleMember& member, const State& joined, const State& own) {
+  for_parts(member, own, joined, [](std::span<std::byte> to, std::span<std::byte> from) {
     std::memcpy(to.data(), from.data(), from.size());
   });
 }
@@ -83,7 +83,7 @@ class SideBySide {
  private:
   Instant get_instant(double t) const { return {plan_, {data_.commands}, state_, t}; }
 
-  // The joint state and its evaluation at the beginning, with the commands. False if it cannot be evaluated.
+  // The joined state and its evaluation at the beginning, with the commands. False if it cannot be evaluated.
   bool begin() {
     bool differs = !kept_.valid, any = false;
     kept_.valid = false;

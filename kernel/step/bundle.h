@@ -11,12 +11,12 @@
 
 namespace unlatch {
 
-// `count` items of a member's list, from `own` on, are those of the joint plan's list from `joint` on.
+// `count` items of a member's list, from `own` on, are those of the joined plan's list from `joined` on.
 struct Stretch {
-  std::int32_t own = 0, joint = 0, count = 0;
+  std::int32_t own = 0, joined = 0, count = 0;
 };
 
-// A run. Its first of each list in the joint plan.
+// A run. Its first of each list in the joined plan.
 struct BundleMember {
   std::int32_t body, joint, event, signal, pair, one_sided, bearing, sensor, channel;
   std::array<Stretch, kElementKinds> elements;  // by kind
