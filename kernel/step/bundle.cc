@@ -61,6 +61,7 @@ class SideBySide {
   SideBySide(BundleData& data, std::span<BundleRun> runs)
       : data_(data),
         plan_(data.plan.data()),
+        inputs_{data.commands},
         kept_(data.workspace.data().kept),
         search_(data.workspace.data().search),
         ev_(kept_.evaluation),
@@ -81,7 +82,7 @@ class SideBySide {
   }
 
  private:
-  Instant get_instant(double t) const { return {plan_, {data_.commands}, state_, t}; }
+  Instant get_instant(double t) const { return {plan_, inputs_, state_, t}; }
 
   // The joined state and its evaluation at the beginning, with the commands. False if it cannot be evaluated.
   bool begin() {
@@ -234,6 +235,7 @@ class SideBySide {
 
   BundleData& data_;
   const PlanData& plan_;
+  const Inputs inputs_;  // of all members
   FinalEvaluation& kept_;
   EventSearch& search_;
   Evaluation& ev_;

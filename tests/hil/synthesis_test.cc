@@ -205,18 +205,20 @@ TEST_F(SynthesisJournal, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST_F(SynthesisJournal, KeepsWhatABatchHadWhenItWasStopped) {
+  std::vector<DesignPoint> points = kPoints;  // those that a thread runs side by side, and four more
+  points.insert(points.end(), {{4.5}, {5}, {5.5}, {6}});
   int seen = 0;
   DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_, [&] {
     if (++seen == 3) stop_ = true;
   });
-  EXPECT_FALSE(evaluations.evaluate(kPoints, indices_));
-  EXPECT_THAT(indices_, ElementsAre(0, 1, 2, -1, -1, -1, -1, -1));
-  EXPECT_EQ(count_rows(), 3);
+  EXPECT_FALSE(evaluations.evaluate(points, indices_));
+  EXPECT_THAT(indices_, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, -1, -1, -1, -1));
+  EXPECT_EQ(count_rows(), 8);
   stop_ = false;
   DesignEvaluations next(problem_, resume(4), stop_);
-  EXPECT_TRUE(next.evaluate(kPoints, indices_));
-  EXPECT_EQ(next.get_taken(), 3);
-  EXPECT_EQ(count_rows(), 8);
+  EXPECT_TRUE(next.evaluate(points, indices_));
+  EXPECT_EQ(next.get_taken(), 8);
+  EXPECT_EQ(count_rows(), 12);
 }
 
 TEST_F(SynthesisJournal, LosesNothingWhenASearchThatGoesOnEndsAtOnce) {
