@@ -26,6 +26,7 @@ struct BundleRun {
   StepReport report{};             // of the step
 };
 
+// Several runs in the lanes of one plan, with memory of its own.
 class Bundle {
  public:
   static constexpr std::size_t kMost = 8;  // runs side by side
