@@ -21,7 +21,9 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
 void RunAnalysis::update(const StepReport& report) {
   if (accuracy_) accuracy_->update(report);
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
-  postponed += report.postponed;
+  search.postponed += report.postponed;
+  search.unlocated += report.open.unlocated;
+  search.unseen += report.open.unseen;
 
   if (request_.redundancy) update_shared(report);
 

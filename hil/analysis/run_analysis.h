@@ -41,6 +41,13 @@ struct SharedReactions {
   bool lasts = false;          // at the latest state
 };
 
+// What the steps' searches for events left open because a bound on their work was reached.
+struct SearchTotals {
+  std::int64_t postponed = 0;  // instants of events left to a later tick
+  std::int64_t unlocated = 0;  // instants of events known worse than to the tolerance of the search
+  std::int64_t unseen = 0;     // times that shapes may have touched and parted within a step
+};
+
 class RunAnalysis {
  public:
   // The simulation keeps its motion from now on.
@@ -65,7 +72,7 @@ class RunAnalysis {
   // The present value of requirement number i, see RequirementMonitor::get_now().
   [[nodiscard]] double get_requirement_now(std::size_t i) const { return requirements_.get_now(i); }
   const AccuracyWatch& accuracy() const { return accuracy_.value(); }  // notices, energy; if they were asked for
-  std::int64_t postponed = 0;                                          // event instants left to a later tick
+  SearchTotals search;
 
  private:
   void add_motion(std::span<const FiredEvent> events);

@@ -9,6 +9,7 @@
 #include "hil/notices/contact_resolution.h"
 #include "hil/notices/friction_resolution.h"
 #include "hil/notices/resolution.h"
+#include "hil/scenario/index.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -28,6 +29,12 @@ std::string format(const char* text, Values... values) {
 std::string describe_size(const char* what, double size) {
   return format("%s %.3g: %s, the step resolves %.2g", what, size,
                 size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate);
+}
+
+// Of an index into the model's events, then into its contacts.
+const std::string& get_guard_name(const Model& model, int guard) {
+  const std::size_t i = at(guard), events = model.events.size();
+  return i < events ? model.events[i].name : model.contacts[i - events].name;
 }
 
 }  // namespace
@@ -77,6 +84,7 @@ void AccuracyWatch::update(const StepReport& report) {
   watch_friction(!begun_ || !report.events.empty());
   watch_commands();
   watch_drift();
+  watch_search(report);
   watch_energy();
   begun_ = true;
 }
@@ -193,6 +201,29 @@ void AccuracyWatch::watch_drift() {
   if (drift <= limit) return;
   drifted_ = true;
   add("drift", "", format("a joint's rows are off by %.3g m or rad, beyond %.3g", drift, limit));
+}
+
+void AccuracyWatch::watch_search(const StepReport& report) {
+  const OpenSearch& open = report.open;
+  if (report.postponed > 0 && !postponed_) {
+    postponed_ = true;
+    add("search", "",
+        format("a step had more instants with events than its %d: the rest were left to the next tick",
+               simulation_.plan().get_options().max_splits));
+  }
+  if (open.unlocated > 0 && !unlocated_) {
+    unlocated_ = true;
+    add("search", get_guard_name(scenario_.model, open.guard),
+        format("its instant is known to %.2g s only: the tries of a step ran out; a smaller step would do",
+               open.interval));
+  }
+  if (open.unseen > 0 && !unseen_) {
+    unseen_ = true;
+    add("search", scenario_.model.contacts[at(open.contact)].name,
+        format("it may have touched and parted again within a step, up to %.2g m deep: the looks of a step ran out; a "
+               "smaller step would do",
+               open.depth));
+  }
 }
 
 void AccuracyWatch::watch_energy() {

@@ -8,6 +8,8 @@
 //   mode       dt·ω of a mode of a flexible body beyond kAccurate
 //   command    a commanded value that turns back and forth faster than dt·ω = kAccurate: a loop that its delay of a
 //              tick and its hold rule
+//   search     the search for events within a step reached a bound on its work: events left to the next tick, an
+//              instant that is known badly, a touch that may have gone unseen
 //   drift      a row's position residual; norm: of a body's quaternion
 //   direction  a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
 //   energy     what no force explains, beyond kEnergyNotice of the largest energy; beyond kEnergyFailure the run failed
@@ -58,6 +60,7 @@ class AccuracyWatch {
   void watch_friction(bool modes_are_new);
   void watch_commands();
   void watch_drift();
+  void watch_search(const StepReport& report);
   void watch_energy();
 
   const Scenario& scenario_;
@@ -71,6 +74,7 @@ class AccuracyWatch {
   std::vector<bool> sticking_;                               // elements whose friction was told
   std::vector<ElementMobility> mobilities_;                  // in the present modes
   std::vector<Course> courses_;
+  bool postponed_ = false, unlocated_ = false, unseen_ = false;  // searches for events that were told
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;
   std::vector<std::byte> memory_;

@@ -46,13 +46,23 @@ struct Flank {
   double time, value, rate;
 };
 
+// Time from `left` on at which the tangents of a function meet that rises there and falls at `right`.
+inline double calc_meeting(const Flank& left, const Flank& right) {
+  const double h = right.time - left.time;
+  return ((right.value - left.value) - right.rate * h) / (left.rate - right.rate);
+}
+
+// Upper bound between the two of a function that is nowhere convex: it stays below its tangents.
+inline double calc_bound(const Flank& left, const Flank& right) {
+  return left.value + left.rate * calc_meeting(left, right);
+}
+
 // A function that stands below zero at both ends, rises at `left` and falls at `right` may come to zero between them:
-// the tangents meet above it. One that is nowhere convex stays below them.
+// the tangents meet above it.
 inline bool may_peak(const Flank& left, const Flank& right) {
   if (!(left.rate > 0 && right.rate < 0 && left.value < 0 && right.value < 0)) return false;
-  const double h = right.time - left.time;
-  const double meeting = ((right.value - left.value) - right.rate * h) / (left.rate - right.rate);
-  return meeting > 0 && meeting < h && left.value + left.rate * meeting >= 0;
+  const double meeting = calc_meeting(left, right);
+  return meeting > 0 && meeting < right.time - left.time && calc_bound(left, right) >= 0;
 }
 
 // Time at which the cubic through both flanks is greatest; in the inner seven eighths.

@@ -133,25 +133,42 @@ bool begins_at_zero(const Run& run) {
   return found;
 }
 
+// The latest try has the guard of an event about as near to zero as it is taken for zero; that of a step in it has not.
+bool is_near_zero(const Run& run, std::size_t e) {
+  constexpr double kSteep = 10;  // slope at the crossing over that of the whole sub-step
+  return std::fabs(run.ev.guards[e]) <= kSteep * run.search.tolerances[e];
+}
+
+// The tries ran out: the instant of the event `first` is known to an interval that is wider than the tolerance.
+void note_unlocated(Run& run, std::size_t first, double interval) {
+  OpenSearch& open = run.report.open;
+  ++open.unlocated;
+  if (open.guard != kNone && interval <= open.interval) return;
+  open.interval = interval;
+  open.guard = static_cast<std::int32_t>(first);
+}
+
 // Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the evaluation of
 // that instant and returns its time, or a negative number on failure. `first`: the event.
 //
 // Tries follow the inverse parabola, after the second only where it is through values that rise; else the middle of the
 // bracket is tried. A guard that begins at zero and first falls would hold the parabola there: then the middle is tried
-// until it falls short. Ends when the next try would be within the tolerance of the last one.
+// until it falls short. Ends when the next try would be within the tolerance of the last one, where the guard is near
+// zero: one that has a step may hold the parabola beside it.
 double locate(Run& run, const SubstepStart& start, double end, std::size_t& first) {
   const double least = kSameInstant * run.plan.options.dt, tolerance = std::max(kLocated * (end - start.t), least);
   const bool at_zero = begins_at_zero(run);
   Bracket bracket{0, end - start.t, 0};
   Crossing next = estimate(run, bracket, first);
   bool falls = false;  // from the beginning of the bracket
+  bool stuck = false, located = false;
   double reached = end;
-  for (int i = 0; i < kMostTries; ++i) {
+  for (int i = 0; i < kMostTries && !located; ++i) {
     double x = next.time;
     const bool beside = at_zero && x - bracket.from < tolerance, steps = beside && next.sure && !falls;
     if (steps)
       x = std::max(x, bracket.from + least);
-    else if (beside || falls || (i > 1 && !next.sure))
+    else if (beside || falls || stuck || (i > 1 && !next.sure))
       x = 0.5 * (bracket.from + bracket.to);
     reached = std::min(start.t + x, end);  // the length may be rounded up
     if (!try_substep(run, start, reached)) return -1;
@@ -160,9 +177,11 @@ double locate(Run& run, const SubstepStart& start, double end, std::size_t& firs
     std::size_t other = first;
     next = estimate(run, bracket, other);
     const bool close = (next.sure || !at_zero) && std::fabs(next.time - x) <= tolerance;
-    if (i > 0 && (close || bracket.to - bracket.from <= tolerance)) break;
-    first = other;
+    stuck = close && !is_near_zero(run, other);
+    located = i > 0 && ((close && !stuck) || bracket.to - bracket.from <= tolerance);
+    if (!located) first = other;
   }
+  if (!located) note_unlocated(run, first, bracket.to - bracket.from);
   return reached;
 }
 
@@ -172,32 +191,43 @@ Flank get_flank(const Run& run, std::size_t pair, double time, std::span<const d
   return {time, guards[run.plan.events.size() + pair], run.state.contacts[pair].closed != 0 ? 0 : -rates[pair]};
 }
 
+// The looks ran out: `pair` may touch between two flanks that are apart.
+void note_unseen(Run& run, std::size_t pair, const Flank& left, const Flank& right) {
+  OpenSearch& open = run.report.open;
+  ++open.unseen;
+  const double depth = calc_bound(left, right);
+  if (open.contact != kNone && depth <= open.depth) return;
+  open.depth = depth;
+  open.contact = static_cast<std::int32_t>(pair);
+}
+
 // Looks for a touch of `pair` between two flanks that are apart. Returns its time, `right` if there is none, or a
-// negative number on failure. The evaluation is of the latest try.
-double find_touch(Run& run, const SubstepStart& start, std::size_t pair, Flank left, Flank right, int& tries) {
+// negative number on failure. The evaluation is of the latest try. `looks`: those that are left.
+double find_touch(Run& run, const SubstepStart& start, std::size_t pair, Flank left, Flank right, int& looks) {
   const double end = right.time;
-  for (; tries < kMostLooks && may_peak(left, right); ++tries) {
+  for (; looks > 0 && may_peak(left, right); --looks) {
     const double x = calc_peak(left, right);
     if (!try_substep(run, start, start.t + x)) return -1;
     const Flank peak = get_flank(run, pair, x, run.ev.guards, run.ev.pair_rates);
     if (peak.value >= 0) return x;
     (peak.rate > 0 ? left : right) = peak;
   }
+  if (may_peak(left, right)) note_unseen(run, pair, left, right);
   return end;
 }
 
 // Pairs of shapes that touch and part again within the sub-step have guards below zero at both ends. Returns a time up
-// to which at least one has touched, its guards in guards_high, or `end`; a negative number on failure.
-double find_touches(Run& run, const SubstepStart& start, double end) {
+// to which at least one has touched, its guards in guards_high, or `end`; a negative number on failure. `most`: looks.
+double find_touches(Run& run, const SubstepStart& start, double end, int most) {
   EventSearch& s = run.search;
   const double h = end - start.t;
   double reached = h;
-  int tries = 0;
+  int looks = most;
   for (std::size_t i = 0; i < run.state.contacts.size(); ++i) {
     if (!(s.rates_low[i] < 0 && s.rates_high[i] > 0)) continue;
     const Flank left = get_flank(run, i, 0, s.guards_low, s.rates_low);
     const Flank right = get_flank(run, i, reached, s.guards_high, s.rates_high);
-    const double touch = find_touch(run, start, i, left, right, tries);
+    const double touch = find_touch(run, start, i, left, right, looks);
     if (touch < 0) return -1;
     if (touch == reached) continue;
     reached = touch;
@@ -205,7 +235,7 @@ double find_touches(Run& run, const SubstepStart& start, double end) {
     std::copy(run.ev.pair_rates.begin(), run.ev.pair_rates.end(), s.rates_high.begin());
   }
   if (reached < h) return start.t + reached;
-  return tries == 0 || try_substep(run, start, end) ? end : -1;
+  return looks == most || try_substep(run, start, end) ? end : -1;
 }
 
 // How far below zero the guard of an event may stand that still acts with the first.
@@ -283,7 +313,7 @@ double advance(Run& run, double now, double step_end, int& splits) {
 
   std::copy(run.ev.guards.begin(), run.ev.guards.end(), search.guards_high.begin());
   std::copy(run.ev.pair_rates.begin(), run.ev.pair_rates.end(), search.rates_high.begin());
-  if (may_split) target = find_touches(run, start, target);
+  target = find_touches(run, start, target, may_split ? kMostLooks : 0);
   if (target < 0) return step_end;
   double reached = target;
   const int crossings = count_crossings(run);

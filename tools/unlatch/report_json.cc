@@ -207,6 +207,8 @@ nlohmann::ordered_json build_json(const RunReport& report) {
     json["notices"].push_back(
         {{"t", notice.time}, {"name", get_full_name(notice)}, {"subject", notice.subject}, {"text", notice.text}});
   }
+  const hil::SearchTotals& search = report.analysis.search;
+  json["search"] = {{"postponed", search.postponed}, {"unlocated", search.unlocated}, {"unseen", search.unseen}};
   json["samples"] = Json::array();
   if (report.outputs != nullptr) {
     json["samples"] = build_samples(report);

@@ -17,6 +17,16 @@ std::string to_text(double value, const char* pattern) {
   return text;
 }
 
+// Only what is not as it should be.
+void print_search(std::FILE* to, const hil::SearchTotals& search) {
+  const auto print = [&](std::int64_t number, const char* what, const char* text) {
+    if (number > 0) std::fprintf(to, "  %s %s\n", count(static_cast<std::size_t>(number), what).c_str(), text);
+  };
+  print(search.postponed, "instant", "of events left to the next tick: the bound on splits of a step was reached");
+  print(search.unlocated, "instant", "of events known badly: the tries of a step ran out");
+  print(search.unseen, "step", "in which shapes may have touched unseen: its looks ran out");
+}
+
 // The model's events and what the executive said, in one order of time.
 void print_timeline(std::FILE* to, const RunReport& report) {
   std::vector<hil::TimelineEntry> entries = report.analysis.timeline;
@@ -39,10 +49,7 @@ void print_timeline(std::FILE* to, const RunReport& report) {
                  names[first] == names[last] ? names[first].c_str() : name_group(group, names).c_str(),
                  subjects[first] == subjects[last] ? subjects[first].c_str() : name_group(group, subjects).c_str());
   }
-  if (report.analysis.postponed > 0) {
-    std::fprintf(to, "  %s of events left to the next tick: the bound on splits of a step was reached\n",
-                 count(static_cast<std::size_t>(report.analysis.postponed), "instant").c_str());
-  }
+  print_search(to, report.analysis.search);
 }
 
 // "at 1.3000 s"; where the distance does not change for long, "from 0.0420 to 0.0800 s".

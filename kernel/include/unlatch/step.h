@@ -76,6 +76,16 @@ struct EventAudit {
   EnergyFlow flow_before, flow_after;
 };
 
+// What the search for events within a step left open because a bound on its work was reached.
+struct OpenSearch {
+  std::int32_t unlocated = 0;    // instants of events that are known worse than to the tolerance of the search
+  double interval = 0;           // s, that holds the worst known of them
+  std::int32_t guard = kNone;    // it: index into the model's events, then into its contacts
+  std::int32_t unseen = 0;       // pairs of shapes that may have touched and parted again
+  double depth = 0;              // m: no pair whose distance is convex over time has touched deeper than this
+  std::int32_t contact = kNone;  // the pair that may have been as deep: index into the model's contacts
+};
+
 // Report of a step.
 struct StepReport {
   StepStatus status = StepStatus::kOk;  // result
@@ -83,6 +93,7 @@ struct StepReport {
   std::int32_t substeps = 0;            // integrations done, 1 without events
   std::int32_t redundant = 0;           // rows of closed loops that follow from the others, at the end of the step
   std::int32_t postponed = 0;           // instants left to the next tick because the bound on splits was reached
+  OpenSearch open;                      // of events within the step
   std::span<const FiredEvent> events;   // in the order in which they acted; lives in the workspace until the next step
   std::span<const EventAudit> audits;   // one for each instant with events; in the workspace until the next step
 };
