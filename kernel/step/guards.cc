@@ -15,8 +15,10 @@ namespace {
 // real-valued parts as they are, which the search for the crossing needs.
 constexpr double kYes = 1e100, kNo = -1e100;
 
+// What few guards read is kept out of line, so that the frequent ones need few registers.
+
 // Size of the multipliers of three rows of a joint; those of rows that do not hold are 0.
-double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
+[[gnu::noinline]] double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
   double square = 0;
   for (std::size_t r = first; r < first + 3; ++r) {
     const double lambda = ev.multipliers.get(joint, r);
@@ -26,19 +28,19 @@ double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
 }
 
 // ≥ 0 where it is to be engaged; `below`: > 0 where it is to be so no longer.
-double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
+[[gnu::noinline]] double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
   const PlanOneSided& own = now.plan.one_sided[at(c.subject)];
   if (!is_on(now.state.elements[at(own.element)], now.t)) return kNo;
   const double reach = calc_reach(now.plan, own, calc_motion(now.plan, now.state, ev, own));
   return c.below ? -reach - std::numeric_limits<double>::min() : reach;
 }
 
-double calc_one_sided_force(const Instant& now, const Evaluation& ev, std::size_t number) {
+[[gnu::noinline]] double calc_one_sided_force(const Instant& now, const Evaluation& ev, std::size_t number) {
   const PlanOneSided& own = now.plan.one_sided[number];
   return calc_force(now.plan, now.state, now.t, own, calc_motion(now.plan, now.state, ev, own));
 }
 
-CordPath calc_path(const Instant& now, const Evaluation& ev, std::size_t number) {
+[[gnu::noinline]] CordPath calc_path(const Instant& now, const Evaluation& ev, std::size_t number) {
   return calc_motion(now.plan, now.state, ev, now.plan.one_sided[number]).path;
 }
 
