@@ -30,11 +30,19 @@ struct Peer {
   int largest[5];  // n, per shape; beyond it the peer cannot, or takes too long; 0: not at all
   bool linear;
   double agreement;
+  InstructionSet needs = InstructionSet::kAuto;
 };
 
 const Peer kPeers[] = {
     {"unlatch", build_unlatch, {100000, 100000, 100000, 100000, 16384}, true, kAgreement},
     {"unlatch_factor_solve", build_unlatch_factor_solve, {100000, 100000, 100000, 100000, 16384}, true, kAgreement},
+    {"unlatch_avx2", build_unlatch_avx2, {2048, 2048, 2048, 2048, 2048}, true, kAgreement, InstructionSet::k256},
+    {"unlatch_factor_solve_avx2",
+     build_unlatch_factor_solve_avx2,
+     {2048, 2048, 2048, 2048, 2048},
+     true,
+     kAgreement,
+     InstructionSet::k256},
     {"textbook", build_textbook, {4096, 4096, 4096, 4096, 0}, true, kAgreement},
     {"eigen_sparse", build_eigen_sparse, {1024, 1024, 1024, 1024, 1024}, true, kRegularisedAgreement},
     {"eigen_dense", build_eigen_dense, {64, 64, 64, 64, 64}, false, kAgreement},
@@ -114,7 +122,7 @@ void register_solves() {
   for (const Peer& peer : kPeers)
     for (const Shape shape : kShapes) {
       const int largest = peer.largest[static_cast<int>(shape)];
-      if (largest == 0) continue;
+      if (largest == 0 || !is_supported(peer.needs)) continue;
       const std::string name = std::string("solve/") + peer.name + "/" + get_name(shape);
       const auto run = [&peer, shape](benchmark::State& bench) { run_solve(bench, peer, shape); };
       auto* fitted = benchmark::RegisterBenchmark(name.c_str(), run);

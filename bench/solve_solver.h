@@ -28,6 +28,8 @@ using test::calc_joint_accelerations;
 
 std::unique_ptr<Solver> build_unlatch(const Model& model);               // evaluate(): everything
 std::unique_ptr<Solver> build_unlatch_factor_solve(const Model& model);  // factor() and solve() alone
+std::unique_ptr<Solver> build_unlatch_avx2(const Model& model);  // with AVX2, where the processor has AVX-512 too
+std::unique_ptr<Solver> build_unlatch_factor_solve_avx2(const Model& model);
 std::unique_ptr<Solver> build_textbook(const Model& model);
 std::unique_ptr<Solver> build_eigen_dense(const Model& model);
 std::unique_ptr<Solver> build_eigen_sparse(const Model& model);

@@ -11,7 +11,9 @@ namespace {
 
 class Unlatch : public Solver {
  public:
-  explicit Unlatch(const Model& model) : model_(model), simulation_(model_) { check(evaluate_state(simulation_)); }
+  Unlatch(const Model& model, InstructionSet set) : model_(model), simulation_(model_, {.instruction_set = set}) {
+    check(evaluate_state(simulation_));
+  }
 
   // From poses and velocities; the modes are those of the call before.
   void solve() override { check(evaluate_state(simulation_, Changed::kMotion)); }
@@ -39,7 +41,7 @@ class Unlatch : public Solver {
 
 class UnlatchFactorSolve final : public Unlatch {
  public:
-  explicit UnlatchFactorSolve(const Model& model) : Unlatch(model) {
+  UnlatchFactorSolve(const Model& model, InstructionSet set) : Unlatch(model, set) {
     const Inputs inputs{simulation_.commands};
     const Evaluation& ev = simulation_.evaluation();
     update_forces({simulation_.data(), inputs, simulation_.state, simulation_.get_time()}, simulation_.evaluation());
@@ -65,9 +67,17 @@ class UnlatchFactorSolve final : public Unlatch {
 
 }  // namespace
 
-std::unique_ptr<Solver> build_unlatch(const Model& model) { return std::make_unique<Unlatch>(model); }
+std::unique_ptr<Solver> build_unlatch(const Model& model) {
+  return std::make_unique<Unlatch>(model, InstructionSet::kAuto);
+}
+std::unique_ptr<Solver> build_unlatch_avx2(const Model& model) {
+  return std::make_unique<Unlatch>(model, InstructionSet::k256);
+}
 std::unique_ptr<Solver> build_unlatch_factor_solve(const Model& model) {
-  return std::make_unique<UnlatchFactorSolve>(model);
+  return std::make_unique<UnlatchFactorSolve>(model, InstructionSet::kAuto);
+}
+std::unique_ptr<Solver> build_unlatch_factor_solve_avx2(const Model& model) {
+  return std::make_unique<UnlatchFactorSolve>(model, InstructionSet::k256);
 }
 
 }  // namespace unlatch::bench
