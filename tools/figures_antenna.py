@@ -49,7 +49,7 @@ def add(figure, tools):
     def opening(bench):
         import matplotlib.pyplot as plt
         drawn, (upper, lower) = plt.subplots(2, 1, figsize=(7.5, 4.4), constrained_layout=True)
-        run = bench.run("antenna/ribs.yaml", 3, 0.01)
+        run = bench.run("antenna/scenario.yaml", 3, 0.01)
         for time, shift in ((0, 0), (1.0, 3.5), (1.4, 9.2), (3, 15.2)):
             draw_ribs(upper, sample_at(run, time)["bodies"], shift)
             upper.annotate(f"{time:g} s", (shift, -1.25), ha="center", fontsize=tools.LABEL, color="0.35")
@@ -69,7 +69,7 @@ def add(figure, tools):
     def latches(bench):
         import matplotlib.pyplot as plt
         drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.2), constrained_layout=True)
-        nominal = bench.run("antenna/ribs.yaml", 3, 0.002)
+        nominal = bench.run("antenna/scenario.yaml", 3, 0.002)
         left.plot(tools.get_times(nominal), [4 + math.degrees(s["sensors"]["angle1"][0]) for s in nominal["samples"]], color="0.6",
                   label="all springs alike", linewidth=2.4)
         right.plot(tools.get_times(nominal), [s["elements"]["latch1"]["moment"] for s in nominal["samples"]], color="0.6", linewidth=2.4)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The antennas of hil/scenarios/antenna with one degree of freedom each, integrated by SciPy (DOP853, rtol 1e-12).
 
-Prints the JSON of tests/data/antenna.json. Constants as in ribs.yaml and ring.yaml. Independent of unlatch: no joints and
+Prints the JSON of tests/data/antenna.json. Constants as in scenario.yaml and ring.yaml. Independent of unlatch: no joints and
 no reactions. Symmetric ribs have one angle, and a ring of scissors one by its kinematics; all bodies follow from it in
 closed form. The whole floats freely from rest, so that both its momenta stay zero: they give the motion of the main body,
 and what is left is Lagrange's equation of one coordinate q,

@@ -109,7 +109,7 @@ class AntennaTest(ProcessTest):
 
     # The latches bear nothing where springs and cables balance.
     def test_the_open_antenna_rests_in_its_shape(self):
-        report = self.fly("ribs.yaml", [12], "--until", "12")
+        report = self.fly("scenario.yaml", [12], "--until", "12")
         self.assertTrue(all(verdict["met"] for verdict in report["verdict"]))
         for i in range(1, RIBS + 1):
             self.assertLess(abs(get_verdicts(report)[f"shape{i}"]["value"]), 1e-6)
@@ -189,7 +189,7 @@ class AntennaTest(ProcessTest):
         self.assertEqual([told["redundant"] for told in report["redundant"]], [moving, moving, locked])  # held by one lock, free, locked by six
         told = self.run_ok(UNLATCH, "check", ANTENNA / "ring.yaml").stdout
         self.assertRegex(told, re.escape(f"{moving} of {hinges + slides + 1} rows of slide1"))
-        self.assertEqual(self.fly("ribs.yaml", [3], "--until", "3")["redundant"], [])  # a tree
+        self.assertEqual(self.fly("scenario.yaml", [3], "--until", "3")["redundant"], [])  # a tree
 
     def test_recordings_replay(self):
         for name in ("weak-spring", "ring"):

@@ -199,7 +199,7 @@ class CapsuleTest(ProcessTest):
         areas = {}
         for spin in (6, 12):
             folder = self.folder / f"spin{spin}"
-            self.run_ok(UNLATCH, "campaign", CAPSULE / "campaign.yaml", "--out", folder, "--set", f"constants.spin={spin} rad/s", "--samples",
+            self.run_ok(UNLATCH, "campaign", CAPSULE / "landing.yaml", "--out", folder, "--set", f"constants.spin={spin} rad/s", "--samples",
                         "0:64", "--set", "step.dt=4 ms", code=None)
             states = landing.read_states(folder)
             places = landing.land(states)

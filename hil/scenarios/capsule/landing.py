@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Where the capsules of a campaign land: landing.py FOLDER...
 
-FOLDER has the samples.csv of campaign.yaml, with the capsule's state at the end of the burn. From there a point mass flies in the
+FOLDER has the samples.csv of landing.yaml, with the capsule's state at the end of the burn. From there a point mass flies in the
 central field and, ballistically, in an exponential atmosphere that does not turn, down to the ground; RK4 with STEP. It prints the
 standard deviations along and across the track, and the semi-axes of the 3-sigma ellipse. SI.
 """
@@ -28,7 +28,7 @@ def calc_rates(states):
 
 
 def land(states):
-    """Places of landing (2, n), m along and across the track, of states (6, n) as campaign.yaml gives them. One that is still up
+    """Places of landing (2, n), m along and across the track, of states (6, n) as landing.yaml gives them. One that is still up
     after LONGEST has nan."""
     now = np.array(states, dtype=float)
     now[0] += ORBIT
