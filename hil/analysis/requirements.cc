@@ -19,18 +19,19 @@ bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quant
 bool takes_low(Take take) { return take != Take::kMaximum && take != Take::kFinal; }
 bool takes_high(Take take) { return take != Take::kMinimum && take != Take::kFinal; }
 
-// The smallest clearance of the whole run: the clearances watch it themselves, and compute only what can be it.
+// True for the smallest clearance of the whole run: the clearance history finds it, and computes only distances that
+// can be the smallest.
 bool is_smallest_clearance(const Requirement& r) {
   return r.quantity == Measure::kClearance && r.take == Take::kMinimum && !r.at.is_named() && !r.from.is_named() &&
          !r.to.is_named();
 }
 
-// The part of a vector along a direction; its size if there is none.
+// Returns the component of a vector along a direction, or its size if the direction is zero.
 double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
   return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
 }
 
-// Value, limit and margin; of two limits the one that is nearer.
+// Sets value, limit and margin; of two limits the nearer one counts.
 void set_margin(const Requirement& requirement, double value, double time, Verdict& verdict) {
   const double above = value - requirement.least, below = requirement.most - value;
   verdict.evaluated = true;
@@ -174,7 +175,7 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
     if (is_of_events(r.quantity)) continue;
-    // The turns of an angle count from the beginning of the run, whatever the interval.
+    // Turns of an angle are counted from the beginning of the run, whatever the interval.
     if (track.phase == Phase::kClosed || (track.phase == Phase::kWaiting && r.quantity != Measure::kAngle)) continue;
     if (is_smallest_clearance(r)) {
       track.has_last = true;
@@ -254,7 +255,7 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     return verdict;
   }
   if (is_smallest_clearance(r)) {
-    // The latest interval is searched when the next has come, or here.
+    // The latest interval is searched when the next one arrives, or here.
     const MotionPiece& piece = window.get_present();
     const Clearance& clearance = clearances_.get()[at(track.pair)];
     const auto function = [&](double time) { return calc_within(track, window, time); };

@@ -37,7 +37,7 @@ bool has_mesh(const std::vector<BodyShape>& shapes, int i) {
   return i >= 0 && static_cast<std::size_t>(i) < shapes.size() && shapes[static_cast<std::size_t>(i)].mesh;
 }
 
-// Shapes of `a` that leave out the same shapes of `b`, by what they have left of it; of the kernel.
+// Groups the kernel's shapes of `a` by the shapes of `b` that remain for them after the exceptions.
 std::map<std::vector<int>, std::vector<int>> split(const ClearancePair& pair, const std::vector<BodyShape>& a,
                                                    const std::vector<BodyShape>& b) {
   std::map<std::vector<int>, std::vector<int>> parts;

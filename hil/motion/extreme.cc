@@ -6,7 +6,7 @@ namespace unlatch::hil {
 
 void Least::search(double from, double to, const TimeFunction& function) {
   constexpr double kGolden = 0.6180339887498949;
-  constexpr double kInstants = 4;  // roundings of a time: nothing between them can be told apart
+  constexpr double kInstants = 4;  // roundings of a time: instants nearer to each other are not distinguished
   const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(from), std::abs(to));
   const double stop = std::max(1e-8 * (to - from), kInstants * rounding);
   double a = from, b = to, x = b - kGolden * (b - a), y = a + kGolden * (b - a);
@@ -25,7 +25,7 @@ void Least::search(double from, double to, const TimeFunction& function) {
 
 void Least::look_into(double from, double at_from, double to, double at_to, double resolution,
                       const TimeFunction& function) {
-  constexpr double kNear = 1e-3;  // of the interval
+  constexpr double kNear = 1e-3;  // relative to the interval
   const double step = kNear * (to - from);
   if (!(step > 0) || !(function(from + step) < at_from - resolution) || !(function(to - step) < at_to - resolution))
     return;

@@ -44,8 +44,8 @@ void OutputReader::read(std::span<double> to) {
 }
 
 void OutputReader::read(std::span<const std::size_t> outputs, std::span<double> to) {
-  bool fresh = false;   // clearances are
-  int contact = kNone;  // that `reading` is of: some microseconds for each closed pair
+  bool fresh = false;   // clearances are up to date
+  int contact = kNone;  // contact of `reading`, which takes some microseconds for each closed pair
   ContactReading reading;
   for (const std::size_t i : outputs) {
     const Output& output = list_[i];

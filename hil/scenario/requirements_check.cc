@@ -8,7 +8,7 @@ namespace {
 
 using Measure = Requirement::Measure;
 
-// The earliest time at which a condition can hold, s: of those on time alone; any other might hold at the start.
+// Earliest time at which a condition can be true, s: for conditions on time alone; any other may be true at the start.
 double calc_earliest(const Condition& condition) {
   double time = condition.kind == Condition::Kind::kAny ? std::numeric_limits<double>::infinity() : 0;
   switch (condition.kind) {
@@ -78,7 +78,8 @@ std::vector<RequirementProblem> find_problems(const Scenario& scenario) {
 
 namespace {
 
-// Its value is never below 0. A clearance may be, once it is signed; the time from one event to another as well.
+// Returns true if the value is never below 0. A signed clearance may be below 0, and so may the time between two
+// events.
 bool is_size(const Requirement& requirement) {
   if (requirement.take == Requirement::Take::kPeak) return true;
   switch (requirement.quantity) {

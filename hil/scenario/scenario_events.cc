@@ -1,4 +1,4 @@
-// Sensors, and events: when something happens, and what then.
+// Sensors, and events: their conditions and their actions.
 #include <algorithm>
 
 #include "hil/scenario/scenario_reader.h"
@@ -6,14 +6,14 @@
 namespace unlatch::hil {
 namespace {
 
-// x, y, z are the axes of turning as well as rot_x, rot_y, rot_z.
+// Reads an axis of rotation: x, y, z are accepted as well as rot_x, rot_y, rot_z.
 int read_angle_axis(YamlMap& map) {
   static const std::vector<std::string> kNames{"rot_x", "rot_y", "rot_z", "x", "y", "z"};
   const int axis = map.choice("axis", "axis", kNames);
   return axis < 0 ? kRotX : kRotX + axis % 3;
 }
 
-// An index for the model; what was not found has been reported already.
+// Index for the model; a name that was not found has been reported already.
 int or_first(int index) { return std::max(index, 0); }
 
 }  // namespace
@@ -29,7 +29,7 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
                                                "speed",          "distance"};  // in the order of Sensor::Kind
   YamlMap map(node, "sensor '" + name + "'", mistakes_);
   const int type = map.choice("type", "sensor type", kTypes);
-  if (type < 0) return;  // which keys are right depends on it
+  if (type < 0) return;  // the valid keys depend on the type
   Sensor sensor;
   sensor.name = name;
   using Kind = Sensor::Kind;
@@ -206,7 +206,7 @@ void ScenarioReader::read_threshold(YamlMap& map, const std::string& unit, Condi
 
 // --- Actions --------------------------------------------------------------------------------------------------------
 
-// The number of a mode of that joint; what is unknown of a joint that has mistakes of its own is not reported again.
+// Number of a mode of that joint; an unknown mode of a joint that has mistakes itself is not reported again.
 int ScenarioReader::read_mode_of(YamlMap& map, const std::string& key, int joint) {
   const YamlNode* node = map.require(key);
   if (!node || joint < 0) return 0;

@@ -40,7 +40,7 @@ void ScenarioReader::read_requirement(const YamlNode& node) {
     const std::string kind = map.only_one_of(kQuantities, "a quantity");
     if (!kind.empty()) {
       requirement.quantity = static_cast<Measure>(std::find(kQuantities.begin(), kQuantities.end(), kind) -
-                                                  kQuantities.begin());  // the same order
+                                                  kQuantities.begin());  // in the same order
       read_requirement_quantity(*map.find(kind), kind, requirement);
       requirement.unit = get_unit(requirement, model_);
     }
@@ -98,7 +98,7 @@ void ScenarioReader::read_requirement_clearance(const YamlNode& node, Requiremen
   const std::optional<ClearancePair> pair = read_shape_pair(node);
   if (!pair) return;
   to.a = pair->a.body, to.b = pair->b.body;
-  to.pair = watch(*pair);  // which is then watched and reported as well
+  to.pair = watch(*pair);  // from then on the pair is watched and reported
   to.pair_name = pair->a.name + " – " + pair->b.name;
 }
 

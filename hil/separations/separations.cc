@@ -8,7 +8,7 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::size_t kMost = 1000;  // separations: joints that open again and again would fill the memory
+constexpr std::size_t kMost = 1000;  // separations: a joint that opens repeatedly would fill the memory
 
 bool has(const std::vector<int>& list, int body) { return std::find(list.begin(), list.end(), body) != list.end(); }
 
@@ -130,7 +130,7 @@ void SeparationMonitor::add_piece(const MotionWindow& window, const MotionKnot& 
       track.sums[i].impulse += sum.impulse;
       track.sums[i].work += sum.work;
     }
-    if (pair.pushes) end = to.time;  // as far as is known
+    if (pair.pushes) end = to.time;  // known so far
     if (!end) continue;
     set_end(track, *end, to.state.bodies, to.state.auxiliary);
     if (*end == to.time) continue;

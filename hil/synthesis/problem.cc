@@ -57,7 +57,7 @@ std::uint64_t calc_fingerprint(const DesignProblem& problem) {
   const auto add_scenario = [&](const Scenario& scenario) {
     add(scenario.text);
     for (const std::string& text : scenario.overrides) add(text);
-    add(std::to_string(build_simulation(scenario)->get_model_hash()));  // of the binary files that it names, too
+    add(std::to_string(build_simulation(scenario)->get_model_hash()));  // includes the binary files that it names
   };
   add(problem.text);
   add_scenario(problem.tree->get_nominal());
