@@ -14,8 +14,6 @@ using Take = Requirement::Take;
 
 constexpr double kTwoPi = 6.283185307179586;
 
-bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
-
 bool takes_low(Take take) { return take != Take::kMaximum && take != Take::kFinal; }
 bool takes_high(Take take) { return take != Take::kMinimum && take != Take::kFinal; }
 
@@ -144,7 +142,7 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
   };
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
-    if (is_of_events(r.quantity)) continue;
+    if (r.is_of_events()) continue;
     if (track.phase == Phase::kOpen && is_here(r.to)) {
       if (window_ != nullptr) finish(track, *window_);
       track.phase = Phase::kClosed;
@@ -174,7 +172,7 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
   window_ = &window;
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
-    if (is_of_events(r.quantity)) continue;
+    if (r.is_of_events()) continue;
     // Turns of an angle are counted from the beginning of the run, whatever the interval.
     if (track.phase == Phase::kClosed || (track.phase == Phase::kWaiting && r.quantity != Measure::kAngle)) continue;
     if (is_smallest_clearance(r)) {
@@ -205,7 +203,7 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
 
 double RequirementMonitor::get_now(std::size_t i) const {
   const Track& track = tracks_[i];
-  const bool open = track.phase == Phase::kOpen && track.has_last && !is_of_events(track.requirement->quantity);
+  const bool open = track.phase == Phase::kOpen && track.has_last && !track.requirement->is_of_events();
   if (!open) return std::nan("");
   return is_smallest_clearance(*track.requirement) ? clearances_.get_now(track.pair) : track.last;
 }
@@ -241,7 +239,7 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     verdict.why = "event '" + missing->text + (missing->event == kNone ? "' is left out" : "' did not occur");
     return verdict;
   }
-  if (is_of_events(r.quantity)) return judge_times(r);
+  if (r.is_of_events()) return judge_times(r);
   if (track.phase == Phase::kOpen && r.to.is_named()) {
     verdict.why = "event '" + r.to.text + "' did not occur after '" + r.from.text + "'";
     return verdict;
@@ -277,10 +275,15 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
       set_margin(r, std::max(-low, high), -low > high ? low_time : high_time, verdict);
       break;
     default:
-      if (low - r.least <= r.most - high)
-        set_margin(r, low, low_time, verdict), verdict.limit = r.least, verdict.margin = low - r.least;
-      else
-        set_margin(r, high, high_time, verdict), verdict.limit = r.most, verdict.margin = r.most - high;
+      if (low - r.least <= r.most - high) {
+        set_margin(r, low, low_time, verdict);
+        verdict.limit = r.least;
+        verdict.margin = low - r.least;
+      } else {
+        set_margin(r, high, high_time, verdict);
+        verdict.limit = r.most;
+        verdict.margin = r.most - high;
+      }
   }
   return verdict;
 }

@@ -13,8 +13,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const std::string kNominal = "nominal";
 
-bool is_text(const YamlNode& node, const std::string& text) { return node.is_scalar() && node.text == text; }
-
 }  // namespace
 
 // Reads a number with its unit, or the word `nominal`: the value in the scenario.
@@ -22,7 +20,7 @@ double CampaignReader::read_value(YamlMap& map, const std::string& key, Reading&
                                   std::optional<double> fallback) {
   const YamlNode* node = fallback ? map.find(key) : map.require(key);
   if (node == nullptr) return fallback.value_or(0);
-  if (is_text(*node, kNominal)) {
+  if (node->is_text(kNominal)) {
     if (reading.nominal == nullptr || !reading.nominal->is_scalar()) {
       mistakes_.add(node->mark, "the scenario has no number there", "write the value");
       return 0;
@@ -179,7 +177,7 @@ void CampaignReader::read_cone(const YamlNode& node, CampaignParameter& to, Read
   }
   const YamlNode* about = map.find("about");
   map.finish();
-  if (about == nullptr || is_text(*about, kNominal)) about = reading.nominal;
+  if (about == nullptr || about->is_text(kNominal)) about = reading.nominal;
   if (about == nullptr || !about->is_sequence())
     return mistakes_.add(node.mark, "the scenario has no direction there", "add `about: [1, 0, 0]`");
   const Eigen::Vector3d d = read_vector(*about, "", {1, 0, 0}, mistakes_);

@@ -4,6 +4,8 @@
 #include <limits>
 #include <map>
 
+#include "hil/scenario/index.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -13,13 +15,6 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 bool can_be_free(const Joint& joint) {
   return std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows == 0; });
-}
-
-// Lists the rows that any mode of the joint holds.
-RowSet list_held_rows(const Joint& joint) {
-  RowSet rows = 0;
-  for (const JointMode& mode : joint.modes) rows = static_cast<RowSet>(rows | mode.rows);
-  return rows;
 }
 
 std::string name_pair(const ClearancePair& pair) { return "clearance." + pair.a.name + "." + pair.b.name; }

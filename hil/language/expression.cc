@@ -31,12 +31,6 @@ constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
     {"w", "J/s"},      {"kw", "kJ/s"},     {"nm", "N m"},      {"knm", "kN m"},    {"gee", "g0"},
     {"dps", "deg/s"}};
 
-std::string to_lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-  return text;
-}
-
 // Correction of a name that is neither a unit nor a constant: "" if no known name is near.
 std::string correct_name(const std::string& name, const std::vector<std::string>& constants) {
   const std::string lower = to_lower(name);

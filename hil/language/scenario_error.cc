@@ -127,6 +127,12 @@ void Mistakes::fold_repeated() {
   list_ = std::move(kept);
 }
 
+std::string to_lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return text;
+}
+
 const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit) {
   if (known.empty() || wrong.size() > 64) return nullptr;
   const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {

@@ -75,6 +75,9 @@ class Mistakes {
   std::vector<NumberRead> numbers_;
 };
 
+// Letters A to Z in lower case, independent of the locale.
+std::string to_lower(std::string text);
+
 // Nearest of `known` to `wrong`, by Levenshtein's distance; nullptr if that is more than `limit`.
 const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit);
 

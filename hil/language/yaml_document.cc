@@ -148,6 +148,13 @@ const YamlNode* YamlNode::find(std::string_view key) const {
 
 YamlNode* YamlNode::find(std::string_view key) { return const_cast<YamlNode*>(std::as_const(*this).find(key)); }
 
+YamlNode make_scalar(std::string text) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::kScalar;
+  node.text = std::move(text);
+  return node;
+}
+
 const char* kind_name(YamlNode::Kind kind) {
   switch (kind) {
     case YamlNode::Kind::kNull:

@@ -37,11 +37,15 @@ struct YamlNode {
   bool sparse = false;          // sequence created by an override: its null items mean "the default"
 
   bool is_scalar() const { return kind == Kind::kScalar; }
+  bool is_text(std::string_view wanted) const { return is_scalar() && text == wanted; }
   bool is_sequence() const { return kind == Kind::kSequence; }
   bool is_mapping() const { return kind == Kind::kMapping; }
   const YamlNode* find(std::string_view key) const;  // the first value of that key, or null
   YamlNode* find(std::string_view key);
 };
+
+// Scalar with this text, without a place.
+YamlNode make_scalar(std::string text);
 
 // Kind of a node in words: "a number or text", "a list", "a mapping", "nothing".
 const char* kind_name(YamlNode::Kind kind);

@@ -42,7 +42,7 @@ std::optional<std::size_t> parse_index(const std::string& part) {
   return index;
 }
 
-bool is_text(const YamlNode* node, std::string_view text) { return node && node->is_scalar() && node->text == text; }
+bool has_text(const YamlNode* node, std::string_view text) { return node && node->is_text(text); }
 
 // Entry of a list of mappings that `part` names: `id`, `name` or `name:subject`; null if there is none.
 const YamlNode* find_entry(const YamlNode& list, const std::string& part, const SourceMark& mark) {
@@ -50,8 +50,8 @@ const YamlNode* find_entry(const YamlNode& list, const std::string& part, const 
   const YamlNode* found = nullptr;
   for (const YamlNode& item : list.items) {
     const YamlNode* const id = item.find("id");
-    if (!is_text(id ? id : item.find("name"), part.substr(0, colon))) continue;
-    if (colon != std::string::npos && !is_text(item.find("subject"), part.substr(colon + 1))) continue;
+    if (!has_text(id ? id : item.find("name"), part.substr(0, colon))) continue;
+    if (colon != std::string::npos && !has_text(item.find("subject"), part.substr(colon + 1))) continue;
     if (found) throw YamlError(mark, "several entries are called '" + part + "'", "write name:subject, or its number");
     found = &item;
   }

@@ -34,12 +34,6 @@ std::string describe_units(const std::string* unit) {
   return text;
 }
 
-std::string to_lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c); });
-  return text;
-}
-
 bool is_special(std::string text) {
   text = to_lower(std::move(text));
   if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.erase(0, 1);

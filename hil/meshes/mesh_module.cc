@@ -98,7 +98,10 @@ class FclTree final : public MeshTree {
       if (own.isLeaf()) return look_at(own.primitiveId());
       int near = own.leftChild(), far = own.rightChild();
       double to_near = calc_bound(near), to_far = calc_bound(far);
-      if (to_far < to_near) std::swap(near, far), std::swap(to_near, to_far);
+      if (to_far < to_near) {
+        std::swap(near, far);
+        std::swap(to_near, to_far);
+      }
       if (to_near < best.distance) descend(near);
       if (to_far < best.distance) descend(far);
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/index.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -11,8 +13,6 @@ constexpr double kRounding = 1e-13;  // relative to the size of a pair: shallowe
 // Relative to the size of a pair: motions of rigidly joined bodies, which change the distance by no more than its
 // error.
 constexpr double kStill = 1e-10;
-
-bool has(const std::vector<int>& list, int body) { return std::find(list.begin(), list.end(), body) != list.end(); }
 
 }  // namespace
 
@@ -26,7 +26,7 @@ ClearanceHistory::ClearanceHistory(const Scenario& scenario, Skipping skipping)
   bodies_.resize(scenario.model.bodies.size());
   for (const Clearance& pair : now_)
     for (const int body : {pair.a, pair.b})
-      if (!has(watched_, body)) watched_.push_back(body);
+      if (!contains(watched_, body)) watched_.push_back(body);
 }
 
 const std::vector<Clearance>& ClearanceHistory::get() const {
@@ -107,7 +107,8 @@ void ClearanceHistory::set_reference(const MotionPiece& piece, std::size_t pair,
   const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
   track.reference = track.latest;
   track.between = piece.end[b].p - piece.end[a].p;
-  track.turned_a = bodies_[a].turned, track.turned_b = bodies_[b].turned;
+  track.turned_a = bodies_[a].turned;
+  track.turned_b = bodies_[b].turned;
   track.value = value;
   track.moved = 0;
 }
@@ -212,7 +213,8 @@ void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
     track.idle = track.stale = false;
     const auto a = static_cast<std::size_t>(now_[i].a), b = static_cast<std::size_t>(now_[i].b);
     track.between = bodies[b].p - bodies[a].p;
-    track.turned_a = bodies_[a].turned, track.turned_b = bodies_[b].turned;
+    track.turned_a = bodies_[a].turned;
+    track.turned_b = bodies_[b].turned;
     const Spatial none{{0, 0, 0}, {0, 0, 0}};
     track.reference = calc_relative(i, get_place(bodies[a], none), get_place(bodies[b], none));
     track.tie = value;
@@ -290,7 +292,7 @@ void ClearanceHistory::add(const MotionWindow& window) {
 void ClearanceHistory::release(double time, const std::vector<int>& a, const std::vector<int>& b) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Clearance& pair = now_[i];
-    if (!((has(a, pair.a) && has(b, pair.b)) || (has(a, pair.b) && has(b, pair.a)))) continue;
+    if (!((contains(a, pair.a) && contains(b, pair.b)) || (contains(a, pair.b) && contains(b, pair.a)))) continue;
     refresh(i);
     tracks_[i].after_release = true;
     tracks_[i].release_time = time;
@@ -302,7 +304,7 @@ void ClearanceHistory::release(double time, const std::vector<int>& a, const std
 
 void ClearanceHistory::join(const std::vector<int>& bodies) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
-    if (!has(bodies, now_[i].a) || !has(bodies, now_[i].b)) continue;
+    if (!contains(bodies, now_[i].a) || !contains(bodies, now_[i].b)) continue;
     tracks_[i].after_release = false;
     now_[i].after_release.reset();
   }

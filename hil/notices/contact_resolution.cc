@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "hil/notices/format.h"
 
 namespace unlatch::hil {
 namespace {
@@ -62,11 +63,9 @@ ContactRates estimate_rates(const Model& model, const Contact& contact) {
 std::string describe_unresolved(const ContactRates& rates, double h) {
   const double size = h * rates.get_worst();
   if (!(size > kAccurate)) return "";
-  char text[160];
-  std::snprintf(text, sizeof text, "%s %.3g: %s; a step of %.3g s would do, or more contact_substeps",
+  return format("%s %.3g: %s; a step of %.3g s would do, or more contact_substeps",
                 rates.omega > rates.decay ? "sqrt(k/m)·h" : "h times the rate at which friction stops the slip", size,
                 size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate / rates.get_worst());
-  return text;
 }
 
 }  // namespace unlatch::hil

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <set>
 
 #include "hil/motion/clearance.h"
 #include "hil/notices/contact_resolution.h"
+#include "hil/notices/format.h"
 #include "hil/notices/friction_resolution.h"
 #include "hil/notices/notices.h"
 #include "hil/notices/resolution.h"
@@ -23,13 +23,6 @@ namespace {
 using Vector = Eigen::Vector3d;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kPi = 3.14159265358979323846;
-
-template <class... Values>
-std::string format(const char* text, Values... values) {
-  char line[320];
-  std::snprintf(line, sizeof line, text, values...);
-  return line;
-}
 
 std::string quoted(const char* kind, const std::string& name) { return std::string(kind) + " '" + name + "'"; }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 
 #include "hil/notices/contact_resolution.h"
+#include "hil/notices/format.h"
 #include "hil/notices/friction_resolution.h"
 #include "hil/notices/resolution.h"
 #include "hil/scenario/index.h"
@@ -18,13 +18,6 @@ namespace {
 constexpr std::size_t kAlignment = 64;
 constexpr double kDrift = 1e-9;  // m or rad: a thousand times a projection's residual, plus rounding of the positions
 constexpr double kNorm = 1e-12;  // norm error of a quaternion, which every step normalises
-
-template <class... Values>
-std::string format(const char* text, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof line, text, values...);
-  return line;
-}
 
 std::string describe_size(const char* what, double size) {
   return format("%s %.3g: %s, the step resolves %.2g", what, size,

@@ -57,6 +57,9 @@ struct Requirement {
   Take take = Take::kMinimum;
   double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();  // limits
   std::string unit;                                                                                         // SI
+
+  // True for a quantity of events: it has one value, not one at each instant.
+  [[nodiscard]] bool is_of_events() const { return quantity == Measure::kTime || quantity == Measure::kOrder; }
 };
 
 // Key of the quantity in the language: "clearance".

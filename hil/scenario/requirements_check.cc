@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "hil/scenario/index.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -31,15 +33,8 @@ std::string to_text(double value) {
   return text;
 }
 
-// Rows that some mode of a joint holds.
-RowSet list_held(const Joint& joint) {
-  RowSet rows = 0;
-  for (const JointMode& mode : joint.modes) rows = static_cast<RowSet>(rows | mode.rows);
-  return rows;
-}
-
 bool holds(const Requirement& requirement, const Model& model) {
-  const RowSet rows = list_held(model.joints[static_cast<std::size_t>(requirement.a)]);
+  const RowSet rows = list_held_rows(model.joints[static_cast<std::size_t>(requirement.a)]);
   if (requirement.axis >= 0) return has_row(rows, requirement.axis);
   return (rows & (requirement.axis == Requirement::kForce ? kPointRows : kRotationRows)) != 0;
 }

@@ -17,10 +17,6 @@ bool has_distance(const BodyShape& a, const BodyShape& b) {
 
 bool has(const ShapeSet& set, int shape) { return std::binary_search(set.shapes.begin(), set.shapes.end(), shape); }
 
-bool is_left_out(const ClearancePair& pair, int a, int b) {
-  return std::find(pair.except.begin(), pair.except.end(), std::pair(a, b)) != pair.except.end();
-}
-
 // Excepts shapes from a pair that are in both sets. False: there are none.
 bool leave_out(ClearancePair& pair, const ShapeSet& a, const ShapeSet& b) {
   bool found = false;
@@ -30,7 +26,7 @@ bool leave_out(ClearancePair& pair, const ShapeSet& a, const ShapeSet& b) {
       for (const int k : second.shapes)
         if (has(pair.a, i) && has(pair.b, k)) {
           found = true;
-          if (!is_left_out(pair, i, k)) pair.except.emplace_back(i, k);
+          if (!pair.is_excepted(i, k)) pair.except.emplace_back(i, k);
         }
   };
   add(a, b);
@@ -107,7 +103,7 @@ std::size_t ScenarioReader::count_distances(const ClearancePair& pair) const {
   std::size_t count = 0;
   for (const int i : pair.a.shapes)
     for (const int k : pair.b.shapes)
-      if (!is_left_out(pair, i, k) && has_distance(get_shape(pair.a.body, i), get_shape(pair.b.body, k))) ++count;
+      if (!pair.is_excepted(i, k) && has_distance(get_shape(pair.a.body, i), get_shape(pair.b.body, k))) ++count;
   return count;
 }
 

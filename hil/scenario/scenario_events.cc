@@ -41,7 +41,10 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
   if (sensor.kind == Kind::kDistance) {
     const YamlNode* const between = map.require("between");
     const std::optional<ClearancePair> pair = between ? read_surface_pair(*between) : std::nullopt;
-    if (pair) sensor.subject = find_surface(pair->a), sensor.other = find_surface(pair->b);
+    if (pair) {
+      sensor.subject = find_surface(pair->a);
+      sensor.other = find_surface(pair->b);
+    }
   } else if (sensor.kind >= Kind::kReaction) {
     sensor.subject = map.choice("joint", "joint", joints_);
   }
@@ -116,7 +119,10 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
     const std::optional<ClearancePair> pair = between ? read_surface_pair(*between) : std::nullopt;
     inner.finish();
     condition.kind = Kind::kDistance;
-    if (pair) condition.subject = find_surface(pair->a), condition.axis = find_surface(pair->b);
+    if (pair) {
+      condition.subject = find_surface(pair->a);
+      condition.axis = find_surface(pair->b);
+    }
     read_threshold(map, "m", condition);
   } else if (kind == "body_rate") {
     condition.kind = Kind::kBodyRate;

@@ -2,6 +2,7 @@
 // metres, in the axes of the body.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -32,6 +33,10 @@ struct ShapeSet {
 struct ClearancePair {
   ShapeSet a, b;
   std::vector<std::pair<int, int>> except;  // indices in a.shapes and b.shapes: mated faces, which are excepted
+
+  [[nodiscard]] bool is_excepted(int shape_a, int shape_b) const {
+    return std::find(except.begin(), except.end(), std::pair(shape_a, shape_b)) != except.end();
+  }
 };
 
 }  // namespace unlatch::hil

@@ -9,13 +9,6 @@
 namespace unlatch::hil {
 namespace {
 
-YamlNode make_scalar(std::string text) {
-  YamlNode node;
-  node.kind = YamlNode::Kind::kScalar;
-  node.text = std::move(text);
-  return node;
-}
-
 double get_number(const DesignVariable& variable, double value) {
   if (!variable.is_catalogue()) return value;
   return variable.numbers.empty() ? value : variable.numbers.at(static_cast<std::size_t>(value));
