@@ -1,8 +1,8 @@
-// bridge/<transport>/<bodies>: a round trip as the executive makes it in lockstep: a state out, its acknowledgement
-// back. bridge/bare_<transport>/<bodies>: messages of the same sizes over the same middleware with nothing of ours in
-// between. bridge/bare_one_<transport>/<bodies>: the same bytes in one message. bridge/<transport>_paced/<bodies>: as
-// in real time, through the rings and their threads. Time is wall time a round trip, on the average; p50_us is its
-// median, min_us its best.
+// Round trips of the protocol. bridge/<transport>/<bodies>: a round trip of the executive in lockstep: a state out, its
+// acknowledgement back. bridge/bare_<transport>/<bodies>: messages of the same sizes over the same middleware without
+// the protocol. bridge/bare_one_<transport>/<bodies>: the same bytes in one message. bridge/<transport>_paced/<bodies>:
+// as in real time, through the rings and their threads. Time is wall time per round trip, the average; p50_us is its
+// median, min_us its minimum.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace unlatch::bench {
 namespace {
 
-// Open once: repetitions of all of them are interleaved.
+// Opens each ping-pong once: repetitions of all of them are interleaved.
 PingPong& find_pingpong(const std::string& who) {
   static std::map<std::string, std::unique_ptr<PingPong>> open;
   auto& pingpong = open[who];
@@ -48,14 +48,14 @@ int main(int count, char** arguments) {
   using namespace unlatch::bench;
   if (is_echo(count, arguments)) return run_echo(arguments);
   std::vector<char*> with_defaults(arguments, arguments + count);
-  std::string min_time = "--benchmark_min_time=0.02";  // of the calling thread's own time, which is the smaller part
+  std::string min_time = "--benchmark_min_time=0.02";  // of the calling thread, the smaller part
   with_defaults.insert(with_defaults.begin() + 1, min_time.data());
   int with_defaults_count = static_cast<int>(with_defaults.size());
   benchmark::Initialize(&with_defaults_count, with_defaults.data());
   for (const std::string transport : {"inproc", "lcm", "dds"}) {
     for (const int bodies : {kFew, kMany}) {
       for (const std::string& who : {transport, "bare_" + transport, "bare_one_" + transport, transport + "_paced"}) {
-        if (bodies == kFew && who.starts_with("bare_one")) continue;  // it is one message anyway
+        if (bodies == kFew && who.starts_with("bare_one")) continue;  // it is a single message already
         benchmark::RegisterBenchmark(("bridge/" + who + "/" + std::to_string(bodies)).c_str(),
                                      [who, bodies](benchmark::State& state) { run(state, who, bodies); });
       }

@@ -29,7 +29,7 @@ struct Pair {
   Placement at_a, at_b;
 };
 
-// `low` and `high`: of the distance, m.
+// Builds pairs. `low` and `high`: limits of the distance, m.
 std::vector<Pair> build_pairs(int kind_a, int kind_b, double low, double high) {
   Random random(static_cast<std::uint64_t>(10 * kind_a + kind_b));
   std::vector<Pair> pairs;
@@ -55,7 +55,7 @@ void run_pairs(benchmark::State& state, const std::vector<Pair>& pairs) {
   }
 }
 
-// A sphere, capsule or cylinder of half the radius in a tube.
+// Runs a sphere, capsule or cylinder of half the radius in a tube.
 void run_tube(benchmark::State& state, int kind) {
   Shape tube{.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {3, 1}}};
   const CompiledShape a = compile_shape(tube);
@@ -72,7 +72,7 @@ struct FclPair {
   fcl::Transform3d at_a, at_b;
 };
 
-// Of the kinds that FCL has; its axes are centred.
+// Shape of a kind that FCL has; its axes are centred.
 std::shared_ptr<fcl::CollisionGeometryd> build_fcl(const CompiledShape& shape, ShapeKind kind) {
   const double length = 2 * shape.half_length;
   switch (kind) {

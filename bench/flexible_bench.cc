@@ -1,10 +1,8 @@
-// Flexible bodies and loops beside the same without lanes, and beside rigid bodies.
+// Flexible bodies and loops, compared with the same without SIMD lanes, and with rigid bodies.
 //   flexible/<system>/<set>       a full step of the elastic fairing, and of panels with cables (loops), by instruction
-//   set:
-//                                 `scalar` computes one body after the other
+//                                 set: `scalar` computes one body after the other
 //   flexible/<kind>/<shape>/<n>   accelerations from poses and velocities of n masts on hinges, `rigid` or with `four`
-//   modes
-//                                 each. items: bodies
+//                                 modes each. items: bodies
 #include <benchmark/benchmark.h>
 
 #include <stdexcept>
@@ -20,7 +18,7 @@ namespace unlatch::bench {
 namespace {
 
 constexpr int kBays = 4, kModes = 4;
-constexpr int kFirstTick = 200, kWindow = 80;  // of the scenarios
+constexpr int kFirstTick = 200, kWindow = 80;  // ticks of the scenarios
 
 struct SetName {
   const char* name;
@@ -31,7 +29,7 @@ constexpr SetName kSets[] = {{"scalar", InstructionSet::kScalar},
                              {"256", InstructionSet::k256},
                              {"512", InstructionSet::k512}};
 
-// The same ticks again and again.
+// Repeats the same ticks.
 void repeat_steps(benchmark::State& bench, const char* path, InstructionSet set) {
   const hil::Scenario scenario = hil::load_scenario(std::string(UNLATCH_SOURCE_DIR "/hil/scenarios/") + path);
   test::Simulation simulation(scenario.model, {.dt = scenario.dt, .instruction_set = set});
@@ -45,7 +43,7 @@ void repeat_steps(benchmark::State& bench, const char* path, InstructionSet set)
   bench.SetItemsProcessed(bench.iterations() * static_cast<std::int64_t>(scenario.model.bodies.size()));
 }
 
-// n masts, each on a hinge about y at the tip of its parent: the one before in a chain, the first in a star.
+// Builds n masts, each on a hinge about y at the tip of its parent: the one before in a chain, the first in a star.
 Model build_masts(bool flexible, bool chain, int n) {
   const test::ModalBody lumped = test::build_lattice_mast(kBays, kModes, test::Support::kFree);
   const std::size_t root = 0, tip = lumped.positions.size() - 1;
@@ -54,7 +52,7 @@ Model build_masts(bool flexible, bool chain, int n) {
   Model model;
   model.name = "masts";
   model.gravity.uniform = {0, 0, -9.81};
-  std::vector<int> masts, tips, roots;  // places where joints hold: markers, or the bodies themselves
+  std::vector<int> masts, tips, roots;  // attachment points of joints: markers, or the bodies themselves
   const auto add_marker = [&](int mast, std::size_t particle, const char* name) {
     if (!flexible) return mast;
     model.bodies.push_back(test::build_marker(name + std::to_string(mast), mast, lumped, particle, no_turn));

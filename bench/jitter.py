@@ -21,9 +21,9 @@ BIN = Path(sys.argv[1])
 SECONDS = float(sys.argv[2]) if len(sys.argv) > 2 else 20
 RESULTS = Path(__file__).parent / "results"
 CPU = os.cpu_count() - 1
-SLICES = 8  # of a case in turn
-LONGEST_US = 50_000  # that cyclictest has a place for
-CASES = [  # scenario, period in us, spin in us, how
+SLICES = 8  # number of slices of a case in turn
+LONGEST_US = 50_000  # longest latency in cyclictest's histogram
+CASES = [  # scenario, period in us, spin in us, "together" or "in turn"
     ("boosters", 1000, 0, "together"),
     ("boosters", 1000, 100, "together"),
     ("array64", 1000, 0, "together"),
@@ -56,8 +56,8 @@ def start_cyclictest(period_us, seconds):
 
 
 def summarize_cyclictest(histogram, thread, period_us):
-    """In ns, the middle of each microsecond. `stalls`: wake-ups later than the next deadline. It skips the deadlines that
-    have passed by then, and we none; with them they are `late`."""
+    """Percentiles in ns, the middle of each microsecond. `stalls`: wake-ups later than the next deadline. cyclictest skips the
+    deadlines that have passed by then, the executive skips none; with them they are `late`."""
     row, seen, wanted = {}, 0, [("p50", 0.5), ("p99", 0.99), ("p999", 0.999), ("p9999", 0.9999)]
     for us, count in sorted(histogram.items()):
         seen += count
@@ -80,7 +80,7 @@ def run_ours(scenario, period_us, spin_us, seconds):
 
 
 def merge(rows):
-    """Of slices: counts add up; a percentile is the median of the slices' percentiles, and not one of all their samples."""
+    """Merges slices: counts are added; a percentile is the median of the slices' percentiles, not one of all their samples."""
     merged = {name: statistics.median(row[name] for row in rows) for name in ("p50", "p99", "p999", "p9999")}
     merged |= {name: sum(row[name] for row in rows) for name in ("count", "stalls", "late")}
     return merged | {"min": min(row["min"] for row in rows), "max": max(row["max"] for row in rows)}

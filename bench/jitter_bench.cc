@@ -1,7 +1,6 @@
-// The cyclic executive in real time, without flight software: how late it is woken, how long its steps take, and beside
-// it, on the same CPU, the yardsticks of hil/realtime/yardsticks.h and reading
-// 128 KiB, once when others have had the caches, and once
-// again. Prints one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
+// The cyclic executive in real time, without flight software: wake-up latency and time of its steps. Beside it, on the
+// same CPU, run the yardsticks of hil/realtime/yardsticks.h and a read of 128 KiB, once after other programs have used
+// the caches, and once again. Prints one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -53,7 +52,8 @@ void print(const char* name, const hil::DurationSummary& s) {
       static_cast<long long>(s.max));
 }
 
-// 128 KiB, a number of each cache line in an order that no prefetcher guesses: part of a core's second cache.
+// Read of 128 KiB, a number of each cache line in an order that no prefetcher predicts: part of a core's second-level
+// cache.
 class Reading {
  public:
   void read() {
@@ -71,7 +71,7 @@ struct Yardsticks {
   hil::Histogram multiplications, sums, first_reading, second_reading;
 };
 
-// Once a tick, but no more than a thousand times a second: at 10 kHz they would take a tenth of the CPU.
+// Runs the yardsticks once a tick, but at most a thousand times a second: at 10 kHz they would take a tenth of the CPU.
 void run_yardsticks(const Options& options, const std::stop_token& stopping, Yardsticks& yardsticks) {
   (void)hil::request_real_time({.priority = 80, .cpu = options.cpu});
   Reading reading;
@@ -106,7 +106,7 @@ int run(const Options& options) {
   hil::Recorder recorder(
       "", hil::build_log_header(scenario, *simulation, executive_options.pace, 1, executive_options.last_tick));
   hil::Executive executive(*simulation, connection, recorder, scenario.name, executive_options);
-  // Stands for the bridge: takes what is said, and says nothing.
+  // Replaces the bridge: receives all messages and sends none.
   std::jthread listener([&connection](const std::stop_token& stopping) {
     hil::Message message;
     while (!stopping.stop_requested()) {
@@ -117,7 +117,7 @@ int run(const Options& options) {
   });
   const auto yardsticks = std::make_unique<Yardsticks>();
   std::jthread measure([&](const std::stop_token& stopping) { run_yardsticks(options, stopping, *yardsticks); });
-  const hil::ShallowIdle awake;  // as cyclictest, and `unlatch hil`
+  const hil::ShallowIdle awake;  // as in cyclictest and `unlatch hil`
   if (!awake.get_refusal().empty()) std::fprintf(stderr, "%s\n", awake.get_refusal().c_str());
   hil::LogEnd end;
   std::jthread([&] {

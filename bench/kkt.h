@@ -1,7 +1,7 @@
-// The KKT system [M −Gᵀ; −G 0] (a; λ) = (F; −c) of bodies and joints in blocks, and solvers that only take it as such.
+// The KKT system [M −Gᵀ; −G 0] (a; λ) = (F; −c) of bodies and joints in blocks, and solvers that use only these blocks.
 //
-// They are built for the machine at hand with all of Eigen's vectorisation, which the rest of the project must not use;
-// so they live in a library of their own, whose border only plain numbers cross.
+// They are built for the present machine with all of Eigen's vectorisation, which the rest of the project must not use;
+// so they are in a separate library, whose interface passes only plain numbers.
 #pragma once
 
 #include <memory>
@@ -36,8 +36,8 @@ class UNLATCH_EXPORT KktSolver {
  public:
   virtual ~KktSolver() = default;
   virtual void solve() = 0;
-  virtual const double* get_acceleration(int body) const = 0;  // 6
-  virtual const double* get_multipliers(int joint) const = 0;  // its count
+  virtual const double* get_acceleration(int body) const = 0;  // 6 numbers
+  virtual const double* get_multipliers(int joint) const = 0;  // one number for each row
 };
 
 // Throws unless joint k has body k + 1 as its follower and a body as its base: a tree whose root is free.

@@ -1,6 +1,6 @@
 // The whole KKT matrix at once, by Eigen's dense LDLT (pivoting) and sparse SimplicialLDLT. Assembled beforehand: only
-// the factorisation and the solution are timed. The sparse one pivots on its diagonal in an order that knows nothing of
-// signs, which fails on the bare matrix, so that its multipliers' block is −1e-8 instead of 0.
+// the factorisation and the solution are timed. The sparse one pivots on its diagonal in an order that ignores signs,
+// which fails on the original matrix, so the block of its multipliers is −1e-8 instead of 0.
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 #include <stdexcept>

@@ -1,5 +1,5 @@
-// Beside mean and median, the least of a benchmark's repetitions: what other users of a shared machine do to a time
-// only adds to it.
+// Minimum of a benchmark's repetitions, beside mean and median: other users of a shared machine can only increase a
+// time.
 #pragma once
 
 #include <benchmark/benchmark.h>

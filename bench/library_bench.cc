@@ -1,7 +1,7 @@
-// library/step/<scenario>: a tick through the C library beside the kernel's own step of the same state, by turns in
-// blocks of some ticks, so that whatever else the machine does falls on both. `overhead` is the median over all blocks
-// of library / kernel − 1; the times are medians, ns for each tick. Both sides run one copy of the kernel's code: from
-// two copies (one in the shared library) the places of the code alone made −1 to +3 %.
+// Benchmark library/step/<scenario>: a tick through the C library compared with the kernel's own step of the same
+// state, in alternating blocks of some ticks, so that disturbances by the machine affect both. `overhead` is the median
+// over all blocks of library / kernel − 1; the times are medians, ns for each tick. Both sides run one copy of the
+// kernel's code: with two copies (one in the shared library) their addresses alone caused −1 to +3 %.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace unlatch::bench {
 namespace {
 
 constexpr int kBlock = 40;    // ticks
-constexpr int kWindow = 120;  // ticks after which the state goes back
+constexpr int kWindow = 120;  // ticks after which the state is restored
 constexpr const char* kFolder = UNLATCH_SOURCE_DIR "/hil/scenarios/";
 
 double get_ns() {

@@ -1,5 +1,5 @@
 // One search of a problem of synthesis by one algorithm, from one start: optimizers_bench PROBLEM ALGORITHM START RUNS.
-// Prints JSON: the runs that it made, and [run, objective] at each improvement of the best design that meets all
+// Prints JSON: the number of runs, and [run, objective] at each improvement of the best design that meets all
 // constraints. START 1 is the file's; others are random within the bounds, and seed the algorithm. `local` and `global`
 // are those of `unlatch optimize`; others are algorithms of its libraries alone. Driven by bench/optimizers.
 #include <atomic>

@@ -7,10 +7,10 @@
 namespace unlatch::bench {
 namespace {
 
-constexpr double kFold = 1.4;                         // rad, of the panels to either side at the start
+constexpr double kFold = 1.4;                         // rad, angle of the panels to either side at the start
 constexpr double kDrive = 0.6, kFriction = 0.3;       // N m/rad, N m s/rad
 constexpr double kLatch = 900, kLatchDamping = 6;     // N m/rad, N m s/rad
-constexpr double kLength = 1, kHalf = 0.5 * kLength;  // of a panel, m
+constexpr double kLength = 1, kHalf = 0.5 * kLength;  // m, of a panel
 
 JointSpring build_spring(const std::string& name, int hinge, double stiffness, double damping, bool on) {
   JointSpring spring;
@@ -28,7 +28,7 @@ Model build_panel_array(int panels) {
   Model model;
   model.name = "array" + std::to_string(panels);
   model.bodies.push_back(test::box("bus", 800, 300, 320, 280));
-  Eigen::Vector3d edge(1, 0, 0);  // where the next hinge is
+  Eigen::Vector3d edge(1, 0, 0);  // position of the next hinge
   for (int k = 0; k < panels; ++k) {
     const std::string id = std::to_string(k + 1);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(k % 2 == 0 ? kFold : -kFold, Eigen::Vector3d::UnitZ()));

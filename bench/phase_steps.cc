@@ -1,5 +1,5 @@
-// Steps the five-body boosters from `first` for `count` ticks, without events if they are chosen so: what
-// bench/instructions counts instructions of. Usage: phase_steps FIRST COUNT
+// Steps the five-body boosters from `first` for `count` ticks, chosen without events: bench/instructions counts its
+// instructions. Usage: phase_steps FIRST COUNT
 #include <cstdio>
 #include <cstdlib>
 

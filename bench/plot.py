@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws cost against n and lists the ratios to the peers, from what solve_bench left in bench/results.
+"""Draws cost against n and lists the ratios to the other solvers, from the results of solve_bench in bench/results.
 
 Usage: bench/plot.py    (reads results/solve_bench*.csv, writes results/solve.svg, solve.png and ratios.md)
 """
@@ -28,7 +28,7 @@ STYLES = {
     "simbody_solve": ("Simbody, solve alone", "#2a9d5c", "--", "D"),
     "mujoco": ("MuJoCo 2.2", "#e09f3e", "-", "P"),
 }
-# Targets: slower, faster, shape, n, at least. Against solvers that start from given blocks it is factor + solve that counts.
+# Targets: slower, faster, shape, n, at least. Solvers that start from given blocks are compared with factor + solve.
 TARGETS = [
     ("mujoco", "unlatch", "star", 5, 11),
     ("mujoco", "unlatch_factor_solve", "star", 5, 11),
@@ -40,13 +40,13 @@ TARGETS = [
     ("textbook", "unlatch_factor_solve", "bintree", 1024, 26),
     ("textbook", "unlatch_factor_solve", "random", 1000, 12),
 ]
-FITTED = ((8, 2048), (64, 2048))  # n: from a few bodies on, and from where all lanes are filled
+FITTED = ((8, 2048), (64, 2048))  # n: from a few bodies on, and from the size that fills all lanes
 # shape, n, ns per body at most
 PER_BODY = [("star", 100000, 60), ("bintree", 100000, 160), ("welded_chain", 512, 90)]
 
 
 def read_times():
-    """{(who, shape): {n: ns per solve, the least of the repetitions}}"""
+    """Returns {(who, shape): {n: ns per solve, the least of the repetitions}}."""
     times, rows = {}, []
     for path in sorted(RESULTS.glob("solve_bench*.csv")):
         lines = path.read_text().splitlines()

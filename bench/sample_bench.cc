@@ -1,7 +1,7 @@
-// Processor time of one sample of a campaign, and of its parts, by turns over the same samples:
+// Processor time of one sample of a campaign, and of its parts, in turns over the same samples:
 //   sample_bench CAMPAIGN [SAMPLES [TURNS]]
-// Prints ms of the fastest turn: settings to a scenario, scenario to a simulation, the bare steps, the whole sample;
-// and side by side (unlatch/bundle.h) the bare steps and the whole sample.
+// Prints ms of the fastest turn: settings to a scenario, scenario to a simulation, the steps alone, the whole sample;
+// and side by side (unlatch/bundle.h) the steps alone and the whole sample.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -25,7 +25,7 @@ double get_processor_time() {  // s
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Per sample, ms.
+// Time per sample, ms.
 template <typename Task>
 double measure(const std::vector<hil::SampleTask>& samples, const Task& task) {
   const double begin = get_processor_time();

@@ -1,6 +1,7 @@
-// solve/<who>/<shape>/<n>: one acceleration solve of n bodies by unlatch and by its peers; plan/<shape>/<n>: compiling
-// the plan. bench/README.md says what each call includes. Before anything is timed its answer is compared with
-// unlatch's, and the program ends at once if they differ: a bench of different physics is worthless.
+// Acceleration solves. solve/<who>/<shape>/<n>: one solve of n bodies by unlatch and by other programs;
+// plan/<shape>/<n>: compiling the plan. bench/README.md lists the contents of each call. Before a solver is timed its
+// answer is compared with unlatch's, and the program ends at once if they differ: a comparison of different physics is
+// worthless.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -21,13 +22,13 @@ namespace {
 
 // Largest differences, relative to the largest entry. Exact solvers differ by rounding, which a long chain amplifies.
 constexpr double kAgreement = 1e-9;
-// SimplicialLDLT solves a matrix with −1e-8 in its corner: rows give way by 1e-8 of their multipliers.
+// SimplicialLDLT solves a matrix with −1e-8 in its corner: rows yield by 1e-8 of their multipliers.
 constexpr double kRegularisedAgreement = 1e-4;
 
 struct Peer {
   const char* name;
   MakeSolver build;
-  int largest[5];  // n, per shape; beyond it the peer cannot, or takes too long; 0: not at all
+  int largest[5];  // n, per shape; the solver fails or is too slow for larger ones; 0: no size
   bool linear;
   double agreement;
   InstructionSet needs = InstructionSet::kAuto;
@@ -64,7 +65,7 @@ constexpr int kFitted[] = {8, 16, 32, 64, 128, 256, 512, 1024, 2048};
 constexpr int kOthers[] = {5, 1000, 4096, 16384, 100000};
 constexpr int kKept = 4096;  // bodies at most
 
-// Five hinges between two welds carry what no equation decides: every solver has another answer.
+// Five hinges between two welds leave some multipliers undetermined: every solver has another answer.
 bool is_determined(Shape shape, int n) { return shape != Shape::kWeldedChain || n >= 8; }
 
 double calc_difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -79,7 +80,7 @@ double calc_difference(const std::vector<double>& a, const std::vector<double>& 
 
 void check_or_abort(const Peer& peer, Shape shape, const Model& model, const Solution& answer) {
   const std::unique_ptr<Solver> reference = build_unlatch(model);
-  const Solution expected = reference->build_solution();  // of its construction
+  const Solution expected = reference->build_solution();  // answer at its construction
   const double accelerations = calc_difference(answer.accelerations, expected.accelerations);
   const double multipliers = answer.multipliers.empty() ? 0 : calc_difference(answer.multipliers, expected.multipliers);
   if (accelerations <= peer.agreement && multipliers <= peer.agreement) return;
@@ -99,7 +100,7 @@ std::unique_ptr<Solver> build_checked(const Peer& peer, Shape shape, int n) {
   return solver;
 }
 
-// Repetitions are many and short, so what is solved is kept from one to the next, unless it is large.
+// Times a solver. Repetitions are many and short, so the solver is kept from one to the next, unless it is large.
 void run_solve(benchmark::State& bench, const Peer& peer, Shape shape) {
   static std::map<std::tuple<const char*, Shape, int>, std::unique_ptr<Solver>> kept;
   const int n = static_cast<int>(bench.range(0));

@@ -1,4 +1,4 @@
-// Writes the KKT blocks of a model at its initial state, sharing nothing with the kernel but the Model, and hands them
+// Writes the KKT blocks of a model at its initial state, sharing nothing with the kernel but the Model, and passes them
 // to the solvers of kkt.h.
 #include "bench/kkt.h"
 #include "bench/solve_solver.h"
@@ -31,8 +31,8 @@ void write_row(KktJoint& joint, bool point, const Vector3d& n, const Vector3d& r
   joint.bias[joint.count++] = bias;
 }
 
-// The follower's point lies where the base's does, so that r_base reaches to it. It may slip along the base with d' =
-// v_f + w_f × r_f − v_b − w_b × r_b, for which the base's turning counts twice.
+// The follower's point coincides with the base's, so r_base reaches to it. It may slip along the base with d' = v_f +
+// w_f × r_f − v_b − w_b × r_b, for which the base's rotation counts twice.
 //   point–plane  c = −n·(w_f × (w_f × r_f) − w_b × (w_b × r_b)) − 2 (w_b × n)·d'
 //   rotation     c = −n'·(w_f − w_b),  n' = w_b × n; of the universal joint n = x_b × y_f, here of unit length, and
 //                n' = (w_b × x) × y + x × (w_f × y), less its part along n

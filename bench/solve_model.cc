@@ -80,7 +80,8 @@ Joint draw_joint(Random& random, const Kind& kind, int base, int follower) {
   return joint;
 }
 
-// Puts the follower where the joint wants it, moving along each of its freedoms with up to `speed`, m/s and rad/s.
+// Places the follower as the joint requires, moving along each of its degrees of freedom with up to `speed`, m/s and
+// rad/s.
 void close(const Joint& joint, const Body& base, double speed, Random& random, Body& follower) {
   const Eigen::Matrix3d R_base = base.q_WB.toRotationMatrix(), R_follower = follower.q_WB.toRotationMatrix();
   const Eigen::Matrix3d axes = R_base * joint.axes;
@@ -96,7 +97,8 @@ void close(const Joint& joint, const Body& base, double speed, Random& random, B
   follower.v_WB = base.v_WB + w_base.cross(arm_base) + slip - w.cross(arm);
 }
 
-// The two joints to the ground come first and last, so that the tree hangs on the hinge and the weld closes the loop.
+// Joins both ends to the ground. The two joints come first and last, so that the tree hangs on the hinge and the weld
+// closes the loop.
 void hold_both_ends(Model& model, Random& random) {
   Joint hinge = draw_joint(random, {"hinge", kHinge}, kGround, 0);
   hinge.name = "root";
@@ -134,7 +136,7 @@ Model build_solve_model(Shape shape, int n) {
   model.name = get_name(shape);
   model.gravity.uniform = {0, 0, -9.81};
   model.bodies.push_back(draw_body(random, 0));
-  const double speed = shape == Shape::kWeldedChain ? 0 : 1;  // held at both ends it hangs at rest
+  const double speed = shape == Shape::kWeldedChain ? 0 : 1;  // fixed at both ends, it hangs at rest
   model.bodies[0].v_WB = speed * draw_vector(random, 1);
   model.bodies[0].w_WB_B = speed * draw_vector(random, 1);
   for (int k = 1; k < n; ++k) {

@@ -1,4 +1,4 @@
-// The systems on which solvers are compared: n bodies with random masses, joints, attitudes and speeds, under gravity.
+// Systems for the comparison of solvers: n bodies with random masses, joints, attitudes and speeds, under gravity.
 #pragma once
 
 #include "unlatch/model.h"
@@ -15,8 +15,8 @@ enum class Shape {
 inline constexpr Shape kShapes[] = {Shape::kStar, Shape::kChain, Shape::kBintree, Shape::kRandom, Shape::kWeldedChain};
 const char* get_name(Shape shape);
 
-// A joint's base comes before its follower. The frames of each joint coincide, so that all angles are zero, and all
-// rows hold in position and velocity.
+// Builds a system. A joint's base comes before its follower. The frames of each joint coincide, so that all angles are
+// zero, and all rows are satisfied in position and velocity.
 Model build_solve_model(Shape shape, int n);
 
 }  // namespace unlatch::bench

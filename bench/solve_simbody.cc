@@ -1,5 +1,5 @@
-// Simbody's realize(Acceleration). Either positions and velocities count as changed before each call, so that
-// everything is computed anew, or only the stages are invalidated: then Simbody keeps what belongs to the positions,
+// Simbody's realize(Acceleration). Either positions and velocities are marked as changed before each call, so that
+// everything is computed anew, or only the stages are invalidated: then Simbody keeps the results for the positions,
 // its factorisation (articulated inertias) included, and merely solves.
 #include "bench/solve_solver.h"
 #include "tests/support/simbody_system.h"

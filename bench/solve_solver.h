@@ -9,17 +9,17 @@
 
 namespace unlatch::bench {
 
-// One acceleration solve's answer. Multipliers where rows are redundant or loops cut differently are not unique; the
+// Answer of one acceleration solve. Multipliers are not unique where rows are redundant or loops cut differently; the
 // systems here have none such.
 struct Solution {
   std::vector<double> accelerations;  // calc_joint_accelerations(); m/s², rad/s²
-  std::vector<double> multipliers;    // 6 a joint, 0 for rows that do not hold, N and N m; empty if there are none
+  std::vector<double> multipliers;    // 6 for each joint, 0 for inactive rows, N and N m; empty if there are none
 };
 
 class Solver {
  public:
   virtual ~Solver() = default;
-  virtual void solve() = 0;  // what is timed
+  virtual void solve() = 0;  // the timed call
   virtual Solution build_solution() = 0;
 };
 
@@ -28,13 +28,13 @@ using test::calc_joint_accelerations;
 
 std::unique_ptr<Solver> build_unlatch(const Model& model);               // evaluate(): everything
 std::unique_ptr<Solver> build_unlatch_factor_solve(const Model& model);  // factor() and solve() alone
-std::unique_ptr<Solver> build_unlatch_avx2(const Model& model);  // with AVX2, where the processor has AVX-512 too
+std::unique_ptr<Solver> build_unlatch_avx2(const Model& model);          // with AVX2, even if the processor has AVX-512
 std::unique_ptr<Solver> build_unlatch_factor_solve_avx2(const Model& model);
 std::unique_ptr<Solver> build_textbook(const Model& model);
 std::unique_ptr<Solver> build_eigen_dense(const Model& model);
 std::unique_ptr<Solver> build_eigen_sparse(const Model& model);
 std::unique_ptr<Solver> build_mujoco(const Model& model);         // if UNLATCH_BENCH_MUJOCO
 std::unique_ptr<Solver> build_simbody(const Model& model);        // if UNLATCH_BENCH_SIMBODY
-std::unique_ptr<Solver> build_simbody_solve(const Model& model);  // the same, with the last factorisation
+std::unique_ptr<Solver> build_simbody_solve(const Model& model);  // with the last factorisation
 
 }  // namespace unlatch::bench

@@ -15,7 +15,7 @@ class Unlatch : public Solver {
     check(evaluate_state(simulation_));
   }
 
-  // From poses and velocities; the modes are those of the call before.
+  // Evaluates from poses and velocities; the modes are those of the call before.
   void solve() override { check(evaluate_state(simulation_, Changed::kMotion)); }
 
   Solution build_solution() override {
@@ -55,7 +55,7 @@ class UnlatchFactorSolve final : public Unlatch {
   }
 
  private:
-  // A solve leaves the loops' reactions among the forces.
+  // Restores the forces: a solve leaves the loops' reactions among them.
   void restore_forces() {
     const Evaluation& ev = simulation_.evaluation();
     for (std::size_t b = 0; b < forces_.size(); ++b)

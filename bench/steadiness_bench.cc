@@ -2,9 +2,9 @@
 //
 //   sums, step, sums, as many sums as take the step's time, sums
 //
-// run back to back on one CPU. Where the sums before and after took their least time, no other process was on the core:
-// a longer step is caused by the step itself, or by an interruption in its middle. Sums in place of the step show how
-// often the latter happens. Prints one JSON object. bench/jitter.py runs it.
+// run back to back on one CPU. If the sums before and after took their least time, no other process was on the core: a
+// longer step is caused by the step itself, or by an interruption in its middle. Sums in place of the step show the
+// frequency of such interruptions. Prints one JSON object. bench/jitter.py runs it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -18,9 +18,9 @@
 namespace unlatch::bench {
 namespace {
 
-constexpr double kQuiet = 1.05;  // times the least that the sums took
+constexpr double kQuiet = 1.05;  // relative to the least time of the sums
 constexpr std::int64_t kTick_ns = 1'000'000,
-                       kRest_ns = 100'000;  // of every millisecond: a real-time thread that never rests is stopped
+                       kRest_ns = 100'000;  // of every ms: the system stops a real-time thread that never rests
 constexpr int kStepSums = 7200;             // three times the sums around it
 
 struct Options {
@@ -49,8 +49,8 @@ Round run_round(hil::Simulation& simulation) {
   return round;
 }
 
-// Back to back but for kRest_ns; or, with a spin, once a millisecond as the executive would: asleep, a warm-up step,
-// awake.
+// Runs rounds back to back, with pauses of kRest_ns; or, with a spin, once a millisecond as the executive would:
+// asleep, a warm-up step, awake.
 std::vector<Round> run_rounds(hil::Simulation& simulation, const Options& options) {
   const auto spin = static_cast<std::int64_t>(options.spin_us * 1e3);
   std::vector<Round> rounds;

@@ -1,6 +1,6 @@
 // Full steps: forces, four stages, both projections, event checks, outputs. `step/<scenario>` is a whole run's mean;
-// `step/<scenario>/<phase>` some ticks in the middle of a phase, again and again; `…_bare` without loads, guards and
-// outputs, `…_cold` with caches that others have used; `step/random/<n>` the first of a random tree of n bodies on
+// `step/<scenario>/<phase>` some ticks in the middle of a phase, repeated; `…_bare` without loads, guards and outputs,
+// `…_cold` with caches that other programs have used; `step/random/<n>` the first step of a random tree of n bodies on
 // joints of every kind.
 #include <benchmark/benchmark.h>
 
@@ -22,7 +22,7 @@ namespace {
 constexpr int kWindow = 80;  // ticks
 
 Simulation build_boosters() { return Simulation(build_soyuz(load_reference("soyuz_nominal"))); }
-// The same with a command for every thrust, so that each step begins by solving for its forces again.
+// Builds the boosters with a command for every thrust, so that each step begins by solving for its forces again.
 Simulation build_throttled_boosters() {
   Model model = build_soyuz(load_reference("soyuz_nominal"));
   model.channels.push_back({.name = "throttle", .initial = 1});
@@ -37,7 +37,7 @@ void step_or_skip(benchmark::State& bench, Simulation& simulation) {
   if (report.status != StepStatus::kOk) bench.SkipWithError(get_status_text(report.status));
 }
 
-// `window` ticks from `tick` on, again and again.
+// Repeats `window` ticks from `tick` on.
 void repeat_steps(benchmark::State& bench, Simulation simulation, int tick, int window) {
   for (int i = 0; i < tick; ++i) (void)simulation.advance();
   const std::span<std::byte> state = simulation.state.get_bytes();
@@ -55,8 +55,8 @@ void run_whole(benchmark::State& bench, Simulation simulation, int ticks) {
   }
 }
 
-// Four stages, both projections and the evaluation of the end, of the bodies and joints alone in the modes of `tick`:
-// without loads, springs, guards, events and outputs.
+// Repeats four stages, both projections and the evaluation of the end, for the bodies and joints alone in the modes of
+// `tick`: without loads, springs, guards, events and outputs.
 void repeat_bare_steps(benchmark::State& bench, const Model& model, int tick) {
   Simulation full(model);
   for (int i = 0; i < tick; ++i) (void)full.advance();
@@ -80,7 +80,7 @@ void repeat_bare_steps(benchmark::State& bench, const Model& model, int tick) {
   }
 }
 
-// One step at a time, after reading memory of twice the second cache's size, as others on the processor do while the
+// Makes one step at a time, after reading memory of twice the second-level cache's size, as other programs do while the
 // thread rests.
 void repeat_cold_steps(benchmark::State& bench, Simulation simulation, int tick) {
   using Clock = std::chrono::steady_clock;
@@ -133,8 +133,8 @@ BENCHMARK_CAPTURE(repeat_steps, latched, build_array(), 9500, kWindow)
     ->Apply(bench::keep_least);
 BENCHMARK_CAPTURE(run_whole, array, build_array(), 20000)->Name("step/array")->Apply(bench::keep_least);
 
-// Sixteen pairs of shapes of which four are closed, and the same while the step is cut into four; 1 kHz, so that 50 µs
-// are 5 % of the period.
+// Builds sixteen pairs of shapes of which four are closed, and the same with the step cut into four parts; 1 kHz, so
+// that 50 µs are 5 % of the period.
 Simulation build_pairs(int parts) {
   Model model = build_sixteen_pairs();
   model.contact_substeps = parts;

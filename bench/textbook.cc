@@ -1,9 +1,9 @@
-// Block elimination as in the textbook: Baraff 1996 (CMU-RI-TR-95-44), with bodies (6×6) and joints (m×m, m their rows)
-// as the nodes of one tree, each of which has a single neighbour, its parent, that is eliminated after it:
+// Block elimination of the textbook: Baraff 1996 (CMU-RI-TR-95-44), with bodies (6×6) and joints (m×m, m their rows) as
+// the nodes of one tree, each of which has a single neighbour, its parent, that is eliminated after it:
 //   factor  D_i = H_ii − Σ H_ci^T D_c⁻¹ H_ci,   W_i = D_i⁻¹ H_ip      leaves to root
 //   solve   y_p −= W_i^T y_i leaves to root;  x_i = D_i⁻¹ y_i − W_i x_p root to leaves
-// A body's D is positive definite, a joint's negative definite: −D is factored. Every number of rows has code of its
-// own with Eigen's fixed sizes. Nothing is allocated per call.
+// A body's D is positive definite, a joint's negative definite: −D is factored. Every number of rows has its own code
+// with Eigen's fixed sizes. Nothing is allocated per call.
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <stdexcept>
@@ -23,10 +23,10 @@ struct JointBlock {
   using Square = Eigen::Matrix<double, kRows, kRows>;
   using Vector = Eigen::Matrix<double, kRows, 1>;
   using Rows = Eigen::Matrix<double, kRows, 6>;
-  // given
+  // Input.
   Rows G, G_parent;
   Vector c;
-  // computed
+  // Results.
   Eigen::LLT<Square> S;               // G D⁻¹ Gᵀ, D of the body
   Eigen::Matrix<double, 6, kRows> W;  // D⁻¹ Gᵀ
   Rows V;                             // S⁻¹ G_parent
@@ -36,11 +36,11 @@ struct JointBlock {
 // A body and where its joint to the parent is; the root has none.
 struct Node {
   int parent = -1, rows = 0;
-  std::size_t joint = 0;  // among the joints of as many rows
-  // given
+  std::size_t joint = 0;  // index among the joints of as many rows
+  // Input.
   Matrix6 M;
   Vector6 F;
-  // computed
+  // Results.
   Matrix6 D;                 // of the body
   Eigen::LLT<Matrix6> body;  // D
   Vector6 y, a;
@@ -105,7 +105,7 @@ class Textbook final : public KktSolver {
     std::apply([&](auto&... blocks) { (add(blocks), ...); }, joints_);
   }
 
-  // Calls f with the node's joint, in code of its own for each number of rows.
+  // Calls f with the node's joint, in separate code for each number of rows.
   template <class F>
   void visit(const Node& node, F&& f) {
     switch (node.rows) {

@@ -21,7 +21,8 @@ namespace {
 using namespace std::chrono_literals;
 using bridge::DdsEntity;
 
-// The first octets: how many messages of this ping follow, and its number, which the pong repeats.
+// Writes the first octets: the number of messages of this ping that follow, and the ping's number, which the pong
+// repeats.
 void mark(std::uint8_t* bytes, int left, std::uint32_t number) {
   bytes[0] = static_cast<std::uint8_t>(left);
   std::memcpy(bytes + 1, &number, sizeof number);
@@ -35,7 +36,7 @@ std::uint32_t get_number(const std::uint8_t* bytes) {
 
 // --- DDS: one topic for each size, reliable, keep last --------------------------------------------------------------
 
-// Two pairs that are open at once must not hear each other.
+// Two pairs that are open at once must not receive each other's messages.
 bridge::DdsOptions get_dds(bool as_one) { return {.domain = as_one ? 79 : 78, .interface = "lo"}; }
 
 class DdsSide {
@@ -154,7 +155,7 @@ class LcmSide {
   void send(const char* channel, const void* bytes, std::size_t size) {
     lcm_publish(lcm_, channel, bytes, static_cast<unsigned int>(size));
   }
-  // True with the last message of a ping, or with a pong; then get_heard() is its number.
+  // Returns true with the last message of a ping, or with a pong; then get_heard() is its number.
   bool receive(std::chrono::nanoseconds wait) {
     pollfd waiting{.fd = lcm_get_fileno(lcm_), .events = POLLIN, .revents = 0};
     const auto limit = std::chrono::duration_cast<std::chrono::milliseconds>(wait);
@@ -220,7 +221,7 @@ class Box {
     }
     ready_.notify_one();
   }
-  // All that was put: its bytes.
+  // Takes all stored messages; returns their bytes.
   std::size_t take(std::vector<std::uint8_t>& bytes, std::chrono::nanoseconds wait) {
     std::unique_lock lock(mutex_);
     if (!ready_.wait_for(lock, wait, [this] { return !bytes_.empty(); })) return 0;

@@ -45,7 +45,7 @@ void echo(Port& port, const std::atomic<bool>& stop) {
   }
 }
 
-// The program itself once more, as the other side; it ends with us.
+// The program itself, started again as the other side; it ends with its parent.
 class EchoProcess {
  public:
   explicit EchoProcess(const std::string& who) : id_(fork()) {
@@ -132,7 +132,7 @@ class ProtocolPingPong final : public PingPong {
   hil::Arrival arrival_;
 };
 
-// Bare, with its other side.
+// Bare ping-pong, with its other side.
 class BarePingPong final : public PingPong {
  public:
   BarePingPong(const std::string& transport, bool as_one) : inner_(open_bare(transport, as_one)) {
@@ -203,7 +203,7 @@ std::unique_ptr<PingPong> open_pingpong(const std::string& who) {
 
 std::vector<double> measure_in_turns_us(const std::vector<std::string>& who, int bodies, int turns) {
   using Clock = std::chrono::steady_clock;
-  constexpr int kFirst = 3, kTrips = 23;  // a turn: its first trips warm the caches
+  constexpr int kFirst = 3, kTrips = 23;  // one turn: its first trips fill the caches
   std::vector<std::unique_ptr<PingPong>> pingpongs;
   for (const std::string& name : who) pingpongs.push_back(open_pingpong(name));
   std::vector<std::vector<double>> times_us(who.size());

@@ -11,9 +11,9 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kRounding = 1e-13;  // of a value or its size: some hundred roundings, of thousands of ticks
+constexpr double kRounding = 1e-13;  // relative to a value or its size: some hundred roundings, of thousands of ticks
 constexpr double kLeastOrder = 0.5, kMostOrder = 4;
-constexpr double kOrderMissed = 1;  // an observed order this much below the method's tells that something hides it
+constexpr double kOrderMissed = 1;  // an observed order this much below the method's shows that another error dominates
 
 using Kind = NamedValue::Kind;
 
@@ -106,7 +106,7 @@ void add_poses(const Model& model, const Simulation& simulation, std::vector<Nam
   const double time = simulation.get_time();
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Body& body = model.bodies[b];
-    if (body.marker) continue;  // it follows from its flexible body
+    if (body.marker) continue;  // its motion follows from its flexible body
     const BodyState& s = simulation.state().bodies[b];
     const double moved = norm(s.p - Vec3{body.p_WB.x(), body.p_WB.y(), body.p_WB.z()});
     const double p[3] = {s.p.x, s.p.y, s.p.z}, q[4] = {s.q.w, s.q.x, s.q.y, s.q.z};
@@ -136,7 +136,7 @@ AccuracyEntry estimate(const NamedValue& full, const NamedValue& half, const Nam
   return entry;
 }
 
-// Order of the method: an implicit element that is ever on makes it two.
+// Order of the method: 2 if an implicit element acts at any time.
 struct Method {
   double order = 4;
   std::string implicit;  // the element
@@ -159,7 +159,7 @@ Method find_method(const Scenario& scenario, const Simulation& simulation) {
   return method;
 }
 
-// A corner of a load's table that lies before `time` and not on a tick of all three runs, s; negative: none.
+// Time of a corner in a load's table that lies before `time` and not on a tick of all three runs, s; negative: none.
 double find_corner(const Model& model, double time, double dt, std::string& load) {
   constexpr double kOnTick = 1e-6;
   for (const Load& candidate : model.loads) {
@@ -181,7 +181,7 @@ std::string text(const char* pattern, double number, const std::string& name) {
   return line;
 }
 
-// The likely reason, the most particular first.
+// Returns the likely reason; the most specific one is tried first.
 std::string find_reason(const Scenario& scenario, const Method& method, const AccuracyEntry& entry,
                         const std::vector<AccuracyEntry>& all, double dt) {
   if (!method.stiff.empty()) return "spring '" + method.stiff + "' is stiffer than the step resolves";

@@ -53,7 +53,7 @@ void PeakReactions::add(const MotionKnot& from, const MotionKnot& to, bool smoot
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Row& row = rows_[i];
     const double at_from = from.multipliers[i], at_to = to.multipliers[i];
-    if (at_from == 0 && at_to == 0) {  // a row that holds nothing has no curve
+    if (at_from == 0 && at_to == 0) {  // a row without force has no curve
       row.first = kUnloaded;
       continue;
     }

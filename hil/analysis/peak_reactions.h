@@ -15,28 +15,28 @@
 namespace unlatch::hil {
 
 struct PeakReaction {
-  double value = 0, time = 0;  // signed, of the largest size so far; N or N m, s
+  double value = 0, time = 0;  // largest value so far, with its sign; N or N m, s
 };
 
 class PeakReactions {
  public:
   explicit PeakReactions(std::size_t joints);
 
-  // The reactions of the initial state.
+  // Adds the reactions of the initial state.
   void begin(double time, const MultiplierView& multipliers);
-  // A piece of motion between two knots; `smooth`: it continues the piece before.
+  // Adds a piece of motion between two knots; `smooth`: it continues the piece before.
   void add(const MotionKnot& from, const MotionKnot& to, bool smooth);
 
-  // Of one row of a joint.
+  // Peak of one row of a joint.
   [[nodiscard]] PeakReaction get(std::size_t joint, std::size_t row) const;
 
  private:
   static constexpr std::int64_t kUnloaded = -1;
   struct Row {
-    Least low, high;                 // `high`: of the negative
-    std::int64_t first = kUnloaded;  // number of the knot at which its smooth run began
+    Least low, high;                 // `high`: minimum of the negative
+    std::int64_t first = kUnloaded;  // number of the knot at which the smooth run of this row began
   };
-  // The latest knots, of all rows together.
+  // The latest knots, common to all rows.
   struct Knots {
     double time = 0;
     std::vector<double> multipliers;
@@ -47,12 +47,12 @@ class PeakReactions {
   }
   void push(const MotionKnot& knot);
   [[nodiscard]] double calc(std::size_t i, std::int64_t first, double time) const;
-  // The latest interval of row `i`, which has a neighbour on one side at most.
+  // Searches the latest interval of row `i`, which has a neighbour on one side at most.
   void look_into_latest(std::size_t i, Row& row) const;
 
   std::vector<Row> rows_;
   std::array<Knots, kCurvePoints> knots_;
-  std::int64_t count_ = 0;  // of all knots so far
+  std::int64_t count_ = 0;  // number of knots so far
 };
 
 }  // namespace unlatch::hil

@@ -14,23 +14,22 @@ using Take = Requirement::Take;
 
 constexpr double kTwoPi = 6.283185307179586;
 
-bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
-
 bool takes_low(Take take) { return take != Take::kMaximum && take != Take::kFinal; }
 bool takes_high(Take take) { return take != Take::kMinimum && take != Take::kFinal; }
 
-// The smallest clearance of the whole run: the clearances watch it themselves, and compute only what can be it.
+// True for the smallest clearance of the whole run: the clearance history finds it, and computes only distances that
+// can be the smallest.
 bool is_smallest_clearance(const Requirement& r) {
   return r.quantity == Measure::kClearance && r.take == Take::kMinimum && !r.at.is_named() && !r.from.is_named() &&
          !r.to.is_named();
 }
 
-// The part of a vector along a direction; its size if there is none.
+// Returns the component of a vector along a direction, or its size if the direction is zero.
 double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
   return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
 }
 
-// Value, limit and margin; of two limits the one that is nearer.
+// Sets value, limit and margin; of two limits the nearer one counts.
 void set_margin(const Requirement& requirement, double value, double time, Verdict& verdict) {
   const double above = value - requirement.least, below = requirement.most - value;
   verdict.evaluated = true;
@@ -143,7 +142,7 @@ void RequirementMonitor::add_events(std::span<const FiredEvent> events, const Mo
   };
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
-    if (is_of_events(r.quantity)) continue;
+    if (r.is_of_events()) continue;
     if (track.phase == Phase::kOpen && is_here(r.to)) {
       if (window_ != nullptr) finish(track, *window_);
       track.phase = Phase::kClosed;
@@ -173,8 +172,8 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
   window_ = &window;
   for (Track& track : tracks_) {
     const Requirement& r = *track.requirement;
-    if (is_of_events(r.quantity)) continue;
-    // The turns of an angle count from the beginning of the run, whatever the interval.
+    if (r.is_of_events()) continue;
+    // Turns of an angle are counted from the beginning of the run, whatever the interval.
     if (track.phase == Phase::kClosed || (track.phase == Phase::kWaiting && r.quantity != Measure::kAngle)) continue;
     if (is_smallest_clearance(r)) {
       track.has_last = true;
@@ -204,7 +203,7 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
 
 double RequirementMonitor::get_now(std::size_t i) const {
   const Track& track = tracks_[i];
-  const bool open = track.phase == Phase::kOpen && track.has_last && !is_of_events(track.requirement->quantity);
+  const bool open = track.phase == Phase::kOpen && track.has_last && !track.requirement->is_of_events();
   if (!open) return std::nan("");
   return is_smallest_clearance(*track.requirement) ? clearances_.get_now(track.pair) : track.last;
 }
@@ -240,7 +239,7 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     verdict.why = "event '" + missing->text + (missing->event == kNone ? "' is left out" : "' did not occur");
     return verdict;
   }
-  if (is_of_events(r.quantity)) return judge_times(r);
+  if (r.is_of_events()) return judge_times(r);
   if (track.phase == Phase::kOpen && r.to.is_named()) {
     verdict.why = "event '" + r.to.text + "' did not occur after '" + r.from.text + "'";
     return verdict;
@@ -254,7 +253,7 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
     return verdict;
   }
   if (is_smallest_clearance(r)) {
-    // The latest interval is searched when the next has come, or here.
+    // The latest interval is searched when the next one arrives, or here.
     const MotionPiece& piece = window.get_present();
     const Clearance& clearance = clearances_.get()[at(track.pair)];
     const auto function = [&](double time) { return calc_within(track, window, time); };
@@ -276,10 +275,15 @@ Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const
       set_margin(r, std::max(-low, high), -low > high ? low_time : high_time, verdict);
       break;
     default:
-      if (low - r.least <= r.most - high)
-        set_margin(r, low, low_time, verdict), verdict.limit = r.least, verdict.margin = low - r.least;
-      else
-        set_margin(r, high, high_time, verdict), verdict.limit = r.most, verdict.margin = r.most - high;
+      if (low - r.least <= r.most - high) {
+        set_margin(r, low, low_time, verdict);
+        verdict.limit = r.least;
+        verdict.margin = low - r.least;
+      } else {
+        set_margin(r, high, high_time, verdict);
+        verdict.limit = r.most;
+        verdict.margin = r.most - high;
+      }
   }
   return verdict;
 }

@@ -1,5 +1,5 @@
-// Verdict of a run: the value of each requirement, its margin, its time, and whether it is met. Minima and maxima are
-// located inside the steps, values at an event are those of its instant.
+// Verdict of a run: the value of each requirement, its margin, its time, and the decision "met" or "not met". Minima
+// and maxima are located inside the steps; values at an event are those of its instant.
 #pragma once
 
 #include <optional>
@@ -19,27 +19,27 @@ namespace unlatch::hil {
 
 struct Verdict {
   std::size_t requirement = 0;  // index into Scenario::requirements
-  bool evaluated = false;       // else `why`
+  bool evaluated = false;       // false: `why` gives the reason
   std::string why;              // "event 'release:booster1' did not occur"
-  double value = 0, limit = 0;  // in the requirement's unit; the limit that is nearest
-  double margin = 0;            // how far the value is within the limit; below 0: not met
-  double time = 0;              // s, of the value
+  double value = 0, limit = 0;  // in the requirement's unit; the nearest limit
+  double margin = 0;            // distance of the value from the limit, positive within it; below 0: not met
+  double time = 0;              // time of the value, s
   [[nodiscard]] bool is_met() const { return evaluated && margin >= 0; }
 };
 
 class RequirementMonitor {
  public:
-  // All are referred to.
+  // Keeps references to all arguments.
   RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances, const ContactHistory& contacts);
 
-  // Events acted at an instant; `before` and `after`: the knots around it.
+  // Adds events that acted at an instant; `before` and `after`: the knots around it.
   void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
-  // The window has moved on to the piece between these knots, the clearances too.
+  // Adds the piece between these knots, to which the window and the clearances have already moved.
   void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
-  // Of the run so far, whose end is the end of the window.
+  // Verdicts on the run so far, whose end is the end of the window.
   [[nodiscard]] std::vector<Verdict> judge(const MotionWindow& window) const;
-  // The quantity of requirement number i at the latest knot, in the requirement's unit; NaN outside its interval, and
-  // where it is of events.
+  // Quantity of requirement number i at the latest knot, in the requirement's unit; NaN outside its interval, and for
+  // requirements on events.
   [[nodiscard]] double get_now(std::size_t i) const;
 
  private:
@@ -47,13 +47,13 @@ class RequirementMonitor {
   struct Track {
     const Requirement* requirement = nullptr;
     std::optional<JointGeometry> joint;
-    int pair = -1;          // of clearances
-    std::size_t first = 0;  // of a sensor: its first value
+    int pair = -1;          // number of the clearance pair
+    std::size_t first = 0;  // index of a sensor's first value
     Phase phase = Phase::kOpen;
-    Smallest low, high;  // `high`: of the negative
+    Smallest low, high;  // `high`: minimum of the negative
     SampledCurve curve;
     bool has_last = false, fresh = true;
-    double last = 0, last_time = 0;  // the value at the end of the latest piece, or of the instant
+    double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
   };
 
   [[nodiscard]] bool is_sampled(const Requirement& requirement) const;
@@ -71,7 +71,7 @@ class RequirementMonitor {
   const ClearanceHistory& clearances_;
   const ContactHistory& contacts_;
   std::vector<Track> tracks_;
-  std::vector<double> times_;  // per event: of its first occurrence, NaN before
+  std::vector<double> times_;  // s, first occurrence of each event; NaN before it
   const MotionWindow* window_ = nullptr;
 };
 

@@ -36,7 +36,8 @@ void RunAnalysis::update(const StepReport& report) {
   }
 }
 
-// Which rows are redundant changes only with their number and with events. At first no step has told it.
+// Updates the shared reactions. The set of redundant rows changes only with their number and with events. At first no
+// step has reported it.
 void RunAnalysis::update_shared(const StepReport& report) {
   const double time = simulation_.get_time();
   if (!redundant_ || *redundant_ != report.redundant || !report.events.empty()) {
@@ -52,7 +53,8 @@ void RunAnalysis::update_shared(const StepReport& report) {
     if (entry.lasts) entry.until = time;
 }
 
-// Pieces of motion between the knots of the step; a knot that begins anew within it is just after events.
+// Adds the pieces of motion between the knots of the step; a knot that begins anew inside the step is just after
+// events.
 void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
   const std::span<const MotionKnot> knots = simulation_.get_motion();
   for (std::size_t i = 1; i < knots.size(); ++i) {

@@ -102,7 +102,7 @@ void CampaignReader::read_scenario(YamlMap& top, const std::vector<std::string>&
   }
 }
 
-// Those of the scenario, for expressions.
+// Reads the constants of the scenario, for expressions.
 void CampaignReader::read_constants() {
   const YamlNode* const constants = campaign_.tree->get_root().find("constants");
   if (constants == nullptr) return;
@@ -111,7 +111,7 @@ void CampaignReader::read_constants() {
       mistakes_.add_constant(constants->keys[i].text, *value);
 }
 
-// Of the constant at the path: nothing else tells the unit of a number there.
+// Dimension of the constant at the path: nothing else gives the unit of a number there.
 std::optional<Dimension> CampaignReader::find_dimension(const std::string& path) const {
   for (const NamedConstant& constant : campaign_.tree->get_nominal().constants)
     if (path == "constants." + constant.name) return constant.value.dimension;
@@ -143,7 +143,7 @@ void CampaignReader::read_parameters(YamlMap& top) {
   YamlMap map(*node, "parameters", mistakes_);
   for (std::size_t i = 0; i < node->keys.size(); ++i) {
     const YamlKey& key = node->keys[i];
-    if (node->find(key.text) != &node->items[i]) continue;  // a duplicate: finish() says so
+    if (node->find(key.text) != &node->items[i]) continue;  // duplicate: finish() reports it
     map.find(key.text);
     if (!is_name(key.text))
       mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a parameter", describe_name_rule(key.text));
@@ -205,7 +205,7 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
     for (const auto& [path, star] : paths) parameter.paths.push_back(path);
     if (!paths.empty()) add(parameter, paths[0].first);
   } else {
-    for (std::size_t i = 0; i < paths.size() && mistakes_.count() == before; ++i) {  // its mistakes once
+    for (std::size_t i = 0; i < paths.size() && mistakes_.count() == before; ++i) {  // stops after the first mistake
       CampaignParameter one = parameter;
       one.name += ":" + (paths[i].second.empty() ? std::to_string(i + 1) : paths[i].second);
       one.paths = {paths[i].first};
@@ -264,10 +264,10 @@ void CampaignReader::read_correlations(YamlMap& top) {
                   "leave them out, or write `sampling: random`");
 }
 
-// Number of samples, levels, and the factor of the correlations.
+// Sets the number of samples, the levels, and the factor of the correlations.
 void CampaignReader::finish_plan(YamlMap& top) {
   SamplingPlan& plan = campaign_.plan;
-  std::vector<std::size_t> first;  // dimension of each parameter
+  std::vector<std::size_t> first;  // first dimension of each parameter
   for (const CampaignParameter& parameter : campaign_.parameters) {
     first.push_back(plan.dimensions);
     plan.dimensions += parameter.distribution.get_dimensions();

@@ -1,4 +1,4 @@
-// From the number of a sample to the values of the scenario.
+// Conversion of a sample's number into values of the scenario.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -10,7 +10,7 @@
 namespace unlatch::hil {
 namespace {
 
-// A Gaussian copula: normal numbers, correlated, and back to probabilities.
+// Gaussian copula: converts probabilities to normal numbers, correlates them, and converts them back to probabilities.
 void correlate(const Campaign& campaign, std::vector<double>& point) {
   const std::size_t n = point.size();
   std::vector<double> normal(n);
@@ -18,7 +18,7 @@ void correlate(const Campaign& campaign, std::vector<double>& point) {
   for (std::size_t i = 0; i < n; ++i) {
     const double* const row = campaign.factor.data() + i * n;
     const bool alone = std::all_of(row, row + i, [](double x) { return x == 0; });
-    if (alone) continue;  // its probability stays to the bit
+    if (alone) continue;  // an uncorrelated probability keeps its bits
     double z = 0;
     for (std::size_t j = 0; j <= i; ++j) z += row[j] * normal[j];
     point[i] = std::clamp(calc_normal_cdf(z), kLeastUnit, 1 - kLeastUnit);

@@ -1,4 +1,4 @@
-// Inside of the campaign loader: one reader that fills a Campaign, and the check of what may be drawn.
+// Internals of the campaign loader: one reader that fills a Campaign, and the check of the values that may be drawn.
 #pragma once
 
 #include <string>
@@ -25,12 +25,12 @@ class CampaignReader {
   void read_table(YamlMap& top);
   void finish_plan(YamlMap& top);
 
-  // rare_failure.cc
+  // Defined in rare_failure.cc.
   void read_subset(YamlMap& top);
   void read_failure(YamlMap& map, RareFailure& to);
 
-  // distribution_reader.cc
-  struct Reading {  // of one parameter: its unit, and what stands in the scenario
+  // Defined in distribution_reader.cc.
+  struct Reading {  // of one parameter: its unit, and its value in the scenario
     const YamlNode* nominal = nullptr;
     std::optional<Dimension> dimension;
   };
@@ -46,16 +46,16 @@ class CampaignReader {
 
   Campaign& campaign_;
   Mistakes& mistakes_;
-  std::vector<std::pair<std::string, std::vector<std::size_t>>> groups_;  // names as written, and what they made
+  std::vector<std::pair<std::string, std::vector<std::size_t>>> groups_;  // names as written, and their parameters
   int levels_ = 0;
 };
 
-// The paths that one with * meets, each with the text that the stars stand for, joined by ':'. A path without * is its
-// own, whether or not something stands there. Throws YamlError at `mark`.
+// Returns the paths that match a path with *, each with the texts that the stars stand for, joined by ':'. A path
+// without * is returned as it is, even if nothing is at that place. Throws YamlError at `mark`.
 std::vector<std::pair<std::string, std::string>> expand_path(const std::string& path, const SourceMark& mark,
                                                              const YamlNode& root);
 
-// A table of numbers with a header of names; " [unit]" after a name is left out.
+// Table of numbers with a header of names; " [unit]" after a name is removed.
 struct NumberTable {
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
@@ -63,8 +63,8 @@ struct NumberTable {
 // Throws YamlError at `mark`.
 NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
 
-// Adds a mistake for each parameter whose values, at the ends of what the generator gives, make no valid scenario, with
-// the probability of such values; and for joint ones at corners.
+// Adds a mistake for each parameter whose extreme values make no valid scenario, with the probability of such values;
+// for joint ones the corners are tried.
 void check_draws(const Campaign& campaign, Mistakes& mistakes);
 
 }  // namespace unlatch::hil

@@ -1,4 +1,4 @@
-// Tables of numbers, and paths with *.
+// Tables of numbers, and expansion of paths with *.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -29,7 +29,7 @@ std::string trim(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
 }
 
-// The part of `text` that * stands for; nothing if the pattern, with one *, does not fit.
+// Returns the part of `text` that * stands for; nothing if the pattern, with one *, does not match.
 std::optional<std::string> match(const std::string& pattern, const std::string& text) {
   const std::size_t star = pattern.find('*'), after = pattern.size() - star - 1;
   if (text.size() < star + after || text.compare(0, star, pattern, 0, star) != 0) return std::nullopt;
@@ -37,7 +37,7 @@ std::optional<std::string> match(const std::string& pattern, const std::string& 
   return text.substr(star, text.size() - star - after);
 }
 
-// Names by which a path reaches the children of a node.
+// Lists the names by which a path reaches the children of a node.
 std::vector<std::string> list_children(const YamlNode& node) {
   std::vector<std::string> names;
   for (const YamlKey& key : node.keys) names.push_back(key.text);

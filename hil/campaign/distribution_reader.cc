@@ -13,16 +13,14 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const std::string kNominal = "nominal";
 
-bool is_text(const YamlNode& node, const std::string& text) { return node.is_scalar() && node.text == text; }
-
 }  // namespace
 
-// A number with its unit, or the word `nominal`: what stands in the scenario.
+// Reads a number with its unit, or the word `nominal`: the value in the scenario.
 double CampaignReader::read_value(YamlMap& map, const std::string& key, Reading& reading,
                                   std::optional<double> fallback) {
   const YamlNode* node = fallback ? map.find(key) : map.require(key);
   if (node == nullptr) return fallback.value_or(0);
-  if (is_text(*node, kNominal)) {
+  if (node->is_text(kNominal)) {
     if (reading.nominal == nullptr || !reading.nominal->is_scalar()) {
       mistakes_.add(node->mark, "the scenario has no number there", "write the value");
       return 0;
@@ -42,7 +40,7 @@ double CampaignReader::read_value(YamlMap& map, const std::string& key, Reading&
   return quantity->value;
 }
 
-// A percentage is of the mean.
+// Reads a standard deviation. A percentage is relative to the mean.
 double CampaignReader::read_sigma(YamlMap& map, double mean, Reading& reading) {
   const YamlNode* const node = map.find("sigma");
   const bool relative = node != nullptr && node->is_scalar() && !node->text.empty() && node->text.back() == '%';
@@ -165,7 +163,7 @@ void CampaignReader::read_cone(const YamlNode& node, CampaignParameter& to, Read
   constexpr double kHalfTurn = 3.141592653589793;
   if (distribution.kind == Distribution::Kind::kNormalCone) {
     distribution.a = map.number("sigma", "rad");
-    if (const YamlNode* within = map.find("within")) {  // 1 − exp(−k²/2)
+    if (const YamlNode* within = map.find("within")) {  // probability 1 − exp(−k²/2)
       const double k = read_number(*within, "", 3, mistakes_);
       distribution.high = 1 - elementary::exp(-0.5 * k * k);
       if (!(k > 0)) mistakes_.add(within->mark, "within is not beyond 0", "a number of sigmas, such as 3");
@@ -179,7 +177,7 @@ void CampaignReader::read_cone(const YamlNode& node, CampaignParameter& to, Read
   }
   const YamlNode* about = map.find("about");
   map.finish();
-  if (about == nullptr || is_text(*about, kNominal)) about = reading.nominal;
+  if (about == nullptr || about->is_text(kNominal)) about = reading.nominal;
   if (about == nullptr || !about->is_sequence())
     return mistakes_.add(node.mark, "the scenario has no direction there", "add `about: [1, 0, 0]`");
   const Eigen::Vector3d d = read_vector(*about, "", {1, 0, 0}, mistakes_);

@@ -1,5 +1,5 @@
-// Values that a campaign may draw must make valid scenarios: tried at the ends of each parameter, and at corners of
-// all.
+// Check that the values which a campaign may draw make valid scenarios: tried at the ends of each parameter, and at
+// corners of all.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,7 +10,7 @@
 namespace unlatch::hil {
 namespace {
 
-// The first mistake of the scenario with these settings; "" if it is valid.
+// Returns the first mistake of the scenario with these settings; "" if it is valid.
 std::string find_mistake(const Campaign& campaign, const std::vector<Setting>& settings) {
   try {
     (void)campaign.tree->read(settings);
@@ -24,7 +24,7 @@ std::string find_mistake_at(const Campaign& campaign, const std::vector<double>&
   return find_mistake(campaign, make_settings(campaign, calc_inputs(campaign, point)));
 }
 
-// The median of each parameter alone, in the unit that the file gives it.
+// Checks the median of each parameter alone, in the unit that the file gives it.
 bool check_medians(const Campaign& campaign, const std::vector<double>& median, Mistakes& mistakes) {
   const std::vector<InputColumn> columns = list_inputs(campaign);
   const std::vector<double> inputs = calc_inputs(campaign, median);
@@ -46,11 +46,11 @@ bool check_medians(const Campaign& campaign, const std::vector<double>& median, 
   return sound;
 }
 
-// The probability of values beyond that at which the scenario ceases to be valid.
+// Returns the probability of values beyond the one at which the scenario becomes invalid.
 double find_probability(const Campaign& campaign, std::vector<double> point, std::size_t axis, bool upper) {
   double valid = 0.5, wrong = upper ? 1 - kLeastUnit : kLeastUnit;
   constexpr int kHalvings = 30;
-  for (int i = 0; i < kHalvings; ++i) {  // by the ratio of the tails, so that small probabilities are found as well
+  for (int i = 0; i < kHalvings; ++i) {  // by the ratio of the tails, so that small probabilities are found
     const double tail = std::sqrt(upper ? (1 - valid) * (1 - wrong) : valid * wrong);
     point[axis] = upper ? 1 - tail : tail;
     (find_mistake_at(campaign, point).empty() ? valid : wrong) = point[axis];
@@ -76,7 +76,7 @@ void check_ends(const Campaign& campaign, const std::vector<double>& median, Mis
   }
 }
 
-// Values that are sound one by one and not together, such as three moments of inertia.
+// Checks values that are valid one by one but not together, such as three moments of inertia.
 void check_corners(const Campaign& campaign, Mistakes& mistakes) {
   constexpr std::uint64_t kCorners = 32;
   for (std::uint64_t corner = 0; corner < kCorners; ++corner) {

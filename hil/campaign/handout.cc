@@ -8,8 +8,8 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kAhead = 0.5;                                      // s of work that a worker has
-constexpr std::int64_t kSideBySide = SampleEvaluator::kSideBySide;  // samples that a thread runs at once
+constexpr double kAhead = 0.5;                                      // s of work that a worker has ahead
+constexpr std::int64_t kSideBySide = SampleEvaluator::kSideBySide;  // samples that a thread runs together
 
 }  // namespace
 
@@ -43,7 +43,8 @@ double Handout::calc_rate(const Worker& worker, double now) {
   return worker.begin < 0 || time <= 0 ? 0 : static_cast<double>(worker.came) / time;
 }
 
-// The worker's part of all that they run: by what they have run so far, or by threads while some have run nothing.
+// Worker's part of the total rate: from the samples run so far, or from the numbers of threads while some workers have
+// run nothing.
 double Handout::calc_part(const Worker& worker, double now) const {
   double all = 0;
   for (const auto& [number, other] : workers_) {
@@ -54,7 +55,7 @@ double Handout::calc_part(const Worker& worker, double now) const {
   return calc_rate(worker, now) / all;
 }
 
-// Samples that the worker should have in hand.
+// Number of samples that the worker should hold.
 std::int64_t Handout::calc_share(const Worker& worker, double now) const {
   const double ahead = std::min(kAhead * calc_rate(worker, now), static_cast<double>(kMost));
   const std::int64_t wanted = std::max<std::int64_t>(worker.threads * kSideBySide, std::lround(ahead));

@@ -18,7 +18,7 @@ double calc_failure_margin(const RareFailure& failure, const SampleRecord& recor
   return failure.above ? failure.limit - value : value - failure.limit;
 }
 
-// Which column of the results, and its limit. A requirement without a limit is by its own: its margin below 0.
+// Reads the column of the results and its limit. A requirement without a given limit uses its own: margin below 0.
 void CampaignReader::read_failure(YamlMap& map, RareFailure& to) {
   const YamlNode* const of = map.require("of");
   const YamlNode *const below = map.find("below"), *const above = map.find("above");

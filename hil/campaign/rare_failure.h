@@ -1,4 +1,4 @@
-// The failure whose probability subset sampling estimates. Key `subset` of a campaign file.
+// Failure whose probability subset sampling estimates. Key `subset` of a campaign file.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace unlatch::hil {
 
-// Its plan for the number of dimensions and the seed of the campaign.
+// Plan of the subset simulation for the number of dimensions and the seed of the campaign.
 SubsetPlan make_subset_plan(const RareFailure& failure, const SamplingPlan& plan);
 
-// Distance of a sample's value from the limit, in the column's unit: below 0, it fails. -infinity: it has no such value
-// or did not run to its end, which is a failure too.
+// Distance of a sample's value from the limit, in the column's unit; below 0 the sample fails. -infinity: it has no
+// such value or did not run to its end, which is a failure too.
 double calc_failure_margin(const RareFailure& failure, const SampleRecord& record);
 
 }  // namespace unlatch::hil

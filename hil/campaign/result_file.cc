@@ -13,7 +13,7 @@
 namespace unlatch::hil {
 namespace {
 
-// Little endian, as all machines that this runs on.
+// Little-endian numbers, as on all supported machines.
 constexpr char kMagic[8] = {'U', 'N', 'L', 'C', 'A', 'M', 'P', '1'};
 
 struct Header {
@@ -99,7 +99,7 @@ void ResultFile::scan(bool writable) {
   const std::size_t bytes = get_record_bytes(shape_);
   const auto size = static_cast<std::uint64_t>(status.st_size);
   end_ = sizeof(Header);
-  std::vector<char> record(end_ + bytes <= size ? bytes : 0);  // of a forged header more than there is memory
+  std::vector<char> record(end_ + bytes <= size ? bytes : 0);  // a forged header may demand more memory than there is
   for (std::uint64_t at = end_; at + bytes <= size; at += bytes) {
     if (!read_whole(file_, record.data(), bytes, at)) fail(path_, std::strerror(errno));
     const std::optional<SampleRecord> whole = decode_record(shape_, record);

@@ -1,6 +1,6 @@
-// The results of a campaign on disk: a header, and one record of fixed size for each sample, in the order in which they
-// came. Records are only added, each by one write with a checksum at its end, so that a process may be killed at any
-// instant: what was not whole is cut off when the file is opened again.
+// Results of a campaign on disk: a header, and one record of fixed size for each sample, in the order of arrival.
+// Records are only appended, each by one write with a checksum at its end, so a process may be killed at any instant:
+// an incomplete record is cut off when the file is opened again.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace unlatch::hil {
 
-// Not readable, of another campaign, or not writable (a full disk); what() names the file.
+// Error of a file that is not readable, belongs to another campaign, or is not writable (a full disk); what() names the
+// file.
 class ResultError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -20,19 +21,20 @@ class ResultError : public std::runtime_error {
 
 class ResultFile {
  public:
-  // A new file; one that is there is replaced. Throws ResultError.
+  // Creates a file and replaces an existing one. Throws ResultError.
   static ResultFile create(const std::string& path, const ResultShape& shape);
-  // Opens one and cuts off a record that is not whole; `writable`: for append().
+  // Opens a file and cuts off an incomplete record; `writable`: for append().
   static ResultFile open(const std::string& path, bool writable);
   ~ResultFile();
   ResultFile(ResultFile&& other) noexcept;
   ResultFile& operator=(ResultFile&&) = delete;
 
   const ResultShape& shape() const { return shape_; }
-  // The samples of the whole records, in the order of the file; those after a damaged one included, that one not.
+  // Samples of the complete records, in the order of the file; those after a damaged record are included, the damaged
+  // one is not.
   const std::vector<std::int64_t>& samples() const { return samples_; }
   [[nodiscard]] SampleRecord read(std::size_t record) const;
-  // Throws ResultError; then the file ends with its last whole record.
+  // Appends a record. Throws ResultError; the file then ends with its last complete record.
   void append(const SampleRecord& record);
 
  private:
@@ -43,8 +45,8 @@ class ResultFile {
   std::string path_;
   ResultShape shape_;
   std::vector<std::int64_t> samples_;
-  std::vector<std::uint64_t> places_;  // bytes from the begin of the file
-  std::uint64_t end_ = 0;              // of the last whole record
+  std::vector<std::uint64_t> places_;  // bytes from the beginning of the file
+  std::uint64_t end_ = 0;              // end of the last complete record
 };
 
 }  // namespace unlatch::hil

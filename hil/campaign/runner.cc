@@ -10,8 +10,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kHere = 0;                               // the only worker
-constexpr auto kTurn = std::chrono::milliseconds(20);  // longest wait; then `stop` is looked at
+constexpr int kHere = 0;                               // number of the only worker
+constexpr auto kTurn = std::chrono::milliseconds(20);  // longest wait; `stop` is checked after it
 
 }  // namespace
 

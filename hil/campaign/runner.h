@@ -1,5 +1,5 @@
-// Runs the samples of a campaign on threads of this process. Results are added to the file as they come; which thread
-// ran a sample, and when, changes nothing in them.
+// Runs the samples of a campaign on threads of this process. Results are appended to the file as they arrive; the
+// thread and the time of a sample do not influence its result.
 #pragma once
 
 #include <atomic>
@@ -11,12 +11,12 @@
 
 namespace unlatch::hil {
 
-// Runs samples as the campaign does, side by side; SampleEvaluator::kSideBySide at the most.
+// Runs samples side by side, as the campaign does; SampleEvaluator::kSideBySide at the most.
 std::vector<SampleRecord> run_together(const Campaign& campaign, const SampleEvaluator& evaluator,
                                        std::vector<PlannedSample> samples, const std::atomic<bool>& stop);
 
-// Samples from `first` to before `last`, but those that the file has. `finished` is called after each, by this thread.
-// Another thread may set `stop`: samples in flight are left. Throws what append() throws.
+// Runs the samples from `first` to before `last`, except those in the file. `finished` is called after each, by this
+// thread. Another thread may set `stop`: samples under way are abandoned. Throws the exceptions of append().
 void run_samples(const Campaign& campaign, const SampleEvaluator& evaluator, std::int64_t first, std::int64_t last,
                  int jobs, ResultFile& results, const std::atomic<bool>& stop, const std::function<void()>& finished);
 

@@ -35,7 +35,7 @@ std::vector<SampleRecord> SamplePool::take(std::chrono::milliseconds longest) {
   return std::exchange(records_, {});
 }
 
-// Of the samples that wait, as many as a thread runs side by side, or its share if that is less.
+// Takes waiting samples: as many as a thread runs side by side, or its share if that is less.
 std::vector<PlannedSample> SamplePool::take_share() {
   const std::size_t share = (samples_.size() + jobs_ - 1) / jobs_;
   std::vector<PlannedSample> taken;

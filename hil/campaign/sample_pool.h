@@ -1,5 +1,5 @@
-// Threads that run the samples which they are given, for a caller that meanwhile does something else: one that hands
-// out samples to other processes, or gets them from another.
+// Threads that run given samples, for a caller that does something else meanwhile: one that distributes samples to
+// other processes, or receives them from another.
 #pragma once
 
 #include <atomic>
@@ -19,15 +19,15 @@ namespace unlatch::hil {
 
 class SamplePool {
  public:
-  // Refers to campaign and evaluator.
+  // Keeps references to campaign and evaluator.
   SamplePool(const Campaign& campaign, const SampleEvaluator& evaluator, int jobs);
-  // Samples that are running or wait are left.
+  // Abandons samples that run or wait.
   ~SamplePool();
   SamplePool(const SamplePool&) = delete;
   SamplePool& operator=(const SamplePool&) = delete;
 
   void add(std::span<const PlannedSample> samples);
-  // Results since the last call; if nothing has, waits for it no longer than that. Throws what a sample threw.
+  // Results since the last call; waits for one at most `longest`. Rethrows an exception of a sample.
   std::vector<SampleRecord> take(std::chrono::milliseconds longest);
 
  private:
@@ -38,12 +38,12 @@ class SamplePool {
   const SampleEvaluator& evaluator_;
   const std::size_t jobs_;
   std::atomic<bool> stop_{false};
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // guards all members below
   std::condition_variable has_samples_, has_records_;
   std::deque<PlannedSample> samples_;  // not begun
   std::vector<SampleRecord> records_;  // not taken
   std::exception_ptr error_;
-  std::vector<std::jthread> threads_;  // last: they end before the rest does
+  std::vector<std::jthread> threads_;  // last member: the threads end before the others are destroyed
 };
 
 }  // namespace unlatch::hil

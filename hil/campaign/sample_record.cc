@@ -15,7 +15,7 @@ struct RecordHead {
   std::int64_t sample, status, ticks, hash, model_hash;
 };
 
-std::uint64_t mix(std::uint64_t h) {  // the finaliser of MurmurHash3: each bit of the input changes half of the output
+std::uint64_t mix(std::uint64_t h) {  // finaliser of MurmurHash3: each bit of the input changes half of the output bits
   h ^= h >> 33;
   h *= 0xff51afd7ed558ccdu;
   h ^= h >> 33;
@@ -53,7 +53,8 @@ std::uint64_t calc_digest(const std::string& text) {
   return hash;
 }
 
-// The scenario's text and overrides, the campaign's text, its tables by what they give, and the columns.
+// Shape of the results: the scenario's text and overrides, the campaign's text, the contents of its tables, and the
+// columns.
 ResultShape get_shape(const Campaign& campaign, const SampleEvaluator& evaluator) {
   Digest digest;
   const Scenario& scenario = campaign.tree->get_nominal();

@@ -1,4 +1,4 @@
-// The result of one sample, and its bytes: in the file of results, and from one process to another.
+// The result of one sample, and its bytes: in the result file, and between processes.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace unlatch::hil {
 
-// Numbers in a record, and all that decides them: files of one shape can be merged.
+// Numbers in a record, and everything that determines them: files of one shape can be merged.
 struct ResultShape {
   std::uint64_t fingerprint = 0;
   std::uint32_t inputs = 0, values = 0;
@@ -24,25 +24,25 @@ ResultShape get_shape(const Campaign& campaign, const SampleEvaluator& evaluator
 struct SampleRecord {
   std::int64_t sample = 0;
   std::vector<double> inputs;
-  SampleResult result;  // its message cut to 120 bytes
+  SampleResult result;  // message cut to 120 bytes
 };
 
-// Of one sample: its number, inputs, status, hashes and values, to the bit.
+// Hash of one sample: its number, inputs, status, hashes and values, bit by bit.
 std::uint64_t calc_hash(const SampleRecord& record);
-// Adds one sample to the hash of a campaign: the order does not matter.
+// Adds one sample to the hash of a campaign, independent of the order.
 constexpr std::uint64_t add_to_hash(std::uint64_t campaign, std::uint64_t sample) { return campaign + sample; }
 
-// A record's bytes: as many for every sample of one shape; little endian, with a checksum at the end.
+// Size of a record, the same for every sample of one shape; little-endian, with a checksum at the end.
 std::size_t get_record_bytes(const ResultShape& shape);
-// `to` has get_record_bytes(). Numbers that are none become one and the same NaN.
+// Encodes a record into `to` of get_record_bytes(). Every NaN becomes the same NaN.
 void encode_record(const ResultShape& shape, const SampleRecord& record, std::span<char> to);
-// Nothing if these bytes, of any origin, are no record: another size, a wrong checksum, no sample, no status of a
-// sample that ended.
+// Decodes bytes of any origin. Returns nothing if they are no record: another size, a wrong checksum, no sample, or no
+// status of a finished sample.
 std::optional<SampleRecord> decode_record(const ResultShape& shape, std::span<const char> bytes);
-// Of whole words; the rest of the bytes is left out.
+// Checksum of the whole words; the rest of the bytes is left out.
 std::uint64_t calc_checksum(std::span<const char> bytes);
 
-// FNV-1a over bytes.
+// FNV-1a hash of the bytes.
 std::uint64_t calc_digest(const std::string& text);
 
 }  // namespace unlatch::hil

@@ -1,5 +1,6 @@
-// The samples of a campaign, or of a part of it, that its results lack: which of them a worker may run now, with which
-// inputs, and whether all have come. Those of subset sampling follow from the results of others, so it takes these too.
+// Samples of a campaign, or of a part of it, that are not in its results: those that a worker may run now, with their
+// inputs, and the end of the campaign. Samples of subset sampling depend on results of others, so the source takes
+// results too.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +21,17 @@ struct PlannedSample {
 
 class SampleSource {
  public:
-  // Samples from `first` to before `last`; of subset sampling those of its levels, as far as they are needed. Refers to
-  // the campaign. Throws ResultError.
+  // Provides the samples from `first` to before `last`; of subset sampling those of its levels, as far as they are
+  // needed. Keeps a reference to the campaign. Throws ResultError.
   SampleSource(const Campaign& campaign, std::int64_t first, std::int64_t last, const ResultFile& results);
 
-  // A new worker, by any number, with its threads.
+  // Adds a worker, identified by any number, with its threads.
   void join(int worker, int threads) { handout_.join(worker, threads); }
-  // Samples that it is to run now, if any; `now`: s, from any origin, never less than before.
+  // Samples to run now, if any; `now`: s, from any origin, never less than before.
   std::vector<PlannedSample> give(int worker, double now);
-  // A result has come. Throws ResultError: the worker was not given this sample, or not with these inputs.
+  // Takes a result. Throws ResultError if the worker was not given this sample, or other inputs.
   void take(int worker, const SampleRecord& record);
-  // All have come.
+  // True once all results are there.
   [[nodiscard]] bool is_finished() const { return handout_.is_finished() && (!subset_ || subset_->is_finished()); }
 
  private:

@@ -25,7 +25,7 @@ std::optional<std::size_t> SampleEvaluator::find(const std::string& column) cons
   return std::nullopt;
 }
 
-// Settings may take events out (enabled: false): then columns are found by their names.
+// Collects the results. Settings may disable events (enabled: false): then columns are found by their names.
 std::vector<double> SampleEvaluator::collect(const Scenario& scenario, const RunAnalysis& analysis) const {
   const std::vector<ResultColumn> own = list_columns(scenario);
   std::vector<double> values = collect_results(own, scenario, analysis);
@@ -36,7 +36,7 @@ std::vector<double> SampleEvaluator::collect(const Scenario& scenario, const Run
   return by_name;
 }
 
-// One sample under way. A mistake of its settings, or what a look throws, is its result.
+// One sample in progress. A mistake of its settings, or an exception of `look`, is its result.
 class SampleEvaluator::Flight {
  public:
   Flight(const SampleEvaluator& evaluator, std::span<const Setting> settings, const SampleRun& run)
@@ -57,7 +57,7 @@ class SampleEvaluator::Flight {
   [[nodiscard]] bool goes_on() const { return result_.status == SampleStatus::kDone && flight_ && flight_->goes_on(); }
   [[nodiscard]] const Simulation& get_simulation() const { return *simulation_; }
 
-  // The step of a tick: begin() and, once it is taken, end(); or alone().
+  // One step: begin() and, once it is taken, end(); or alone().
   BundleRun begin() {
     flight_->begin_tick();
     return simulation_->begin_step();
@@ -117,7 +117,7 @@ void SampleEvaluator::fly_alone(Flight& flight, const std::atomic<bool>& stop) {
   }
 }
 
-// Of all flights, if they go on and the kernel makes one of them.
+// Bundle of all flights, if they are still running and the kernel accepts them as one.
 std::optional<Bundle> SampleEvaluator::build_bundle(std::span<Flight* const> flights) {
   std::vector<const Model*> models;
   std::vector<const Plan*> plans;

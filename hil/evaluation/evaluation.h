@@ -1,4 +1,5 @@
-// One sample of a scenario, in this process: settings in, results out. The way of campaigns, optimisation and batches.
+// Evaluation of one sample of a scenario, in this process: settings in, results out. Campaigns, optimisation and
+// batches use it.
 //
 //   const ScenarioTree tree("boosters/reference.yaml");      // parsed once
 //   const SampleEvaluator evaluator(tree);                    // threads may share both
@@ -6,7 +7,7 @@
 //   const SampleResult result = evaluator.evaluate(settings);
 //   result.values[*evaluator.find("distance1")]
 //
-// A result depends on the scenario and the settings alone, to the last bit that of `unlatch run --set`: nothing is kept
+// A result depends on the scenario and the settings alone, and has the bits of `unlatch run --set`: nothing is kept
 // from one sample to the next.
 #pragma once
 
@@ -28,27 +29,27 @@ namespace unlatch::hil {
 
 enum class SampleStatus {
   kDone,         // ran to its end
-  kFaulted,      // the step failed: `message` says at which joint and tick; the values are those until then
-  kInvalid,      // the settings make no valid scenario: `message` has all mistakes; no values
-  kInterrupted,  // `stop` ended it: no result
+  kFaulted,      // the step failed: `message` names the joint and the tick; values up to that tick
+  kInvalid,      // the settings make no valid scenario: `message` lists all mistakes; no values
+  kInterrupted,  // ended by `stop`: no result
 };
-extern const std::vector<std::string> kSampleStatusNames;  // "done" …, in this order
+extern const std::vector<std::string> kSampleStatusNames;  // "done" …, in the order of the enum
 
 struct SampleResult {
   SampleStatus status = SampleStatus::kDone;
   std::string message;
-  std::int64_t ticks = 0;       // of the last good state
-  std::int64_t hash = 0;        // of that state, as `run` tells it
-  std::int64_t model_hash = 0;  // of model, plan and rates: that of loading the file anew with the same values
+  std::int64_t ticks = 0;       // tick of the last good state
+  std::int64_t hash = 0;        // hash of that state, as `run` prints it
+  std::int64_t model_hash = 0;  // hash of model, plan and rates, equal to that of a file loaded with the same values
   std::vector<double> values;   // one for each column
 };
 
-// How a sample is run, where that is not as the scenario says.
+// Options of a sample's run that differ from the scenario.
 struct SampleRun {
   double until = 0;    // s; 0: the scenario's end
-  bool judges = true;  // false: no values, and a run at the speed of the step
-  // Called at every tick, the first included, with what its step reported; and at the end, with the last good state.
-  // A ScenarioError that they throw makes the sample invalid. They may be empty.
+  bool judges = true;  // false: no values; the run has the speed of the step alone
+  // Called at every tick, the first included, with the report of its step; and at the end, with the last good state. A
+  // ScenarioError from it makes the sample invalid. May be empty.
   std::function<void(const Scenario&, const Simulation&, const StepReport&)> look;
   std::function<void(const Simulation&)> end;
 };
@@ -60,19 +61,19 @@ struct SampleTask {
 
 class SampleEvaluator {
  public:
-  // Refers to the tree.
+  // Keeps a reference to the tree.
   explicit SampleEvaluator(const ScenarioTree& tree);
 
   const ScenarioTree& tree() const { return tree_; }
   const std::vector<ResultColumn>& columns() const { return columns_; }
   std::optional<std::size_t> find(const std::string& column) const;
 
-  // Another thread may set `stop`.
+  // Evaluates one sample. Another thread may set `stop`.
   SampleResult evaluate(std::span<const Setting> settings, const std::atomic<bool>& stop,
                         const SampleRun& run = {}) const;
   SampleResult evaluate(std::span<const Setting> settings) const;
-  // Of several samples, stepped side by side where that gains (unlatch/bundle.h), kSideBySide at the most: their
-  // results are those of one after the other.
+  // Evaluates several samples, kSideBySide at the most, stepped side by side where that is faster (unlatch/bundle.h).
+  // The results equal those of evaluations one after the other.
   static constexpr std::size_t kSideBySide = Bundle::kMost;
   std::vector<SampleResult> evaluate(std::span<const SampleTask> tasks, const std::atomic<bool>& stop) const;
 

@@ -4,6 +4,8 @@
 #include <limits>
 #include <map>
 
+#include "hil/scenario/index.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -15,16 +17,9 @@ bool can_be_free(const Joint& joint) {
   return std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows == 0; });
 }
 
-// Rows that the joint holds in some mode.
-RowSet list_held_rows(const Joint& joint) {
-  RowSet rows = 0;
-  for (const JointMode& mode : joint.modes) rows = static_cast<RowSet>(rows | mode.rows);
-  return rows;
-}
-
 std::string name_pair(const ClearancePair& pair) { return "clearance." + pair.a.name + "." + pair.b.name; }
 
-// Events of one name and subject are one: that which comes first counts.
+// Lists events without repeated pairs of name and subject: the first one counts.
 std::vector<std::size_t> list_distinct_events(const Model& model) {
   std::vector<std::size_t> distinct;
   for (std::size_t i = 0; i < model.events.size(); ++i) {
@@ -41,7 +36,7 @@ double get_separation(const Separation& separation, std::size_t part) {
   return part == 1 ? separation.across : separation.relative.transverse;
 }
 
-// The parts of a run's analysis by the names that columns refer to.
+// Parts of a run's analysis by the names of the columns.
 struct Results {
   Results(const Scenario& scenario_in, const RunAnalysis& analysis_in)
       : scenario(scenario_in),

@@ -1,12 +1,12 @@
-// The flat list of one run's results: the same columns for every sample of a scenario.
+// The list of one run's results: the same columns for every sample of a scenario.
 //
 // clang-format off
 //   ID                          value of a requirement, in its unit
-//   ID.margin                   within the limit; < 0: not met
+//   ID.margin                   distance within the limit; < 0: not met
 //   event.NAME:SUBJECT          s, first time
 //   clearance.A.B               m, smallest of the run
 //   clearance.A.B.t             s
-//   clearance.A.B.released      m, smallest since nothing joins the two
+//   clearance.A.B.released      m, smallest since the last joint between the two became free
 //   tip_off.JOINT               rad/s, size of the follower's angular velocity when the joint first became free
 //   separation.JOINT.along      m/s, of the follower's centre of mass along the separation axis at the end of push
 //   separation.JOINT.across     m/s, across it
@@ -14,7 +14,7 @@
 //   peak.JOINT.ROW              N or N m, multiplier of the largest size, signed
 // clang-format on
 //
-// NaN: there is no such value in this run, such as the time of an event that never came.
+// NaN: the run has no such value, such as the time of an event that did not occur.
 #pragma once
 
 #include <cstddef>
@@ -30,22 +30,22 @@ struct ResultColumn {
   enum class Kind { kRequirement, kMargin, kEvent, kClearance, kClearanceTime, kReleased, kTipOff, kSeparation, kPeak };
   Kind kind = Kind::kRequirement;
   std::string name, unit;  // SI
-  std::size_t index = 0;   // of the requirement, event, clearance or joint
-  std::size_t part = 0;    // of a separation: 0 along, 1 across, 2 rate; of a peak: the row
+  std::size_t index = 0;   // index of the requirement, event, clearance or joint
+  std::size_t part = 0;    // separation: 0 along, 1 across, 2 rate; peak: the row
   bool operator==(const ResultColumn&) const = default;
 };
 
-// Of every run of the scenario, whatever its values.
+// Columns of every run of the scenario, independent of its values.
 std::vector<ResultColumn> list_columns(const Scenario& scenario);
 
 // Parts of a run's analysis that these columns need.
 AnalysisRequest list_needs(const std::vector<ResultColumn>& columns);
 
-// Of the run so far, one for each column.
+// Results of the run so far, one for each column.
 std::vector<double> collect_results(const std::vector<ResultColumn>& columns, const Scenario& scenario,
                                     const RunAnalysis& analysis);
 
-// "release:booster1", or the name alone.
+// Full name of an event: "release:booster1", or the name alone.
 std::string get_event_name(const Event& event);
 
 }  // namespace unlatch::hil

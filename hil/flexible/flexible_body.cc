@@ -20,9 +20,9 @@ using Eigen::VectorXd;
 using Matrix6Xd = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kRigidShare = 1e-4;    // of its modal mass that is left of a mode without its rigid motion
+constexpr double kRigidShare = 1e-4;    // remaining part of the modal mass of a mode without its rigid motion
 constexpr double kIndependent = 1e-10;  // least eigenvalue of the Gram matrix of unit shapes
-constexpr double kFlat = 1e-12;         // least moment of inertia, of the largest
+constexpr double kFlat = 1e-12;         // least moment of inertia, relative to the largest
 
 struct MassProperties {
   double mass = 0;
@@ -48,7 +48,7 @@ MassProperties calc_mass_properties(const std::vector<ModalPoint>& points) {
   return total;
 }
 
-// Points and markers from the centre of mass.
+// Moves the origin of points and markers to the centre of mass.
 Modes centre(const Modes& modes, const Vector3d& origin) {
   Modes out = modes;
   for (ModalPoint& point : out.points) point.position -= origin;
@@ -56,7 +56,7 @@ Modes centre(const Modes& modes, const Vector3d& origin) {
   return out;
 }
 
-// ∫Φ dm above ∫ r × Φ dm, a column per mode.
+// Momenta of modes: ∫Φ dm above ∫ r × Φ dm, a column per mode.
 Matrix6Xd calc_momenta(const Modes& modes) {
   Matrix6Xd momenta = Matrix6Xd::Zero(6, modes.get_count());
   for (const ModalPoint& point : modes.points)
@@ -76,7 +76,7 @@ MatrixXd calc_gram(const Modes& modes) {
   return gram.selfadjointView<Eigen::Lower>();
 }
 
-// Column k of the result is Σ_j shape_j · a(j, k), summed in the order of j.
+// Combines shapes: column k of the result is Σ_j shape_j · a(j, k), summed in the order of j.
 Matrix3Xd combine(const Matrix3Xd& shape, const MatrixXd& a) {
   Matrix3Xd out = Matrix3Xd::Zero(3, a.cols());
   for (Index k = 0; k < a.cols(); ++k)
@@ -92,7 +92,7 @@ void recombine(const MatrixXd& a, Modes& modes) {
   }
 }
 
-// Takes from each mode the rigid motion that carries its momenta.
+// Removes from each mode the rigid motion that carries its momenta.
 void remove_rigid_motion(const MassProperties& total, Modes& modes) {
   const Matrix6Xd momenta = calc_momenta(modes);
   const Matrix3Xd shift = momenta.topRows<3>() / total.mass;
@@ -111,7 +111,7 @@ double calc_off_unit(const MatrixXd& gram) {
   return (gram - MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff();
 }
 
-// Momenta of modes of modal mass 1, over what a mode that is nothing but rigid motion carries.
+// Momenta of modes of modal mass 1, relative to those of a mode of pure rigid motion.
 double calc_momentum_share(const MassProperties& total, const Matrix6Xd& momenta) {
   double worst = 0;
   for (Index k = 0; k < momenta.cols(); ++k)
@@ -122,7 +122,7 @@ double calc_momentum_share(const MassProperties& total, const Matrix6Xd& momenta
   return worst;
 }
 
-// The elastic modes of the file, by index from 0. The others are named in the report.
+// Finds the elastic modes of the file, by index from 0. The report lists the others.
 std::vector<Index> find_elastic(const Modes& found, const Modes& projected, FlexibleReport& report) {
   const VectorXd before = calc_gram(found).diagonal(), after = calc_gram(projected).diagonal();
   std::vector<Index> elastic;
@@ -141,7 +141,7 @@ std::vector<Index> find_elastic(const Modes& found, const Modes& projected, Flex
   return elastic;
 }
 
-// The columns of the identity that pick these modes.
+// Columns of the identity matrix that select these modes.
 MatrixXd build_picker(Index modes, const std::vector<Index>& picked) {
   MatrixXd a = MatrixXd::Zero(modes, static_cast<Index>(picked.size()));
   for (std::size_t i = 0; i < picked.size(); ++i) a(picked[i], static_cast<Index>(i)) = 1;
@@ -156,8 +156,9 @@ void pick(const std::vector<Index>& picked, Modes& modes) {
   modes.frequencies_hz = frequencies_hz;
 }
 
-// K = diag(ω²) for shapes that had unit modal mass as they came, M their Gram matrix now: (K^-½ M K^-½) z = z/ω², and a
-// = ω K^-½ z has aᵀ M a = 1, aᵀ K a = ω². The modes become those combinations; returns them, for the overlaps.
+// Solves the eigenproblem again. K = diag(ω²) for shapes that had unit modal mass in the file, M is their present Gram
+// matrix: (K^-½ M K^-½) z = z/ω², and a = ω K^-½ z has aᵀ M a = 1, aᵀ K a = ω². The modes become those combinations;
+// returns them, for the overlaps.
 MatrixXd solve_again(Modes& modes) {
   const VectorXd inverse = (kTwoPi * modes.frequencies_hz).cwiseInverse();
   const MatrixXd gram = calc_gram(modes);
@@ -176,7 +177,7 @@ MatrixXd solve_again(Modes& modes) {
     a.col(k) = omega * inverse.cwiseProduct(eigen.eigenvectors().col(from));
     Index largest = 0;
     a.col(k).cwiseAbs().maxCoeff(&largest);
-    if (a(largest, k) < 0) a.col(k) *= -1;  // the sign of the mode that it mostly is
+    if (a(largest, k) < 0) a.col(k) *= -1;  // sign of the dominant original mode
     modes.frequencies_hz[k] = omega / kTwoPi;
   }
   recombine(a, modes);
@@ -188,7 +189,8 @@ void scale_to_unit_mass(Modes& modes) {
   recombine(scale.asDiagonal().toDenseMatrix(), modes);
 }
 
-// Of a mode of modal mass 1: (∫Φ dm)² kg move with it, and the same of the moments; shares of the whole.
+// Adds the effective masses of a mode of modal mass 1: (∫Φ dm)² kg move with it, likewise the moments; relative to the
+// whole.
 void add_effective_masses(const MassProperties& total, const Matrix6Xd& momenta, Index k, ModeFinding& finding) {
   finding.effective_mass = momenta.col(k).head<3>().cwiseAbs2() / total.mass;
   finding.effective_inertia = momenta.col(k).tail<3>().cwiseAbs2().cwiseQuotient(total.inertia.diagonal());
@@ -220,7 +222,7 @@ Modes condition_modes(const Modes& found, FlexibleReport& report) {
   remove_rigid_motion(total, projected);
   const std::vector<Index> elastic = find_elastic(modes, projected, report);
 
-  // The elastic modes found, each scaled to modal mass 1.
+  // Elastic modes found, each scaled to modal mass 1.
   pick(elastic, modes);
   scale_to_unit_mass(modes);
   const Matrix6Xd momenta = calc_momenta(modes);
@@ -228,7 +230,7 @@ Modes condition_modes(const Modes& found, FlexibleReport& report) {
   report.found_momentum = calc_momentum_share(total, momenta);
   const VectorXd file_hz = modes.frequencies_hz;
 
-  // Twice: the second time takes what the round-off of the first left.
+  // The second pass removes the round-off of the first.
   remove_rigid_motion(total, modes);
   remove_rigid_motion(total, modes);
   const MatrixXd overlap = calc_gram(modes) * solve_again(modes);

@@ -21,7 +21,7 @@ struct Word {
   int column;
 };
 
-// The lines that are not empty or a comment, cut into words.
+// Reads the lines that are neither empty nor a comment, and cuts them into words.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -46,7 +46,7 @@ class Lines {
   SourceMark mark(std::size_t word = 0) const {
     return {number_, word < words_.size() ? words_[word].column : static_cast<int>(line_.size()) + 1};
   }
-  // The text after the first word.
+  // Text after the first word.
   std::string tail() const {
     return words_.size() < 2 ? "" : std::string(words_[1].text.data(), words_.back().text.end());
   }
@@ -117,7 +117,7 @@ class Reader {
     }
     return value;
   }
-  // Words from `first` to the end of the line, exactly `count`.
+  // Numbers from word `first` to the end of the line, exactly `count`.
   std::vector<double> numbers(std::size_t first, Eigen::Index count, const std::string& what) {
     const auto wanted = static_cast<std::size_t>(count);
     const std::size_t there = lines_.words().size() - std::min(first, lines_.words().size());

@@ -27,7 +27,7 @@ std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(text.size() / 4 * 3);
   std::uint32_t group = 0;
-  int bits = 0;  // in `group` that no byte has taken
+  int bits = 0;  // bits in `group` that are not yet in a byte
   for (const char c : text.substr(0, text.find('='))) {
     const std::size_t digit = kDigits.find(c);
     if (digit == std::string_view::npos) return {};
@@ -37,7 +37,7 @@ std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text) {
     bits -= 8;
     bytes.push_back(static_cast<std::uint8_t>(group >> bits & 255));
   }
-  if (to_base64(bytes) != text) return {};  // its padding, or bits behind the last byte
+  if (to_base64(bytes) != text) return {};  // wrong padding, or bits after the last byte
   return bytes;
 }
 

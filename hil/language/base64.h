@@ -1,4 +1,4 @@
-// RFC 4648, with padding.
+// Base64 of RFC 4648, with padding.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace unlatch::hil {
 
 [[nodiscard]] std::string to_base64(std::span<const std::uint8_t> bytes);
-// Absent if `text` is not what to_base64() makes of some bytes.
+// Decodes a text. Absent if `text` is not exactly the encoding of some bytes.
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text);
 
 }  // namespace unlatch::hil

@@ -18,7 +18,7 @@ constexpr int kMaxDepth = 24, kMaxExponent = 8;
 constexpr double kStandardGravity = 9.80665;  // m/s2
 constexpr Dimension kAngle{{0, 0, 0, 1}}, kAcceleration{{1, 0, -2, 0}};
 
-// Spellings that people try, and what to write.
+// Common wrong spellings, and their corrections.
 constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
     {"sec", "s"},      {"second", "s"},    {"seconds", "s"},   {"msec", "ms"},     {"usec", "us"},
     {"minute", "min"}, {"minutes", "min"}, {"h", "60 min"},    {"hour", "60 min"}, {"hours", "60 min"},
@@ -31,13 +31,7 @@ constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
     {"w", "J/s"},      {"kw", "kJ/s"},     {"nm", "N m"},      {"knm", "kN m"},    {"gee", "g0"},
     {"dps", "deg/s"}};
 
-std::string to_lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-  return text;
-}
-
-// The correction of a name that is neither a unit nor a constant: "" if nothing is near.
+// Correction of a name that is neither a unit nor a constant: "" if no known name is near.
 std::string correct_name(const std::string& name, const std::vector<std::string>& constants) {
   const std::string lower = to_lower(name);
   std::vector<std::string> known = list_unit_names();
@@ -46,7 +40,7 @@ std::string correct_name(const std::string& name, const std::vector<std::string>
   for (const auto& [spelling, right] : kSpellings)
     if (spelling == lower) return "did you mean '" + std::string(right) + "'?";
   known.insert(known.begin(), constants.begin(), constants.end());
-  constexpr std::size_t kShort = 3;  // letters: a change of one is half of such a name
+  constexpr std::size_t kShort = 3;  // letters: one changed letter makes another such name
   const std::string* const nearest =
       name.size() < kShort ? nullptr : find_nearest(name, known, name.size() > kShort ? 2 : 1);
   return nearest == nullptr ? "" : "did you mean '" + *nearest + "'?";
@@ -75,13 +69,13 @@ void divide(Quantity& q, const Quantity& by) {
   q.dimension = add(q.dimension, by.dimension, -1);
 }
 
-// A unit to some power, as it was written.
+// A unit with a power, as written.
 struct UnitPower {
   const Unit* unit;
   int exponent;
 };
 
-// Divisors divide: 12 ms is 12 / 1000 s, rounded once.
+// Applies a unit. Divisors divide: 12 ms is 12 / 1000 s, rounded once.
 void apply(Quantity& q, const UnitPower& power, int sign) {
   const Unit& unit = *power.unit;
   const int exponent = sign * power.exponent;
@@ -90,7 +84,7 @@ void apply(Quantity& q, const UnitPower& power, int sign) {
   q.dimension = add(q.dimension, unit.dimension, exponent);
 }
 
-// `m`, and `m2` for m^2.
+// Finds `m`, and `m2` for m^2.
 std::optional<UnitPower> find_unit_power(std::string_view name) {
   if (const Unit* unit = find_unit(name)) return UnitPower{unit, 1};
   if (name.size() < 2 || !is_digit(name.back())) return std::nullopt;
@@ -118,7 +112,7 @@ Quantity calc_root(const Quantity& q) {
   return root;
 }
 
-// Of one or two arguments. asin and acos by atan2, for which there is a deterministic source.
+// Calls a function of one or two arguments. asin and acos use atan2, which is deterministic.
 Quantity call(const std::string& function, const std::vector<Quantity>& arguments) {
   const std::size_t wanted = function == "atan2" ? 2 : 1;
   if (arguments.size() != wanted)
@@ -176,7 +170,7 @@ class Parser {
       const Quantity term = read_product();
       const bool same = sum.dimension.takes(term.dimension) || term.dimension.takes(sum.dimension);
       const auto is_zero = [](const Quantity& q) { return q.dimension.is_plain() && q.value == 0; };
-      if (!same && !is_zero(sum) && !is_zero(term))  // nothing is nothing in every unit
+      if (!same && !is_zero(sum) && !is_zero(term))  // zero is accepted in every unit
         throw ExpressionError(
             "a sum of " + describe_dimension(sum.dimension) + " and " + describe_dimension(term.dimension),
             "give both the same unit");
@@ -297,7 +291,8 @@ class Parser {
     return std::string(text_.substr(begin, at_ - begin));
   }
 
-  // A unit and its power, if one stands here; constants go before units only by having other names.
+  // Reads a unit and its power, if there is one; constants cannot have names of units, so the order of the two does not
+  // matter.
   std::optional<UnitPower> take_unit() {
     if (!is_letter(peek())) return std::nullopt;
     const std::size_t begin = at_;

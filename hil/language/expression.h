@@ -27,13 +27,13 @@ class ExpressionError : public std::runtime_error {
  public:
   ExpressionError(const std::string& what_in, std::string mend_in)
       : std::runtime_error(what_in), mend(std::move(mend_in)) {}
-  std::string mend;  // what would be right; may be empty
+  std::string mend;  // correction; may be empty
 };
 
-// Throws ExpressionError. The value is finite.
+// Evaluates an expression. Throws ExpressionError. The value is finite.
 Quantity evaluate_expression(std::string_view text, const Constants& constants);
 
-// Names that a scenario's own constants cannot have: units, functions, pi and g0.
+// Returns true for names that a scenario's own constants cannot have: units, functions, pi and g0.
 bool is_reserved_name(std::string_view name);
 
 }  // namespace unlatch::hil

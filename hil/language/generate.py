@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes hil/scenarios/REFERENCE.md and unlatch.schema.json from language.yaml, campaign.schema.json and synthesis.schema.json from
-campaign.yaml and synthesis.yaml. --check: only says whether they are current."""
+campaign.yaml and synthesis.yaml. --check: only reports whether they are current."""
 
 import json
 import sys
@@ -14,7 +14,7 @@ from language import HERE, load_sections, parse_type  # noqa: E402
 OUT = HERE.parent / "scenarios"
 NAME = r"^[A-Za-z<][A-Za-z0-9_<>-]*$"
 SHAPES = r"^[A-Za-z<][A-Za-z0-9_<>-]*([.][A-Za-z<][A-Za-z0-9_<>-]*)?$"  # body, body.shape, body.group
-# Words that YAML 1.1 tools read as true, false or null; no names (is_name in yaml_reader.cc).
+# Words that YAML 1.1 tools read as true, false or null; they are no names (is_name in yaml_reader.cc).
 NOT_A_NAME = "^(" + "|".join("".join(f"[{c.upper()}{c}]" for c in word) for word in ("true", "false", "yes", "no", "on", "off", "null")) + ")$"
 EXPRESSION = r"^[A-Za-z0-9_.,+*/^()<>% -]+$"
 PARAMETER = r"^<[A-Za-z][A-Za-z0-9_-]*>$"
@@ -27,7 +27,7 @@ class Schema:
         self.sections = sections
 
     def build_defs(self, top):
-        """Of all types, and of all sections but the top."""
+        """Definitions of all types, and of all sections but the top one."""
         defs = {
             "quantity": {"anyOf": [{"type": "number"}, {"type": "string", "pattern": EXPRESSION}]},
             "name": {"type": "string", "pattern": NAME, "not": {"pattern": NOT_A_NAME}},
@@ -107,7 +107,7 @@ class Schema:
 
 
 def describe(key):
-    """One line for an editor that hovers."""
+    """Returns the one-line description that editors show."""
     facts = [key["unit"]] if "unit" in key else []
     facts += [bounds] if (bounds := describe_range(key)) else []
     facts += ["required"] if key.get("need") else [f"default {get_default(key)}"] if "default" in key else []
@@ -145,7 +145,7 @@ Numbers are SI and radians; expressions may have units. *Unit* "–" is a plain 
 
 
 def collect_examples(sections):
-    """The text of the first mapping of each section in everything.yaml."""
+    """Returns the text of the first mapping of each section in everything.yaml."""
     text = (HERE / "everything.yaml").read_text()
     examples = {}
 
@@ -171,7 +171,7 @@ def collect_examples(sections):
                 visit(value, kind.inner[0])
 
     def pick(node, kind):
-        """Of alternatives, the section that has the keys and the `type` or `kind` of this node."""
+        """Returns the section, among alternatives, that has the keys and the `type` or `kind` of this node."""
         if not isinstance(node, yaml.MappingNode):
             return next((t for t in kind.inner if t.kind != "section"), kind.inner[0])
         keys = {key.value: value for key, value in node.value}
@@ -208,7 +208,7 @@ def write_reference(sections):
 
 
 def link(kind, sections):
-    """Types with links to their sections."""
+    """Returns types with links to their sections."""
     words = []
     for word in kind.split():
         after_name_of = words[-2:] == ["name", "of"]

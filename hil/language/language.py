@@ -1,4 +1,4 @@
-"""The table of the scenario language as Python objects, and YAML as the simulator reads it."""
+"""The table of the scenario language as Python objects, and YAML with the simulator's rules."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,7 @@ HERE = Path(__file__).resolve().parent
 
 
 class Loader(yaml.SafeLoader):
-    """YAML 1.2's scalars, as editors and yaml-cpp see them: `on` is a word, 1e3 a number."""
+    """YAML 1.2's scalars, as editors and yaml-cpp read them: `on` is a word, 1e3 a number."""
 
 
 Loader.yaml_implicit_resolvers = {}
@@ -19,7 +19,7 @@ Loader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$
 Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
     re.compile(r"^[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?$"), list("-+.0123456789"))
-# PyYAML's own constructor wants YAML 1.1's digits; a number of 1.2 is one of Python.
+# PyYAML's own constructor expects the digits of YAML 1.1; numbers of YAML 1.2 are Python's.
 Loader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: int(node.value))
 Loader.add_constructor("tag:yaml.org,2002:float", lambda loader, node: float(node.value))
 
@@ -29,12 +29,12 @@ def load_yaml(text):
 
 
 def load_sections(name="language"):
-    """Of scenarios ("language"), of campaign files ("campaign"), or of problems of synthesis ("synthesis")."""
+    """Sections of scenarios ("language"), of campaign files ("campaign"), or of problems of synthesis ("synthesis")."""
     return load_yaml((HERE / f"{name}.yaml").read_text())["sections"]
 
 
 class Type:
-    """`is` of a key: kind number, whole, bool, text, name, vector, anything, numbers (count), one of (words), list, map, section, or."""
+    """Parses `is` of a key: kind number, whole, bool, text, name, vector, anything, numbers (count), one of (words), list, map, section, or."""
 
     def __init__(self, kind, inner=None, words=(), of=None):
         self.kind, self.inner, self.words, self.of = kind, inner, list(words), of

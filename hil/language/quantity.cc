@@ -13,7 +13,7 @@ constexpr Dimension kLength{{1, 0, 0, 0}}, kMass{{0, 1, 0, 0}}, kTime{{0, 0, 1, 
     kForce{{1, 1, -2, 0}}, kRate{{0, 0, -1, 1}}, kFrequency{{0, 0, -1, 0, 1}}, kPressure{{-1, 1, -2, 0}},
     kEnergy{{2, 1, -2, 0}};
 
-// The SI unit of each dimension first. A foot, an inch and a pound are exact by definition (1959); a pound-force is a
+// Units by dimension, the SI unit first. A foot, an inch and a pound are exact by definition (1959); a pound-force is a
 // pound times the standard gravity of 9.80665 m/s2.
 constexpr Unit kUnits[] = {
     {"m", 1, 1, kLength},
@@ -50,7 +50,7 @@ constexpr Unit kUnits[] = {
     {"%", 1, 100, {}},
 };
 
-// Customary units (in, ft, lb, lbf) are those whose ratio to SI is no power of ten.
+// Returns false for customary units (in, ft, lb, lbf): their ratio to SI is no power of ten.
 bool is_decimal(const Unit& unit) {
   return unit.dimension == kTime || unit.dimension == kAngle || unit.factor == 1 || unit.factor == 1e3 ||
          unit.factor == 1e6 || unit.factor == 1e9;
@@ -147,7 +147,7 @@ std::vector<std::string> list_unit_names() {
   return names;
 }
 
-// The first factor is varied: kN m, MN m. Feet and pounds are listed alone, not in products.
+// Lists units with other prefixes of the first factor: kN m, MN m. Feet and pounds are listed alone, not in products.
 std::vector<std::string> list_units(std::string_view si) {
   std::vector<std::string> names;
   const std::size_t length = std::min(si.find_first_of(" /0123456789"), si.size());

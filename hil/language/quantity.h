@@ -8,16 +8,16 @@
 
 namespace unlatch::hil {
 
-// Exponents of m, kg, s, rad and cycles. Radians are kept apart so that 5 deg is not taken for a plain number, but SI
-// leaves them out where it likes: v/r is a rate and N m turns a torsion spring. So they must agree only where both have
-// them. Cycles, as in Hz, count for nothing but this: 10 Hz is no angular rate until it is multiplied by 2*pi rad.
+// Exponents of m, kg, s, rad and cycles. Radians are separate so that 5 deg is not accepted as a plain number. SI often
+// omits them: v/r is a rate and N m turns a torsion spring. So they must agree only where both quantities have them.
+// Cycles, as in Hz, have one purpose: 10 Hz is no angular rate until it is multiplied by 2*pi rad.
 struct Dimension {
   enum Base { kLength, kMass, kTime, kAngle, kCycle };
   std::array<int, 5> exponents{};
 
   bool operator==(const Dimension&) const = default;
   bool is_plain() const;
-  // True if a quantity of dimension `other` may be given where this one belongs.
+  // True if a quantity of dimension `other` is accepted where this one is expected.
   bool takes(const Dimension& other) const;
 };
 
@@ -26,7 +26,7 @@ struct Quantity {
   Dimension dimension;
 };
 
-// A value in a unit is value / divisor · factor in SI. Those of metric units are exact, so that `12 ms` is the double
+// A value in a unit is value / divisor · factor in SI. Factors of metric units are exact, so that `12 ms` is the double
 // nearest to 0.012.
 struct Unit {
   std::string_view name;
@@ -39,13 +39,15 @@ const Unit* find_unit(std::string_view name);  // m, kN, deg …; null if there 
 // Names of all units.
 std::vector<std::string> list_unit_names();
 
-// "a mass (kg)", "a plain number", "a quantity in kg m"
+// Description in words: "a mass (kg)", "a plain number", "a quantity in kg m".
 std::string describe_dimension(const Dimension& dimension);
 
-// SI units that an expression takes after a number: "N m", "m2/s"; "" if plain. Energies are torques here.
+// SI units that an expression takes after a number: "N m", "m2/s"; "" for a plain number. Energies are written as
+// torques here.
 std::string describe_unit(const Dimension& dimension);
 
-// The dimension of an SI unit such as "N m s/rad"; "" is plain. Throws std::logic_error: units are the program's own.
+// Dimension of an SI unit such as "N m s/rad"; "" is plain. Throws std::logic_error: the program's own units are never
+// wrong.
 Dimension dimension_of(std::string_view si);
 
 // Other spellings of an SI unit: kN m and so on for N m.

@@ -33,7 +33,7 @@ std::string join_lines(const std::vector<ScenarioMistake>& mistakes) {
 
 std::string ScenarioMistake::to_string() const {
   const std::string place = std::to_string(mark.line) + ":" + std::to_string(mark.column);
-  const bool blamed = !override_text.empty() && mark.line > 0;  // the text is sound without that override
+  const bool blamed = !override_text.empty() && mark.line > 0;  // the text is correct without that override
   std::string text = file;
   if (!override_text.empty())
     text += ": --set " + override_text;
@@ -82,7 +82,7 @@ void Mistakes::throw_if_any() {
   throw ScenarioError(list_);
 }
 
-// Of each place in a template the mistakes of the first instance that has some are kept; the others are counted.
+// Keeps, for each place in a template, the mistakes of the first instance that has any; the others are counted.
 void Mistakes::fold_instances() {
   std::vector<ScenarioMistake> kept;
   for (std::size_t i = 0; i < list_.size();) {
@@ -107,7 +107,7 @@ void Mistakes::fold_instances() {
   list_ = std::move(kept);
 }
 
-// One mistake of several rows of parameters is told once.
+// Reports a mistake that several rows of parameters share only once.
 void Mistakes::fold_repeated() {
   std::vector<ScenarioMistake> kept;
   std::vector<std::size_t> counts;
@@ -127,6 +127,12 @@ void Mistakes::fold_repeated() {
   list_ = std::move(kept);
 }
 
+std::string to_lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return text;
+}
+
 const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit) {
   if (known.empty() || wrong.size() > 64) return nullptr;
   const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
@@ -136,7 +142,7 @@ const std::string* find_nearest(const std::string& wrong, const std::vector<std:
 }
 
 std::string suggest(const std::string& wrong, const std::vector<std::string>& known) {
-  constexpr std::size_t kListed = 32;  // names named; the rest is counted
+  constexpr std::size_t kListed = 32;  // listed names; the rest is counted
   if (known.empty()) return "there are none";
   const std::string* const nearest = find_nearest(wrong, known, std::max<std::size_t>(2, wrong.size() / 3));
   std::string text = nearest ? "did you mean '" + *nearest + "'? known: " : "known: ";

@@ -1,4 +1,4 @@
-// Mistakes in a scenario: each with its place, what is wrong and what would be right; all of them in one exception.
+// Mistakes in a scenario: each with its place, the fault and its correction; all of them in one exception.
 #pragma once
 
 #include <stdexcept>
@@ -14,27 +14,28 @@ namespace unlatch::hil {
 struct ScenarioMistake {
   std::string file;
   SourceMark mark;                // line and column 0: the file as a whole
-  std::string override_text;      // the override that brought it in, if one did; with a line: the text there is sound
+  std::string override_text;      // override that caused it, if one did; with a line: the text there is correct
                                   // without it
-  std::string what;               // what is wrong
-  std::string mend;               // what would be right
+  std::string what;               // the fault
+  std::string mend;               // the correction
   std::string to_string() const;  // "file:line:column: what; mend"
 };
 
 class ScenarioError : public std::runtime_error {
  public:
-  explicit ScenarioError(std::vector<ScenarioMistake> mistakes_in);  // what(): one line each
+  explicit ScenarioError(std::vector<ScenarioMistake> mistakes_in);  // what(): one line for each mistake
   std::vector<ScenarioMistake> mistakes;
 };
 
-// A number with a unit that has been read at a node.
+// A number with a unit, as read at a node.
 struct NumberRead {
   const YamlNode* node;
   std::string unit;  // SI
   double value;
 };
 
-// Collects mistakes while a scenario is read; knows what marks refer to, and the constants that numbers may name.
+// Collects mistakes while a scenario is read; resolves marks to files and instances, and holds the constants for
+// expressions.
 class Mistakes {
  public:
   Mistakes(std::string file, std::vector<std::string> overrides)
@@ -46,7 +47,8 @@ class Mistakes {
 
   void add(const SourceMark& mark, std::string what, std::string mend);
   std::size_t count() const { return list_.size(); }
-  // Sorted by place. What several instances of a template get wrong at one place is told once.
+  // Throws the mistakes, sorted by place. The same mistake of several instances of a template at one place is reported
+  // once.
   void throw_if_any();
 
   const std::vector<std::string>& files() const { return files_; }
@@ -54,7 +56,7 @@ class Mistakes {
   const Constants& constants() const { return constants_; }
   void add_constant(const std::string& name, const Quantity& value) { constants_[name] = value; }
 
-  // The numbers read from now on are kept: hil/language/yaml_numbers.h lists them.
+  // Keeps the numbers that are read from now on: hil/language/yaml_numbers.h lists them.
   void keep_numbers() { keeps_numbers_ = true; }
   void note_number(const YamlNode& node, const std::string& unit, double value) {
     if (keeps_numbers_) numbers_.push_back({&node, unit, value});
@@ -73,10 +75,13 @@ class Mistakes {
   std::vector<NumberRead> numbers_;
 };
 
-// The one of `known` that is nearest to `wrong`, by Levenshtein's distance; nullptr if that is more than `limit`.
+// Letters A to Z in lower case, independent of the locale.
+std::string to_lower(std::string text);
+
+// Nearest of `known` to `wrong`, by Levenshtein's distance; nullptr if that is more than `limit`.
 const std::string* find_nearest(const std::string& wrong, const std::vector<std::string>& known, std::size_t limit);
 
-// "; did you mean 'mass'? known: …", from the names that would have been right.
+// Suggestion from the known names: "; did you mean 'mass'? known: …".
 std::string suggest(const std::string& wrong, const std::vector<std::string>& known);
 
 }  // namespace unlatch::hil

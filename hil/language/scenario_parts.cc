@@ -13,7 +13,7 @@ namespace {
 constexpr int kLanguageVersion = 1;
 constexpr std::size_t kMaxDepth = 8;
 
-// Takes a key out of a mapping.
+// Removes a key from a mapping and returns its values.
 std::vector<YamlNode> take_key(YamlNode& map, const std::string& key) {
   std::vector<YamlNode> values;
   for (std::size_t i = 0; i < map.keys.size();) {
@@ -34,7 +34,8 @@ class Includer {
   Includer(ScenarioSources& sources, std::string folder, Mistakes& mistakes)
       : sources_(sources), folder_(std::move(folder)), mistakes_(mistakes) {}
 
-  // `name`: path from the scenario's folder. The tree of a file with all that it includes, without those keys.
+  // Reads the tree of a file with all files that it includes, without the keys of inclusion. `name`: path from the
+  // scenario's folder.
   YamlNode read(const std::string& text, const std::string& name, int file) {
     YamlNode own;
     try {
@@ -56,10 +57,10 @@ class Includer {
     return whole;
   }
 
-  // True if a file is missing from the tree: what else is wrong may follow from that.
+  // True if a file is missing from the tree: other mistakes may follow from that.
   bool is_incomplete() const { return incomplete_; }
 
-  // PATH: value of all files, those of included files first.
+  // Applies PATH: value of all files, those of included files first.
   void apply_sets(YamlNode& root) {
     for (YamlNode& set : sets_) {
       if (!set.is_mapping()) mistakes_.add(set.mark, "set is not a mapping", "write `bodies.core.mass: 98 t`");
@@ -72,7 +73,8 @@ class Includer {
   }
 
  private:
-  // An included file is a scenario, or a part that is nothing alone. The reader sees the main file's version only.
+  // Checks the version. An included file is a scenario, or a part that cannot be used alone. The reader sees the main
+  // file's version only.
   void check_version(YamlNode& tree, bool included) {
     const YamlNode* part = tree.find("unlatch_part");
     const YamlNode* version = part && included ? part : tree.find("unlatch");
@@ -107,7 +109,7 @@ class Includer {
         for (auto at = first; at != open_.end(); ++at) cycle += *at + " → ";
         return reject("it would include itself: " + cycle + name, "leave out one of these includes");
       }
-      if (!seen_.insert(name).second) return;  // once is enough
+      if (!seen_.insert(name).second) return;  // each file is included once
       const std::string text = sources_.read(name);
       const int file = mistakes_.add_file((std::filesystem::path(folder_) / name).string());
       merge(read(text, name, file), whole);
@@ -117,7 +119,7 @@ class Includer {
     }
   }
 
-  // Sections in both: the entries of shared sections are put together, the rest is the later one's.
+  // Merges sections that are in both: entries of shared sections are joined; of other sections the later one is kept.
   static void merge(YamlNode&& from, YamlNode& to) {
     if (!from.is_mapping()) return;
     const std::vector<std::string>& shared = shared_sections();
@@ -141,7 +143,7 @@ class Includer {
   ScenarioSources& sources_;
   std::string folder_;
   Mistakes& mistakes_;
-  std::vector<std::string> open_;  // names of the files that are being read
+  std::vector<std::string> open_;  // names of the files being read
   std::set<std::string> seen_;
   std::vector<YamlNode> sets_;
   bool incomplete_ = false;

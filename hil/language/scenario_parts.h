@@ -1,5 +1,5 @@
-// Inside of the scenario loader: the tree of a scenario from its file, the files that it includes, its templates and
-// what `set` replaces, so that the reader sees one plain scenario.
+// Internals of the scenario loader: builds the tree of a scenario from its file, the included files, its templates and
+// its `set`, so that the reader sees one plain scenario.
 #pragma once
 
 #include <string>
@@ -11,16 +11,16 @@
 
 namespace unlatch::hil {
 
-// A text that is not YAML is the only mistake then, and is thrown; all else is added to `mistakes`.
+// Builds the tree. Throws if a text is not YAML, as the only mistake; all other mistakes are added to `mistakes`.
 YamlNode build_tree(ScenarioSources& sources, const std::string& file, Mistakes& mistakes);
 
 // Replaces `templates` and `instances` by the entries that they describe.
 void expand_templates(YamlNode& root, Mistakes& mistakes);
 
-// Appends the entries of one section to another: mappings and lists. False if they are not both one or the other.
+// Appends the entries of one section to another: mappings or lists. False if the two kinds differ.
 bool append_section(YamlNode& to, YamlNode&& from);
 
-// Sections whose entries from several files, or from templates, are put together.
+// Sections that join entries from several files, or from templates.
 const std::vector<std::string>& shared_sections();
 
 }  // namespace unlatch::hil

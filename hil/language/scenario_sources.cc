@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxBytes = kMaxScenarioBytes, kMaxFiles = 64, kMaxName = 200;
 const std::string kMarker = "--- # included: ";
 
-// YAML itself cannot hold such a line but as the begin of another document, which no scenario has.
+// Finds the marker of an included file. YAML allows such a line only at the beginning of another document, which no
+// scenario has.
 std::size_t find_marker(const std::string& text, std::size_t from) {
   const std::size_t at = text.find("\n" + kMarker, from);
   return at == std::string::npos ? text.size() : at;
@@ -27,7 +28,8 @@ std::size_t find_marker(const std::string& text, std::size_t from) {
 
 bool is_standard_input(const std::string& path) { return path == "-" || path == "/dev/stdin"; }
 
-// A descriptor is read whatever it is: standard input, or a shell's <(...). A named pipe or a device might never end.
+// Reads a text file. A descriptor is read whatever its kind: standard input, or a shell's <(...). A named pipe or a
+// device might never end.
 std::string read_text_file(const std::string& path, const std::string& kind, std::size_t most) {
   const std::string mend = "name a readable " + kind + " file (.yaml)";
   const auto fail = [&](const std::string& what, const std::string& right) -> std::string {

@@ -1,5 +1,5 @@
-// The text of a scenario and of the files that it includes: from a folder, or from one text that has them all, as in
-// recordings. In such a text each included file follows a line `--- # included: NAME`.
+// The text of a scenario and of the files that it includes: from a folder, or from one text that contains them all, as
+// in recordings. In such a text each included file follows a line `--- # included: NAME`.
 #pragma once
 
 #include <functional>
@@ -9,14 +9,14 @@
 
 namespace unlatch::hil {
 
-// "-" and "/dev/stdin" stand for standard input.
+// Returns true for "-" and "/dev/stdin": standard input.
 bool is_standard_input(const std::string& path);
 inline constexpr std::size_t kMaxScenarioBytes = 1u << 20;
-// The text of a regular file, or of an open descriptor, at most `most` bytes; `kind`: the kind of file expected, for
+// Reads a regular file, or an open descriptor, of at most `most` bytes; `kind`: the expected kind of file, for
 // messages. Throws ScenarioError.
 std::string read_text_file(const std::string& path, const std::string& kind, std::size_t most = kMaxScenarioBytes);
 
-// A file whose text, as it is kept, is made from its bytes: meshes.
+// Conversion of a file's bytes into the text that is kept: for meshes.
 struct ConvertedFile {
   std::string kind;                                              // for messages
   std::size_t most = 0;                                          // bytes
@@ -25,28 +25,28 @@ struct ConvertedFile {
 
 class ScenarioSources {
  public:
-  // `folder` may be empty: then nothing is read from the disk.
+  // `folder` may be empty: then no file is read from the disk.
   ScenarioSources(const std::string& text, std::string folder);
 
   const std::string& main() const { return main_; }
-  // The text of an included file, or of a file of modes, by its path from the scenario's folder. Throws
-  // std::runtime_error if there is none, if it lies outside that folder (symbolic links followed), or if the texts
-  // together have more than 1 MiB.
+  // Text of an included file, or of a file of modes, by its path from the scenario's folder. Throws std::runtime_error
+  // if there is none, if it lies outside that folder (symbolic links followed), or if the texts together have more than
+  // 1 MiB.
   const std::string& read(const std::string& name);
-  // The text that is made from a file.
+  // Text that is made from a file.
   const std::string& read(const std::string& name, const ConvertedFile& as);
-  // Main text and everything that was read.
+  // Main text with all texts that were read.
   std::string join() const;
 
  private:
   std::string main_, folder_;
-  bool joined_ = false;                       // the text held its included files
-  std::map<std::string, std::string> texts_;  // of those, by name
-  std::vector<std::string> order_;            // names, as they were read
+  bool joined_ = false;                       // the text contains its included files
+  std::map<std::string, std::string> texts_;  // included texts, by name
+  std::vector<std::string> order_;            // names, in the order of reading
   std::size_t bytes_ = 0;
 };
 
-// The path of a file that `from` (a path from the scenario's folder) includes as `name`, from that folder. Throws
+// Path, from the scenario's folder, of a file that `from` (a path from that folder) includes as `name`. Throws
 // std::runtime_error for absolute paths and for those that lead out of the folder.
 std::string resolve_include(const std::string& from, const std::string& name);
 

@@ -1,6 +1,6 @@
-// Templates: entries that are written once and made for several rows of parameters. `<name>` in a key or a value of a
-// template stands for a parameter: alone for its whole value, whatever that is, else for its text. The angle brackets
-// need no quotes anywhere in YAML.
+// Templates: entries that are written once and repeated for several rows of parameters. `<name>` in a key or a value of
+// a template stands for a parameter: alone it is replaced by the whole value of any kind, inside a longer text by its
+// text. YAML needs no quotes for the angle brackets.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::size_t kMaxNodes = 200'000;  // of all that templates make
+constexpr std::size_t kMaxNodes = 200'000;  // nodes of all instances together
 constexpr std::size_t kMaxDepth = 32, kMaxText = 1024;
 constexpr double kMaxCount = 1000;
 
@@ -27,7 +27,8 @@ const Binding* find_binding(const Bindings& bindings, std::string_view name) {
   return at == bindings.end() ? nullptr : &*at;
 }
 
-// A number or name stands for itself within a longer text; `1 + 2` and `-3` keep their meaning in parentheses.
+// Text inserted into a longer text: a number or a name as it is; `1 + 2` and `-3` get parentheses to keep their
+// meaning.
 std::string get_inserted_text(const std::string& text) {
   const bool plain = std::all_of(text.begin(), text.end(), [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '.';
@@ -49,8 +50,8 @@ Size measure(const YamlNode& node) {
   return size;
 }
 
-// Makes copies of nodes with parameters put in. Parameters of parameters could grow without end: beyond the bounds
-// nothing more is made, and `nodes` says so.
+// Copies nodes and inserts parameters. Parameters of parameters could grow without end: beyond the bounds no more nodes
+// are made, and `nodes` shows it.
 class Substitution {
  public:
   Substitution(const Bindings& bindings, int instance, std::size_t& nodes, Mistakes& mistakes)
@@ -129,7 +130,7 @@ class Expander {
 
   void expand(const YamlNode& templates, const YamlNode& instances) {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < templates.keys.size(); ++i) {  // a list has none, and was reported
+    for (std::size_t i = 0; i < templates.keys.size(); ++i) {  // a list has no keys, and was reported
       names.push_back(templates.keys[i].text);
       check_template(templates.keys[i].text, templates.items[i]);
     }
@@ -161,7 +162,7 @@ class Expander {
     map.finish();
   }
 
-  // `count` gives the parameter i, and no other.
+  // Returns true if `count` gives the parameter i, and no other.
   bool takes_counter(const std::string& name, const YamlNode& from, const YamlNode& count) {
     const YamlNode* parameters = from.find("parameters");
     if (parameters != nullptr && parameters->find(kCounter) != nullptr) return true;
@@ -177,7 +178,7 @@ class Expander {
     return false;
   }
 
-  // `for`: a list of mappings from parameters to values; `count: n`: i from 1 to n.
+  // Reads the rows. `for`: a list of mappings from parameters to values; `count: n`: i from 1 to n.
   std::vector<Bindings> read_rows(YamlMap& map) {
     std::vector<Bindings> rows;
     const std::string by = map.only_one_of({"for", "count"}, "to say how many");
@@ -207,7 +208,7 @@ class Expander {
     return rows;
   }
 
-  // The template's parameters in their order, from the row or their default, which may name those before it.
+  // Sets the template's parameters in their order, from the row or from their default, which may refer to earlier ones.
   bool bind(const YamlNode& from, const Bindings& row, const YamlNode& instance, Bindings& bindings) {
     const std::size_t before = mistakes_.count();
     const YamlNode none;
@@ -227,7 +228,7 @@ class Expander {
         bindings.push_back({name, Substitution(bindings, -1, nodes_, mistakes_).copy(fallback)});
       else {
         mistakes_.add(instance.mark, "parameter '" + name + "' has no value", "give it in each row of `for`");
-        bindings.push_back({name, {YamlNode::Kind::kScalar, fallback.mark, "0", {}, {}, false}});  // told once
+        bindings.push_back({name, {YamlNode::Kind::kScalar, fallback.mark, "0", {}, {}, false}});  // reported once
       }
     }
     for (const Binding& given : row)
@@ -246,7 +247,7 @@ class Expander {
         values += (values.empty() ? ": " : ", ") + binding.name + " " + binding.value.text;
     Substitution substitution(bindings, mistakes_.add_instance(name + values), nodes_, mistakes_);
     for (std::size_t i = 0; i < from.keys.size(); ++i) {
-      const std::vector<std::string>& shared = shared_sections();  // others are the parameters, or were reported
+      const std::vector<std::string>& shared = shared_sections();  // other keys are parameters, or were reported
       if (std::find(shared.begin(), shared.end(), from.keys[i].text) == shared.end()) continue;
       YamlNode made = substitution.copy(from.items[i]);
       YamlNode* section = root_.find(from.keys[i].text);
@@ -271,7 +272,7 @@ class Expander {
   bool full_ = false;
 };
 
-// The value of a key that is taken out of the mapping; nothing if it has none.
+// Removes a key from the mapping and returns its value; a null node if it is absent.
 YamlNode take_section(YamlNode& root, const char* name) {
   for (std::size_t i = 0; i < root.keys.size(); ++i) {
     if (root.keys[i].text != name) continue;

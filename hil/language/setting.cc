@@ -9,13 +9,6 @@
 namespace unlatch::hil {
 namespace {
 
-YamlNode make_scalar(std::string text) {
-  YamlNode node;
-  node.kind = YamlNode::Kind::kScalar;
-  node.text = std::move(text);
-  return node;
-}
-
 bool is_plain(const std::string& text) {
   constexpr std::string_view kOthers = "_+-.*/()^ %";
   const auto is_safe = [&](char c) {

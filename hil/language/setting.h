@@ -1,4 +1,4 @@
-// A value at a path that `--set` reaches, as a program gives it: to the last bit what the text PATH=VALUE gives.
+// A value at a path that `--set` reaches, as a program gives it; the result has the bits of the text PATH=VALUE.
 #pragma once
 
 #include <span>
@@ -13,19 +13,19 @@ struct Setting {
   YamlNode value;
 };
 
-// A number in `unit`, an SI unit as describe_unit() gives it; "": the unit of what stands there. The bits of the value
-// are the same. Three or more numbers as a list.
+// Makes a setting from a number in `unit`, an SI unit as describe_unit() gives it; "": the unit of the value in the
+// file. Keeps the bits of the value. Three or more numbers make a list.
 Setting make_setting(std::string path, double value, const std::string& unit = "");
 Setting make_setting(std::string path, std::span<const double> values);
-// PATH=VALUE, as `--set` takes it. Throws YamlError.
+// Parses PATH=VALUE, as `--set` takes it. Throws YamlError.
 Setting parse_setting(const std::string& text);
 
-// PATH=VALUE that parse_setting() reads as the same.
+// Text PATH=VALUE that parse_setting() reads as the same.
 std::string to_text(const Setting& setting);
-// The shortest text that reads as the same double.
+// Shortest text that reads as the same double.
 std::string to_text(double value);
 
-// Puts the value into a tree, with `override_index` as its place. Throws YamlError.
+// Sets the value in a tree, with `override_index` as its place. Throws YamlError.
 void apply_setting(const Setting& setting, int override_index, YamlNode& root);
 
 }  // namespace unlatch::hil

@@ -5,7 +5,7 @@
 
 namespace unlatch::hil {
 
-// Without the control characters that XML cannot have.
+// Escapes a text and removes the control characters that XML forbids.
 std::string escape_xml(const std::string& text);
 
 }  // namespace unlatch::hil

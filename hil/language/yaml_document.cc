@@ -32,7 +32,7 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
   return overlong || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff ? 0 : length;
 }
 
-// A line whose indentation has a tab, at or before the place where the parser gave up: 0 if there is none.
+// Place of a tab in the indentation, at or before the place of the parser's error: 0 if there is none.
 SourceMark find_tab(const std::string& text, const SourceMark& gave_up) {
   SourceMark found = gave_up;
   found.line = 0;
@@ -49,7 +49,7 @@ SourceMark find_tab(const std::string& text, const SourceMark& gave_up) {
   return found;
 }
 
-// Bytes that are not text, which yaml-cpp accepts.
+// Refuses bytes that are not text, which yaml-cpp accepts.
 void check_bytes(std::string_view text, int override_index, int file) {
   if (text.size() > kMaxBytes)
     throw YamlError({0, 0, override_index, file}, "it has " + std::to_string(text.size()) + " bytes",
@@ -68,7 +68,7 @@ void check_bytes(std::string_view text, int override_index, int file) {
   }
 }
 
-// Builds the tree from the parser's events and enforces the bounds on the way.
+// Builds the tree from the parser's events and enforces the bounds meanwhile.
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(int override_index, int file) : override_index_(override_index), file_(file) {}
@@ -115,7 +115,7 @@ class TreeBuilder : public YAML::EventHandler {
     return open_.back();
   }
 
-  // The innermost open node is complete: hand it to its parent, as an item, a key or a value.
+  // Completes the innermost open node and adds it to its parent, as an item, a key or a value.
   void end() {
     YamlNode node = std::move(open_.back());
     open_.pop_back();
@@ -147,6 +147,13 @@ const YamlNode* YamlNode::find(std::string_view key) const {
 }
 
 YamlNode* YamlNode::find(std::string_view key) { return const_cast<YamlNode*>(std::as_const(*this).find(key)); }
+
+YamlNode make_scalar(std::string text) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::kScalar;
+  node.text = std::move(text);
+  return node;
+}
 
 const char* kind_name(YamlNode::Kind kind) {
   switch (kind) {

@@ -8,7 +8,7 @@
 namespace unlatch::hil {
 namespace {
 
-// Longer lists than this are not made by an override.
+// Largest length of a list that an override creates.
 constexpr std::size_t kMaxInsertedItems = 16;
 
 std::vector<std::string> split_path(const std::string& path, const SourceMark& mark) {
@@ -42,16 +42,16 @@ std::optional<std::size_t> parse_index(const std::string& part) {
   return index;
 }
 
-bool is_text(const YamlNode* node, std::string_view text) { return node && node->is_scalar() && node->text == text; }
+bool has_text(const YamlNode* node, std::string_view text) { return node && node->is_text(text); }
 
-// The entry of a list of mappings that part names: `id`, `name` or `name:subject`; null if there is none.
+// Entry of a list of mappings that `part` names: `id`, `name` or `name:subject`; null if there is none.
 const YamlNode* find_entry(const YamlNode& list, const std::string& part, const SourceMark& mark) {
   const std::size_t colon = part.find(':');
   const YamlNode* found = nullptr;
   for (const YamlNode& item : list.items) {
     const YamlNode* const id = item.find("id");
-    if (!is_text(id ? id : item.find("name"), part.substr(0, colon))) continue;
-    if (colon != std::string::npos && !is_text(item.find("subject"), part.substr(colon + 1))) continue;
+    if (!has_text(id ? id : item.find("name"), part.substr(0, colon))) continue;
+    if (colon != std::string::npos && !has_text(item.find("subject"), part.substr(colon + 1))) continue;
     if (found) throw YamlError(mark, "several entries are called '" + part + "'", "write name:subject, or its number");
     found = &item;
   }
@@ -61,7 +61,7 @@ const YamlNode* find_entry(const YamlNode& list, const std::string& part, const 
 YamlNode& find_named(YamlNode& list, const std::string& part, const SourceMark& mark) {
   const YamlNode* const found = find_entry(list, part, mark);
   if (!found) throw YamlError(mark, "no entry '" + part + "' in this list", "give a number from 0, or an entry's name");
-  return const_cast<YamlNode&>(*found);  // of `list`
+  return const_cast<YamlNode&>(*found);  // a member of `list`
 }
 
 YamlNode& step_into_list(YamlNode& list, const std::string& part, const SourceMark& mark) {
@@ -80,8 +80,8 @@ std::string without_digits(std::string name) {
   return name;
 }
 
-// A path leads on into something that is not there but is called nearly as what is: a slip, unless it is another
-// number (spring4 beside spring3).
+// Refuses a path that continues into an absent key whose name is close to an existing one: a misspelling, unless the
+// two differ in a number (spring4 beside spring3).
 void refuse_misspelt(const YamlNode& mapping, const std::string& part, const SourceMark& mark) {
   std::vector<std::string> known;
   for (const auto& key : mapping.keys) known.push_back(key.text);
@@ -91,7 +91,7 @@ void refuse_misspelt(const YamlNode& mapping, const std::string& part, const Sou
                     "did you mean '" + *nearest + "'? To add one give it whole: " + part + "={key: value, ...}");
 }
 
-// The child that `part` names; a missing key is inserted, a missing container is made.
+// Returns the child that `part` names; inserts a missing key, and creates a missing container.
 YamlNode& step_into(YamlNode& node, const std::string& part, const SourceMark& mark) {
   if (node.kind == YamlNode::Kind::kNull) {
     node.sparse = parse_index(part).has_value();

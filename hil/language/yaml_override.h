@@ -11,14 +11,15 @@
 
 namespace unlatch::hil {
 
-// Path and value of PATH=VALUE. Throws YamlError with the override's number as its place; so does apply_override().
+// Splits PATH=VALUE into path and value. Throws YamlError with the override's number as its place; so does
+// apply_override().
 std::pair<std::string, YamlNode> split_override(const std::string& text, int override_index);
 void apply_override(const std::string& text, int override_index, YamlNode& root);
 
-// The same of a path and a value that stand in a file. Throws YamlError at `mark`.
+// Does the same for a path and a value in a file. Throws YamlError at `mark`.
 void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root);
 
-// The node at a path; null if there is none. Throws YamlError at `mark` if the path itself is wrong.
+// Node at a path; null if there is none. Throws YamlError at `mark` if the path itself is wrong.
 const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root);
 
 }  // namespace unlatch::hil

@@ -18,8 +18,8 @@ void expect(const YamlNode& node, const std::string& wanted, Mistakes& mistakes)
   mistakes.add(node.mark, "a value of the wrong type: " + std::string(kind_name(node.kind)), "this must be " + wanted);
 }
 
-// The number that is wanted: in the SI unit `unit`, or in any if it is null. Both texts are for a mistake: most numbers
-// are none, and no text is made for them.
+// Description of the expected number: in the SI unit `unit`, or in any if it is null. Both texts are for mistakes only:
+// most numbers are correct, and no text is made for them.
 std::string describe_wanted(const std::string* unit) {
   if (unit == nullptr) return "a number, such as 4380 kg";
   return "a number" + (unit->empty() ? "" : ", in " + *unit);
@@ -34,19 +34,13 @@ std::string describe_units(const std::string* unit) {
   return text;
 }
 
-std::string to_lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c); });
-  return text;
-}
-
 bool is_special(std::string text) {
   text = to_lower(std::move(text));
   if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.erase(0, 1);
   return text == ".nan" || text == ".inf" || text == "nan" || text == "inf" || text == "infinity";
 }
 
-// `unit`: of the number that would be right where the expression is not, as in describe_wanted().
+// Reads an expression. `unit`: unit of the correct number, for mistakes, as in describe_wanted().
 std::optional<Quantity> read_expression(const YamlNode& node, const std::string* unit, Mistakes& mistakes) {
   if (!node.is_scalar())
     expect(node, describe_wanted(unit), mistakes);
@@ -61,14 +55,14 @@ std::optional<Quantity> read_expression(const YamlNode& node, const std::string*
   return std::nullopt;
 }
 
-// Words that tools for YAML 1.1 read as true, false or null and write back as such. `y` and `n` are not among them:
-// the common tools leave them alone, and y is an axis.
+// Returns true for words that tools for YAML 1.1 read as true, false or null and write back as such. `y` and `n` are
+// excluded: the common tools do not change them, and y is an axis.
 bool is_yaml_1_1_word(const std::string& text) {
   static const std::vector<std::string> kWords{"true", "false", "yes", "no", "on", "off", "null"};
   return std::find(kWords.begin(), kWords.end(), to_lower(text)) != kWords.end();
 }
 
-// The correction of an unknown key. Old scenarios have `on`; a tool for YAML 1.1 has written it back as `true`.
+// Correction of an unknown key. Old scenarios have `on`; a tool for YAML 1.1 has written it back as `true`.
 std::string correct_key(const std::string& key, const std::vector<std::string>& known) {
   const bool renamed =
       (key == "on" || to_lower(key) == "true") && std::find(known.begin(), known.end(), "enabled") != known.end();

@@ -1,5 +1,5 @@
-// Typed reading of YAML nodes. A value that is missing or wrong is noted in `Mistakes` and replaced by the default, so
-// that one pass finds all mistakes.
+// Typed reading of YAML nodes. A missing or wrong value is noted in `Mistakes` and replaced by the default, so that one
+// pass finds all mistakes.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,9 +12,10 @@
 
 namespace unlatch::hil {
 
-// A finite number, or an expression (hil/language/expression.h) that may name the scenario's constants. `unit` is the
-// SI unit of what is read, "" for a plain number: `4.38 t` reads as 4380 where "kg" is expected. A number alone is in
-// that unit. The same of any dimension; nothing, and a mistake, if it is none.
+// Reads a finite number, or an expression (hil/language/expression.h) that may use the scenario's constants. `unit` is
+// the expected SI unit, "" for a plain number: `4.38 t` reads as 4380 where "kg" is expected. A number alone is in that
+// unit. read_quantity() does the same for any dimension; it returns nothing, and notes a mistake, if the node is no
+// number.
 std::optional<Quantity> read_quantity(const YamlNode& node, Mistakes& mistakes);
 double read_number(const YamlNode& node, const std::string& unit, double fallback, Mistakes& mistakes);
 bool is_truth_value(const YamlNode& node);  // true, false; on and off are accepted as well
@@ -23,18 +24,19 @@ std::string read_text(const YamlNode& node, Mistakes& mistakes);
 std::string read_name(const YamlNode& node, Mistakes& mistakes);
 Eigen::Vector3d read_vector(const YamlNode& node, const std::string& unit, const Eigen::Vector3d& fallback,
                             Mistakes& mistakes);
-// Exactly `count` items, or any number if it is 0.
+// Reads exactly `count` items, or any number of them if it is 0.
 std::vector<double> read_numbers(const YamlNode& node, std::size_t count, const std::string& unit, Mistakes& mistakes);
-// The index of one of `choices`; `kind` says what they are: "body". -1 and a mistake if it is none of them.
+// Index of one of `choices`; `kind`: their kind, for messages: "body". -1 and a mistake if it is none of them.
 int read_choice(const YamlNode& node, const std::string& kind, const std::vector<std::string>& choices,
                 Mistakes& mistakes);
 
-// Names are letters, digits, `_` and `-`, beginning with a letter, at most 40 characters (messages have room for them).
-// Words that YAML 1.1 tools read as true, false or null are no names: yes, no, on, off, true, false, null.
+// Returns true for names: letters, digits, `_` and `-`, beginning with a letter, at most 40 characters (the limit of
+// messages). Words that YAML 1.1 tools read as true, false or null are no names: yes, no, on, off, true, false, null.
 bool is_name(const std::string& text);
-std::string describe_name_rule(const std::string& text);  // the correction where `text` is no name
+std::string describe_name_rule(const std::string& text);  // correction if `text` is no name
 
-// One mapping. Keys that are asked for are known; finish() reports the others, duplicates, and mappings that are none.
+// One mapping. Keys that are requested are known; finish() reports the others, duplicates, and nodes that are no
+// mapping.
 class YamlMap {
  public:
   YamlMap(const YamlNode& node, std::string what, Mistakes& mistakes);
@@ -47,7 +49,8 @@ class YamlMap {
                          const std::optional<Eigen::Vector3d>& fallback = {});
   int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices);  // required
   int choice(const std::string& key, const std::string& kind, const std::vector<std::string>& choices, int fallback);
-  // Of these keys, the one that is there; "" and a mistake unless it is exactly one. `need` says what for.
+  // Returns the one of these keys that is present; "" and a mistake unless exactly one is. `need`: the purpose, for the
+  // message.
   std::string only_one_of(const std::vector<std::string>& keys, const std::string& need);
   void finish();
 

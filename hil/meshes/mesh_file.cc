@@ -20,9 +20,9 @@ std::string quote(std::string_view text) { return "'" + std::string(text.substr(
 
 bool is_finite(const Corner& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
-// No triangle without area: its corners lie on a line, to rounding.
+// Returns false for a triangle without area: its corners lie on a line, to rounding.
 bool has_area(const Corner& a, const Corner& b, const Corner& c) {
-  constexpr double kThin = 1e-7;  // of its longest side: the rounding of single precision
+  constexpr double kThin = 1e-7;  // relative to its longest side: the rounding of single precision
   const auto between = [](const Corner& p, const Corner& q) {
     return Vec3{double{q[0]}, double{q[1]}, double{q[2]}} - Vec3{double{p[0]}, double{p[1]}, double{p[2]}};
   };
@@ -35,9 +35,9 @@ bool has_area(const Corner& a, const Corner& b, const Corner& c) {
 
 class Builder {
  public:
-  // The number of a corner. Throws if there are too many.
+  // Number of a corner, which is added if it is new. Throws if there are too many.
   std::uint16_t add_vertex(Corner p) {
-    for (float& x : p) x += 0.0F;  // −0 and 0 are one place
+    for (float& x : p) x += 0.0F;  // −0 and 0 are the same place
     const std::array<std::uint32_t, 3> key = std::bit_cast<std::array<std::uint32_t, 3>>(p);
     const auto [at, is_new] = numbers_.try_emplace(key, static_cast<std::uint16_t>(mesh_.vertices.size()));
     if (!is_new) return at->second;
@@ -64,12 +64,12 @@ class Builder {
 
  private:
   MeshData mesh_;
-  std::map<std::array<std::uint32_t, 3>, std::uint16_t> numbers_;  // of the vertices, by the bits of their place
+  std::map<std::array<std::uint32_t, 3>, std::uint16_t> numbers_;  // vertex numbers, by the bits of the corners
 };
 
 // --- Words of a text ------------------------------------------------------------------------------------------------
 
-// Words, in lower case where they are keywords; lines are counted from 1.
+// Words of a text, in lower case where they are keywords; lines are counted from 1.
 class Words {
  public:
   explicit Words(std::string_view text) : rest_(text) {}
@@ -77,7 +77,7 @@ class Words {
   [[noreturn]] void fail(const std::string& what) const {
     throw MeshError("line " + std::to_string(line_) + ": " + what);
   }
-  // Goes to the next line that is not empty; false at the end.
+  // Moves to the next line that is not empty; false at the end.
   bool next_line() {
     do {
       if (rest_.empty()) return false;
@@ -92,7 +92,7 @@ class Words {
     own_.remove_prefix(std::min(own_.find_first_not_of(kBlank), own_.size()));
     return own_.empty();
   }
-  // Empty at the end of the line.
+  // Next word; empty at the end of the line.
   std::string_view next() {
     is_at_end_of_line();
     const std::string_view word = own_.substr(0, std::min(own_.find_first_of(kBlank), own_.size()));
@@ -104,7 +104,7 @@ class Words {
     for (char& c : word) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
     return word;
   }
-  // In a file without lines, where a format only asks for words.
+  // Next word of the file, whatever its line; for formats that do not depend on lines.
   std::string next_keyword_of_any_line() {
     while (is_at_end_of_line())
       if (!next_line()) return "";
@@ -137,7 +137,7 @@ class Words {
 
 // --- STL ------------------------------------------------------------------------------------------------------------
 
-constexpr std::size_t kHeader = 84, kFacet = 50;  // bytes: with the count; of a triangle
+constexpr std::size_t kHeader = 84, kFacet = 50;  // bytes: header with the count; one triangle
 
 std::uint32_t read_word(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;
@@ -235,7 +235,7 @@ class ObjReader {
   static constexpr std::string_view kIgnored[] = {"vt", "vn", "vp", "o", "g", "s", "usemtl", "mtllib", "l", "p"};
 
   void add_corner(const Corner& corner) {
-    constexpr std::size_t kMost = 1'000'000;  // of which triangles name at most kMaxMeshVertices
+    constexpr std::size_t kMost = 1'000'000;  // triangles may use at most kMaxMeshVertices of them
     if (corners_.size() == kMost) words_.fail("more than 1000000 corners");
     corners_.push_back(corner);
   }
@@ -254,7 +254,7 @@ class ObjReader {
     if (count < 3) words_.fail("a face of " + std::to_string(count) + " corners");
   }
 
-  // "7", "7/1", "7//3", "-1/2/3": the first number counts corners from 1, or from the latest one back.
+  // Finds a corner: "7", "7/1", "7//3", "-1/2/3": the first number counts corners from 1, or back from the latest one.
   Corner find_corner(std::string_view word) {
     const std::string_view own = word.substr(0, word.find('/'));
     const auto count = static_cast<std::int64_t>(corners_.size());

@@ -15,7 +15,7 @@ using geometry::Distance;
 using geometry::Placement;
 using Model = fcl::BVHModel<fcl::OBBRSSd>;
 
-constexpr double kRounding = 1e-12;  // of the sizes: boxes hold their triangles in spite of rounding
+constexpr double kRounding = 1e-12;  // relative to the sizes: margin of the boxes for rounding
 
 Vec3 to_vec3(const fcl::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 fcl::Vector3d to_fcl(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -72,7 +72,7 @@ class FclTree final : public MeshTree {
     const Placement& at_other;
     Distance best;
 
-    // m, at most the distance of the shape from the triangles below a node.
+    // Lower bound of the distance from the shape to the triangles below a node, m.
     double calc_bound(int node) const {
       const CompiledShape& box = tree.boxes_[static_cast<std::size_t>(node)];
       const Vec3 between = (at.p_WB + at.R_WB * box.p_BS) - (at_other.p_WB + at_other.R_WB * other.p_BS);
@@ -91,14 +91,17 @@ class FclTree final : public MeshTree {
       if (d.distance < best.distance) best = d;
     }
 
-    // The nearer of two nodes first.
+    // Visits the nearer of two nodes first.
     void descend(int node) {
       if (best.distance <= 0) return;
       const auto& own = tree.model_.getBV(node);
       if (own.isLeaf()) return look_at(own.primitiveId());
       int near = own.leftChild(), far = own.rightChild();
       double to_near = calc_bound(near), to_far = calc_bound(far);
-      if (to_far < to_near) std::swap(near, far), std::swap(to_near, to_far);
+      if (to_far < to_near) {
+        std::swap(near, far);
+        std::swap(to_near, to_far);
+      }
       if (to_near < best.distance) descend(near);
       if (to_far < best.distance) descend(far);
     }
@@ -114,7 +117,7 @@ class FclTree final : public MeshTree {
     return box;
   }
 
-  // Triangles have no inside, and their crossing no depth.
+  // Clamps negative distances to 0: triangles have no inside, and their crossing has no depth.
   static Distance clamp(Distance d) {
     if (d.distance > 0) return d;
     d.distance = 0;
@@ -122,7 +125,7 @@ class FclTree final : public MeshTree {
     return d;
   }
 
-  double size_;  // m, of its farthest point from the body's origin
+  double size_;  // m, distance of its farthest point from the body's origin
   Model model_;
   std::vector<CompiledShape> boxes_;  // by FCL's number of the node
 };

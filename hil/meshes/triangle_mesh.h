@@ -1,7 +1,7 @@
 // Triangles of a body's surface, from a file of another program, for distances in reports and for pictures.
 //
-// A mesh is a surface, not a solid: its distance is that to the nearest triangle, from within as from outside, and 0
-// where it is crossed. A body that lies wholly within a closed mesh is as far from it as from its wall.
+// A mesh is a surface, not a solid: its distance is the distance to the nearest triangle, inside as well as outside,
+// and 0 where it is crossed. A body inside a closed mesh has its distance from the wall.
 #pragma once
 
 #include <array>
@@ -17,19 +17,19 @@ namespace unlatch::hil {
 
 class MeshTree;
 
-// Corners and triangles as a file has them, in its axes and unit.
+// Corners and triangles of a file, in its axes and unit.
 struct MeshData {
-  std::vector<std::array<float, 3>> vertices;           // finite, no two the same
-  std::vector<std::array<std::uint16_t, 3>> triangles;  // indices of vertices; each with an area
+  std::vector<std::array<float, 3>> vertices;           // finite, all different
+  std::vector<std::array<std::uint16_t, 3>> triangles;  // indices of vertices; each triangle has an area
 };
 
 inline constexpr std::size_t kMaxMeshVertices = 65536, kMaxMeshTriangles = 131072;
 
 // Place of a file's mesh in a body.
 struct MeshPlace {
-  std::string file;       // its path from the scenario's folder
-  double scale = 1;       // m, of one unit of the file
-  Vec3 origin{0, 0, 0};   // m, of the file's origin in the body
+  std::string file;       // path from the scenario's folder
+  double scale = 1;       // m, one unit of the file
+  Vec3 origin{0, 0, 0};   // m, the file's origin in the body
   Quat q_BM{1, 0, 0, 0};  // attitude of the file's axes in the body
 };
 
@@ -45,12 +45,12 @@ class TriangleMesh {
   [[nodiscard]] const MeshPlace& get_place() const { return place_; }
   [[nodiscard]] const std::vector<Vec3>& get_vertices() const { return vertices_; }  // m, body axes
   [[nodiscard]] const std::vector<std::array<std::uint16_t, 3>>& get_triangles() const { return triangles_; }
-  // A sphere that holds it: its centre in the body and its radius, m.
+  // Bounding sphere: its centre in the body and its radius, m.
   [[nodiscard]] const Vec3& get_centre() const { return centre_; }
   [[nodiscard]] double get_bound() const { return bound_; }
 
-  // Its bounding volumes, built when they are first asked for; takes milliseconds for each ten thousand triangles.
-  // Thread-safe. Throws ModuleError where the module of FCL is missing.
+  // Bounding volumes, built at the first call; takes milliseconds for each ten thousand triangles. Thread-safe. Throws
+  // ModuleError if the module of FCL is missing.
   [[nodiscard]] const MeshTree& get_tree() const;
 
  private:

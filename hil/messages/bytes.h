@@ -1,5 +1,5 @@
-// Big-endian numbers and texts to and from bytes. The reader checks every length: past the end it gives zeros and
-// is_complete() is false.
+// Conversion of big-endian numbers and texts to and from bytes. The reader checks every length: past the end it returns
+// zeros and is_complete() is false.
 #pragma once
 
 #include <bit>
@@ -47,7 +47,7 @@ class ByteReader {
   }
 
   [[nodiscard]] std::size_t get_remaining() const { return from_.size() - at_; }
-  // Every number so far was there, and nothing is left.
+  // True if every number so far was present, and no bytes are left.
   [[nodiscard]] bool is_complete() const { return good_ && at_ == from_.size(); }
 
  private:

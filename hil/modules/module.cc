@@ -11,16 +11,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The shared library that holds this code; empty: it is the program itself.
+// Path of the shared library that contains this code; empty if it is the program itself.
 fs::path find_own_library() {
   Dl_info info{};
   void* own = nullptr;
   if (dladdr1(reinterpret_cast<const void*>(&find_in_module), &info, &own, RTLD_DL_LINKMAP) == 0) return {};
-  return static_cast<const link_map*>(own)->l_name;  // the program's has no name
+  return static_cast<const link_map*>(own)->l_name;  // the program's name is empty
 }
 
-// The module's file: beside the program as UNLATCH_MODULES says, or in the folder `unlatch` beside the shared library,
-// or, as in a module, beside it.
+// Path of the module's file: relative to the program as UNLATCH_MODULES says; or, for a shared library, in the folder
+// `unlatch` beside it, or beside it, as for a module.
 fs::path find_file(const std::string& file) {
   std::error_code unreadable;
   const fs::path library = find_own_library();
@@ -37,7 +37,7 @@ fs::path find_file(const std::string& file) {
 
 void* find_in_module(const char* module, const char* function) {
   const std::string path = find_file(std::string("lib") + module + ".so").string();
-  // Names of the program and of other modules stay apart: each has its own copy of the static libraries that it needs.
+  // RTLD_LOCAL separates the symbols of the program and of the modules: each has its own copy of its static libraries.
   void* const handle = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
   void* const found = handle != nullptr ? dlsym(handle, function) : nullptr;
   if (found == nullptr) throw ModuleError(std::string("a part of this program cannot be loaded: ") + dlerror());

@@ -29,15 +29,11 @@ geometry::ShapeGroup build_group(const std::string& name, const std::vector<Body
   return geometry::build_group(name, list);
 }
 
-bool is_left_out(const ClearancePair& pair, int a, int b) {
-  return std::find(pair.except.begin(), pair.except.end(), std::pair(a, b)) != pair.except.end();
-}
-
 bool has_mesh(const std::vector<BodyShape>& shapes, int i) {
   return i >= 0 && static_cast<std::size_t>(i) < shapes.size() && shapes[static_cast<std::size_t>(i)].mesh;
 }
 
-// Shapes of `a` that leave out the same shapes of `b`, by what they have left of it; of the kernel.
+// Groups the kernel's shapes of `a` by the shapes of `b` that remain for them after the exceptions.
 std::map<std::vector<int>, std::vector<int>> split(const ClearancePair& pair, const std::vector<BodyShape>& a,
                                                    const std::vector<BodyShape>& b) {
   std::map<std::vector<int>, std::vector<int>> parts;
@@ -45,7 +41,7 @@ std::map<std::vector<int>, std::vector<int>> split(const ClearancePair& pair, co
     if (has_mesh(a, i)) continue;
     std::vector<int> left;
     for (const int k : pair.b.shapes)
-      if (!has_mesh(b, k) && !is_left_out(pair, i, k)) left.push_back(k);
+      if (!has_mesh(b, k) && !pair.is_excepted(i, k)) left.push_back(k);
     if (!left.empty()) parts[left].push_back(i);
   }
   return parts;
@@ -96,11 +92,12 @@ void ClearanceMonitor::add_meshes(const ClearancePair& pair, const std::vector<B
   std::vector<MeshPart>& parts = mesh_parts_.emplace_back();
   for (const int i : pair.a.shapes)
     for (const int k : pair.b.shapes) {
-      if (is_left_out(pair, i, k) || !(has_mesh(a, i) || has_mesh(b, k))) continue;
+      if (pair.is_excepted(i, k) || !(has_mesh(a, i) || has_mesh(b, k))) continue;
       const BodyShape &of_a = a.at(static_cast<std::size_t>(i)), &of_b = b.at(static_cast<std::size_t>(k));
       MeshPart part;
       part.mesh_is_a = of_a.mesh != nullptr;
-      part.shape_a = i, part.shape_b = k;
+      part.shape_a = i;
+      part.shape_b = k;
       part.mesh = part.mesh_is_a ? of_a.mesh : of_b.mesh;
       const BodyShape& other = part.mesh_is_a ? of_b : of_a;
       part.other_mesh = other.mesh;

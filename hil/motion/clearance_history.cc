@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/index.h"
+
 namespace unlatch::hil {
 namespace {
 
-constexpr double kTie = 1e-6;        // m: a distance that changes less is told as one that does not change
-constexpr double kRounding = 1e-13;  // of the size of a pair: shallower dips are rounding
-// Of the size of a pair: motions of bodies that are joined firmly, which change the distance by no more than its error.
+constexpr double kTie = 1e-6;        // m: a distance that changes less is reported as constant
+constexpr double kRounding = 1e-13;  // relative to the size of a pair: shallower dips are rounding
+// Relative to the size of a pair: motions of rigidly joined bodies, which change the distance by no more than its
+// error.
 constexpr double kStill = 1e-10;
-
-bool has(const std::vector<int>& list, int body) { return std::find(list.begin(), list.end(), body) != list.end(); }
 
 }  // namespace
 
@@ -25,7 +26,7 @@ ClearanceHistory::ClearanceHistory(const Scenario& scenario, Skipping skipping)
   bodies_.resize(scenario.model.bodies.size());
   for (const Clearance& pair : now_)
     for (const int body : {pair.a, pair.b})
-      if (!has(watched_, body)) watched_.push_back(body);
+      if (!contains(watched_, body)) watched_.push_back(body);
 }
 
 const std::vector<Clearance>& ClearanceHistory::get() const {
@@ -61,22 +62,23 @@ ClearanceHistory::Relative ClearanceHistory::calc_relative(std::size_t pair, con
               reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
 }
 
-// The difference of two attitudes turns a point at distance r from the centre by at most r |R − R'| / √2 (Frobenius).
+// Bound on a distance's change. The difference of two attitudes moves a point at distance r from the centre by at most
+// r |R − R'| / √2 (Frobenius).
 double ClearanceHistory::calc_change(std::size_t pair, const Relative& from, const Relative& to) const {
   const Vec3 x = to.R.x - from.R.x, y = to.R.y - from.R.y, z = to.R.z - from.R.z;
   return norm(to.centre - from.centre) +
          monitor_.get_reach(pair).bound * std::sqrt(0.5 * ((dot(x, x) + dot(y, y)) + dot(z, z)));
 }
 
-// Smaller distances than this, and ties with it, are to be found.
+// Distance below which a result may change: a new smallest value, or a tie with it.
 double ClearanceHistory::get_limit(std::size_t pair) const {
   const Track& track = tracks_[pair];
   return kTie + (track.after_release ? std::max(track.whole.get_value(), track.released.get_value())
                                      : track.whole.get_value());
 }
 
-// A bound that costs less than skip() and is wider: ways of the origins and sums of turns. Inside the piece the
-// interpolated motion leaves its end by less than twice the greater speed times the step.
+// Tests a bound that is cheaper than that of skip(), and wider: paths of the origins and sums of rotation angles.
+// Inside the piece the interpolated motion departs from its end by less than twice the greater speed times the step.
 bool ClearanceHistory::is_far(const MotionPiece& piece, std::size_t pair) const {
   const Track& track = tracks_[pair];
   const ClearanceMonitor::Reach& reach = monitor_.get_reach(pair);
@@ -88,7 +90,7 @@ bool ClearanceHistory::is_far(const MotionPiece& piece, std::size_t pair) const 
   const double way = norm((piece.end[b].p - piece.end[a].p) - track.between) + (2 * speed * h + increase * (h * h));
   const double turned_a = bodies_[a].turned - track.turned_a, turned_b = bodies_[b].turned - track.turned_b;
   const double size = norm(reach.centre) + reach.bound;
-  const double from = reach.of_b ? turned_a : turned_b;  // turns the whole way between the two
+  const double from = reach.of_b ? turned_a : turned_b;  // rotates the whole distance between the two
   const double most = way + (turned_a + turned_b) * size + from * (norm(track.between) + way);
   return track.value - most > get_limit(pair);
 }
@@ -99,23 +101,24 @@ const ClearanceHistory::Place& ClearanceHistory::get_end(const MotionPiece& piec
   return places_[body];
 }
 
-// The distance has been computed at the end of the piece.
+// Notes that the distance has been computed at the end of the piece.
 void ClearanceHistory::set_reference(const MotionPiece& piece, std::size_t pair, double value) {
   Track& track = tracks_[pair];
   const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
   track.reference = track.latest;
   track.between = piece.end[b].p - piece.end[a].p;
-  track.turned_a = bodies_[a].turned, track.turned_b = bodies_[b].turned;
+  track.turned_a = bodies_[a].turned;
+  track.turned_b = bodies_[b].turned;
   track.value = value;
   track.moved = 0;
 }
 
-// True if the pair cannot be smaller in the present piece than it was, or does not move.
+// Returns true if the pair cannot become smaller in the present piece than before, or does not move.
 bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   const MotionPiece& piece = window.get_present();
   Track& track = tracks_[pair];
   if (!std::isfinite(monitor_.get_reach(pair).bound)) return false;
-  const bool still = track.idle && !track.stale;  // in the piece before: it has no room for a wide bound
+  const bool still = track.idle && !track.stale;  // in the piece before: there the wide bound has no margin
   if (skipping_ == Skipping::kOn && !still && is_far(piece, pair)) {
     track.followed = false;
     track.stale = true;
@@ -133,7 +136,8 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   track.latest = calc_relative(pair, get_end(piece, a), get_end(piece, b));
   track.followed = true;
   track.moved = calc_change(pair, track.reference, track.latest);
-  // Inside the piece the interpolated motion leaves the knots by less than twice the greater speed times the step.
+  // Inside the piece the interpolated motion departs from the knots by less than twice the greater speed times the
+  // step.
   const double path =
       2 * std::max(before.speed, track.latest.speed) * h + std::max(before.increase, track.latest.increase) * h * h;
   const double most = std::max(moved_before, track.moved) + path;
@@ -150,7 +154,7 @@ bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
   const double room = track.value - get_limit(pair);
   if (skipping_ == Skipping::kOff || !(room > most)) return false;
   track.stale = true;
-  // Seen from a new reference the wide bound serves again.
+  // From a new reference the wide bound is useful again.
   constexpr double kUsed = 0.25;
   if (track.moved > kUsed * room) set_reference(piece, pair, calc(window, static_cast<int>(pair), piece.to));
   return true;
@@ -209,7 +213,8 @@ void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
     track.idle = track.stale = false;
     const auto a = static_cast<std::size_t>(now_[i].a), b = static_cast<std::size_t>(now_[i].b);
     track.between = bodies[b].p - bodies[a].p;
-    track.turned_a = bodies_[a].turned, track.turned_b = bodies_[b].turned;
+    track.turned_a = bodies_[a].turned;
+    track.turned_b = bodies_[b].turned;
     const Spatial none{{0, 0, 0}, {0, 0, 0}};
     track.reference = calc_relative(i, get_place(bodies[a], none), get_place(bodies[b], none));
     track.tie = value;
@@ -225,7 +230,7 @@ void ClearanceHistory::keep_places(const MotionWindow& window, std::size_t pair)
   track.at_b = to_placement(window.calc_body(now_[pair].b, track.whole.get_time()));
 }
 
-// The first zero, by bisection: between the knots, or before the bottom of a dip between them.
+// First zero, by bisection: between the knots, or before the bottom of a dip between them.
 void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, bool crosses,
                                   const TimeFunction& function) {
   constexpr int kHalvings = 40;
@@ -287,7 +292,7 @@ void ClearanceHistory::add(const MotionWindow& window) {
 void ClearanceHistory::release(double time, const std::vector<int>& a, const std::vector<int>& b) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Clearance& pair = now_[i];
-    if (!((has(a, pair.a) && has(b, pair.b)) || (has(a, pair.b) && has(b, pair.a)))) continue;
+    if (!((contains(a, pair.a) && contains(b, pair.b)) || (contains(a, pair.b) && contains(b, pair.a)))) continue;
     refresh(i);
     tracks_[i].after_release = true;
     tracks_[i].release_time = time;
@@ -299,7 +304,7 @@ void ClearanceHistory::release(double time, const std::vector<int>& a, const std
 
 void ClearanceHistory::join(const std::vector<int>& bodies) {
   for (std::size_t i = 0; i < now_.size(); ++i) {
-    if (!has(bodies, now_[i].a) || !has(bodies, now_[i].b)) continue;
+    if (!contains(bodies, now_[i].a) || !contains(bodies, now_[i].b)) continue;
     tracks_[i].after_release = false;
     now_[i].after_release.reset();
   }

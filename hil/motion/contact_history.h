@@ -1,4 +1,4 @@
-// Contacts of a run: touches and lifts, the peak of the force located inside the steps, depth, impulse, slip and loss.
+// Contacts of a run: touches and lifts, peak force located inside the steps, depth, impulse, slip and dissipation.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ namespace unlatch::hil {
 
 struct ContactRecord {
   std::string name;
-  bool closed_at_start = false, closed = false;  // closed: at the end
-  int touches = 0;                               // without that of the start
+  bool closed_at_start = false, closed = false;  // closed: at the end of the run
+  int touches = 0;                               // without the contact at the start
   std::optional<double> touch, lift;             // the first touch and the latest lift, s
-  double duration = 0;                           // closed, s
+  double duration = 0;                           // time closed, s
   double peak_force = 0, peak_time = 0;          // F_n, N; s
   double depth = 0;                              // largest, m
   ContactTotals totals;                          // N s, m, J
@@ -29,16 +29,16 @@ class ContactHistory {
  public:
   ContactHistory(const Scenario& scenario, const Simulation& simulation);
 
-  void begin(const State& state);  // of the start
-  // Events acted between two knots of one instant.
+  void begin(const State& state);  // Begins at the state of the start.
+  // Adds events that acted between two knots of one instant.
   void add_events(const MotionKnot& before, const MotionKnot& after);
-  // The window has moved on to the piece between these knots.
+  // Adds the piece between these knots, to which the window has moved.
   void add(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
-  // Of the run so far, in the order of the model.
+  // Records of the run so far, in the order of the model.
   [[nodiscard]] std::vector<ContactRecord> list() const;
 
-  // A contact at a time of the present piece; at its end and at its beginning it is that of the knots. Totals are those
-  // of its beginning.
+  // Contact at a time of the present piece; at its end and its beginning the values are those of the knots. Totals are
+  // those of its beginning.
   [[nodiscard]] ContactReading calc(const MotionWindow& window, int contact, double time) const;
   [[nodiscard]] ContactReading calc(const State& state, int contact) const;
   [[nodiscard]] double calc(const State& state, int contact, Requirement::ContactValue value) const;
@@ -46,8 +46,8 @@ class ContactHistory {
  private:
   struct Track {
     ContactRecord record;
-    Smallest force, depth;  // of the negatives
-    bool fresh = true;      // no piece yet since it closed
+    Smallest force, depth;  // minima of the negatives
+    bool fresh = true;      // no piece yet since the contact closed
   };
   [[nodiscard]] bool is_closed(const State& state, std::size_t contact) const;
   void finish(Track& track, int contact) const;

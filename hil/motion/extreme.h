@@ -1,4 +1,4 @@
-// The smallest value of a function of time that is known at knots, located inside the steps.
+// Smallest value of a function of time that is known at knots, located inside the steps.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +7,11 @@
 
 namespace unlatch::hil {
 
-// A function of time, referred to: its caller keeps it.
+// Reference to a function of time; the caller keeps the function alive.
 class TimeFunction {
  public:
   template <class Function>
-  // NOLINTNEXTLINE(google-explicit-constructor): it stands for any function at a call
+  // NOLINTNEXTLINE(google-explicit-constructor): implicit, so that a call can pass any function
   TimeFunction(const Function& function)
       : function_(&function),
         call_([](const void* of, double time) -> double { return (*static_cast<const Function*>(of))(time); }) {}
@@ -24,10 +24,10 @@ class TimeFunction {
   double (*call_)(const void*, double);
 };
 
-// The smallest value so far. Between knots the function is smooth but where a run of them begins. A minimum lies where
+// Smallest value so far. The function is smooth between knots, except where a run of knots begins. A minimum lies where
 // a knot is below its neighbours, or within the first or the last interval of a smooth run of knots; there the function
-// itself is searched by golden section (J. Kiefer, 1953), to 1e-8 of the interval or to the rounding of times.
-// Dips that are shallower than `resolution` are noise of the function, and not searched.
+// itself is searched by golden section (J. Kiefer, 1953), to 1e-8 of the interval or to the rounding of times. Dips
+// shallower than `resolution` are numerical noise, and not searched.
 class Least {
  public:
   void take(double time, double value) {
@@ -35,7 +35,7 @@ class Least {
     value_ = value;
     time_ = time;
   }
-  // Three knots in succession: searched where the function may be smaller about the middle one.
+  // Searches about three successive knots where the function may be smaller near the middle one.
   void look_about(const double times[3], const double values[3], double resolution, const TimeFunction& function) {
     const double left = values[0] - values[1], right = values[2] - values[1];
     if (!(left >= 0 && right >= 0)) return;
@@ -46,7 +46,7 @@ class Least {
     if (dip > std::max(resolution, kRounding * std::abs(values[1])) && values[1] - dip < value_)
       search(times[0], times[2], function);
   }
-  // An interval that has a neighbour on one side at most: searched where both ends descend into it.
+  // Searches an interval that has a neighbour on one side at most, if both ends descend into it.
   void look_into(double from, double at_from, double to, double at_to, double resolution, const TimeFunction& function);
 
   [[nodiscard]] bool has_value() const { return value_ < std::numeric_limits<double>::infinity(); }
@@ -59,17 +59,17 @@ class Least {
   double value_ = std::numeric_limits<double>::infinity(), time_ = 0;
 };
 
-// The smallest value of one function, with the knots that it needs.
+// Smallest value of one function, with the knots that the search needs.
 class Smallest {
  public:
   explicit Smallest(double resolution = 0) : resolution_(resolution) {}
 
-  // The next interval: values at its ends; `begins`: it does not continue the interval before smoothly (then call
+  // Adds the next interval: values at its ends; `begins`: it does not continue the interval before smoothly (then call
   // finish() first). `function` gives values within this interval and, unless it begins, the one before.
   void add(double from, double at_from, double to, double at_to, bool begins, const TimeFunction& function);
-  // A single value.
+  // Adds a single value.
   void add(double time, double value);
-  // Looks into the last interval.
+  // Searches the last interval.
   void finish(const TimeFunction& function);
 
   [[nodiscard]] bool has_value() const { return least_.has_value(); }
@@ -79,7 +79,7 @@ class Smallest {
  private:
   double resolution_;
   Least least_;
-  double times_[3] = {}, values_[3] = {};  // of the latest knots of this run
+  double times_[3] = {}, values_[3] = {};  // latest knots of this run
   int count_ = 0;
 };
 

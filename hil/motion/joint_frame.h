@@ -1,6 +1,6 @@
 // Coordinates of a joint from the poses and velocities of its bodies, at any time: displacement and speed of the
-// follower's point along the joint frame's axes, angle and its rate about the rotation frame's. As
-// kernel/joints/coordinates.h has them at the ends of a step.
+// follower's point along the joint frame's axes, angle and its rate about the rotation frame's.
+// kernel/joints/coordinates.h has the same at the ends of a step.
 #pragma once
 
 #include <vector>
@@ -17,7 +17,7 @@ class JointGeometry {
 
   [[nodiscard]] int get_base() const { return base_; }
   [[nodiscard]] int get_follower() const { return follower_; }
-  // `row`: Row. m or rad (in (−π, π]); m/s or rad/s.
+  // Coordinate and its rate. `row`: Row. m or rad (in (−π, π]); m/s or rad/s.
   [[nodiscard]] double calc_coordinate(const BodyState& base, const BodyState& follower, int row) const;
   [[nodiscard]] double calc_speed(const BodyState& base, const BodyState& follower, int row) const;
   // Axis of a row, world axes.

@@ -5,7 +5,7 @@
 namespace unlatch::hil {
 namespace {
 
-// Quintic Hermite interpolation at the part s of an interval h, for vectors of any kind.
+// Quintic Hermite interpolation at the fraction s of an interval h, for vectors of any kind.
 struct Quintic {
   double place[2], rate[2], acceleration[2];  // weights of the values at both ends
   Quintic(double s, double h) {
@@ -36,7 +36,7 @@ Quat add(const Quat& a, double s, const Quat& b) {
 
 double dot(const Quat& a, const Quat& b) { return (a.w * b.w + a.x * b.x) + (a.y * b.y + a.z * b.z); }
 
-// A body's attitude with its first two derivatives, and its angular acceleration in its own axes.
+// Attitude of a body with its first two derivatives, and its angular acceleration in body axes.
 struct Turning {
   Quat q, rate, acceleration;
   Vec3 w_rate;
@@ -72,7 +72,8 @@ BodyState MotionPiece::calc_body(std::size_t body, double time) const {
           three.place[0] * a.w + three.rate[0] * turn_a.w_rate + three.place[1] * b.w + three.rate[1] * turn_b.w_rate};
 }
 
-// Motion is smooth if neither state nor accelerations jump: a step begins with its inputs, which may be new.
+// Moves to the piece between two knots. Motion is smooth if neither state nor accelerations jump: a step begins with
+// its inputs, which may be new.
 void MotionWindow::move_on(const MotionKnot& from, const MotionKnot& to) {
   const MotionPiece& before = pieces_[present_];
   const auto same = [](const auto& a, const auto& b) {

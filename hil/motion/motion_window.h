@@ -1,6 +1,6 @@
-// Motion of the bodies as a function of time, from the knots of the latest steps: between two knots position and
-// attitude by quintic Hermite interpolation (values, rates and accelerations at both ends; the error is of order h⁶),
-// velocity and angular velocity by cubic ones (h⁴). At the knots it is the state itself.
+// Motion of the bodies as a function of time, from the knots of the latest steps. Between two knots, position and
+// attitude are quintic Hermite interpolations (values, rates and accelerations at both ends; the error is of order h⁶),
+// velocity and angular velocity cubic ones (h⁴). At the knots it is the state itself.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace unlatch::hil {
 
-// A smooth piece of motion between two knots, kept by the window that it is of.
+// A smooth piece of motion between two knots; its window stores the data.
 struct MotionPiece {
   double from = 0, to = 0;                        // s
   std::span<const BodyState> start{}, end{};      // by body
@@ -27,32 +27,32 @@ class MotionWindow {
   MotionWindow(const MotionWindow&) = delete;
   MotionWindow& operator=(const MotionWindow&) = delete;
 
-  // Goes on to the piece between two knots.
+  // Moves to the piece between two knots.
   void move_on(const MotionKnot& from, const MotionKnot& to);
 
-  // The motion goes on smoothly from the piece before to the present one.
+  // True if the present piece continues the one before smoothly.
   [[nodiscard]] bool is_smooth() const { return smooth_; }
   [[nodiscard]] const MotionPiece& get_previous() const { return pieces_[1 - present_]; }
   [[nodiscard]] const MotionPiece& get_present() const { return pieces_[present_]; }
-  // At a time within the two pieces.
+  // State of a body at a time within the two pieces.
   [[nodiscard]] BodyState calc_body(int body, double time) const;
 
  private:
-  // The bodies at a knot.
+  // States of the bodies at a knot.
   struct Place {
     std::vector<BodyState> bodies;
     std::vector<Spatial> accelerations;
   };
   Place& keep(const MotionKnot& knot);
 
-  std::array<Place, 4> places_;  // ends of the two pieces; where these go on smoothly they share one
-  std::size_t next_ = 0;         // of places_: the one that was taken longest ago
+  std::array<Place, 4> places_;  // ends of the two pieces; one place is shared where the motion is smooth
+  std::size_t next_ = 0;         // index into places_: the one written longest ago
   MotionPiece pieces_[2];
   int present_ = 0;
   bool smooth_ = false, begun_ = false;
 };
 
-// A body that does not move, as the ground.
+// State of a body at rest, such as the ground.
 BodyState get_rest();
 
 }  // namespace unlatch::hil

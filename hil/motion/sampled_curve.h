@@ -8,14 +8,14 @@ namespace unlatch::hil {
 
 inline constexpr int kCurvePoints = 5;
 
-// The polynomial through these points, at a time near them, by Neville's scheme. At most kCurvePoints.
+// Polynomial through these points, at a time near them, by Neville's scheme. At most kCurvePoints.
 double interpolate(std::span<const double> times, std::span<const double> values, double time);
 
 class SampledCurve {
  public:
-  // Knots in the order of time; `begins`: what came before does not go on smoothly.
+  // Adds a knot, in the order of time; `begins`: it does not continue the curve before smoothly.
   void add(double time, double value, bool begins);
-  // At a time near the latest knots.
+  // Value at a time near the latest knots.
   [[nodiscard]] double calc(double time) const {
     const auto count = static_cast<std::size_t>(count_);
     return interpolate({times_, count}, {values_, count}, time);

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "hil/notices/format.h"
 
 namespace unlatch::hil {
 namespace {
@@ -14,7 +15,7 @@ const Body* find_body(const Model& model, int surface) {
   return own.marker ? &model.bodies[static_cast<std::size_t>(own.marker->body)] : &own;
 }
 
-// Acceleration along u of a point of a body per force along u there, 1/kg.
+// Mobility, 1/kg: acceleration along u of a point of a body, per force along u there.
 double calc_mobility(const Model& model, const State& state, int surface, const Vec3& point, const Vec3& u) {
   const Body* const body = find_body(model, surface);
   if (body == nullptr) return 0;
@@ -33,7 +34,7 @@ ContactRates calc_rates(const Model& model, const State& state, const Contact& c
     return calc_mobility(model, state, contact.base, reading.point, u) +
            calc_mobility(model, state, contact.follower, reading.point, u);
   };
-  // Friction turns the force from the normal by less than atan μ.
+  // Friction turns the force away from the normal by less than atan μ.
   const Vec3 n = (1 / norm(reading.force)) * reading.force;
   const Vec3 helper = std::abs(n.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 across = cross(n, helper), t = (1 / norm(across)) * across;
@@ -52,7 +53,7 @@ ContactRates estimate_rates(const Model& model, const Contact& contact) {
   const double mobility = get_mobility(contact.base) + get_mobility(contact.follower);
   double stiffness = contact.stiffness;
   if (contact.exponent > 1) {
-    // ½ m v² = k δ^2.5 / 2.5 at the greatest depth of an elastic blow
+    // ½ m v² = k δ^2.5 / 2.5 at the greatest depth of an elastic impact
     const double energy = contact.speed * contact.speed / (2 * mobility);
     stiffness *= 1.5 * std::sqrt(std::pow(2.5 * energy / contact.stiffness, 0.4));
   }
@@ -62,11 +63,9 @@ ContactRates estimate_rates(const Model& model, const Contact& contact) {
 std::string describe_unresolved(const ContactRates& rates, double h) {
   const double size = h * rates.get_worst();
   if (!(size > kAccurate)) return "";
-  char text[160];
-  std::snprintf(text, sizeof text, "%s %.3g: %s; a step of %.3g s would do, or more contact_substeps",
+  return format("%s %.3g: %s; a step of %.3g s would do, or more contact_substeps",
                 rates.omega > rates.decay ? "sqrt(k/m)·h" : "h times the rate at which friction stops the slip", size,
                 size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate / rates.get_worst());
-  return text;
 }
 
 }  // namespace unlatch::hil

@@ -1,5 +1,5 @@
-// How fast a contact swings and settles, for judging the step: as if no joint held its two bodies, which have then
-// their greatest mobility.
+// Natural frequency and decay rate of a contact, for judging the step. They are computed as if no joint held its two
+// bodies, which gives their greatest mobility.
 #pragma once
 
 #include "hil/notices/resolution.h"
@@ -14,13 +14,13 @@ struct ContactRates {
   [[nodiscard]] double get_worst() const { return omega > decay ? omega : decay; }
 };
 
-// Of a contact as it is.
+// Rates of a contact in its present state.
 ContactRates calc_rates(const Model& model, const State& state, const Contact& contact, const ContactReading& reading);
 
-// Of a blow in the middle of both bodies: n = 1, or n = 1.5 with the speed of its restitution; otherwise 0.
+// Rates of an impact in the middle of both bodies: n = 1, or n = 1.5 with the speed of its restitution; otherwise 0.
 ContactRates estimate_rates(const Model& model, const Contact& contact);
 
-// Why a step of h = dt / contact_substeps does not resolve it; empty: it does.
+// Reason why a step of h = dt / contact_substeps does not resolve the contact; empty if it does.
 std::string describe_unresolved(const ContactRates& rates, double h);
 
 }  // namespace unlatch::hil

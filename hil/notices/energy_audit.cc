@@ -10,7 +10,7 @@ namespace unlatch::hil {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr double kStill = 1e-6;  // m/s: the energy of slower bodies is not judged; of those at rest it is rounding
+constexpr double kStill = 1e-6;  // m/s: the energy of slower bodies is not judged; for bodies at rest it is rounding
 
 std::span<std::byte> align(std::vector<std::byte>& memory, std::size_t bytes) {
   void* first = memory.data();
@@ -32,7 +32,7 @@ bool has_implicit_modes(const Model& model, double dt) {
   });
 }
 
-// Of a system that nothing holds to the ground, seen from its centre of mass: a first frame near it, then the rest.
+// System that no joint holds to the ground, relative to its centre of mass: first a frame near it, then the correction.
 struct Seen {
   EnergyFlow flow;
   Vec3 frame;
@@ -80,8 +80,8 @@ EnergyFlow EnergyAudit::calc_start() {
   return calc_energy_flow(simulation_.plan(), before_, workspace_, frame_);
 }
 
-// The trapezoid of a power that only rises, or only falls, is off by at most h/2 of its change: that much where a force
-// begins from zero with a high power of time.
+// Adds work by the trapezoidal rule. For a power that only rises, or only falls, its error is at most h/2 of the
+// change: that much if a force begins from zero with a high power of time.
 void EnergyAudit::add_work(const EnergyFlow& from, const EnergyFlow& to, double h) {
   double change = 0;
   for (std::size_t i = 0; i < balance_.work.size(); ++i) {
@@ -94,7 +94,7 @@ void EnergyAudit::add_work(const EnergyFlow& from, const EnergyFlow& to, double 
   add_stored(from, to);
 }
 
-// Losses of contacts need no integral over time here: contacts count them as they go.
+// Adds stored energy. Losses of contacts need no integral over time: contacts accumulate them.
 void EnergyAudit::add_stored(const EnergyFlow& from, const EnergyFlow& to) {
   balance_.strain += from.strain - to.strain;
   balance_.contacts += from.dissipated - to.dissipated;
@@ -172,7 +172,8 @@ void EnergyAudit::keep(const EnergyFlow& flow, const Vec3& frame) {
 }
 
 double EnergyAudit::calc_doubt() const {
-  // each tick rounds every velocity once or so: their errors add like a random walk, with room for some ten operations
+  // Each tick rounds every velocity about once: the errors add like a random walk, with a margin of some ten
+  // operations.
   constexpr double kOperations = 16;
   const double ticks = std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation_.get_tick(), 1)));
   return coarse_ + kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <set>
 
 #include "hil/motion/clearance.h"
 #include "hil/notices/contact_resolution.h"
+#include "hil/notices/format.h"
 #include "hil/notices/friction_resolution.h"
 #include "hil/notices/notices.h"
 #include "hil/notices/resolution.h"
@@ -23,13 +23,6 @@ namespace {
 using Vector = Eigen::Vector3d;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kPi = 3.14159265358979323846;
-
-template <class... Values>
-std::string format(const char* text, Values... values) {
-  char line[320];
-  std::snprintf(line, sizeof line, text, values...);
-  return line;
-}
 
 std::string quoted(const char* kind, const std::string& name) { return std::string(kind) + " '" + name + "'"; }
 
@@ -48,7 +41,7 @@ Vector calc_displacement(const Model& model, const Joint& joint) {
   return joint.axes.transpose() * (base.q_WB.conjugate() * gap);
 }
 
-// About axis 0, 1, 2 of the rotation frame: of a hinge its angle.
+// Angle about axis 0, 1, 2 of the rotation frame: for a hinge, its angle.
 double calc_angle(const Model& model, const Joint& joint, int axis) {
   if (!joint.follower_axes) return 0;
   const Eigen::Matrix3d base =
@@ -146,7 +139,7 @@ void find_free_springs(const Scenario& scenario, std::vector<Finding>& findings)
     const auto& meant = scenario.springs_while_free;
     if (std::find(meant.begin(), meant.end(), s.name) != meant.end()) continue;
     const Joint& joint = model.joints[at(s.joint)];
-    // a joint without rows in any mode is there for its springs
+    // A joint without rows in any mode exists for its springs only.
     const bool ever_holds =
         std::any_of(joint.modes.begin(), joint.modes.end(), [](const JointMode& mode) { return mode.rows != 0; });
     const bool stays = std::any_of(model.events.begin(), model.events.end(), [&](const Event& event) {
@@ -199,9 +192,9 @@ void find_plates(const Model& model, std::vector<Finding>& findings) {
   }
 }
 
-// Bodies that lie in each other at the start, of those that no joint, contact or watched pair lets meet.
+// Finds bodies that overlap at the start, among those that no joint, contact or watched pair allows to meet.
 void find_intruders(const Scenario& scenario, std::vector<Finding>& findings) {
-  constexpr double kTouching = 1e-6;  // of the smaller body: faces that mate
+  constexpr double kTouching = 1e-6;  // relative to the smaller body: mated faces
   constexpr std::size_t kMost = 10;
   const Model& model = scenario.model;
   std::set<std::pair<int, int>> meet;
@@ -251,7 +244,7 @@ void find_intruders(const Scenario& scenario, std::vector<Finding>& findings) {
         {"overlap", "bodies", format("%zu more pairs lie within each other at the start", count - kMost)});
 }
 
-// Pairs that are watched.
+// Finds overlaps of watched pairs.
 void find_overlaps(const Scenario& scenario, std::vector<Finding>& findings) {
   const Model& model = scenario.model;
   if (scenario.clearance.empty()) return;
@@ -278,8 +271,8 @@ void find_overlaps(const Scenario& scenario, std::vector<Finding>& findings) {
 
 // --- Events ---------------------------------------------------------------------------------------------------------
 
-// The earliest times at which modes, signals and events can come, from known times, delays and what sets what. Guards
-// of motion can hold at any time.
+// Earliest times at which modes, signals and events can occur, from known times, delays and dependencies. Guards of
+// motion can be true at any time.
 class Earliest {
  public:
   explicit Earliest(const Model& model) : model_(model), events(model.events.size(), kNever) {
@@ -288,7 +281,7 @@ class Earliest {
       modes_.emplace_back(joint.modes.size(), kNever);
       modes_.back()[at(joint.mode)] = 0;
     }
-    // each pass settles at least one event
+    // Each pass settles at least one event.
     for (std::size_t pass = 0; pass <= model.events.size(); ++pass) settle();
   }
 
@@ -340,7 +333,7 @@ class Earliest {
   std::vector<double> events;
 };
 
-// As scenarios mark them.
+// Name of an event in Scenario::marks.
 std::string name_event(const Event& event) {
   return quoted("event", event.name) + (event.subject.empty() ? "" : " of '" + event.subject + "'");
 }
@@ -368,7 +361,7 @@ void find_event_surprises(const Scenario& scenario, std::vector<Finding>& findin
            format("cannot come before %.6g s; the run ends at %.6g s", earliest.events[e], scenario.until)});
     if (lies_before_start(event.when)) findings.push_back({"start", where, "waits for a time before the start"});
   }
-  // One step of its own tells which guards hold already; those of time alone are meant.
+  // A trial step shows which guards are true already; only guards on time matter.
   Simulation trial(model, {.dt = scenario.dt}, scenario.rates);
   for (const FiredEvent& fired : trial.step().events) {
     const Event& event = model.events[at(fired.event)];
@@ -380,7 +373,7 @@ void find_event_surprises(const Scenario& scenario, std::vector<Finding>& findin
 
 // --- The step -------------------------------------------------------------------------------------------------------
 
-// A pusher's stroke, a ramp, a table's interval or a delay needs some steps; ten of them locate its end to some 1e-3.
+// Steps that a pusher's stroke, a ramp, a table's interval or a delay needs; ten of them locate its end to some 1e-3.
 constexpr double kStepsToResolve = 10;
 
 void add_short(const std::string& where, const char* what, double duration, double dt, std::vector<Finding>& findings) {

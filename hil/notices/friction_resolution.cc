@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "hil/notices/format.h"
 #include "hil/notices/resolution.h"
 #include "hil/scenario/index.h"
 #include "unlatch/readings.h"
@@ -63,14 +63,11 @@ std::vector<FrictionRate> calc_friction_rates(const Simulation& simulation,
 std::string describe_unresolved(const FrictionRate& rate, double h) {
   const double size = h * rate.decay;
   if (!(size > kAccurate)) return "";
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
+  return format(
       "h times the rate at which friction stops the motion %.3g: %s; a step of %.3g s would do, or a speed of "
       "regularisation %.2g times as high",
       size, size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate / rate.decay,
       size / kAccurate);
-  return text;
 }
 
 }  // namespace unlatch::hil

@@ -1,5 +1,5 @@
-// How fast regularised friction stops a motion, for judging the step: of frictions in joints, and of pushers, stops and
-// cords that have friction. Where it sticks, μ N v / √(v² + v_s²) is a damper of stiffness μ N / v_s.
+// Decay rate of a motion under regularised friction, for judging the step: frictions in joints, and pushers, stops and
+// cords that have friction. While it sticks, μ N v / √(v² + v_s²) is a damper of coefficient μ N / v_s.
 #pragma once
 
 #include <span>
@@ -17,14 +17,14 @@ struct FrictionRate {
   double decay = 0;  // 1/s: force of friction / √(v² + v_s²) · mobility; 0 while it does not act
 };
 
-// Some element has friction.
+// Returns true if some element has friction.
 bool has_friction(const Model& model);
-// Of all that have friction, at the simulation's state and its workspace. `mobilities`: of calc_mobilities(), in the
-// present modes; they change with the poses, which is slow.
+// Rates of all elements that have friction, at the simulation's state and its workspace. `mobilities`: from
+// calc_mobilities(), in the present modes; they change with the poses, which is slow.
 std::vector<FrictionRate> calc_friction_rates(const Simulation& simulation,
                                               std::span<const ElementMobility> mobilities);
 
-// Why a step of h does not resolve it; empty: it does.
+// Reason why a step of h does not resolve the friction; empty if it does.
 std::string describe_unresolved(const FrictionRate& rate, double h);
 
 }  // namespace unlatch::hil

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 
 #include "hil/notices/contact_resolution.h"
+#include "hil/notices/format.h"
 #include "hil/notices/friction_resolution.h"
 #include "hil/notices/resolution.h"
 #include "hil/scenario/index.h"
@@ -16,22 +16,15 @@ namespace unlatch::hil {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr double kDrift = 1e-9;  // m or rad: a thousand times what a projection leaves, beside rounding of the places
-constexpr double kNorm = 1e-12;  // of a quaternion, which every step normalises
-
-template <class... Values>
-std::string format(const char* text, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof line, text, values...);
-  return line;
-}
+constexpr double kDrift = 1e-9;  // m or rad: a thousand times a projection's residual, plus rounding of the positions
+constexpr double kNorm = 1e-12;  // norm error of a quaternion, which every step normalises
 
 std::string describe_size(const char* what, double size) {
   return format("%s %.3g: %s, the step resolves %.2g", what, size,
                 size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate);
 }
 
-// Of an index into the model's events, then into its contacts.
+// Name of a guard: an index into the model's events, then into its contacts.
 const std::string& get_guard_name(const Model& model, int guard) {
   const std::size_t i = at(guard), events = model.events.size();
   return i < events ? model.events[i].name : model.contacts[i - events].name;
@@ -107,7 +100,7 @@ void AccuracyWatch::watch_bodies() {
   }
 }
 
-// Modes, switches and poses decide; the first two change at events.
+// Watches springs. Modes, switches and poses determine their rates; the first two change at events.
 void AccuracyWatch::watch_springs() {
   if (scenario_.model.element_count() == static_cast<int>(scenario_.model.loads.size())) return;
   for (const ElementFrequency& e : calc_frequencies(simulation_.plan(), simulation_.state(), workspace_)) {
@@ -152,7 +145,7 @@ void AccuracyWatch::watch_contacts() {
   }
 }
 
-// Modes decide the mobilities, reactions and speeds the friction.
+// Watches friction. Modes determine the mobilities; reactions and speeds determine the friction.
 void AccuracyWatch::watch_friction(bool modes_are_new) {
   if (!has_friction(scenario_.model)) return;
   if (modes_are_new) mobilities_ = calc_mobilities(simulation_.plan(), simulation_.state(), workspace_);
@@ -165,7 +158,7 @@ void AccuracyWatch::watch_friction(bool modes_are_new) {
   }
 }
 
-// Half a period is the time between two turns. Three quick ones in succession are an oscillation.
+// Watches commands. Half a period is the time between two reversals. Three quick ones in succession are an oscillation.
 void AccuracyWatch::watch_commands() {
   constexpr int kOscillates = 3;
   constexpr double kPi = 3.14159265358979323846;

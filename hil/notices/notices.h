@@ -1,18 +1,18 @@
-// Notices of a run that its step does not resolve, each once with its first time. Watched off the cyclic thread, beside
-// the other analyses of a run. Thresholds: kernel/THEORY.md, 8.
+// Notices about motions that the step does not resolve, each once with its first time. Watched off the cyclic thread,
+// beside the other analyses of a run. Thresholds: kernel/THEORY.md, 8.
 //
 //   rotation   |w|·dt of a body beyond kAccurate
-//   spring     dt·ω or dt·decay of a spring that is on, in the modes that hold, beyond kAccurate
+//   spring     dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate
 //   contact    sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
-//   friction   dt times the rate at which friction in a joint, a pusher or a stop stops its motion, beyond kAccurate
+//   friction   dt times the decay rate of a motion by friction in a joint, a pusher or a stop, beyond kAccurate
 //   mode       dt·ω of a mode of a flexible body beyond kAccurate
-//   command    a commanded value that turns back and forth faster than dt·ω = kAccurate: a loop that its delay of a
-//              tick and its hold rule
+//   command    a commanded value that reverses faster than dt·ω = kAccurate: a control loop for which the delay of a
+//              tick and the hold matter
 //   search     the search for events within a step reached a bound on its work: events left to the next tick, an
-//              instant that is known badly, a touch that may have gone unseen
-//   drift      a row's position residual; norm: of a body's quaternion
+//              inaccurate instant, a touch that may have been missed
+//   drift      a row's position residual; norm: that of a body's quaternion
 //   direction  a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
-//   energy     what no force explains, beyond kEnergyNotice of the largest energy; beyond kEnergyFailure the run failed
+//   energy     energy that no force explains, beyond kEnergyNotice of the largest; beyond kEnergyFailure the run failed
 #pragma once
 
 #include <cstddef>
@@ -26,29 +26,29 @@ namespace unlatch::hil {
 
 struct RunNotice {
   double time = 0;            // s
-  std::string name, subject;  // name: as above
-  std::string text;           // a sentence
+  std::string name, subject;  // name: from the list above
+  std::string text;           // one sentence
 };
 
-inline constexpr double kCoincident = 1e-9;  // m: below it the rounding of places decides where a line points
-inline constexpr double kEnergyNotice = 1e-3, kEnergyFailure = 0.1;  // of EnergyBalance::scale
+inline constexpr double kCoincident = 1e-9;  // m: below it the direction between two points is rounding
+inline constexpr double kEnergyNotice = 1e-3, kEnergyFailure = 0.1;  // relative to EnergyBalance::scale
 
 class AccuracyWatch {
  public:
   AccuracyWatch(const Scenario& scenario, const Simulation& simulation);
 
-  void update(const StepReport& report);  // after the initial state (a default report), and after each step
+  void update(const StepReport& report);  // called after the initial state (a default report), and after each step
   [[nodiscard]] const std::vector<RunNotice>& get() const { return notices_; }
   [[nodiscard]] const EnergyBalance& get_energy() const { return audit_.get(); }
-  // The motion is not that of the model: the unexplained energy has been beyond kEnergyFailure. Empty, or a sentence.
+  // Sentence if the motion is not that of the model: the unexplained energy has been beyond kEnergyFailure. Else empty.
   [[nodiscard]] std::string describe_failure() const;
 
  private:
-  // The course of a commanded value.
+  // History of a commanded value.
   struct Course {
     double value = 0;
-    int direction = 0;         // of its last change
-    std::int64_t turned = -1;  // tick of its last turn
+    int direction = 0;         // sign of its last change
+    std::int64_t turned = -1;  // tick of its last reversal
     int quick_turns = 0;       // in succession
   };
 
@@ -68,17 +68,17 @@ class AccuracyWatch {
   const double dt_;
   EnergyAudit audit_;
   std::vector<RunNotice> notices_;
-  std::vector<bool> turning_, denormal_, stiff_, restless_;  // bodies, bodies, elements, channels that were told
-  std::vector<bool> pointless_;                              // point springs that were told to have no direction
-  std::vector<bool> unresolved_;                             // contacts that were told
-  std::vector<bool> sticking_;                               // elements whose friction was told
+  std::vector<bool> turning_, denormal_, stiff_, restless_;  // reported bodies, bodies, elements, channels
+  std::vector<bool> pointless_;                              // point springs reported as without direction
+  std::vector<bool> unresolved_;                             // reported contacts
+  std::vector<bool> sticking_;                               // elements with reported friction
   std::vector<ElementMobility> mobilities_;                  // in the present modes
   std::vector<Course> courses_;
-  bool postponed_ = false, unlocated_ = false, unseen_ = false;  // searches for events that were told
+  bool postponed_ = false, unlocated_ = false, unseen_ = false;  // reported searches for events
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;
   double failed_time_ = 0;
   std::vector<std::byte> memory_;
-  Workspace workspace_;  // of frequencies
+  Workspace workspace_;  // workspace of frequencies
 };
 
 }  // namespace unlatch::hil

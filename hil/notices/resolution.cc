@@ -15,7 +15,7 @@ using Combination = std::vector<int>;  // a mode of each joint
 
 RowSet get_rows(const Joint& joint, int mode) { return joint.modes[static_cast<std::size_t>(mode)].rows; }
 
-// Of the reachable modes those whose rows include no other's.
+// Lists those reachable modes whose rows include no other mode's rows.
 std::vector<int> find_loosest_modes(const Model& model, int j) {
   const Joint& joint = model.joints[static_cast<std::size_t>(j)];
   const std::vector<int> reachable = find_reachable_modes(model, j);
@@ -57,7 +57,7 @@ std::vector<Combination> find_combinations(const Model& model) {
   return combinations;
 }
 
-// A state and a workspace to try modes in.
+// A state and a workspace for trying modes.
 class Trial {
  public:
   explicit Trial(const Simulation& simulation)
@@ -123,9 +123,9 @@ std::vector<SpringResolution> calc_resolutions(const Simulation& simulation) {
   if (springs.empty()) return springs;
   for (const Combination& modes : find_combinations(model)) {
     const std::vector<ElementFrequency> found = trial.calc(modes);
-    for (std::size_t i = 0; i < found.size(); ++i) {  // none where a pivot vanishes
+    for (std::size_t i = 0; i < found.size(); ++i) {  // absent if a pivot vanishes
       SpringResolution& spring = springs[i];
-      constexpr double kNoteworthy = 1 + 1e-9;  // of the present largest
+      constexpr double kNoteworthy = 1 + 1e-9;  // relative to the present largest
       if (std::max(found[i].omega, found[i].decay) <= kNoteworthy * spring.get_worst()) continue;
       spring.largest_omega = found[i].omega;
       spring.largest_decay = found[i].decay;

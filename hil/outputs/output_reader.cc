@@ -11,7 +11,11 @@ namespace {
 
 using Kind = Output::Kind;
 
-void put(const Vec3& v, std::span<double> to) { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
+void put(const Vec3& v, std::span<double> to) {
+  to[0] = v.x;
+  to[1] = v.y;
+  to[2] = v.z;
+}
 void put(std::span<const double> values, std::span<double> to) { std::ranges::copy(values, to.begin()); }
 
 bool is_of_body(Kind kind) { return kind <= Kind::kModalRate; }
@@ -44,8 +48,8 @@ void OutputReader::read(std::span<double> to) {
 }
 
 void OutputReader::read(std::span<const std::size_t> outputs, std::span<double> to) {
-  bool fresh = false;   // clearances are
-  int contact = kNone;  // that `reading` is of: some microseconds for each closed pair
+  bool fresh = false;   // clearances are up to date
+  int contact = kNone;  // contact of `reading`, which takes some microseconds for each closed pair
   ContactReading reading;
   for (const std::size_t i : outputs) {
     const Output& output = list_[i];
@@ -83,7 +87,10 @@ void OutputReader::read_body(const Output& output, std::span<double> to) const {
     case Kind::kPosition:
       return put(body.p, to);
     case Kind::kAttitude:
-      to[0] = body.q.w, to[1] = body.q.x, to[2] = body.q.y, to[3] = body.q.z;
+      to[0] = body.q.w;
+      to[1] = body.q.x;
+      to[2] = body.q.y;
+      to[3] = body.q.z;
       return;
     case Kind::kVelocity:
       return put(body.v, to);

@@ -1,4 +1,4 @@
-// Values of a scenario's outputs (hil/scenario/outputs.h) at the present state of its run, from the state and the
+// Reads values of a scenario's outputs (hil/scenario/outputs.h) at the present state of its run, from the state and the
 // evaluation of the latest step. Off the cyclic thread: clearances allocate.
 #pragma once
 
@@ -17,16 +17,16 @@ namespace unlatch::hil {
 
 class OutputReader {
  public:
-  // Both must outlive it.
+  // Keeps references to both.
   OutputReader(const Scenario& scenario, const Simulation& simulation);
 
   [[nodiscard]] const std::vector<Output>& list() const { return list_; }
   [[nodiscard]] std::size_t count_values() const { return hil::count_values(list_); }
 
-  // Of the scenario's pairs, in their order, as they were read last.
+  // Clearances of the scenario's pairs, in their order, from the latest reading.
   [[nodiscard]] const std::vector<Clearance>& get_clearances() const { return clearances_.get(); }
 
-  // `to`: count_values() numbers. Those of outputs that are not asked for stay as they are.
+  // Reads the requested outputs into `to`, count_values() numbers; the others stay unchanged.
   void read(std::span<double> to);
   void read(std::span<const std::size_t> outputs, std::span<double> to);
 
@@ -36,7 +36,7 @@ class OutputReader {
  private:
   void read_body(const Output& output, std::span<double> to) const;
   void read_joint(const Output& output, std::span<double> to) const;
-  // `reading`: for the outputs that are part of one.
+  // `reading`: for outputs of contacts.
   void read_contact(const Output& output, const ContactReading& reading, std::span<double> to) const;
   void read_element(const Output& output, std::span<double> to) const;
   void update_clearances();

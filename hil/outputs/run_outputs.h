@@ -1,5 +1,5 @@
-// Outputs gathered while a run goes: everything at some ticks, and the selected outputs over the run, each group at its
-// own rate. Memory grows with the rows.
+// Collects outputs during a run: all of them at some ticks, and the selected ones over the run, each group at its own
+// rate. Memory grows with the rows.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,25 @@ class RunOutputs {
  public:
   struct Sample {
     double time = 0;             // s
-    std::vector<double> values;  // of all outputs
+    std::vector<double> values;  // values of all outputs
   };
   struct Series {
     SelectedOutputs selected;
     std::vector<double> times;   // s, one for each row
-    std::vector<double> values;  // row after row, the columns of the selected outputs
+    std::vector<double> values;  // row by row, the columns of the selected outputs
   };
 
-  // `samples`: ticks, in any order; `groups`: none, and there is no series. Scenario and simulation must
-  // outlive it.
+  // `samples`: ticks, in any order; `groups`: empty for no series. Keeps references to scenario and simulation.
   RunOutputs(const Scenario& scenario, const Simulation& simulation, std::vector<std::int64_t> samples,
              const std::vector<OutputGroup>& groups);
 
-  // At every state of the run, the first included.
+  // Reads the present state; called at every state of the run, the first included.
   void look();
-  // The last state belongs to every series.
+  // Adds the last state to every series.
   void finish();
 
   [[nodiscard]] const OutputReader& reader() const { return reader_; }
-  // In the order of their ticks.
+  // Samples in the order of their ticks.
   [[nodiscard]] const std::vector<Sample>& get_samples() const { return samples_; }
   [[nodiscard]] const std::vector<Series>& get_series() const { return series_; }
 
@@ -43,7 +42,7 @@ class RunOutputs {
   OutputReader reader_;
   std::vector<std::int64_t> sample_ticks_;  // ascending
   std::size_t next_sample_ = 0;
-  std::int64_t last_tick_ = -1;  // looked at
+  std::int64_t last_tick_ = -1;  // latest tick that was read
   std::vector<Sample> samples_;
   std::vector<Series> series_;
   std::vector<std::int64_t> last_rows_;  // tick of the latest row, by series

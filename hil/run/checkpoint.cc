@@ -16,8 +16,7 @@
 namespace unlatch::hil {
 namespace {
 
-// A name that is wanted for a file and bears none yet, or a file; never a device or a pipe, which a rename would
-// replace.
+// Refuses a target that is neither free nor a regular file: a rename would replace a device or a pipe.
 void refuse_odd_target(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
@@ -25,7 +24,7 @@ void refuse_odd_target(const std::string& path) {
   }
 }
 
-// Removes what was not finished.
+// Removes an unfinished file.
 class Unfinished {
  public:
   explicit Unfinished(const std::string& path) : path_(path + "." + std::to_string(getpid()) + ".unfinished") {}
@@ -38,7 +37,8 @@ class Unfinished {
   const std::string path_;
 };
 
-// So that the new name, too, survives the machine. Not every file system can; the file itself is safe by then.
+// Writes the folder to the disk, so that the new name survives a power failure. Not every file system supports it; the
+// file itself is safe by then.
 void sync_folder_of(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const int handle = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -47,7 +47,7 @@ void sync_folder_of(const std::string& path) {
   close(handle);
 }
 
-// The reason why a run cannot go on from a checkpoint; empty if it can.
+// Reason why a run cannot continue from a checkpoint; empty if it can.
 std::string explain_foreign(const LogHeader& checkpoint, const LogHeader& here) {
   if (checkpoint.program != here.program) {
     return "was written by " + checkpoint.program + "; this is " + here.program + "; go on with the one that wrote it";

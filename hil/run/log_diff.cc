@@ -15,7 +15,7 @@ class Side {
     recording_.keeps_states = true;
   }
 
-  // To the next state; false when there is none.
+  // Moves to the next state; false when there is none.
   bool advance() {
     LogTick next;
     if (!recording_.next(next) && !take_end(next)) return false;
@@ -33,11 +33,11 @@ class Side {
   [[nodiscard]] std::int64_t get_tick() const { return record_.tick; }
   [[nodiscard]] std::int64_t get_hash() const { return record_.hash; }
   [[nodiscard]] std::int64_t get_unreproduced() const { return unreproduced_; }
-  // Values of the channels during the step that led to this state, and what had changed before it.
+  // True if a step led to this state; then its inputs and changes are known.
   [[nodiscard]] bool has_made_step() const { return made_step_; }
   [[nodiscard]] const std::vector<double>& get_step_inputs() const { return step_inputs_; }
   [[nodiscard]] const std::vector<LogChange>& get_step_changes() const { return step_changes_; }
-  // Of the step from this state on.
+  // Inputs of the step from this state on.
   [[nodiscard]] std::span<const double> get_inputs() const { return std::as_const(simulation_).channels(); }
   [[nodiscard]] const std::vector<StateMessage>& get_recorded_states() const { return recording_.states; }
   [[nodiscard]] const State& get_state() const { return simulation_.state(); }
@@ -52,7 +52,7 @@ class Side {
   }
 
  private:
-  // The end is one more state, unless the last step failed.
+  // Treats the end of the recording as one more state, unless the last step failed.
   bool take_end(LogTick& next) {
     if (!recording_.end) return false;
     refuse_if_lossy(recording_, recording_.end->unrecorded);
@@ -95,12 +95,12 @@ void note_first_input(const std::array<Side, 2>& sides, std::optional<InputDiffe
   }
 }
 
-// The fields at the first tick, from here on, for which both have recorded State messages.
+// Finds the fields at the next tick, from the present one on, for which both recordings have State messages.
 void find_recorded_fields(std::array<Side, 2>& sides, const Model& model, StateDifference& difference) {
   do {
     const std::vector<StateMessage>&a = sides[0].get_recorded_states(), &b = sides[1].get_recorded_states();
     if (a.empty() || a.size() != b.size()) continue;
-    for (std::size_t i = a.size(); i-- > 0;) {  // part 0 comes last
+    for (std::size_t i = a.size(); i-- > 0;) {  // part 0 is the last of a tick
       if (a[i].part != b[i].part || a[i].tick != b[i].tick) continue;
       for (FieldDifference& field : compare_states(model, a[i], b[i])) difference.fields.push_back(std::move(field));
       difference.fields_tick = a[i].tick;
@@ -138,7 +138,7 @@ LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*,
   std::array<Side, 2> sides{Side(*recordings[0], *simulations[0]), Side(*recordings[1], *simulations[1])};
   LogDiff result;
   std::array<bool, 2> more{sides[0].advance(), sides[1].advance()};
-  while (more[0] && more[1] && sides[0].get_tick() != sides[1].get_tick()) {  // one begins at a checkpoint
+  while (more[0] && more[1] && sides[0].get_tick() != sides[1].get_tick()) {  // one of them begins at a checkpoint
     const std::size_t behind = sides[0].get_tick() < sides[1].get_tick() ? 0 : 1;
     more[behind] = sides[behind].advance();
   }
@@ -156,7 +156,7 @@ LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*,
     note_first_input(sides, result.input);
     more = {sides[0].advance(), sides[1].advance()};
   }
-  // Without a difference one may go on: how far, and how it ends, is part of the answer.
+  // Without a difference, one recording may be longer: its length and its end belong to the answer.
   for (std::size_t k = 0; k < 2; ++k) {
     while (more[k] && !result.state) more[k] = sides[k].advance();
     result.endings[k] = sides[k].get_ending();

@@ -1,6 +1,6 @@
-// Compares two recordings of one model: the first tick whose states differ, in which fields and by how much, and what
-// the step that led there had as inputs on either side. The states are found by replaying; where this program gives
-// other bits than a recording's own (another build wrote it), the State messages recorded next are compared.
+// Compares two recordings of one model: the first tick whose states differ, in which fields and by how much, and the
+// inputs of the step that led there. The states are found by replaying; if this program's bits differ from a
+// recording's own (written by another build), the State messages recorded next are compared.
 #pragma once
 
 #include <array>
@@ -15,38 +15,38 @@
 
 namespace unlatch::hil {
 
-using Two = std::array<double, 2>;  // of one recording, of the other
+using Two = std::array<double, 2>;  // one value of each recording
 
-// A channel's values during one step.
+// Values of a channel during one step.
 struct InputDifference {
-  std::int64_t tick = 0;  // of the step from this tick to the next
+  std::int64_t tick = 0;  // first tick of the step
   std::int32_t channel = 0;
   Two values{};
 };
 
 struct StateDifference {
-  std::int64_t tick = 0;  // the first at which the hashes differ
+  std::int64_t tick = 0;  // first tick whose hashes differ
   std::array<std::int64_t, 2> hashes{};
-  std::int64_t fields_tick = -1;        // at which `fields` differ: `tick`, or a later one; -1: not known
-  std::vector<FieldDifference> fields;  // in the state's order
-  std::vector<Two> channels;            // every channel's value during the step to `tick`; empty: none was made
-  std::array<std::vector<LogChange>, 2> changes{};  // what set them, just before that step
+  std::int64_t fields_tick = -1;        // tick at which `fields` differ: `tick`, or a later one; -1: unknown
+  std::vector<FieldDifference> fields;  // in the order of the state
+  std::vector<Two> channels;            // values of all channels during the step to `tick`; empty: no such step
+  std::array<std::vector<LogChange>, 2> changes{};  // changes of channels just before that step
 };
 
-// The place up to which one recording was read, and its last record.
+// Place up to which one recording was read, and its last record.
 struct LogEnding {
   std::int64_t tick = 0;
-  std::optional<RunStatus> status;  // of its last record, if it was read
-  std::string message;              // why it ended so, or why it has no last record
+  std::optional<RunStatus> status;  // status of its last record, if it was read
+  std::string message;              // reason of the end, or of the missing last record
   bool damaged = false;
-  std::int64_t unreproduced = -1;  // first tick at which this program gives other bits than the recording; -1: none
+  std::int64_t unreproduced = -1;  // first tick at which this program's bits differ from the recording's; -1: none
 };
 
 struct LogDiff {
-  std::int64_t first_tick = 0;           // that both have
+  std::int64_t first_tick = 0;           // first common tick
   std::int64_t compared = 0;             // ticks
-  std::optional<StateDifference> state;  // the first
-  std::optional<InputDifference> input;  // the first, of a step before `state`
+  std::optional<StateDifference> state;  // the first difference
+  std::optional<InputDifference> input;  // the first difference, of a step before `state`
   std::array<LogEnding, 2> endings{};
 
   [[nodiscard]] bool is_damaged() const { return endings[0].damaged || endings[1].damaged; }
@@ -55,8 +55,9 @@ struct LogDiff {
   }
 };
 
-// Both simulations must be at the states where their recordings begin. Throws LogError: recordings of different models,
-// with no tick in common, or with losses. `look`, if given, is called with each tick that is compared.
+// Compares recordings. Both simulations must be at the states where their recordings begin. Throws LogError for
+// recordings of different models, without a common tick, or with losses. `look`, if given, is called with each compared
+// tick.
 LogDiff diff(std::array<RecordingReader*, 2> recordings, std::array<Simulation*, 2> simulations,
              const std::function<void(std::int64_t)>& look = {});
 

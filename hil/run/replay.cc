@@ -15,7 +15,7 @@ class Replayer {
 
   bool compare(std::int64_t recorded) {
     const std::int64_t replayed = simulation_.calc_hash();
-    if (simulation_.get_tick() > last_compared_) ++result_.compared;  // a step that failed ends where it began
+    if (simulation_.get_tick() > last_compared_) ++result_.compared;  // a failed step ends at its first tick
     last_compared_ = simulation_.get_tick();
     if (replayed == recorded) return true;
     result_.difference = {simulation_.get_tick(), recorded, replayed};
@@ -92,7 +92,7 @@ void apply(const LogChange& change, Simulation& simulation) {
   simulation.channels()[static_cast<std::size_t>(change.channel)] = change.value;
 }
 
-// A tick's inputs are stepped with once the next record shows that its step was made.
+// Replays a recording. The inputs of a tick are applied once the next record confirms that its step was made.
 ReplayResult replay(RecordingReader& recording, Simulation& simulation, RunAnalysis* analysis,
                     const std::function<void(const StepReport&)>& look) {
   ReplayResult result;

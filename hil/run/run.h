@@ -1,4 +1,4 @@
-// Runs without flight software, and what all runs have in common.
+// Runs without flight software, and the parts that all runs share.
 #pragma once
 
 #include <atomic>
@@ -15,30 +15,30 @@
 
 namespace unlatch::hil {
 
-// The scenario compiled for its own step. Throws ScenarioError with the places of the offending elements.
+// Compiles the scenario for its own step. Throws ScenarioError with the places of the faulty elements.
 std::unique_ptr<Simulation> build_simulation(const Scenario& scenario);
 
-// A random session number, > 0.
+// Returns a random session number, > 0.
 std::int64_t draw_session();
 
-// The header of a recording of this run that begins at the simulation's present tick.
+// Header of a recording of this run that begins at the simulation's present tick.
 LogHeader build_log_header(const Scenario& scenario, const Simulation& simulation, Pace pace, std::int64_t session,
                            std::int64_t last_tick);
 
-// A run without flight software, from tick to tick: for a caller that steps several side by side.
+// A run without flight software, tick by tick: for a caller that steps several side by side.
 class FastRun {
  public:
   using Look = std::function<void(const StepReport&)>;
-  // Analyses as it goes and records where these are not null. `look` is called at every tick with what the step
-  // reported, at the first, here, with a default report. All are referred to.
+  // `analysis` and `recorder` may be null. `look` is called at every tick with the report of the step; at the first
+  // tick, in the constructor, with a default report. Keeps references to all arguments.
   FastRun(Simulation& simulation, RunAnalysis* analysis, Recorder* recorder, std::int64_t last_tick, Look look);
 
   [[nodiscard]] bool goes_on() const { return end_.status == RunStatus::kDone && simulation_.get_tick() < last_tick_; }
-  // Before and after each step.
+  // Called before and after each step.
   void begin_tick() { record_.tick(); }
   void end_tick(const StepReport& report);
   void interrupt();
-  // How it ended, without times of steps.
+  // End of the run, without times of steps.
   [[nodiscard]] LogEnd finish();
 
  private:
@@ -52,12 +52,12 @@ class FastRun {
   LogEnd end_;
 };
 
-// Steps as fast as it can to `last_tick`, analysing as it goes and recording if `recorder` is not null. Another thread
-// may set `stop`, which ends it as aborted. `look` is called at every tick, the first and the last included.
+// Steps as fast as possible to `last_tick`, with analysis, and with recording if `recorder` is not null. Another thread
+// may set `stop`, which ends the run as aborted. `look` is called at every tick, the first and the last included.
 LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
                 const std::atomic<bool>& stop, const std::function<void()>& look);
 
-// "singular pivot at joint 'nose1', tick 412 (t = 0.412 s)", of a step that failed.
+// Description of a failed step: "singular pivot at joint 'nose1', tick 412 (t = 0.412 s)".
 std::string describe_fault(const LogEnd& end, const Model& model, double dt);
 
 }  // namespace unlatch::hil

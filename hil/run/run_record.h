@@ -1,5 +1,5 @@
-// The recording of a run without flight software, as it goes: a State now and then, events, changes of channels, and
-// the hash of every tick. Without a recorder it does nothing. Only the constructor allocates.
+// Recording of a run without flight software: States at intervals, events, changes of channels, and the hash of every
+// tick. Without a recorder it does nothing. Only the constructor allocates.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@ namespace unlatch::hil {
 
 class RunRecord {
  public:
-  // `recorder` may be null; both must outlive this.
+  // `recorder` may be null; keeps references to both.
   RunRecord(const Simulation& simulation, Recorder* recorder);
 
-  // The present state, if it is time for one, or with another status than kRunning.
+  // Records the present state, if it is due or its status is not kRunning.
   void state(RunStatus status) noexcept;
-  // Before a step: a channel's value from this tick on.
+  // Records a channel's value from this tick on; called before a step.
   void change(std::size_t channel, double value) noexcept;
-  // Before a step, after its changes.
+  // Records a tick; called before a step, after its changes.
   void tick() noexcept;
-  // Events of the step that was made.
+  // Records the events of a completed step.
   void events(const StepReport& report) noexcept;
 
  private:

@@ -67,7 +67,7 @@ std::array<double, 3> tilt(const std::array<double, 3>& direction, double angle,
   const auto& d = direction;
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   const std::array<double, 3> u{d[0] / length, d[1] / length, d[2] / length};
-  // Across: the axis along which the direction is smallest, the first of equal ones, made perpendicular.
+  // Perpendicular vector: from the axis along which the direction is smallest, the first of equal ones.
   std::size_t k = 0;
   for (std::size_t i = 1; i < 3; ++i)
     if (std::abs(u[i]) < std::abs(u[k])) k = i;

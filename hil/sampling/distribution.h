@@ -15,27 +15,27 @@ struct Distribution {
     kTriangular,  // from a over the mode c to b
     kDiscrete,    // values[k] with probability up to cumulative[k]
     kEmpirical,   // sorted values, linear between them
-    kCone,        // of a direction: the angle from it, rad; uniform over the cap of half angle b
-    kNormalCone,  // the same; tilts about two axes across it are normal with standard deviation a
+    kCone,        // angle from a direction, rad; uniform over the cap of half angle b
+    kNormalCone,  // likewise; tilts about two perpendicular axes are normal with standard deviation a
   };
   Kind kind = Kind::kUniform;
   double a = 0, b = 0, c = 0;
-  double low = 0, high = 1;  // probabilities between which the whole distribution is cut
+  double low = 0, high = 1;  // probabilities at which the whole distribution is truncated
   std::vector<double> values{}, cumulative{};
 
-  // p in (0, 1).
+  // Value of a probability p in (0, 1).
   [[nodiscard]] double calc_quantile(double p) const;
-  // Of the distribution without its cut, normal and lognormal alone.
+  // Probability below x of the untruncated distribution; normal and lognormal only.
   [[nodiscard]] double calc_cdf(double x) const;
-  // Cuts it to what lies between two values.
+  // Truncates the distribution to values between two limits.
   void cut(double least, double most);
 
   [[nodiscard]] bool is_cone() const { return kind == Kind::kCone || kind == Kind::kNormalCone; }
-  // Numbers in (0, 1) that a draw takes: 2 of a direction.
+  // Numbers in (0, 1) that a draw uses: 2 for a direction.
   [[nodiscard]] std::size_t get_dimensions() const { return is_cone() ? 2 : 1; }
 };
 
-// The unit vector at an angle from a direction (any length but 0), rad, turned about it by 2 pi times `turn`.
+// Unit vector at an angle, rad, from a direction (any length but 0), rotated about it by 2 pi times `turn`.
 std::array<double, 3> tilt(const std::array<double, 3>& direction, double angle, double turn);
 
 }  // namespace unlatch::hil

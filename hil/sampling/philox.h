@@ -1,5 +1,5 @@
 // Counter-based random numbers: Philox4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3,
-// SC11). A number depends on its key and its counter alone, so samples may be drawn in any order, anywhere.
+// SC11). A number depends on its key and its counter alone, so samples may be drawn in any order and on any machine.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ constexpr PhiloxCounter calc_philox(PhiloxCounter counter, PhiloxKey key) {
 // Uses of one seed that must not share numbers.
 enum class RandomStream : std::uint32_t { kDraw, kPermutation, kShift, kResampling, kChain, kCorner };
 
-// Of a seed, a stream, and two indices: sample and dimension.
+// Random block of a seed, a stream, and two indices: sample and dimension.
 constexpr PhiloxCounter draw_block(std::uint64_t seed, RandomStream stream, std::uint64_t i, std::uint32_t j) {
   return calc_philox(
       {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i >> 32), j, static_cast<std::uint32_t>(stream)},
@@ -38,9 +38,9 @@ constexpr std::uint64_t draw_word(std::uint64_t seed, RandomStream stream, std::
   return std::uint64_t{block[1]} << 32 | block[0];
 }
 
-// The middle of one of 2^52 equal parts of (0, 1): never 0 or 1, exact in a double.
+// Middle of one of 2^52 equal parts of (0, 1): never 0 or 1, exact in a double.
 constexpr double to_unit(std::uint64_t word) { return (static_cast<double>(word >> 12) + 0.5) * 0x1p-52; }
-inline constexpr double kLeastUnit = 0x1p-53;  // the smallest of to_unit(); the greatest is 1 less this
+inline constexpr double kLeastUnit = 0x1p-53;  // smallest value of to_unit(); the greatest is 1 minus this
 
 constexpr double draw_unit(std::uint64_t seed, RandomStream stream, std::uint64_t i, std::uint32_t j) {
   return to_unit(draw_word(seed, stream, i, j));

@@ -17,12 +17,12 @@ double draw(const SamplingPlan& plan, std::int64_t sample, std::size_t axis) {
                    static_cast<std::uint32_t>(axis));
 }
 
-// A permutation of 0 … size − 1 for each axis.
+// Permutation of 0 … size − 1 for each axis.
 std::uint64_t permute(std::uint64_t seed, std::uint32_t axis, std::uint64_t size, std::uint64_t at) {
   const int half = std::max(1, (static_cast<int>(std::bit_width(size - 1)) + 1) / 2);
   const std::uint64_t mask = (std::uint64_t{1} << half) - 1;
   constexpr std::uint32_t kRounds = 6;
-  do {  // the network permutes 4^half numbers; walking its cycle stays within one of `size`
+  do {  // the network permutes 4^half numbers; repeating it leads back to a number below `size`
     std::uint64_t left = at >> half, right = at & mask;
     for (std::uint32_t round = 0; round < kRounds; ++round) {
       const std::uint64_t word = draw_word(seed, RandomStream::kPermutation, right, axis * kRounds + round);
@@ -43,7 +43,7 @@ double calc_latin(const SamplingPlan& plan, std::int64_t sample, std::size_t axi
   return std::clamp(u, kLeastUnit, 1 - kLeastUnit);
 }
 
-// The middle of level k of n equally probable ones.
+// Middle of level k of n equally probable ones.
 double calc_level(std::int64_t k, int levels) { return (static_cast<double>(k) + 0.5) / levels; }
 
 std::vector<double> calc_grid(const SamplingPlan& plan, std::int64_t sample) {
@@ -71,7 +71,7 @@ double to_morris_probability(double level) { return 0.01 + 0.98 * level; }
 std::vector<double> calc_morris(const SamplingPlan& plan, std::int64_t sample) {
   const std::int64_t block = get_block(plan), trajectory = sample / block;
   std::vector<double> point(plan.dimensions);
-  for (std::size_t axis = 0; axis < plan.dimensions; ++axis)  // the end from which its one step goes
+  for (std::size_t axis = 0; axis < plan.dimensions; ++axis)  // the end from which its one step begins
     point[axis] = (draw_word(plan.seed, RandomStream::kDraw, static_cast<std::uint64_t>(trajectory),
                              static_cast<std::uint32_t>(axis)) &
                    1) != 0
@@ -107,7 +107,7 @@ const std::vector<std::string> kSamplingNames{"random", "latin-hypercube", "sobo
 
 MorrisStep get_morris_step(const SamplingPlan& plan, std::int64_t trajectory, std::size_t k) {
   const std::uint64_t row = static_cast<std::uint64_t>(trajectory);
-  // A permutation of the axes for each trajectory.
+  // Permutation of the axes for each trajectory.
   const auto axis =
       static_cast<std::size_t>(permute(plan.seed ^ (row + 1) * 0x9E3779B97F4A7C15u, 0xFFFFFF, plan.dimensions, k - 1));
   const bool downward = (draw_word(plan.seed, RandomStream::kDraw, row, static_cast<std::uint32_t>(axis)) & 2) != 0;

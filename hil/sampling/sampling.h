@@ -19,20 +19,20 @@
 namespace unlatch::hil {
 
 enum class Sampling { kRandom, kLatinHypercube, kSobol, kGrid, kOneAtATime, kMorris, kSaltelli, kCsv, kSubset };
-extern const std::vector<std::string> kSamplingNames;  // "random" …, in this order
+extern const std::vector<std::string> kSamplingNames;  // "random" …, in the order of the enum
 
 struct SamplingPlan {
   Sampling sampling = Sampling::kRandom;
   std::uint64_t seed = 0;
   std::int64_t samples = 0;
   std::size_t dimensions = 0;
-  std::vector<int> levels;  // of a grid and of one-at-a-time, for each axis
+  std::vector<int> levels;  // levels of a grid and of one-at-a-time, for each axis
 };
 
-// Each in (0, 1). `sample`: from 0.
+// Coordinates of a point, each in (0, 1). `sample`: from 0.
 std::vector<double> calc_point(const SamplingPlan& plan, std::int64_t sample);
 
-// The number of samples that the plan makes, where it decides it: 0 where it is free.
+// Number of samples that the plan prescribes; 0 if the user may choose it.
 std::int64_t count_samples(const SamplingPlan& plan);
 
 // Samples of one block of a design: trajectories, A-B blocks; 1 for all others.
@@ -46,7 +46,7 @@ struct MorrisStep {
 MorrisStep get_morris_step(const SamplingPlan& plan, std::int64_t trajectory, std::size_t k);
 inline constexpr double kMorrisStep = 2.0 / 3;  // of four levels, 0 1/3 2/3 1
 
-// False in a build without Boost.
+// Returns false in a build without Boost.
 bool has_sobol();
 
 }  // namespace unlatch::hil

@@ -1,4 +1,4 @@
-// The Sobol' sequence, from Boost.Random. Its headers take a compiler long: they are included in sobol.cc alone.
+// The Sobol' sequence, from Boost.Random. Its headers are slow to compile: only sobol.cc includes them.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,8 @@
 namespace unlatch::hil {
 namespace {
 
-// Papaioannou et al. (2015), section 4.3: the first spread, and the acceptance at which chains forget soonest.
+// Papaioannou et al. (2015), section 4.3: the first spread, and the acceptance at which the correlation of chains
+// decays fastest.
 constexpr double kFirstSpread = 0.6, kBestAcceptance = 0.44;
 constexpr double kLeastSpread = 0.05;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -32,7 +33,7 @@ std::vector<double> SubsetSimulation::draw_normal(std::int64_t sample) const {
   return u;
 }
 
-// The candidates of the step: of level 0 independent points, else one of each chain.
+// Plans the candidates of the step: independent points for level 0, else one for each chain.
 void SubsetSimulation::plan_step() {
   candidates_.assign(static_cast<std::size_t>(get_step_size()), {});
   const double keep = std::sqrt(1 - spread_ * spread_);
@@ -52,7 +53,7 @@ void SubsetSimulation::plan_step() {
 
 std::vector<double> SubsetSimulation::calc_point(std::int64_t sample) const {
   std::vector<double> point(plan_.dimensions);
-  if (sample < plan_.samples) {  // the numbers themselves: those of independent sampling to the bit
+  if (sample < plan_.samples) {  // the numbers themselves, with the bits of independent sampling
     for (std::size_t axis = 0; axis < point.size(); ++axis)
       point[axis] = draw_unit(plan_.seed, RandomStream::kDraw, static_cast<std::uint64_t>(sample),
                               static_cast<std::uint32_t>(axis));
@@ -94,7 +95,7 @@ void SubsetSimulation::end_step() {
 }
 
 // Coefficient of variation of a level's probability, with the correlation within its chains: Au and Beck, equations 28
-// to 30. A negative estimate of what the correlation adds is taken as none.
+// to 30. A negative estimate of the correlation's contribution counts as zero.
 double SubsetSimulation::calc_deviation(double threshold, bool fails, double probability) const {
   if (!(probability > 0)) return kNone;
   const auto chains = static_cast<std::size_t>(plan_.chains);
@@ -125,7 +126,7 @@ void SubsetSimulation::end_level() {
   for (const std::size_t i : order) level.margins.push_back(states_[i].margin);
   const double quantile = level.margins[static_cast<std::size_t>(plan_.chains - 1)];
   reached_ = quantile < 0;
-  // Margins that are all alike lead no further.
+  // Equal margins allow no further level.
   finished_ = reached_ || static_cast<int>(levels_.size()) + 1 == plan_.levels ||
               (!levels_.empty() && quantile >= levels_.back().threshold);
   level.threshold = finished_ ? 0 : quantile;

@@ -4,14 +4,14 @@
 // I. Papaioannou, W. Betz, K. Zwirglmaier, D. Straub: MCMC algorithms for subset simulation, the same 41 (2015) 89-103.
 // Formulae: hil/campaign/THEORY.md.
 //
-// Level 0 are N independent points. The margin that a part p0 of a level's N states does not exceed is its threshold.
-// The p0 N states below it are seeds of chains; each chain has 1/p0 states, all below the threshold, and all chains
-// together are the N states of the next level. The last level is the one of which p0 N states fail.
+// Level 0 consists of N independent points. The threshold of a level is the margin that a part p0 of its N states does
+// not exceed. The p0 N states below it are seeds of chains; each chain has 1/p0 states, all below the threshold, and
+// all chains together are the N states of the next level. The last level is the one of which p0 N states fail.
 //
-// Samples are numbered as they may be run: first level 0, then for each level step by step the candidates of all
-// chains. A candidate depends on the plan and on the margins of the samples before its step, so those of one step may
-// be run anywhere in any order. A class without threads and files; memory: three numbers per axis and state of a level,
-// and one per sample.
+// Samples are numbered in the order in which they may be run: first level 0, then for each level, step by step, the
+// candidates of all chains. A candidate depends on the plan and on the margins of the samples before its step, so those
+// of one step may be run on any machine in any order. The class uses no threads or files; memory: three numbers per
+// axis and state of a level, and one per sample.
 #pragma once
 
 #include <cstdint>
@@ -23,49 +23,49 @@ struct SubsetPlan {
   std::uint64_t seed = 0;
   std::int64_t samples = 0;  // N, states of a level; a multiple of `chains`
   std::int64_t chains = 0;   // p0 N, from 1 to N/2
-  int levels = 1;            // most of them, level 0 included
+  int levels = 1;            // number of levels at most, level 0 included
   std::size_t dimensions = 0;
 
   [[nodiscard]] std::int64_t get_most_samples() const { return samples + (levels - 1) * (samples - chains); }
 };
 
 struct SubsetLevel {
-  std::int64_t first = 0, last = 0;  // samples that it ran: from, to before
-  double threshold = 0;              // margin; 0 of the last level
-  double probability = 0;            // part of its states that is not above; of the last level: that fails
-  double deviation = 0;              // coefficient of variation of this probability, NaN if it is 0
-  double acceptance = 1;             // part of its candidates that became states
-  double spread = 1;                 // standard deviation of a candidate about (1 - spread²)½ times its predecessor
-  std::vector<double> margins;       // of its states, sorted
+  std::int64_t first = 0, last = 0;  // samples of the level: from, to before
+  double threshold = 0;              // margin; 0 for the last level
+  double probability = 0;       // part of its states that is not above the threshold; for the last level: that fails
+  double deviation = 0;         // coefficient of variation of this probability, NaN if it is 0
+  double acceptance = 1;        // accepted part of its candidates
+  double spread = 1;            // standard deviation of a candidate about (1 - spread²)½ times its predecessor
+  std::vector<double> margins;  // margins of its states, sorted
 };
 
 struct SubsetEstimate {
   double probability = 0;
   double deviation = 0;      // coefficient of variation, levels taken as independent; NaN if the probability is 0
   double low = 0, high = 1;  // 95 %: lognormal with that coefficient of variation
-  bool reached = false;      // false: no level had p0 N failures; only an upper end of the probability is known well
+  bool reached = false;      // false: no level had p0 N failures; only an upper bound of the probability is reliable
 };
 
 class SubsetSimulation {
  public:
   explicit SubsetSimulation(const SubsetPlan& plan);
 
-  // The samples before this one have points; it grows with note().
+  // Number of samples that have points; it grows with note().
   [[nodiscard]] std::int64_t get_end() const { return end_; }
-  // All levels are complete; what is not noted is not needed.
+  // True once all levels are complete; samples without a result are then not needed.
   [[nodiscard]] bool is_finished() const { return finished_; }
-  // Of a sample of level 0 or of the step that is under way; in the unit cube.
+  // Point in the unit cube, for a sample of level 0 or of the present step.
   [[nodiscard]] std::vector<double> calc_point(std::int64_t sample) const;
-  // Its result, in any order, also before it has a point; -infinity: there is none, which is a failure.
+  // Notes a result, in any order, also before the sample has a point; -infinity: no value, which is a failure.
   void note(std::int64_t sample, double margin);
 
-  // Those that are complete.
+  // Complete levels.
   [[nodiscard]] const std::vector<SubsetLevel>& levels() const { return levels_; }
   [[nodiscard]] SubsetEstimate calc_estimate() const;
 
  private:
   struct State {
-    std::vector<double> u;  // standard normal
+    std::vector<double> u;  // standard normal coordinates
     double margin = 0;
   };
   [[nodiscard]] bool is_step_complete() const;
@@ -80,12 +80,12 @@ class SubsetSimulation {
   const SubsetPlan plan_;
   std::vector<double> margins_;    // by sample
   std::vector<bool> known_;        // by sample
-  std::vector<State> states_;      // of this level; those of a step together, in the order of the chains
-  std::vector<State> candidates_;  // of this step
-  std::int64_t step_first_ = 0;    // sample
-  std::int64_t end_ = 0;           // of the step
-  std::int64_t step_missing_ = 0;  // samples of the step that are not known
-  std::int64_t accepted_ = 0;      // of this level
+  std::vector<State> states_;      // states of this level; those of a step together, in the order of the chains
+  std::vector<State> candidates_;  // candidates of this step
+  std::int64_t step_first_ = 0;    // first sample of the step
+  std::int64_t end_ = 0;           // end of the step
+  std::int64_t step_missing_ = 0;  // samples of the step without a result
+  std::int64_t accepted_ = 0;      // accepted candidates of this level
   double spread_ = 1;
   std::vector<SubsetLevel> levels_;
   bool finished_ = false, reached_ = false;

@@ -1,4 +1,4 @@
-// The model's vectors and matrices, which are Eigen's, as the kernel's own.
+// Conversion of the model's vectors and matrices, which are Eigen's, to the kernel's own.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,7 +1,10 @@
-// Indices of a model, which are ints, as those of vectors, and in the one numbering of elements.
+// Indices of a model, which are ints: conversion to those of vectors and to the common numbering of elements, and
+// lists of them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <vector>
 
 #include "unlatch/model.h"
 
@@ -9,7 +12,18 @@ namespace unlatch::hil {
 
 constexpr std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-// The element (as in State::elements) that is the model's first one-sided force; the others follow it.
+inline bool contains(const std::vector<int>& list, int index) {
+  return std::find(list.begin(), list.end(), index) != list.end();
+}
+
+// Rows that some mode of a joint holds.
+inline RowSet list_held_rows(const Joint& joint) {
+  RowSet rows = 0;
+  for (const JointMode& mode : joint.modes) rows = static_cast<RowSet>(rows | mode.rows);
+  return rows;
+}
+
+// Number, as in State::elements, of the model's first one-sided force; the others follow it.
 inline int get_first_one_sided(const Model& model) {
   return model.element_count() - static_cast<int>(model.frictions.size() + model.one_sided.size());
 }

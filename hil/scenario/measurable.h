@@ -1,4 +1,4 @@
-// The quantities of a scenario that requirements can be about, each with its unit.
+// Quantities of a scenario for use in requirements, each with its unit.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@ namespace unlatch::hil {
 struct Measurable {
   std::string name;  // "reaction.nose1.x", "rate.core", "time.release:booster1"; unique in a scenario
   std::string unit;  // SI; "" for a plain number
-  std::string text;  // as a requirement writes it: "reaction: {joint: nose1, row: x}"
+  std::string text;  // text of a requirement: "reaction: {joint: nose1, row: x}"
 };
 
-// In the order of Requirement::Measure. Of those that have a choice of directions and frames (rate, velocity, position,
-// axes) one for each body; of clearances those of the pairs that the scenario watches.
+// Lists quantities in the order of Requirement::Measure. Quantities with a choice of directions and frames (rate,
+// velocity, position, axes) appear once for each body; clearances for the watched pairs of the scenario.
 std::vector<Measurable> list_measurables(const Scenario& scenario);
 
-// The unit of a requirement's value, SI, from its quantity, subject and axis.
+// Unit of a requirement's value, SI, from its quantity, subject and axis.
 std::string get_unit(const Requirement& requirement, const Model& model);
 
 }  // namespace unlatch::hil

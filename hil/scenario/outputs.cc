@@ -13,12 +13,12 @@ namespace {
 
 using Kind = Output::Kind;
 
-constexpr double kSameTime = 1e-6;  // of a step: the rounding of a decimal period
+constexpr double kSameTime = 1e-6;  // relative to a step: the rounding of a decimal period
 constexpr double kMaxEvery = 1e9;   // ticks
 
 const std::vector<std::string> kAxes{"x", "y", "z"};
 
-// The list under way.
+// The list under construction.
 class List {
  public:
   explicit List(const Scenario& scenario) : scenario_(scenario), model_(scenario.model) {
@@ -47,7 +47,7 @@ class List {
     std::size_t number;
   };
 
-  // `columns`: what follows the subject's name.
+  // `columns`: the part of the names after the subject's name.
   void add(Kind kind, const Subject& of, const char* what, const char* key, const char* frame, const char* unit,
            const std::vector<std::string>& columns) {
     Output output;
@@ -74,7 +74,7 @@ class List {
     output.of = of.name;
     output.first = values_;
     values_ += output.columns.size();
-    // A body and a joint of one name: the second has its group before it.
+    // If a body and a joint have the same name, the second one is prefixed by its group.
     for (Output::Column& column : output.columns)
       while (!names_.insert(column.name).second) column.name = std::string(of.group) + "." + column.name;
     outputs.push_back(std::move(output));
@@ -134,7 +134,7 @@ class List {
     add(Kind::kContactDissipated, of, "dissipated", "dissipated", "", "J", {"dissipated"});
   }
 
-  // Numbered as State::elements are.
+  // Adds elements, numbered like State::elements.
   void add_elements() {
     std::size_t number = 0;
     const auto finish = [this](const Subject& of) {
@@ -230,7 +230,7 @@ class List {
   std::set<std::string> names_{"tick", "t", "events"};
 };
 
-// * stands for any characters, none included.
+// Matches a text; * stands for any characters, or for none.
 bool matches_text(std::string_view pattern, std::string_view text) {
   std::size_t p = 0, t = 0, star = std::string_view::npos, resume = 0;
   while (t < text.size()) {
@@ -238,7 +238,8 @@ bool matches_text(std::string_view pattern, std::string_view text) {
       star = p++;
       resume = t;
     } else if (p < pattern.size() && pattern[p] == text[t]) {
-      ++p, ++t;
+      ++p;
+      ++t;
     } else if (star != std::string_view::npos) {
       p = star + 1;
       t = ++resume;
@@ -251,7 +252,7 @@ bool matches_text(std::string_view pattern, std::string_view text) {
 
 std::string_view without_group(const std::string& name) { return std::string_view(name).substr(name.find('.') + 1); }
 
-// Ticks or a rate in Hz.
+// Reads ticks, or a rate in Hz.
 std::int64_t parse_every(const std::string& item, std::string_view text, double dt) {
   const bool timed = text.ends_with("Hz");
   if (timed) text.remove_suffix(2);

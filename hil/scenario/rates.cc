@@ -5,14 +5,14 @@
 namespace unlatch::hil {
 namespace {
 
-// Places of the values of each sensor, in the order of the model.
+// Index of the first value of each sensor, in the order of the model.
 std::vector<std::int32_t> find_first_values(const Model& model) {
   std::vector<std::int32_t> first{0};
   for (const Sensor& sensor : model.sensors) first.push_back(first.back() + sensor_width(sensor.kind));
   return first;
 }
 
-// All places below `count` that no part has.
+// All indices below `count` that are in no part.
 std::vector<std::int32_t> find_rest(const auto& parts, std::size_t count) {
   std::vector<bool> taken(count, false);
   for (const auto& part : parts) {
@@ -65,7 +65,7 @@ SampleAndHold::SampleAndHold(const Model& model, const Rates& rates, std::span<c
 
 void SampleAndHold::renew(const std::vector<Part>& parts, std::int64_t tick, std::span<const double> from,
                           std::span<double> to) noexcept {
-  if (parts.size() == 1) {  // no groups: the rest is all of them
+  if (parts.size() == 1) {  // without groups the rest is all of them
     std::copy(from.begin(), from.end(), to.begin());
     return;
   }

@@ -1,11 +1,12 @@
-// Rates: channels, sensors and States that are not renewed at every tick. A group of channels is latched, a group of
-// sensors sampled, and the States are sent at the ticks k with k mod every = phase; in between channels and sensors
-// hold. Each channel and sensor is in one group at most, so the order of groups, that of the file, decides nothing.
+// Rates: channels, sensors and States that are updated at some ticks only. A group of channels is latched, a group of
+// sensors sampled, and the States are sent at the ticks k with k mod every = phase; in between, channels and sensors
+// hold their values. Each channel and sensor is in one group at most, so the order of groups, that of the file, has no
+// effect.
 //
 //   before the step of tick k   channels whose group is due take their commanded values
 //   after the step to tick k    sensors whose group is due take new values; then the State goes out, if it is due
 //
-// All of it is decided by the tick alone, so a replay does the same.
+// The tick alone decides all of it, so a replay does the same.
 #pragma once
 
 #include <cstdint>
@@ -33,22 +34,22 @@ struct Rates {
   Rate states;
 };
 
-// A plan's hash, and of what is held when: two models with one hash have the same states from the same inputs. Without
-// groups it is the plan's. When States are sent decides no state.
+// Hash of the plan and of the rates of channels and sensors: two models with one hash have the same states from the
+// same inputs. Without groups it is the plan's hash. The rate of States has no influence on states and is left out.
 std::uint64_t calc_hash(const Rates& rates, std::uint64_t plan_hash) noexcept;
 
-// Rates compiled for a model: what is held, and when it is renewed. Only the constructor allocates.
+// Rates compiled for a model: the held values, and the ticks of their updates. Only the constructor allocates.
 class SampleAndHold {
  public:
   SampleAndHold(const Model& model, const Rates& rates, std::span<const double> channels,
                 std::span<const double> sensors);
 
-  // Before the step of `tick`; what is not in a group is taken always.
+  // Latches channels before the step of `tick`; those without a group are latched at every tick.
   void latch(std::int64_t tick, std::span<const double> commanded) noexcept;
-  // The state is that of `tick` now.
+  // Samples sensors of the state of `tick`.
   void sample(std::int64_t tick, std::span<const double> measured) noexcept;
 
-  // The values held, as get_channels() and get_sensors() gave them at another time.
+  // Restores held values that get_channels() and get_sensors() returned earlier.
   void restore(std::span<const double> channels, std::span<const double> sensors) noexcept;
 
   [[nodiscard]] std::span<const double> get_channels() const noexcept { return channels_; }

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "hil/scenario/index.h"
+
 namespace unlatch::hil {
 namespace {
 
 using Measure = Requirement::Measure;
 
-// The earliest time at which a condition can hold, s: of those on time alone; any other might hold at the start.
+// Earliest time at which a condition can be true, s: for conditions on time alone; any other may be true at the start.
 double calc_earliest(const Condition& condition) {
   double time = condition.kind == Condition::Kind::kAny ? std::numeric_limits<double>::infinity() : 0;
   switch (condition.kind) {
@@ -31,15 +33,8 @@ std::string to_text(double value) {
   return text;
 }
 
-// Rows that some mode of a joint holds.
-RowSet list_held(const Joint& joint) {
-  RowSet rows = 0;
-  for (const JointMode& mode : joint.modes) rows = static_cast<RowSet>(rows | mode.rows);
-  return rows;
-}
-
 bool holds(const Requirement& requirement, const Model& model) {
-  const RowSet rows = list_held(model.joints[static_cast<std::size_t>(requirement.a)]);
+  const RowSet rows = list_held_rows(model.joints[static_cast<std::size_t>(requirement.a)]);
   if (requirement.axis >= 0) return has_row(rows, requirement.axis);
   return (rows & (requirement.axis == Requirement::kForce ? kPointRows : kRotationRows)) != 0;
 }
@@ -78,7 +73,8 @@ std::vector<RequirementProblem> find_problems(const Scenario& scenario) {
 
 namespace {
 
-// Its value is never below 0. A clearance may be, once it is signed; the time from one event to another as well.
+// Returns true if the value is never below 0. A signed clearance may be below 0, and so may the time between two
+// events.
 bool is_size(const Requirement& requirement) {
   if (requirement.take == Requirement::Take::kPeak) return true;
   switch (requirement.quantity) {

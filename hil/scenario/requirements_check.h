@@ -1,4 +1,4 @@
-// Requirements that no run of a scenario can evaluate, told before it runs.
+// Requirements that no run of a scenario can evaluate, reported before it runs.
 #pragma once
 
 #include <string>
@@ -13,12 +13,12 @@ struct RequirementProblem {
   std::string what, mend;
 };
 
-// Events that are left out, that cannot occur before the end of the run, or before the beginning of their own interval;
-// rows that no mode of their joint holds.
+// Finds events that are disabled, that cannot occur before the end of the run, or before the beginning of their own
+// interval, and rows that no mode of their joint holds.
 std::vector<RequirementProblem> find_problems(const Scenario& scenario);
 
-// Limits that every run keeps: sizes, absolute values and times that shall be at least 0 or less, angles between axes
-// that shall be at most pi.
+// Finds limits that every run meets: a lower limit of 0 or less for sizes, absolute values and times, an upper limit of
+// pi for angles between axes.
 std::vector<RequirementProblem> find_trivial(const Scenario& scenario);
 
 }  // namespace unlatch::hil

@@ -37,7 +37,7 @@ Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::st
   return scenario;
 }
 
-// A scenario's files, read and put together once, for readings that differ in their overrides.
+// Files of a scenario, read and joined once, for readings that differ in their overrides.
 struct Files {
   Files(ScenarioSources sources_in, const std::string& file_in)
       : file(file_in), sources(std::move(sources_in)), mistakes(file, {}), root(build_tree(sources, file, mistakes)) {}
@@ -77,11 +77,11 @@ std::set<std::string> list_mistakes(const Files& files, const std::vector<std::s
   return found;
 }
 
-// An override may make a line wrong that is sound without it: constants.gap=-0.2, and a length that uses gap. Such
-// mistakes are the override's: the first without which they do not appear.
+// Attributes mistakes to overrides. An override may make a line wrong that is correct without it: constants.gap=-0.2,
+// and a length that uses gap. Such a mistake belongs to the first override without which it disappears.
 void blame_overrides(const Files& files, const std::vector<std::string>& overrides,
                      std::vector<ScenarioMistake>& mistakes) {
-  constexpr std::size_t kTried = 64;  // overrides: each is one more reading
+  constexpr std::size_t kTried = 64;  // overrides: each costs one more reading
   const auto is_blamed = [](const ScenarioMistake& mistake) { return !mistake.override_text.empty(); };
   for (std::size_t i = 0; i < std::min(kTried, overrides.size()); ++i) {
     if (std::ranges::all_of(mistakes, is_blamed)) return;
@@ -126,7 +126,7 @@ Scenario load_scenario_text(const std::string& text, const std::string& file,
 ScenarioTree::ScenarioTree(const std::string& path, const std::vector<std::string>& overrides)
     : ScenarioTree(open_sources(path), get_shown_name(path), overrides) {}
 
-// The first reading tells all mistakes, and takes all files of the scenario into memory.
+// The first reading reports all mistakes, and reads all files of the scenario into memory.
 ScenarioTree::ScenarioTree(const ScenarioSources& sources, const std::string& file,
                            const std::vector<std::string>& overrides)
     : nominal_(load_sources(sources, file, overrides)),
@@ -199,7 +199,7 @@ void ScenarioReader::read(const YamlNode& root) {
   report_physics();
 }
 
-// Each may name those before it.
+// Each constant may use those before it.
 void ScenarioReader::read_constants(YamlMap& top) {
   for_each_named(top, "constants", "constant", [&](const std::string& name, const YamlNode& node) {
     if (name.find('-') != std::string::npos || is_reserved_name(name))
@@ -294,7 +294,7 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
   map.finish();
 }
 
-// Mistakes that the kernel finds in the physics, with their positions in the text.
+// Reports mistakes that the kernel finds in the physics, with their places in the text.
 void ScenarioReader::report_physics() {
   for (const Joint& joint : model_.joints)
     for (const int body : {joint.base, joint.follower})
@@ -317,7 +317,7 @@ void ScenarioReader::for_each_named(YamlMap& top, const std::string& section, co
   YamlMap map(*node, section, mistakes_);
   for (std::size_t i = 0; i < node->keys.size(); ++i) {
     const YamlKey& key = node->keys[i];
-    if (node->find(key.text) != &node->items[i]) continue;  // a duplicate: finish() says so
+    if (node->find(key.text) != &node->items[i]) continue;  // duplicate: finish() reports it
     map.find(key.text);
     if (!is_name(key.text) || key.text == "ground")
       mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a " + kind,

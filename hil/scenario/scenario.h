@@ -1,5 +1,5 @@
-// A scenario: the model, how to step it, who must answer, what to watch, read from a YAML file. The language is
-// described in hil/scenarios/README.md.
+// A scenario: the model, its time step, the required flight software, and the watched quantities, read from a YAML
+// file. hil/scenarios/README.md describes the language.
 #pragma once
 
 #include <map>
@@ -21,7 +21,7 @@
 
 namespace unlatch::hil {
 
-// The flight software that must answer, and what happens when it does not.
+// Required flight software, and the policy if it does not answer.
 struct FlightSoftware {
   std::vector<std::string> required;  // names of participants
   double timeout = 0.25;              // s of wall time without an answer
@@ -31,13 +31,13 @@ struct FlightSoftware {
   double horizon = 60;                // s of simulated time from the present tick to the last one accepted of a command
   int queue = 16384;                  // commands of a required participant that may wait for their tick
   // kHold: channels keep their last values; kZero: they go to 0, or to the nearest value of their range; kSafe: to
-  // their safe values; kPause: the run waits; kAbort: the run ends; kEvict: as kHold, and the participant may not come
-  // back.
+  // their safe values; kPause: the run waits; kAbort: the run ends; kEvict: as kHold, and the participant may not
+  // return.
   Policy policy = Policy::kHold;
 };
 extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy
 
-// A point of a body whose path is drawn and plotted. It decides nothing.
+// A point of a body whose path is drawn and plotted. It does not influence the run.
 struct TracedPoint {
   std::string name;
   int body = 0;
@@ -45,43 +45,43 @@ struct TracedPoint {
   int seen_from = kGround;                         // the path is in the axes of this body; the ground: W
 };
 
-// A change made on reading, or a fact that the user should know; no mistake. `where`: a key of Scenario::marks.
+// A change made on reading, or a fact for the user; no mistake. `where`: a key of Scenario::marks.
 struct Remark {
   std::string where, text;
-  std::string kind = "modes";  // of the finding that `check` tells
+  std::string kind = "modes";  // kind of the finding that `check` reports
 };
 
-// A name for a number in expressions.
+// A named number for expressions.
 struct NamedConstant {
   std::string name;
   Quantity value;
 };
 
 struct Scenario {
-  std::string file;                    // as given to the loader, for messages
-  std::string text;                    // of the file and those that it includes: with `overrides` it makes this again
-  std::vector<std::string> files;      // those, by SourceMark::file
+  std::string file;  // as given to the loader, for messages
+  std::string text;  // text of the file and of those that it includes: with `overrides` it reproduces this scenario
+  std::vector<std::string> files;      // these files, by SourceMark::file
   std::vector<std::string> overrides;  // PATH=VALUE, in the order in which they were applied
   std::string name, title;
   double dt = 0, until = 0;              // s; until is a whole number of steps
   std::vector<NamedConstant> constants;  // in the order of the file, overrides applied
-  std::vector<WrittenNumber> numbers;  // of load_scenario(), not of ScenarioTree::read(); constants are not among them
+  std::vector<WrittenNumber> numbers;    // from load_scenario(), not from ScenarioTree::read(); without constants
   Model model;
   FlightSoftware flight_software;
   Rates rates;
   TimingOptions timing;
-  std::vector<std::vector<BodyShape>> shapes;  // of each body
+  std::vector<std::vector<BodyShape>> shapes;  // shapes of each body
   std::vector<ClearancePair> clearance;        // pairs whose distance is watched
   std::vector<TracedPoint> points;
   std::vector<Requirement> requirements;
-  std::vector<OutputGroup> outputs;  // what runs write down; empty: all, at every tick
+  std::vector<OutputGroup> outputs;  // outputs that runs write; empty: all, at every tick
   std::vector<Remark> remarks;
-  std::vector<std::string> springs_while_free;  // joint springs that are meant to act while their joint is free
+  std::vector<std::string> springs_while_free;  // joint springs that act intentionally while their joint is free
   std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"
 };
 
 // Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file
-// is a ScenarioError as well. A text that includes others holds them too, as Scenario::text does.
+// is a ScenarioError as well. A text that includes other files contains them too, like Scenario::text.
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides = {});
 Scenario load_scenario_text(const std::string& text, const std::string& file,
                             const std::vector<std::string>& overrides = {});

@@ -1,4 +1,4 @@
-// Bodies: mass, inertia, where they are and how they move at the start.
+// Bodies: mass, inertia, pose and velocity at the start.
 #include <Eigen/Geometry>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace unlatch::hil {
 namespace {
 
-// A quaternion this far from unit length is a mistake, nearer it is rounding and is normalised.
+// Deviation of a quaternion's length from 1: a larger one is a mistake, a smaller one is rounding and is normalised.
 constexpr double kUnitTolerance = 1e-3;
 
 Eigen::Matrix3d read_inertia(const YamlNode& node, Mistakes& mistakes) {
@@ -30,7 +30,7 @@ Eigen::Matrix3d read_inertia(const YamlNode& node, Mistakes& mistakes) {
   return inertia;
 }
 
-// One value per knot of a law: a list as long as `count`, or nothing where `missing` will do.
+// Reads one value per knot of a law: a list of `count` items, or null nodes if `missing` is acceptable.
 std::vector<const YamlNode*> read_knots(YamlMap& map, const std::string& key, std::size_t count, bool required,
                                         Mistakes& mistakes) {
   std::vector<const YamlNode*> out;
@@ -50,7 +50,7 @@ std::vector<const YamlNode*> read_knots(YamlMap& map, const std::string& key, st
 
 }  // namespace
 
-// The mass of a body over time or burnt mass: columns of a table.
+// Reads the mass of a body over time or burnt mass: columns of a table.
 MassLaw ScenarioReader::read_law(const YamlNode& node) {
   MassLaw law;
   YamlMap map(node, "a mass law", mistakes_);
@@ -84,7 +84,7 @@ void ScenarioReader::read_bodies(YamlMap& top) {
   place_bodies();
 }
 
-// Constant, by a law, or of a flexible body's file.
+// Reads the mass: constant, by a law, or from a flexible body's file.
 void ScenarioReader::read_mass(YamlMap& map, Body& body) {
   if (const YamlNode* flexible = map.find("flexible")) {
     read_flexible(*flexible, body);
@@ -99,7 +99,7 @@ void ScenarioReader::read_mass(YamlMap& map, Body& body) {
   }
 }
 
-// Of the centre of mass; of a flexible body it may be given by the origin of its modes file.
+// Reads the position of the centre of mass; for a flexible body the origin of its modes file may be given instead.
 Eigen::Vector3d ScenarioReader::read_position(YamlMap& map, const Body& body) {
   if (map.node().find("flexible") == nullptr || map.node().find("origin") == nullptr)
     return map.vector("position", "m", Eigen::Vector3d::Zero());
@@ -129,7 +129,7 @@ void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
   placements_.push_back(placement);
 }
 
-// Turns what was given relative to another body into the inertial frame, parents first.
+// Transforms poses relative to other bodies into the inertial frame, parents first.
 void ScenarioReader::place_bodies() {
   for (std::size_t i = 0; i < placements_.size(); ++i)
     if (const YamlNode* parent = placements_[i].relative_to) {
@@ -159,8 +159,8 @@ void ScenarioReader::place_bodies() {
   report_circles();
 }
 
-// Bodies that could not be placed are part of a circle of relative_to, or hangs on one. Each circle is reported once,
-// at its first body.
+// Reports bodies that could not be placed: they are part of a circle of relative_to, or depend on one. Each circle is
+// reported once, at its first body.
 void ScenarioReader::report_circles() {
   std::vector<bool> seen(placements_.size(), false);
   for (std::size_t i = 0; i < placements_.size(); ++i) {
@@ -203,7 +203,7 @@ Eigen::Quaterniond ScenarioReader::read_attitude(const YamlNode& node) {
     const int axis = read_choice(item.items[0], "axis", axis_names(), mistakes_);
     const double angle = read_number(item.items[1], "rad", 0.0, mistakes_);
     if (axis < 0) continue;
-    double sine, cosine;  // not the C library's, whose bits depend on the processor
+    double sine, cosine;  // not the C library's functions, whose bits depend on the processor
     elementary::sincos(0.5 * angle, sine, cosine);
     Eigen::Quaterniond turn(cosine, 0, 0, 0);
     turn.vec()[axis] = sine;
@@ -213,9 +213,9 @@ Eigen::Quaterniond ScenarioReader::read_attitude(const YamlNode& node) {
   return q.normalized();
 }
 
-// Two or three perpendicular axes make a right-handed frame.
+// Reads two or three perpendicular axes as a right-handed frame.
 Eigen::Matrix3d ScenarioReader::read_frame(const YamlNode& node) {
-  constexpr double kRightAngle = 1e-9;  // rad; what is less exact is not rounding but a mistake
+  constexpr double kRightAngle = 1e-9;  // rad; a larger deviation is not rounding but a mistake
   const std::size_t before = mistakes_.count();
   YamlMap map(node, "a frame", mistakes_);
   Eigen::Matrix3d frame = Eigen::Matrix3d::Zero();

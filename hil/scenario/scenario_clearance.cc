@@ -1,4 +1,4 @@
-// Pairs of bodies, groups and shapes whose clearance is watched.
+// Watched pairs of bodies, groups and shapes.
 #include <algorithm>
 
 #include "hil/scenario/scenario_reader.h"
@@ -10,18 +10,14 @@ bool is_same_pair(const ClearancePair& x, const ClearancePair& y) {
   return (x.a.name == y.a.name && x.b.name == y.b.name) || (x.a.name == y.b.name && x.b.name == y.a.name);
 }
 
-// Meshes have one from everything.
+// Returns true if the kernel or a mesh gives a distance; meshes have one from every shape.
 bool has_distance(const BodyShape& a, const BodyShape& b) {
   return a.mesh || b.mesh || geometry::has_distance(a.shape.kind, b.shape.kind);
 }
 
 bool has(const ShapeSet& set, int shape) { return std::binary_search(set.shapes.begin(), set.shapes.end(), shape); }
 
-bool is_left_out(const ClearancePair& pair, int a, int b) {
-  return std::find(pair.except.begin(), pair.except.end(), std::pair(a, b)) != pair.except.end();
-}
-
-// Leaves out of a pair what is in both. False: nothing is.
+// Excepts shapes from a pair that are in both sets. False: there are none.
 bool leave_out(ClearancePair& pair, const ShapeSet& a, const ShapeSet& b) {
   bool found = false;
   const auto add = [&](const ShapeSet& first, const ShapeSet& second) {
@@ -30,7 +26,7 @@ bool leave_out(ClearancePair& pair, const ShapeSet& a, const ShapeSet& b) {
       for (const int k : second.shapes)
         if (has(pair.a, i) && has(pair.b, k)) {
           found = true;
-          if (!is_left_out(pair, i, k)) pair.except.emplace_back(i, k);
+          if (!pair.is_excepted(i, k)) pair.except.emplace_back(i, k);
         }
   };
   add(a, b);
@@ -47,7 +43,7 @@ ShapeSet ScenarioReader::get_shapes_of(int body) const {
   return set;
 }
 
-// "core", "core.skirt".
+// Reads "core", "core.skirt".
 std::optional<ShapeSet> ScenarioReader::read_shape_set(const YamlNode& node) {
   if (!node.is_scalar()) {
     mistakes_.add(node.mark, "not a body or a shape", "write core, or core.skirt: a body, or its shape or group");
@@ -99,7 +95,7 @@ std::optional<ClearancePair> ScenarioReader::read_shape_pair(const YamlNode& nod
   return {};
 }
 
-// Pairs of shapes that have a distance and are not left out.
+// Number of pairs of shapes that have a distance and are not excepted.
 std::size_t ScenarioReader::count_distances(const ClearancePair& pair) const {
   const auto get_shape = [&](int body, int shape) -> const BodyShape& {
     return scenario_.shapes[static_cast<std::size_t>(body)][static_cast<std::size_t>(shape)];
@@ -107,7 +103,7 @@ std::size_t ScenarioReader::count_distances(const ClearancePair& pair) const {
   std::size_t count = 0;
   for (const int i : pair.a.shapes)
     for (const int k : pair.b.shapes)
-      if (!is_left_out(pair, i, k) && has_distance(get_shape(pair.a.body, i), get_shape(pair.b.body, k))) ++count;
+      if (!pair.is_excepted(i, k) && has_distance(get_shape(pair.a.body, i), get_shape(pair.b.body, k))) ++count;
   return count;
 }
 
@@ -123,7 +119,7 @@ void ScenarioReader::tell_undefined(const ClearancePair& pair) {
                                "clearance"});
 }
 
-// A pair that was named before is that pair, with what it leaves out.
+// Adds a pair, or returns the same pair if it was named before with the same exceptions.
 int ScenarioReader::watch(const ClearancePair& pair) {
   std::vector<ClearancePair>& pairs = scenario_.clearance;
   const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const auto& p) { return is_same_pair(p, pair); });
@@ -133,7 +129,7 @@ int ScenarioReader::watch(const ClearancePair& pair) {
   return static_cast<int>(pairs.size()) - 1;
 }
 
-// Pairs of bodies with shapes; those that have no distance are told.
+// Lists pairs of bodies with shapes; reports those without a distance.
 std::vector<ClearancePair> ScenarioReader::list_all_pairs() {
   std::vector<ClearancePair> pairs;
   const int count = static_cast<int>(bodies_.size());
@@ -150,7 +146,7 @@ std::vector<ClearancePair> ScenarioReader::list_all_pairs() {
   return pairs;
 }
 
-// `{between: [core, booster1], except: [[core.socket, booster1.nose]]}`; between may be `all`.
+// Reads `{between: [core, booster1], except: [[core.socket, booster1.nose]]}`; between may be `all`.
 std::vector<ClearancePair> ScenarioReader::read_watched_pairs(const YamlNode& node) {
   std::vector<ClearancePair> pairs;
   const auto read_between = [&](const YamlNode& between) {
@@ -170,7 +166,7 @@ std::vector<ClearancePair> ScenarioReader::read_watched_pairs(const YamlNode& no
   return pairs;
 }
 
-// Pairs of shapes or groups that `pairs` leave out.
+// Reads the pairs of shapes or groups that `pairs` leave out.
 void ScenarioReader::read_exceptions(const YamlNode& node, std::vector<ClearancePair>& pairs) {
   if (!node.is_sequence())
     mistakes_.add(node.mark, "except is not a list of pairs", "write [[core.socket, booster1.nose]]");

@@ -1,11 +1,11 @@
-// Contacts: pairs of shapes that push each other, and the surfaces of the model that they, conditions and sensors name.
+// Contacts: pairs of shapes that push each other, and the model's surfaces that contacts, conditions and sensors name.
 #include <algorithm>
 
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
 
-// Shapes that the step computes distances of.
+// Reads a pair of shapes for which the step computes distances.
 std::optional<ClearancePair> ScenarioReader::read_surface_pair(const YamlNode& node) {
   std::optional<ClearancePair> pair = read_shape_pair(node);
   if (!pair) return pair;
@@ -23,7 +23,7 @@ std::optional<ClearancePair> ScenarioReader::read_surface_pair(const YamlNode& n
   return pair;
 }
 
-// The shapes of a set are one surface of the model, whoever names them.
+// Number of the model's surface of these shapes; all users of the same set share one surface.
 int ScenarioReader::find_surface(const ShapeSet& set) {
   std::vector<Surface>& surfaces = model_.surfaces;
   const auto found =
@@ -81,7 +81,7 @@ void ScenarioReader::read_contact(const std::string& name, const YamlNode& node)
   model_.contacts.push_back(std::move(contact));
 }
 
-// Touch and lift of each contact are events like any other, after those of the scenario.
+// Adds touch and lift of each contact as ordinary events, after those of the scenario.
 void ScenarioReader::add_touches() {
   const std::size_t first = model_.events.size();
   add_contact_events(model_);

@@ -5,8 +5,8 @@
 
 namespace unlatch::hil {
 
-// A channel's unit is text for people; where it is one of SI, numbers of the channel may be given in others of its
-// kind.
+// SI unit of a channel. A channel's unit is text for people; if it is an SI unit, the channel's numbers may be given in
+// other units of its kind.
 std::string get_si(const Channel& channel) {
   static const std::vector<std::string> kUnits{"m", "kg", "s", "rad", "m/s", "rad/s", "N", "N m", "N/m", "m/s2"};
   return std::find(kUnits.begin(), kUnits.end(), channel.unit) == kUnits.end() ? "" : channel.unit;
@@ -33,7 +33,7 @@ void ScenarioReader::read_channels(YamlMap& top) {
   });
 }
 
-// Signals are those listed, and after them those that events raise.
+// Reads signals: the listed ones, and after them those that events raise.
 void ScenarioReader::read_signals(YamlMap& top) {
   std::vector<std::string>& signals = model_.signals;
   if (const YamlNode* node = top.find("signals")) {
@@ -81,7 +81,7 @@ void ScenarioReader::read_element(const std::string& name, const YamlNode& node)
                                                "plane_torsion", "pusher", "cord",   "joint_friction"};
   YamlMap map(node, "element '" + name + "'", mistakes_);
   const int type = map.choice("type", "element type", kTypes);
-  if (type < 0) return;  // which keys are right depends on it
+  if (type < 0) return;  // the valid keys depend on the type
   Load load;
   load.name = name;
   load.kind = type == 2 ? Load::Kind::kTorque : Load::Kind::kForce;
@@ -157,7 +157,7 @@ void ScenarioReader::read_plane_torsion(YamlMap& map, PlaneTorsion torsion) {
   model_.plane_torsions.push_back(std::move(torsion));
 }
 
-// A number alone is constant.
+// Reads a profile. A number alone is constant.
 Profile ScenarioReader::read_profile(const YamlNode& node, const std::string& unit) {
   Profile profile;
   if (node.is_scalar()) {

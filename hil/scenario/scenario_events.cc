@@ -1,4 +1,4 @@
-// Sensors, and events: when something happens, and what then.
+// Sensors, and events: their conditions and their actions.
 #include <algorithm>
 
 #include "hil/scenario/scenario_reader.h"
@@ -6,14 +6,14 @@
 namespace unlatch::hil {
 namespace {
 
-// x, y, z are the axes of turning as well as rot_x, rot_y, rot_z.
+// Reads an axis of rotation: x, y, z are accepted as well as rot_x, rot_y, rot_z.
 int read_angle_axis(YamlMap& map) {
   static const std::vector<std::string> kNames{"rot_x", "rot_y", "rot_z", "x", "y", "z"};
   const int axis = map.choice("axis", "axis", kNames);
   return axis < 0 ? kRotX : kRotX + axis % 3;
 }
 
-// An index for the model; what was not found has been reported already.
+// Index for the model; a name that was not found has been reported already.
 int or_first(int index) { return std::max(index, 0); }
 
 }  // namespace
@@ -29,7 +29,7 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
                                                "speed",          "distance"};  // in the order of Sensor::Kind
   YamlMap map(node, "sensor '" + name + "'", mistakes_);
   const int type = map.choice("type", "sensor type", kTypes);
-  if (type < 0) return;  // which keys are right depends on it
+  if (type < 0) return;  // the valid keys depend on the type
   Sensor sensor;
   sensor.name = name;
   using Kind = Sensor::Kind;
@@ -41,7 +41,10 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
   if (sensor.kind == Kind::kDistance) {
     const YamlNode* const between = map.require("between");
     const std::optional<ClearancePair> pair = between ? read_surface_pair(*between) : std::nullopt;
-    if (pair) sensor.subject = find_surface(pair->a), sensor.other = find_surface(pair->b);
+    if (pair) {
+      sensor.subject = find_surface(pair->a);
+      sensor.other = find_surface(pair->b);
+    }
   } else if (sensor.kind >= Kind::kReaction) {
     sensor.subject = map.choice("joint", "joint", joints_);
   }
@@ -116,7 +119,10 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
     const std::optional<ClearancePair> pair = between ? read_surface_pair(*between) : std::nullopt;
     inner.finish();
     condition.kind = Kind::kDistance;
-    if (pair) condition.subject = find_surface(pair->a), condition.axis = find_surface(pair->b);
+    if (pair) {
+      condition.subject = find_surface(pair->a);
+      condition.axis = find_surface(pair->b);
+    }
     read_threshold(map, "m", condition);
   } else if (kind == "body_rate") {
     condition.kind = Kind::kBodyRate;
@@ -206,7 +212,7 @@ void ScenarioReader::read_threshold(YamlMap& map, const std::string& unit, Condi
 
 // --- Actions --------------------------------------------------------------------------------------------------------
 
-// The number of a mode of that joint; what is unknown of a joint that has mistakes of its own is not reported again.
+// Number of a mode of that joint; an unknown mode of a joint that has mistakes itself is not reported again.
 int ScenarioReader::read_mode_of(YamlMap& map, const std::string& key, int joint) {
   const YamlNode* node = map.require(key);
   if (!node || joint < 0) return 0;

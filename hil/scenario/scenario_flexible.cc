@@ -1,4 +1,4 @@
-// Flexible bodies, whose modes come from a file beside the scenario (MODES.md), and the markers that they carry.
+// Flexible bodies, whose modes come from a file beside the scenario (MODES.md), and their markers.
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -10,10 +10,10 @@ namespace unlatch::hil {
 
 namespace {
 
-// Beyond what lumped masses and printed digits do to modes.
+// Larger changes than those caused by lumped masses and printed digits.
 constexpr double kChanged = 1e-3;
 
-// The changes that conditioning made to the modes; empty if there are none.
+// Description of the changes that conditioning made to the modes; empty if there are none.
 std::string describe_changes(const FlexibleReport& report) {
   char line[200];
   const bool is_off = report.found_gram > kChanged || report.found_momentum > kChanged;
@@ -34,7 +34,7 @@ std::string describe_changes(const FlexibleReport& report) {
 
 }  // namespace
 
-// {modes: FILE, select: [1, 4, 5], damping: 0.01 or one for each}
+// Reads {modes: FILE, select: [1, 4, 5], damping: 0.01 or one for each}.
 void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
   YamlMap map(node, "a flexible body", mistakes_);
   const YamlNode* file = map.require("modes");
@@ -72,7 +72,7 @@ void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
   }
 }
 
-// {of: BODY, at: NAME}: a frame of the modes file. The flexible body stands above it.
+// Reads {of: BODY, at: NAME}: a frame of the modes file. The flexible body precedes it in the scenario.
 void ScenarioReader::read_marker(const YamlNode& node, Body& body) {
   YamlMap map(node, "a marker", mistakes_);
   const int of = map.choice("of", "body", bodies_);

@@ -1,4 +1,4 @@
-// Joints: what they connect, their frames, and the rows that hold in each mode.
+// Joints: their bodies, their frames, and the rows that each mode holds.
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
@@ -40,7 +40,7 @@ void ScenarioReader::read_joint(const std::string& name, const YamlNode& node) {
   model_.joints.push_back(std::move(joint));
 }
 
-// `between: [base, follower]`; the base may be the ground.
+// Reads `between: [base, follower]`; the base may be the ground.
 void ScenarioReader::read_between(YamlMap& map, int& base, int& follower) {
   base = follower = kNone;
   const YamlNode* between = map.require("between");
@@ -62,7 +62,7 @@ void ScenarioReader::read_modes(const YamlNode& node, Joint& joint) {
   YamlMap map(node, "modes", mistakes_);
   for (std::size_t i = 0; i < node.keys.size(); ++i) {
     const YamlKey& key = node.keys[i];
-    if (node.find(key.text) != &node.items[i]) continue;  // a duplicate: finish() says so
+    if (node.find(key.text) != &node.items[i]) continue;  // duplicate: finish() reports it
     map.find(key.text);
     if (!is_name(key.text))
       mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a mode", describe_name_rule(key.text));
@@ -89,7 +89,7 @@ RowSet ScenarioReader::read_rows(const YamlNode& node) {
   return rows;
 }
 
-// The common joints by name. `axis` is the axis about which they turn, along which they slide, or the plane's normal.
+// Rows of the common joints, by name. `axis`: axis of rotation or sliding, or the normal of a plane.
 RowSet ScenarioReader::read_joint_kind(YamlMap& mode, Joint& joint) {
   static const std::vector<std::string> kKinds{"free",        "ball",   "weld",      "revolute",       "prismatic",
                                                "cylindrical", "planar", "universal", "revolute_slider"};

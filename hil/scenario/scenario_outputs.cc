@@ -1,4 +1,4 @@
-// Outputs: names of what a run writes down, and how often.
+// Outputs: names of the quantities that a run writes, and their rates.
 #include "hil/scenario/outputs.h"
 #include "hil/scenario/scenario_reader.h"
 
@@ -43,7 +43,8 @@ void ScenarioReader::read_output_group(const YamlNode& node, const std::vector<O
   scenario_.outputs.push_back(std::move(group));
 }
 
-// A name that is none is a mistake; a pattern with * that selects nothing here is a remark, since a template may.
+// Reads a pattern. A wrong name is a mistake; a pattern with * that selects nothing here is a remark, since templates
+// may contain it.
 void ScenarioReader::read_output_pattern(const YamlNode& node, const std::vector<Output>& known,
                                          const std::string& where, OutputGroup& group) {
   const std::string pattern = read_text(node, mistakes_);

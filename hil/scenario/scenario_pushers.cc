@@ -1,11 +1,11 @@
-// One-sided elements: pushers, cords, stops; friction in joints; and events that come with them.
+// One-sided elements: pushers, cords, stops; friction in joints; and the events that belong to them.
 #include <algorithm>
 
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
 
-// Between two points, or along an axis of a joint. Returns true if it is about an angle.
+// Reads a line between two points, or along an axis of a joint. Returns true if its coordinate is an angle.
 bool ScenarioReader::read_line(YamlMap& map, OneSided& force) {
   if (map.only_one_of({"between", "joint"}, "its two ends") == "joint") {
     force.joint = map.choice("joint", "joint", joints_);
@@ -72,7 +72,7 @@ void ScenarioReader::read_cord(YamlMap& map, OneSided force) {
     part.when.kind = Condition::Kind::kOneSidedForce;
     part.when.subject = static_cast<int>(model_.one_sided.size());
     part.when.threshold = map.number("parts_at", "N");
-    part.then = {{.kind = Action::Kind::kSwitch, .subject = part.when.subject}};  // numbered by append_events()
+    part.then = {{.kind = Action::Kind::kSwitch, .subject = part.when.subject}};  // append_events() numbers it
     cord_events_.push_back(std::move(part));
   }
   if (wraps) read_drum(*wraps, force);
@@ -102,7 +102,7 @@ void ScenarioReader::read_drum(const YamlNode& node, OneSided& cord) {
   release.name = "release";
   if (radial) release.when.kind = Condition::Kind::kBearing;
   release.repeat = release.crossing = false;
-  release.then = {{.kind = Action::Kind::kSwitch, .subject = number}};  // numbered by append_events()
+  release.then = {{.kind = Action::Kind::kSwitch, .subject = number}};  // append_events() numbers it
   cord_events_.push_back(std::move(unwound));
   if (lets_go) cord_events_.push_back(std::move(release));
   cord.drum = drum;
@@ -135,7 +135,7 @@ void ScenarioReader::read_friction(YamlMap& map, JointFriction friction) {
   model_.frictions.push_back(std::move(friction));
 }
 
-// A joint that parts at a load: an event of its own.
+// Reads a joint that separates at a load: it gets an event.
 void ScenarioReader::read_parting(const YamlNode& node, const Joint& joint, int number) {
   YamlMap map(node, "parts", mistakes_);
   Event part;
@@ -178,7 +178,7 @@ Action ScenarioReader::read_impulse(YamlMap& map) {
   return action;
 }
 
-// The number of a cord with a drum among pushers, stops and cords.
+// Number of a cord with a drum among pushers, stops and cords.
 int ScenarioReader::read_wound_cord(const YamlNode& node) {
   const int number = read_one_sided(node);
   if (static_cast<std::size_t>(number) < model_.one_sided.size() &&
@@ -187,14 +187,14 @@ int ScenarioReader::read_wound_cord(const YamlNode& node) {
   return number;
 }
 
-// The number of a pusher, stop or cord among these.
+// Number of a pusher, stop or cord among these.
 int ScenarioReader::read_one_sided(const YamlNode& node) {
   std::vector<std::string> names;
   for (const OneSided& force : model_.one_sided) names.push_back(force.name);
   return std::max(read_choice(node, "pusher, stop or cord", names, mistakes_), 0);
 }
 
-// Events that come with joints and elements, after those of the scenario.
+// Appends the events of joints and elements to those of the scenario.
 void ScenarioReader::append_events() {
   const int first = model_.element_count() - static_cast<int>(model_.one_sided.size() + model_.frictions.size());
   for (Event& event : cord_events_)

@@ -1,5 +1,5 @@
-// Inside of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are in
-// scenario_bodies.cc, scenario_clearance.cc, scenario_contacts.cc, scenario_joints.cc, scenario_elements.cc,
+// Internals of the scenario loader: one reader that fills a Scenario section by section. The parts of the language are
+// in scenario_bodies.cc, scenario_clearance.cc, scenario_contacts.cc, scenario_joints.cc, scenario_elements.cc,
 // scenario_events.cc, scenario_flexible.cc, scenario_outputs.cc, scenario_pushers.cc, scenario_requirements.cc and
 // scenario_shapes.cc.
 #pragma once
@@ -20,7 +20,7 @@ namespace unlatch::hil {
 
 class ScenarioReader {
  public:
-  // `sources`: of files that the scenario names. `like`: a reading of the same files, whose meshes are shared.
+  // `sources`: files that the scenario names. `like`: a reading of the same files, whose meshes are shared.
   ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes, const Scenario* like = nullptr);
   void read(const YamlNode& root);
 
@@ -33,7 +33,7 @@ class ScenarioReader {
   void read_timing(YamlMap& top);
   void report_physics();
 
-  // Sections, in the order in which they are read: each may name what was read before.
+  // Sections, in the order of reading: each may name items of those before it.
   void read_bodies(YamlMap& top);
   void read_channels(YamlMap& top);
   void read_signals(YamlMap& top);
@@ -69,17 +69,17 @@ class ScenarioReader {
   void read_hollow(const std::string& key, YamlMap& map, geometry::Shape& shape);
   void report_shape(const geometry::Shape& shape, const YamlNode& node);
 
-  // Pairs of shapes. Those that return nothing have noted a mistake.
+  // Pairs of shapes. Functions that return nothing have noted a mistake.
   [[nodiscard]] ShapeSet get_shapes_of(int body) const;
   std::optional<ShapeSet> read_shape_set(const YamlNode& node);
-  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);    // two names: of different bodies
-  std::optional<ClearancePair> read_surface_pair(const YamlNode& node);  // the same, for the step: without meshes
+  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);    // two names, of different bodies
+  std::optional<ClearancePair> read_surface_pair(const YamlNode& node);  // likewise, for the step: without meshes
   [[nodiscard]] std::size_t count_distances(const ClearancePair& pair) const;
   void tell_undefined(const ClearancePair& pair);
   std::vector<ClearancePair> list_all_pairs();
   std::vector<ClearancePair> read_watched_pairs(const YamlNode& node);
   void read_exceptions(const YamlNode& node, std::vector<ClearancePair>& pairs);
-  int watch(const ClearancePair& pair);  // its index in Scenario::clearance
+  int watch(const ClearancePair& pair);  // index in Scenario::clearance
 
   // Joints.
   void read_joint(const std::string& name, const YamlNode& node);
@@ -89,7 +89,7 @@ class ScenarioReader {
   void read_between(YamlMap& map, int& base, int& follower);
   Eigen::Matrix3d read_frame(const YamlNode& node);
 
-  // Elements. They are numbered by type, so they are read into their lists first and numbered afterwards.
+  // Elements. They are numbered by type, so they are first read into their lists and numbered afterwards.
   void read_element(const std::string& name, const YamlNode& node);
   void read_load(YamlMap& map, Load load);
   void read_point_spring(YamlMap& map, PointSpring spring);
@@ -100,8 +100,8 @@ class ScenarioReader {
   // Contacts.
   void read_contact(const std::string& name, const YamlNode& node);
   void add_touches();
-  int find_surface(const ShapeSet& set);  // in the model, which has it from then on
-  // Pushers, cords, stops, friction, impulses, and the events that come with some.
+  int find_surface(const ShapeSet& set);  // index in the model, to which it is added if new
+  // Pushers, cords, stops, friction, impulses, and the events that belong to some of them.
   bool read_line(YamlMap& map, OneSided& force);
   void read_pusher(YamlMap& map, OneSided force);
   void read_cord(YamlMap& map, OneSided force);
@@ -150,11 +150,11 @@ class ScenarioReader {
   void read_output_pattern(const YamlNode& node, const std::vector<Output>& known, const std::string& where,
                            OutputGroup& group);
 
-  // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and remembers its place.
+  // Calls `read_item(name, node)` for each entry of a section that maps names to entries, and stores its place.
   void for_each_named(YamlMap& top, const std::string& section, const std::string& kind,
                       const std::function<void(const std::string&, const YamlNode&)>& read_item);
-  // Runs `read_item`, remembers where `where` was written, and whether it had mistakes: then what validate() finds
-  // there is a mere consequence.
+  // Runs `read_item`, stores the place of `where`, and notes if it had mistakes: then findings of validate() there are
+  // mere consequences.
   void read_item_at(const std::string& where, const YamlNode& node, const std::function<void()>& read_item);
   bool is_flawed(const std::string& where) const { return flawed_.count(where) > 0; }
 
@@ -163,7 +163,7 @@ class ScenarioReader {
   ScenarioSources& sources_;
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
-  std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for those left out
+  std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for disabled ones
   std::vector<Event> parting_joints_, cord_events_;       // see append_events()
   std::vector<Placement> placements_;
   std::map<std::string, FlexibleStructure> structures_;  // by flexible body
@@ -172,7 +172,7 @@ class ScenarioReader {
   std::vector<std::shared_ptr<const TriangleMesh>> known_meshes_;
 };
 
-std::string get_si(const Channel& channel);    // the unit of its numbers, "" if it is none of SI's
+std::string get_si(const Channel& channel);    // unit of its numbers, "" if it is no SI unit
 const std::vector<std::string>& axis_names();  // x y z
 const std::vector<std::string>& row_names();   // x … rot_z
 

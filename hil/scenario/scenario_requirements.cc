@@ -17,8 +17,6 @@ const std::vector<std::string> kQuantities{"clearance", "rate",     "time",     
 
 const std::vector<std::string> kContactValues{"force", "depth", "slip", "impulse", "dissipated"};
 
-bool is_of_events(Measure quantity) { return quantity == Measure::kTime || quantity == Measure::kOrder; }
-
 }  // namespace
 
 void ScenarioReader::read_requirements(YamlMap& top) {
@@ -40,7 +38,7 @@ void ScenarioReader::read_requirement(const YamlNode& node) {
     const std::string kind = map.only_one_of(kQuantities, "a quantity");
     if (!kind.empty()) {
       requirement.quantity = static_cast<Measure>(std::find(kQuantities.begin(), kQuantities.end(), kind) -
-                                                  kQuantities.begin());  // the same order
+                                                  kQuantities.begin());  // in the same order
       read_requirement_quantity(*map.find(kind), kind, requirement);
       requirement.unit = get_unit(requirement, model_);
     }
@@ -97,8 +95,9 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
 void ScenarioReader::read_requirement_clearance(const YamlNode& node, Requirement& to) {
   const std::optional<ClearancePair> pair = read_shape_pair(node);
   if (!pair) return;
-  to.a = pair->a.body, to.b = pair->b.body;
-  to.pair = watch(*pair);  // which is then watched and reported as well
+  to.a = pair->a.body;
+  to.b = pair->b.body;
+  to.pair = watch(*pair);  // from then on the pair is watched and reported
   to.pair_name = pair->a.name + " – " + pair->b.name;
 }
 
@@ -199,7 +198,7 @@ void ScenarioReader::read_requirement_interval(YamlMap& map, Requirement& to) {
   if (until) to.to = read_event_name(*until);
   if (at && (from || until)) mistakes_.add(at->mark, "an instant and an interval", "write either at, or from and to");
   for (const YamlNode* key : {at, from, until})
-    if (key && is_of_events(to.quantity))
+    if (key && to.is_of_events())
       mistakes_.add(key->mark, "an interval of a time", "leave it out: the events say when");
 }
 
@@ -217,7 +216,8 @@ void ScenarioReader::read_requirement_limit(YamlMap& map, Requirement& to) {
     const std::vector<double> range = read_numbers(*map.find("range"), 2, to.unit, mistakes_);
     to.take = Take::kBoth;
     if (range.size() == 2) {
-      to.least = range[0], to.most = range[1];
+      to.least = range[0];
+      to.most = range[1];
       if (!(to.least <= to.most))
         mistakes_.add(map.find("range")->mark, "a range without room", "write [smallest, greatest]");
     }
@@ -225,8 +225,7 @@ void ScenarioReader::read_requirement_limit(YamlMap& map, Requirement& to) {
   if (!take) return;
   const int choice = read_choice(*take, "way to take the value", kTakes, mistakes_);
   if (choice >= 0) to.take = static_cast<Take>(choice);
-  if (to.at.is_named() || is_of_events(to.quantity))
-    mistakes_.add(take->mark, "there is one value only", "leave take out");
+  if (to.at.is_named() || to.is_of_events()) mistakes_.add(take->mark, "there is one value only", "leave take out");
 }
 
 // --- Words ----------------------------------------------------------------------------------------------------------

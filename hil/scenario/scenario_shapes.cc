@@ -11,7 +11,7 @@ namespace {
 using geometry::Shape;
 using geometry::ShapeKind;
 
-// Kinds of shapes as scenarios call them.
+// Kinds of shapes by their names in scenarios.
 struct KindOfShape {
   const char* key;
   ShapeKind kind;
@@ -32,7 +32,7 @@ constexpr KindOfShape kKinds[] = {
 
 constexpr const char* kMesh = "mesh";
 
-// The key of a scenario in which a member of Shape was written.
+// Keys of a scenario that set a member of Shape.
 std::vector<std::string> list_keys(const std::string& member) {
   if (member == "from") return {"from", "centre", "point"};
   if (member == "to") return {"to", "axis"};
@@ -73,7 +73,7 @@ BodyShape ScenarioReader::read_body_shape(const YamlNode& node) {
   return out;
 }
 
-// {file: part.stl, scale: 1 mm, origin: [x, y, z], attitude: …}. Null: a mistake has been noted.
+// Reads {file: part.stl, scale: 1 mm, origin: [x, y, z], attitude: …}. Null: a mistake has been noted.
 std::shared_ptr<const TriangleMesh> ScenarioReader::read_mesh_shape(const YamlNode& node) {
   YamlMap map(node, kMesh, mistakes_);
   const YamlNode* file = map.require("file");
@@ -154,7 +154,7 @@ Shape ScenarioReader::read_shape(const std::string& key, const YamlNode& node) {
   return shape;
 }
 
-// A wall's profile is a cylinder's or a frustum's, or given.
+// Reads the profile of a wall: a cylinder's, a frustum's, or a given one.
 void ScenarioReader::read_hollow(const std::string& key, YamlMap& map, Shape& shape) {
   shape.from = to_vec3(map.vector("from", "m"));
   if (key == "hollow_profile") {
@@ -181,7 +181,7 @@ void ScenarioReader::read_hollow(const std::string& key, YamlMap& map, Shape& sh
   }
 }
 
-// The geometry's mistakes, at the key that they are about.
+// Reports the geometry's mistakes, at the keys that they concern.
 void ScenarioReader::report_shape(const Shape& shape, const YamlNode& node) {
   for (const geometry::ShapeError& error : geometry::check_shape(shape)) {
     SourceMark mark = node.mark;

@@ -1,4 +1,4 @@
-// Pacing: the policy for overruns, and what happens at a part of the ticks only.
+// Timing: the policy for overruns, and the rates of groups.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMaxSpin = 0.01, kMaxWatchdog = 3600;  // s
 constexpr double kMaxEvery = 1e9;                       // ticks
-constexpr double kSameTime = 1e-6;                      // of a step: the rounding of a decimal period
+constexpr double kSameTime = 1e-6;                      // relative to a step: the rounding of a decimal period
 
 bool is_whole(double value) { return value == std::floor(value); }
 
@@ -35,7 +35,7 @@ void ScenarioReader::read_timing(YamlMap& top) {
   map.finish();
 }
 
-// A policy's name, or {catch_up: ticks}.
+// Reads a policy's name, or {catch_up: ticks}.
 void ScenarioReader::read_overruns(const YamlNode& node) {
   OverrunPolicy& policy = scenario_.timing.overruns;
   if (!node.is_mapping()) {
@@ -54,7 +54,7 @@ void ScenarioReader::read_overruns(const YamlNode& node) {
   map.finish();
 }
 
-// A limit, or {limit, action}.
+// Reads a limit, or {limit, action}.
 void ScenarioReader::read_watchdog(const YamlNode& node) {
   TimingOptions& timing = scenario_.timing;
   if (!node.is_mapping()) {
@@ -69,7 +69,7 @@ void ScenarioReader::read_watchdog(const YamlNode& node) {
     mistakes_.add(node.mark, "this limit is not usable", "0 (no watchdog) to 3600 s");
 }
 
-// {every: ticks} or {period: s}, and {phase: ticks}.
+// Reads {every: ticks} or {period: s}, and {phase: ticks}.
 Rate ScenarioReader::read_rate(YamlMap& map) {
   Rate rate;
   const std::string kind = map.only_one_of({"every", "period"}, "a rate");
@@ -120,7 +120,7 @@ void ScenarioReader::read_rate_groups(const YamlNode& node) {
   check_channels_belong_to_one_group(node);
 }
 
-// An element that a channel drives stands for that channel.
+// Reads channels; an element that a channel drives stands for that channel.
 void ScenarioReader::read_group_channels(const YamlNode& node, RateGroup& group) {
   if (!node.is_sequence()) mistakes_.add(node.mark, "elements is not a list", "write their names: [nozzle1, nozzle2]");
   for (const YamlNode& item : node.items) {
@@ -154,7 +154,7 @@ void ScenarioReader::read_group_sensors(const YamlNode& node, RateGroup& group) 
   }
 }
 
-// A channel is latched at one rate: all elements that it drives are in that group.
+// Checks that each channel is latched at one rate: all elements that it drives must be in one group.
 void ScenarioReader::check_channels_belong_to_one_group(const YamlNode& node) {
   std::vector<std::string> owner(model_.channels.size());
   for (const RateGroup& group : scenario_.rates.groups) {

@@ -21,7 +21,7 @@ struct MassProperties {
   Matrix inertia;  // about the centre, body axes
 };
 
-// Linear between the knots of a law, constant beyond them.
+// Mass properties: linear between the knots of a law, constant beyond them.
 MassProperties calc_properties(const Body& body, double time, double burnt) {
   if (!body.law) return {body.mass, Vector::Zero(), body.inertia};
   const std::vector<MassLaw::Knot>& knots = body.law->knots;
@@ -105,7 +105,7 @@ AssemblyMotion calc_motion(const Model& model, const std::vector<int>& list, con
 Coning calc_coning(const AssemblyMotion& motion) {
   Coning coning{0, std::numeric_limits<double>::infinity()};
   const double size = motion.angular_momentum.norm();
-  constexpr double kSlowest = 1e-9;  // rad/s: slower is the rounding of a run
+  constexpr double kSlowest = 1e-9;  // rad/s: slower rotation is the rounding of a run
   if (!(motion.mass > 0) || !(size > kSlowest * motion.inertia.trace())) return coning;
   const PrincipalAxes principal = calc_principal_axes(motion.inertia);
   const Vector& moments = principal.moments;

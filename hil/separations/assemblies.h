@@ -8,14 +8,13 @@
 
 namespace unlatch::hil {
 
-// The assemblies of a state: bodies that a joint in a mode with rows connects, or a flexible body and its markers, are
-// in one.
+// Assemblies of a state: bodies connected by joints with active rows, or a flexible body and its markers, are in one.
 class Assemblies {
  public:
   Assemblies(const Model& model, const State& state);
 
   [[nodiscard]] bool are_joined(int a, int b) const { return get(a) == get(b); }
-  // Bodies of the assembly that `body` is in, kGround included, in rising order.
+  // Bodies of the assembly that contains `body`, kGround included, in ascending order.
   [[nodiscard]] std::vector<int> list(int body) const;
 
  private:
@@ -23,21 +22,21 @@ class Assemblies {
   std::vector<int> roots_;  // by body + 1; the ground is 0
 };
 
-// Mass, centre of mass, motion and inertia of an assembly, moving as it does; the ground, markers and deformations of
-// flexible bodies are left out.
+// Mass, centre of mass, motion and inertia of an assembly; the ground, markers and deformations of flexible bodies are
+// left out.
 struct AssemblyMotion {
-  double mass = 0;                                     // kg; 0: the ground is in it
-  Eigen::Vector3d p = Eigen::Vector3d::Zero(), v = p;  // of the centre of mass, W, m, m/s
+  double mass = 0;                                     // kg; 0: the assembly contains the ground
+  Eigen::Vector3d p = Eigen::Vector3d::Zero(), v = p;  // centre of mass, W, m, m/s
   Eigen::Vector3d angular_momentum = p;                // about the centre of mass, W, kg m²/s
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();   // about the centre of mass, W, kg m²
 };
-// `bodies`: states of all bodies at `time`; `burnt`: kg, of the bodies with a mass law, in their order.
+// `bodies`: states of all bodies at `time`; `burnt`: kg, for the bodies with a mass law, in their order.
 AssemblyMotion calc_motion(const Model& model, const std::vector<int>& list, const std::vector<BodyState>& bodies,
                            double time, std::span<const double> burnt);
 
-// Free motion of a body about its axis of symmetry, which is the principal axis whose moment of inertia differs most
-// from the other two; their mean is I_t. Exact for a symmetrical body. L is the angular momentum about the centre of
-// mass: the axis goes round L with the coning half-angle between them, once in a nutation period 2π I_t / |L|.
+// Free motion of a body about its axis of symmetry: the principal axis whose moment of inertia differs most from the
+// other two, whose mean is I_t. Exact for a symmetrical body. L is the angular momentum about the centre of mass: the
+// axis moves around L at the coning half-angle, once in a nutation period 2π I_t / |L|.
 struct Coning {
   double half_angle = 0;  // rad, 0 to π/2
   double period = 0;      // s; infinite without angular momentum (slower than 1e-9 rad/s)

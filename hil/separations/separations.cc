@@ -4,13 +4,12 @@
 #include <cmath>
 
 #include "hil/scenario/from_eigen.h"
+#include "hil/scenario/index.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr std::size_t kMost = 1000;  // separations: joints that open again and again would fill the memory
-
-bool has(const std::vector<int>& list, int body) { return std::find(list.begin(), list.end(), body) != list.end(); }
+constexpr std::size_t kMost = 1000;  // separations: a joint that opens repeatedly would fill the memory
 
 SplitRate split(const Vec3& w, const Vec3& axis) {
   const double axial = dot(w, axis);
@@ -69,8 +68,8 @@ void SeparationMonitor::open(std::size_t joint, const Assemblies& now, const Mot
   pair.follower = {.body = last.follower, .bodies = now.list(last.follower), .rate = {}, .coning = {}};
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const int a = springs_[i].get_base(), b = springs_[i].get_follower();
-    if ((has(pair.base.bodies, a) && has(pair.follower.bodies, b)) ||
-        (has(pair.base.bodies, b) && has(pair.follower.bodies, a)))
+    if ((contains(pair.base.bodies, a) && contains(pair.follower.bodies, b)) ||
+        (contains(pair.base.bodies, b) && contains(pair.follower.bodies, a)))
       track.springs.push_back(i);
   }
   track.sums.resize(track.springs.size());
@@ -130,7 +129,7 @@ void SeparationMonitor::add_piece(const MotionWindow& window, const MotionKnot& 
       track.sums[i].impulse += sum.impulse;
       track.sums[i].work += sum.work;
     }
-    if (pair.pushes) end = to.time;  // as far as is known
+    if (pair.pushes) end = to.time;  // known so far
     if (!end) continue;
     set_end(track, *end, to.state.bodies, to.state.auxiliary);
     if (*end == to.time) continue;
@@ -149,8 +148,8 @@ std::vector<Separation> SeparationMonitor::list(const ClearanceHistory& clearanc
     const std::vector<Clearance>& watched = clearances.get();
     for (std::size_t i = 0; i < watched.size(); ++i) {
       const Clearance& c = watched[i];
-      const bool between = (has(pair.base.bodies, c.a) && has(pair.follower.bodies, c.b)) ||
-                           (has(pair.base.bodies, c.b) && has(pair.follower.bodies, c.a));
+      const bool between = (contains(pair.base.bodies, c.a) && contains(pair.follower.bodies, c.b)) ||
+                           (contains(pair.base.bodies, c.b) && contains(pair.follower.bodies, c.a));
       if (!between || !c.after_release) continue;
       if (pair.pair < 0 ||
           c.after_release->smallest < watched[static_cast<std::size_t>(pair.pair)].after_release->smallest)

@@ -9,7 +9,7 @@
 namespace unlatch::hil {
 namespace {
 
-// The line from one end of a one-sided force to the other, and the velocity of its second end relative to the first.
+// Line from one end of a one-sided force to the other, and the velocity of its second end relative to the first.
 struct Line {
   Vec3 apart, rate;
   Line(const OneSided& force, const BodyState& base, const BodyState& follower) {
@@ -121,7 +121,7 @@ SpringWork::Force SpringWork::calc_one_sided(const BodyState& base, const BodySt
     x = norm(line.apart);
     if (x == 0) return {{0, 0, 0}, 0};
     direction = one_sided_->guide ? R * to_vec3(*one_sided_->guide) : (1 / x) * line.apart;
-    // d/dt n·apart, n carried by the base; of the line itself the second part is 0
+    // Rate d/dt n·apart, n fixed in the base; for the line itself the second part is 0.
     rate = dot(direction, line.rate - (one_sided_->guide ? cross(R * base.w, line.apart) : Vec3{0, 0, 0}));
     if (one_sided_->guide) x = dot(direction, line.apart);
   }

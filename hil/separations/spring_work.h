@@ -1,4 +1,4 @@
-// Impulse and work of springs over pieces of motion, and the instants at which they cease to act. Of elements with two
+// Impulse and work of springs over pieces of motion, and the instants at which they cease to act, for elements with two
 // ends: point springs, joint springs, pushers, cords and stops.
 #pragma once
 
@@ -14,22 +14,22 @@ namespace unlatch::hil {
 
 class SpringWork {
  public:
-  // `model`: with its markers placed. `element`: its number in the model. Empty if it is no spring of these kinds.
+  // `model`: with its markers placed. `element`: its number in the model. Empty for an element of another kind.
   static std::optional<SpringWork> make(const Model& model, int element);
 
   [[nodiscard]] int get_base() const { return base_; }
   [[nodiscard]] int get_follower() const { return follower_; }
   [[nodiscard]] int get_element() const { return element_; }
-  // It is switched on, and exerts a force: a pusher until it has its free length.
+  // True if it is switched on and exerts a force: a pusher until it has its free length.
   [[nodiscard]] bool acts(const MotionKnot& knot) const;
-  // The time at which a pusher reaches its free length within the present piece, to 1e-9 of it; nothing if it does not.
+  // Time at which a pusher reaches its free length within the present piece, to 1e-9 of it; nothing if it does not.
   [[nodiscard]] std::optional<double> find_end(const MotionWindow& window, const MotionKnot& from) const;
 
   struct Sum {
-    Vec3 impulse{0, 0, 0};  // of the force on the follower, W, N s; of a torque N m s
+    Vec3 impulse{0, 0, 0};  // impulse of the force on the follower, W, N s; of a torque N m s
     double work = 0;        // J, on both bodies together
   };
-  // Over the present piece up to `to`, by Simpson's rule.
+  // Impulse and work over the present piece up to `to`, by Simpson's rule.
   [[nodiscard]] Sum calc(const MotionWindow& window, const MotionKnot& from, double to) const;
 
  private:
@@ -37,7 +37,7 @@ class SpringWork {
     Vec3 force;    // on the follower, W
     double power;  // W
   };
-  // `bearing`: of a cord with a drum, at the beginning of the piece.
+  // `bearing`: State::bearings of a cord with a drum, at the beginning of the piece.
   [[nodiscard]] Force calc_force(const BodyState& base, const BodyState& follower, double scale, double bearing) const;
   [[nodiscard]] Force calc_one_sided(const BodyState& base, const BodyState& follower, double scale,
                                      double bearing) const;
@@ -47,11 +47,11 @@ class SpringWork {
   std::optional<PointSpring> point_;
   std::optional<JointSpring> joint_;
   std::optional<OneSided> one_sided_;
-  std::size_t number_ = 0;  // of the one-sided force among these
-  double limit_ = 0;        // of its coordinate, m or rad
+  std::size_t number_ = 0;  // number among the one-sided forces
+  double limit_ = 0;        // limit of the coordinate, m or rad
   std::optional<JointGeometry> geometry_;
   std::optional<CordDrum> drum_;
-  std::size_t drum_number_ = 0;  // into State::bearings
+  std::size_t drum_number_ = 0;  // index into State::bearings
 };
 
 }  // namespace unlatch::hil

@@ -43,7 +43,7 @@ double calc_beta(double a, double b, double x) {
   return 1 - front * calc_beta_fraction(b, a, 1 - x) / b;
 }
 
-// x with I_x(a, b) = p, by halving.
+// Finds x with I_x(a, b) = p, by bisection.
 double calc_beta_quantile(double a, double b, double p) {
   double low = 0, high = 1;
   constexpr int kHalvings = 200;
@@ -88,7 +88,7 @@ double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p) {
   return 1 - calc_beta(static_cast<double>(k) + 1, static_cast<double>(trials - k), p);
 }
 
-// x(r) ≤ quantile < x(s) with P(r ≤ count < s) of the count of values below it.
+// Finds x(r) ≤ quantile < x(s) with P(r ≤ count < s), for the count of values below the quantile.
 std::optional<Interval> calc_quantile_interval(const std::vector<double>& sorted, double p, double confidence) {
   const auto n = static_cast<std::int64_t>(sorted.size());
   const double tail = 0.5 * (1 - confidence);
@@ -104,7 +104,7 @@ std::optional<Interval> calc_quantile_interval(const std::vector<double>& sorted
     return low;
   };
   const std::int64_t r = find(tail), s = find(1 - tail) + 1;  // ranks from 1
-  // P(count < r) ≤ tail: x(r) is below with the confidence; x(s) above.
+  // P(count < r) ≤ tail: x(r) is below the quantile with the confidence; x(s) above.
   if (r < 1 || s > n) return std::nullopt;
   return Interval{sorted[static_cast<std::size_t>(r - 1)], sorted[static_cast<std::size_t>(s - 1)]};
 }
@@ -120,7 +120,7 @@ std::int64_t calc_wilks_trials(double coverage, double confidence) {
   return static_cast<std::int64_t>(std::ceil(std::log1p(-confidence) / std::log(coverage)));
 }
 
-// The greatest rank r with P(fewer than r of the trials are above the quantile) ≤ 1 − confidence.
+// Greatest rank r with P(fewer than r of the trials are above the quantile) ≤ 1 − confidence.
 std::int64_t calc_wilks_rank(std::int64_t trials, double coverage, double confidence) {
   std::int64_t rank = 0;
   while (rank < trials && calc_binomial_cdf(rank, trials, 1 - coverage) <= 1 - confidence) ++rank;
@@ -165,7 +165,7 @@ SobolIndex calc_sobol_index(const std::vector<double>& a, const std::vector<doub
     double mean = 0, square = 0, first = 0, total = 0;
     const auto count = static_cast<double>(rows.size());
     for (const std::size_t i : rows) mean += (a[i] + b[i]) / (2 * count);
-    for (const std::size_t i : rows) {  // centred: the product of the means cancels badly
+    for (const std::size_t i : rows) {  // centred: the product of the means would cancel badly
       square += ((a[i] - mean) * (a[i] - mean) + (b[i] - mean) * (b[i] - mean)) / (2 * count);
       first += (b[i] - mean) * (ab[i] - a[i]) / count;
       total += (a[i] - ab[i]) * (a[i] - ab[i]) / (2 * count);

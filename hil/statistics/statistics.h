@@ -14,18 +14,18 @@ struct Interval {
   double low = 0, high = 0;
 };
 
-inline constexpr double kConfidence = 0.95;  // of all intervals
+inline constexpr double kConfidence = 0.95;  // confidence of all intervals
 
-// Of sorted values; p in [0, 1]. NaN for none.
+// Quantile of sorted values; p in [0, 1]. NaN for no values.
 double calc_quantile(const std::vector<double>& sorted, double p);
-// Nothing if there are too few values for the confidence.
+// Interval of a quantile; nothing if there are too few values for the confidence.
 std::optional<Interval> calc_quantile_interval(const std::vector<double>& sorted, double p,
                                                double confidence = kConfidence);
 
 // Two-sided bounds of a probability from `hits` of `trials`.
 Interval calc_clopper_pearson(std::int64_t hits, std::int64_t trials, double confidence = kConfidence);
 
-// Least number of samples whose greatest value is above a part `coverage` of the population with this confidence, and
+// Least number of samples whose greatest value is above a part `coverage` of the population with this confidence; and
 // the rank from the top, 1 for the greatest, that `trials` allow; 0: too few.
 std::int64_t calc_wilks_trials(double coverage, double confidence = kConfidence);
 std::int64_t calc_wilks_rank(std::int64_t trials, double coverage, double confidence = kConfidence);
@@ -33,7 +33,7 @@ std::int64_t calc_wilks_rank(std::int64_t trials, double coverage, double confid
 // P(X ≤ k) of a binomial count.
 double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p);
 
-// Ranks' correlation, ties at their mean rank; pairs with a NaN left out. NaN if nothing varies.
+// Rank correlation, ties at their mean rank; pairs with a NaN left out. NaN if one variable is constant.
 double calc_spearman(const std::vector<double>& x, const std::vector<double>& y);
 
 // Elementary effects of an axis over trajectories: mean of the sizes, standard deviation (Morris 1991, Campolongo

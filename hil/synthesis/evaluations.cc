@@ -29,7 +29,7 @@ std::string quote_cell(const std::string& text) {
   return quoted + '"';
 }
 
-// The columns.
+// Heading of the journal's columns.
 std::string write_heading(const DesignProblem& problem) {
   std::string text = "run,status,hash";
   const auto add = [&](const std::string& name, const std::string& unit) {
@@ -43,7 +43,7 @@ std::string write_heading(const DesignProblem& problem) {
   return text + "\n";
 }
 
-// Of the constraints with a probability, after all flights.
+// Sets the margins of the constraints with a probability, after all runs.
 void set_margins(const DesignProblem& problem, const DispersedDesign& design, DesignSample& sample) {
   for (std::size_t k = 0; k < problem.constraints.size(); ++k) {
     const DesignConstraint& constraint = problem.constraints[k];
@@ -62,8 +62,8 @@ double read_cell(const std::string& text) {
 
 }  // namespace
 
-// A batch while it is computed: samples that are done, and all before them, join the list and the journal in their
-// order. What `stop` or the deadline leaves out is the end of the batch.
+// A batch during its computation. Finished samples join the list and the journal in their order, each once all before
+// it are finished. Samples left out by `stop` or the deadline are the end of the batch.
 class DesignEvaluations::Batch {
  public:
   Batch(DesignEvaluations& owner, const std::vector<DesignPoint>& points)
@@ -71,7 +71,7 @@ class DesignEvaluations::Batch {
     for (std::size_t i = 0; i < points.size(); ++i) samples[i].point = points[i];
   }
 
-  // Sample i is whole. Threads may finish different ones at a time. Throws JournalError.
+  // Marks sample i as complete. Threads may finish different ones at a time. Throws JournalError.
   void finish(std::size_t i) {
     const std::scoped_lock lock(mutex_);
     done_[i] = true;
@@ -121,7 +121,7 @@ void DesignEvaluations::set_deadline(double seconds) {
                           : std::chrono::steady_clock::time_point::max();
 }
 
-// Whole lines; the last one may have been cut off.
+// Reads complete lines; the last one may have been cut off.
 void DesignEvaluations::read_journal(const std::string& heading) {
   std::ifstream file(options_.journal, std::ios::binary);
   if (!file) return;
@@ -159,7 +159,7 @@ std::string DesignEvaluations::write_row(const DesignSample& sample, std::size_t
   return row + "\n";
 }
 
-// Rows of an earlier search that this one does not ask for.
+// Removes rows of an earlier search that this one does not need.
 void DesignEvaluations::drop_tail() {
   if (!has_tail_) return;
   has_tail_ = false;
@@ -202,19 +202,19 @@ void DesignEvaluations::keep(const SampleResult& result, DesignSample& sample) c
   sample.status = result.status;
   sample.hash = result.hash;
   if (result.status == SampleStatus::kInterrupted) return;
-  const bool done = result.status == SampleStatus::kDone;  // else the results are those of a part of the flight
+  const bool done = result.status == SampleStatus::kDone;  // otherwise the results are those of a part of the run
   for (const Objective& objective : problem_.objectives) {
     double value = kNothing;
     try {
       if (done)
         value = objective.is_column ? result.values[objective.column]
                                     : calc_expression(problem_, objective, sample.point).value;
-    } catch (const ExpressionError&) {  // at this point it has no finite value
+    } catch (const ExpressionError&) {  // the expression has no finite value at this point
     }
     sample.objectives.push_back(value);
   }
   for (const DesignConstraint& constraint : problem_.constraints) {
-    const bool nominal = done && !(constraint.probability > 0);  // the others come from the dispersed samples
+    const bool nominal = done && !(constraint.probability > 0);  // the other margins come from the dispersed samples
     sample.values.push_back(nominal ? result.values[constraint.value] : kNothing);
     sample.margins.push_back(nominal ? result.values[constraint.margin] : kNothing);
   }
@@ -226,7 +226,7 @@ void DesignEvaluations::compute(const std::vector<DesignPoint>& points) {
   run_shares(batch.samples, [&](std::size_t i) { batch.finish(i); });
 }
 
-// Calls done(i) after sample i, on the thread that has run it; samples that were interrupted are left.
+// Calls done(i) after sample i, on the thread that has run it; interrupted samples are abandoned.
 void DesignEvaluations::run_shares(std::span<DesignSample> samples, const std::function<void(std::size_t)>& done) {
   run_shares_side_by_side(samples.size(), SampleEvaluator::kSideBySide, options_.jobs, stop_,
                           [&](std::size_t first, std::size_t number) {
@@ -237,7 +237,7 @@ void DesignEvaluations::run_shares(std::span<DesignSample> samples, const std::f
                           });
 }
 
-// All flights of all designs side by side. Who flies the last one of a design finishes it.
+// Runs all samples of all designs side by side. The thread that runs the last sample of a design finishes the design.
 void DesignEvaluations::compute_dispersed(Batch& batch) {
   const std::size_t count = batch.samples.size();
   std::vector<std::unique_ptr<DispersedDesign>> designs(count);
@@ -286,7 +286,8 @@ std::optional<std::vector<std::int64_t>> DesignEvaluations::check_dispersed(cons
   }
 }
 
-// The journal has the same points in the same order, as far as it goes. Leaves those that it has not.
+// Takes results from the journal, which has the same points in the same order, as far as it reaches. Keeps in `points`
+// the others.
 void DesignEvaluations::take_known(std::vector<DesignPoint>& points) {
   std::size_t taken = 0;
   for (; taken < points.size() && samples_.size() < known_.size(); ++taken) {

@@ -1,7 +1,7 @@
-// Samples of a problem of synthesis, in batches, with a journal. A batch is computed side by side by several threads;
-// its results have one order, so that nothing depends on their number. Each sample is appended to the journal, a CSV
-// file, as soon as all before it are: after the end of the process at any moment, a search that begins anew with the
-// same journal takes from it what it has, in the same order, and goes on.
+// Samples of a problem of synthesis, in batches, with a journal. Several threads compute a batch side by side; its
+// results have one order, so that they do not depend on the number of threads. Each sample is appended to the journal,
+// a CSV file, as soon as all before it are: after the end of the process at any moment, a search that begins anew with
+// the same journal takes the stored results from it, in the same order, and continues.
 #pragma once
 
 #include <atomic>
@@ -23,12 +23,12 @@ struct DesignSample {
   DesignPoint point;
   SampleStatus status = SampleStatus::kDone;
   std::int64_t hash = 0;
-  std::vector<double> objectives;  // SI, as the file has them: not negated
-  std::vector<double> values;      // of the constraints, in their units; with a probability: the quantile
-  std::vector<double> margins;     // below 0: not met; NaN: the run gives none
+  std::vector<double> objectives;  // SI, as defined in the file: not negated
+  std::vector<double> values;      // values of the constraints, in their units; with a probability: the quantile
+  std::vector<double> margins;     // below 0: not met; NaN: the run has none
 };
 
-// The journal cannot be written, or is another problem's.
+// Error of a journal that cannot be written, or belongs to another problem.
 class JournalError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -38,12 +38,12 @@ class DesignEvaluations {
  public:
   struct Options {
     std::string journal;  // file; "": none
-    bool resume = false;  // take what the journal has; else it begins anew
+    bool resume = false;  // use the results in the journal; otherwise it begins anew
     int jobs = 1;
   };
 
-  // All are referred to. Another thread may set `stop`. `progress` is called when there are more samples, by one thread
-  // at a time.
+  // Keeps references to all arguments. Another thread may set `stop`. `progress` is called when there are more samples,
+  // by one thread at a time.
   DesignEvaluations(
       const DesignProblem& problem, const Options& options, const std::atomic<bool>& stop,
       std::function<void()> progress = [] {});
@@ -51,34 +51,34 @@ class DesignEvaluations {
   DesignEvaluations(const DesignEvaluations&) = delete;
   DesignEvaluations& operator=(const DesignEvaluations&) = delete;
 
-  // Indices into get_samples(), one for each point; a point that was there before costs nothing. False: the budget is
-  // spent, or `stop` was set, and some are missing (-1); what was done before is kept. Throws JournalError.
+  // Evaluates points; returns indices into get_samples(), one for each; a repeated point costs nothing. False: the
+  // budget is used up, or `stop` was set, and some are missing (-1); earlier results are kept. Throws JournalError.
   bool evaluate(const std::vector<DesignPoint>& points, std::vector<std::int64_t>& indices);
 
-  // The samples that verify a result, under the campaign's dispersions: failures of each constraint with a
-  // probability, 0 of the others. Nothing: there are none, the design has a mistake, or `stop` was set.
+  // Runs the samples that verify a result, under the campaign's dispersions: failures of each constraint with a
+  // probability, 0 for the others. Nothing: there are none, the design has a mistake, or `stop` was set.
   [[nodiscard]] std::optional<std::vector<std::int64_t>> check_dispersed(const DesignPoint& point) const;
 
-  // Of the journal only what this search has asked for stays. To be called when it was not stopped.
+  // Removes from the journal rows that this search did not use. Call it only if the search was not stopped.
   void finish_journal();
 
-  // From now on `progress` is not called: the search has ended, the runs around its result follow.
+  // Ends the calls of `progress`: the search has ended, the runs around its result follow.
   void end_progress() { shown_ = false; }
 
-  // Runs that the next batches may still make in all.
+  // Sets the number of runs that the next batches may still make in all.
   void set_limit(std::int64_t runs) { limit_ = runs; }
-  void set_deadline(double seconds);  // of wall time from now; 0: none
+  void set_deadline(double seconds);  // s of wall time from now; 0: none
 
   [[nodiscard]] const std::vector<DesignSample>& get_samples() const { return samples_; }
   [[nodiscard]] std::int64_t get_runs() const { return static_cast<std::int64_t>(samples_.size()); }
-  [[nodiscard]] std::int64_t get_taken() const { return taken_; }  // from the journal
+  [[nodiscard]] std::int64_t get_taken() const { return taken_; }  // samples taken from the journal
   [[nodiscard]] bool is_late() const { return std::chrono::steady_clock::now() > deadline_; }
   [[nodiscard]] bool was_stopped() const { return stop_; }
 
  private:
-  struct Known {  // of the journal
+  struct Known {  // A row of the journal.
     DesignSample sample;
-    std::int64_t end = 0;  // of its row in the file
+    std::int64_t end = 0;  // end of its row in the file
   };
   class Batch;
 
@@ -105,7 +105,7 @@ class DesignEvaluations {
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   bool shown_ = true;
   int file_ = -1;
-  std::int64_t written_ = 0;  // end of the last row of samples_ in the file; an earlier search's may follow
+  std::int64_t written_ = 0;  // end of the last row of samples_ in the file; rows of an earlier search may follow
   bool has_tail_ = true;
 };
 

@@ -10,12 +10,12 @@ namespace {
 bool dominates(const std::vector<double>& a, const std::vector<double>& b) {
   for (std::size_t k = 0; k < a.size(); ++k)
     if (a[k] > b[k]) return false;
-  return true;  // equal ones: the first stays
+  return true;  // equal designs: the first stays
 }
 
 }  // namespace
 
-// A constraint's unit is its limit; that of one whose limit is 0 its value at the start.
+// Scales of constraints: the limit, or for a limit of 0 the value at the start.
 DesignMerit::DesignMerit(const DesignProblem& problem, const DesignSample* start) : problem_(problem) {
   const auto size_of = [](double value) { return std::isfinite(value) && value != 0 ? std::abs(value) : 1.0; };
   for (std::size_t i = 0; i < problem_.objectives.size(); ++i)
@@ -65,7 +65,7 @@ std::vector<std::size_t> DesignMerit::find_front(const std::vector<DesignSample>
   std::vector<std::pair<std::vector<double>, std::size_t>> points;
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (is_feasible(samples[i])) points.emplace_back(scale(samples[i]).objectives, i);
-  std::sort(points.begin(), points.end());  // so that no later one dominates an earlier one
+  std::sort(points.begin(), points.end());  // sorted so that no later point dominates an earlier one
   std::vector<std::vector<double>> front;
   std::vector<std::size_t> indices;
   for (const auto& point : points) {

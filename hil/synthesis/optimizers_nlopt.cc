@@ -11,11 +11,11 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kTolerance = 1e-7;  // of a variable's range
+constexpr double kTolerance = 1e-7;  // relative to a variable's range
 constexpr int kMaxEvaluations = 2000;
 
-// Values and derivatives at one point, by one batch: all differences of a gradient are there at once, however many
-// functions there are, and threads fly them side by side. NLopt asks for the functions one after the other.
+// Values and derivatives at one point, by one batch: all differences of a gradient are computed together for all
+// functions, by several threads. NLopt asks for the functions one after the other.
 class Values {
  public:
   explicit Values(const ScaledProblem& problem) : problem_(problem) {}
@@ -25,7 +25,7 @@ class Values {
     return known_.at(x);
   }
 
-  // derivatives[variable]; differences at a bound are one-sided.
+  // Derivatives by variable; differences at a bound are one-sided.
   const std::vector<ScaledSample>& get_derivatives(const std::vector<double>& x) {
     if (const auto found = derivatives_.find(x); found != derivatives_.end()) return found->second;
     std::vector<std::vector<double>> points{x};
@@ -48,7 +48,7 @@ class Values {
     return derivatives_[x] = derivatives;
   }
 
-  // What ended the search, if it was an exception of the problem's.
+  // Rethrows the problem's exception that ended the search, if there was one.
   void throw_if_failed() const {
     if (error_) std::rethrow_exception(error_);
   }
@@ -67,7 +67,7 @@ class Values {
     for (std::size_t i = 0; i < missing.size(); ++i) known_[missing[i]] = samples[i];
   }
 
-  // NLopt would take an exception for a lack of progress.
+  // Evaluates points and stores an exception: NLopt would mistake it for a lack of progress.
   bool evaluate(const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
     try {
       return problem_.evaluate(points, samples);
@@ -103,7 +103,7 @@ double calc_constraint(const std::vector<double>& x, std::vector<double>& gradie
   return constraint.values->get(x).constraints[constraint.index];
 }
 
-// The point where it ended. False: the search must end now. Throws what the problem has thrown.
+// Runs a search; returns its last point. False: the search must end now. Rethrows exceptions of the problem.
 bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& values, double step,
             std::vector<double>& x) {
   nlopt::opt optimizer(algorithm, static_cast<unsigned>(problem.variables));
@@ -124,7 +124,7 @@ bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& va
   } catch (const nlopt::forced_stop&) {
     values.throw_if_failed();
     return false;
-  } catch (const nlopt::roundoff_limited&) {  // as near as it can come
+  } catch (const nlopt::roundoff_limited&) {  // converged to rounding
   } catch (const std::runtime_error&) {       // NLOPT_FAILURE: no progress from here
   }
   for (double& coordinate : x) coordinate = std::clamp(coordinate, 0.0, 1.0);
@@ -134,7 +134,7 @@ bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& va
 }  // namespace
 
 extern "C" void unlatch_search_local(const ScaledProblem& problem) {
-  constexpr double kAround = 0.02;  // of the ranges: the first steps of the second search
+  constexpr double kAround = 0.02;  // relative to the ranges: the first steps of the second search
   Values values(problem);
   std::vector<double> x = problem.start;
   if (search(nlopt::LD_SLSQP, problem, values, 0, x)) search(nlopt::LN_COBYLA, problem, values, kAround, x);

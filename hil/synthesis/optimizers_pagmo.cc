@@ -19,7 +19,7 @@ namespace {
 
 struct MustEnd {};
 
-// Samples that miss a constraint come behind all that meet them, by their largest violation.
+// Samples that miss a constraint rank behind all that meet them, by their largest violation.
 constexpr double kBehind = 1e6;
 
 pagmo::vector_double rank(const ScaledSample& sample) {
@@ -69,7 +69,7 @@ void evolve(const ScaledProblem& problem, const Algorithm& algorithm) {
   }
 }
 
-// Each generation as one batch.
+// Evolves with each generation as one batch.
 template <typename Algorithm>
 void evolve_in_batches(const ScaledProblem& problem, Algorithm algorithm) {
   algorithm.set_bfe(pagmo::bfe{pagmo::member_bfe{}});

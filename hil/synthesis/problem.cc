@@ -9,13 +9,6 @@
 namespace unlatch::hil {
 namespace {
 
-YamlNode make_scalar(std::string text) {
-  YamlNode node;
-  node.kind = YamlNode::Kind::kScalar;
-  node.text = std::move(text);
-  return node;
-}
-
 double get_number(const DesignVariable& variable, double value) {
   if (!variable.is_catalogue()) return value;
   return variable.numbers.empty() ? value : variable.numbers.at(static_cast<std::size_t>(value));
@@ -57,7 +50,7 @@ std::uint64_t calc_fingerprint(const DesignProblem& problem) {
   const auto add_scenario = [&](const Scenario& scenario) {
     add(scenario.text);
     for (const std::string& text : scenario.overrides) add(text);
-    add(std::to_string(build_simulation(scenario)->get_model_hash()));  // of the binary files that it names, too
+    add(std::to_string(build_simulation(scenario)->get_model_hash()));  // includes the binary files that it names
   };
   add(problem.text);
   add_scenario(problem.tree->get_nominal());

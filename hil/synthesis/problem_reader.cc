@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kKey = "unlatch_synthesis";
 constexpr std::size_t kMaxObjectives = 4;
 constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7, kMaxSamples = 1e6;
-constexpr double kDefaultSamples = 64, kChecks = 4;  // checks: times the samples
+constexpr double kDefaultSamples = 64, kChecks = 4;  // checks: multiples of the samples
 
 class ProblemReader {
  public:
@@ -107,7 +107,7 @@ class ProblemReader {
     return true;
   }
 
-  // FILE, or {file: FILE, samples: N, checks: N}.
+  // Reads FILE, or {file: FILE, samples: N, checks: N}.
   void read_campaign(const YamlNode& node) {
     DesignCampaign campaign;
     campaign.samples = static_cast<std::int64_t>(kDefaultSamples);
@@ -183,7 +183,7 @@ class ProblemReader {
     return ids;
   }
 
-  // The last one, which `node` has given.
+  // Refuses a repetition in the last item, which `node` has given.
   void refuse_twice(const YamlNode& node) {
     for (std::size_t i = 0; i + 1 < problem_.constraints.size(); ++i)
       if (problem_.constraints[i].name == problem_.constraints.back().name) {
@@ -193,7 +193,7 @@ class ProblemReader {
       }
   }
 
-  // {requirement: ID, probability: P}, of the campaign.
+  // Reads {requirement: ID, probability: P}, of the campaign.
   void read_robust_constraint(const YamlNode& node) {
     YamlMap map(node, "a constraint", mistakes_);
     const YamlNode* const id = map.require("requirement");
@@ -251,7 +251,7 @@ class ProblemReader {
       problem_.objectives.push_back(objective);
       return;
     }
-    if (!variables_sound_) return;  // the expression may name one that has a mistake
+    if (!variables_sound_) return;  // the expression may use a variable that has a mistake
     std::vector<std::string> known;
     for (const ResultColumn& column : evaluator.columns()) known.push_back(column.name);
     for (const DesignVariable& variable : problem_.variables) known.push_back(variable.name);
@@ -266,15 +266,15 @@ class ProblemReader {
     }
   }
 
-  // A force times a length is an energy, unless a variable of the problem is a torque.
+  // Description of an objective. A force times a length is an energy, unless a variable of the problem is a torque.
   [[nodiscard]] std::string describe_objective(const Dimension& dimension) const {
     const bool torque = std::ranges::any_of(
         problem_.variables, [&](const DesignVariable& variable) { return variable.dimension == dimension; });
     return !torque && dimension == find_unit("J")->dimension ? "J" : describe_unit(dimension);
   }
 
-  // Each end of each variable, with the scenario's own values of the others; then the start: what the scenario's own
-  // reader says of it.
+  // Checks each end of each variable, with the scenario's own values of the others; then the start. The scenario's own
+  // reader reports the mistakes.
   void check_bounds() {
     const std::size_t before = mistakes_.count();
     const DesignPoint start = get_start();
@@ -319,7 +319,7 @@ class ProblemReader {
     return start;
   }
 
-  // The paths of the variables must be the campaign's scenario's, too.
+  // Checks that the campaign's scenario has the paths of the variables, too.
   void check_campaign() {
     if (!problem_.campaign || mistakes_.count() != 0) return;
     try {

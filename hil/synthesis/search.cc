@@ -10,9 +10,9 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kForPolish = 0.25;   // of the budget, after a global search
-constexpr double kForFeasible = 0.5;  // of what is left, for a phase that looks for a first point that meets all
-constexpr double kAgainst = 0.99;     // of the largest violation: such constraints bound it together
+constexpr double kForPolish = 0.25;   // part of the budget, after a global search
+constexpr double kForFeasible = 0.5;  // part of the remaining budget, for a phase that searches a first feasible point
+constexpr double kAgainst = 0.99;     // relative to the largest violation: such constraints limit it together
 
 class Search {
  public:
@@ -34,7 +34,7 @@ class Search {
   }
 
  private:
-  // The first sample, by whose size everything is scaled, whatever the deadline.
+  // Evaluates the first sample, whose values are the scales, whatever the deadline.
   DesignMerit start() {
     evaluations_.set_limit(problem_.budget.runs);
     std::vector<std::int64_t> first;
@@ -61,7 +61,7 @@ class Search {
     if (automatic && !is_feasible() && !is_spent()) search_global();
   }
 
-  // Catalogues alone, all of their combinations within the budget.
+  // Tries all combinations, if there are only catalogues and the budget is large enough.
   bool try_all() {
     if (!list_continuous(problem_).empty()) return false;
     double count = 1;
@@ -89,9 +89,9 @@ class Search {
     return true;
   }
 
-  // The continuous variables around `from`, catalogues as they are there. From a point that misses constraints: the
-  // problem itself; then the least violation, until a point meets all; then the problem from there. The first two have
-  // a part of the budget each, so that neither takes it all.
+  // Searches the continuous variables around `from`, with its catalogue entries. From a point that misses constraints:
+  // the problem itself; then the least violation, until a point meets all; then the problem from there. The first two
+  // have a part of the budget each, so that neither uses all of it.
   void search_local(const DesignPoint& from) {
     if (list_continuous(problem_).empty() || is_spent()) return;
     const bool lost = !is_feasible();
@@ -105,7 +105,7 @@ class Search {
     if (is_feasible() && !is_spent()) search_problem(get_best().point, 1);
   }
 
-  // `share`: of the runs that are left.
+  // `share`: part of the remaining runs.
   void begin_phase(double share) {
     const double left = static_cast<double>(problem_.budget.runs - evaluations_.get_runs());
     evaluations_.set_limit(evaluations_.get_runs() + static_cast<std::int64_t>(std::ceil(share * left)));
@@ -117,7 +117,7 @@ class Search {
     find_local()(prepare(list_continuous(problem_), from));
   }
 
-  // The least t that no violation exceeds.
+  // Searches the least t that no violation exceeds.
   void search_least_violation(const DesignPoint& from) {
     begin_phase(kForFeasible);
     ScaledProblem least = prepare(list_continuous(problem_), from);
@@ -148,7 +148,7 @@ class Search {
     if (polish) search_local(get_best().point);
   }
 
-  // Repeated points cost nothing, so that there may be more generations than the budget has runs for.
+  // Evolves a population. Repeated points cost nothing, so there may be more generations than the budget has runs for.
   void evolve(const char* function, std::size_t population, std::int64_t limit) {
     std::vector<std::size_t> list(problem_.variables.size());
     for (std::size_t i = 0; i < list.size(); ++i) list[i] = i;
@@ -173,14 +173,14 @@ class Search {
 
   static LocalSearch* find_local() { return find_function<LocalSearch>(kOptimizersModule, "unlatch_search_local"); }
 
-  // The phase that was to follow may not: the budget has ended the search.
+  // Returns true if the budget has ended the search before the next phase.
   bool is_spent() {
     const bool spent =
         evaluations_.was_stopped() || evaluations_.is_late() || evaluations_.get_runs() >= problem_.budget.runs;
     cut_ = cut_ || spent;
     return spent;
   }
-  // The best of all samples so far; each is looked at once.
+  // Best of all samples so far; each is compared once.
   const DesignSample& get_best() {
     const std::vector<DesignSample>& samples = evaluations_.get_samples();
     for (; seen_ < samples.size(); ++seen_)
@@ -201,13 +201,13 @@ class Search {
     result_.best = merit_.find_middle(evaluations_.get_samples(), result_.front);
   }
 
-  static constexpr double kLargest = 10;       // violation that t covers
-  static constexpr double kLeastTarget = 0.1;  // t may fall below 0, where all are met
+  static constexpr double kLargest = 10;       // largest violation in the range of t
+  static constexpr double kLeastTarget = 0.1;  // t may fall below 0, when all are met
   static constexpr std::size_t kBatch = 64, kParetoSize = 40, kColony = 16, kColonyEach = 4;
 
   const DesignProblem& problem_;
   DesignEvaluations& evaluations_;
-  bool cut_ = false;  // the limit of the last phase ended it
+  bool cut_ = false;  // the limit ended the last phase
   const DesignMerit merit_;
   const std::vector<double> none_;
   DesignResult result_;

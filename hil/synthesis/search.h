@@ -1,5 +1,5 @@
-// The search of a problem of synthesis: choice of the method, its phases and their shares of the budget, the best of
-// all samples. The same samples in the same order for a seed, whatever the number of threads.
+// Search of a problem of synthesis: choice of the method, its phases and their shares of the budget, the best of all
+// samples. A seed gives the same samples in the same order, whatever the number of threads.
 #pragma once
 
 #include <optional>
@@ -12,28 +12,27 @@ namespace unlatch::hil {
 
 struct ConstraintStudy {
   bool active = false;           // within a thousandth of its limit
-  std::optional<double> shadow;  // change of the optimum for each unit by which the limit is raised, SI
+  std::optional<double> shadow;  // change of the optimum for each unit of relaxation of its limit, SI
 };
 
 struct DesignResult {
   enum class End { kConverged, kBudget, kStopped };
   End end = End::kConverged;
-  SearchMethod method = SearchMethod::kLocal;  // the one that was used
-  bool exhaustive = false;                     // all of the catalogues were tried
+  SearchMethod method = SearchMethod::kLocal;  // the method that was used
+  bool exhaustive = false;                     // all combinations of the catalogues were tried
   bool feasible = false;
-  std::size_t best = 0;  // sample: the optimum, or the least violation
-  Violation violation;   // of that
-  std::vector<std::size_t>
-      against;                     // constraints that all miss by nearly the largest violation: they bound it together
-  std::vector<std::size_t> front;  // samples, by the first objective; of several objectives
+  std::size_t best = 0;              // index of the optimum, or of the least violation
+  Violation violation;               // violation of the best sample
+  std::vector<std::size_t> against;  // constraints that are all near the largest violation: they limit it together
+  std::vector<std::size_t> front;    // samples, by the first objective; for several objectives
   std::int64_t search_runs = 0;
   std::vector<ConstraintStudy> constraints;
-  // [variable][objectives, then constraints]; empty of a catalogue. SI for each unit of the variable.
+  // [variable][objectives, then constraints]; empty for a catalogue. SI for each unit of the variable.
   std::vector<std::vector<double>> sensitivities;
-  std::vector<std::vector<std::size_t>> slices;  // [variable]: samples that differ from the best in it alone
+  std::vector<std::vector<std::size_t>> slices;  // [variable]: samples that differ from the best in this variable alone
 };
 
-// Throws ModuleError where the libraries are not installed.
+// Runs the search. Throws ModuleError if the libraries are not installed.
 DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations);
 
 }  // namespace unlatch::hil

@@ -9,9 +9,9 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr double kActive = 1e-3;       // of the limit
-constexpr double kShift = 0.01;        // of the limit, for its shadow
-constexpr double kSensitivity = 1e-4;  // of a variable's range
+constexpr double kActive = 1e-3;       // relative to the limit
+constexpr double kShift = 0.01;        // relative to the limit, for the shadow price
+constexpr double kSensitivity = 1e-4;  // relative to a variable's range
 constexpr int kSlice = 21;             // points from bound to bound
 constexpr std::int64_t kShadowRuns = 100;
 
@@ -70,7 +70,7 @@ class Study {
     }
   }
 
-  // Through the result, one variable at a time; of a catalogue its entries.
+  // Adds slices through the result, one variable at a time; of a catalogue its entries.
   void add_slices() {
     result_.slices.resize(problem_.variables.size());
     for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
@@ -90,7 +90,7 @@ class Study {
     }
   }
 
-  // Best of the optimum with the limit easier by kShift of its size, less this optimum.
+  // Improvement of the optimum if the limit is relaxed by kShift of its size.
   std::optional<double> calc_shadow(std::size_t constraint) {
     std::vector<double> shifts(problem_.constraints.size(), 0.0);
     shifts[constraint] = -kShift;

@@ -1,5 +1,5 @@
-// The surroundings of a result: differences, slices through it, and for each active constraint what it
-// costs. Runs on top of the search's budget: at most as many and as many seconds again, and at most kStudyRuns.
+// Study of a result's neighbourhood: differences, slices through it, and the cost of each active constraint. It runs on
+// top of the search's budget: at most as many runs and as many seconds again, and at most kStudyRuns.
 #pragma once
 
 #include "hil/synthesis/search.h"
@@ -8,7 +8,7 @@ namespace unlatch::hil {
 
 constexpr std::int64_t kStudyRuns = 1000;
 
-// Fills constraints, sensitivities and slices. What the runs do not suffice for stays empty.
+// Fills constraints, sensitivities and slices. Items beyond the runs stay empty.
 void study_result(const DesignProblem& problem, DesignEvaluations& evaluations, const DesignMerit& merit,
                   DesignResult& result);
 

@@ -24,7 +24,7 @@ class VariableReader {
       mistakes_.add(node->mark, std::to_string(node->keys.size()) + " variables", "give 1 to 64");
     for (std::size_t i = 0; i < node->keys.size(); ++i) {
       const YamlKey& key = node->keys[i];
-      if (node->find(key.text) != &node->items[i]) continue;  // a duplicate: finish() says so
+      if (node->find(key.text) != &node->items[i]) continue;  // duplicate: finish() reports it
       map.find(key.text);
       if (!is_name(key.text) || key.text.find('-') != std::string::npos || is_reserved_name(key.text))
         mistakes_.add(key.mark, "'" + key.text + "' cannot be the name of a variable",

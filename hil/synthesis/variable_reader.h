@@ -1,4 +1,4 @@
-// The variables of a problem of synthesis: paths, bounds or catalogue, start.
+// Variables of a problem of synthesis: paths, bounds or catalogue, start.
 #pragma once
 
 #include "hil/language/yaml_reader.h"
@@ -6,7 +6,7 @@
 
 namespace unlatch::hil {
 
-// Those without mistakes go to the problem.
+// Reads variables; those without mistakes are added to the problem.
 void read_variables(YamlMap& top, DesignProblem& problem, Mistakes& mistakes);
 
 }  // namespace unlatch::hil

@@ -47,7 +47,7 @@ unlatch_status Batch::run(double until, std::size_t threads, std::atomic<bool>& 
   if (!(until >= 0) || std::isinf(until))
     return fail(UNLATCH_ERROR_RANGE, "the end of the run is no time from 0 on, s");
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  // Each thread takes as many as it runs side by side, or its share if that is less.
+  // Each thread takes as many samples as it runs side by side, or its share if that is less.
   const std::size_t share = std::clamp<std::size_t>(size() / threads, 1, hil::SampleEvaluator::kSideBySide);
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
@@ -69,7 +69,7 @@ unlatch_status Batch::run(double until, std::size_t threads, std::atomic<bool>& 
                                                                                        : UNLATCH_OK;
 }
 
-// Its columns are found by name: a sample's overrides may leave some requirements out.
+// Stores a result. Columns are found by name: a sample's overrides may disable some requirements.
 void Batch::keep(std::size_t sample, const hil::SampleResult& result) {
   using enum hil::SampleStatus;
   constexpr auto get_status = [](hil::SampleStatus status) {
@@ -102,7 +102,7 @@ void Batch::keep(std::size_t sample, const hil::SampleResult& result) {
 
 std::optional<hil::SampleTask> Batch::build_task(std::size_t sample, double until) {
   double* const first_events = &first_events_[sample * events_];
-  std::fill_n(first_events, events_, kNever);  // of a run that was interrupted
+  std::fill_n(first_events, events_, kNever);  // values of an interrupted run
   hil::SampleTask task;
   task.run.until = until;
   task.run.judges = judges_;
@@ -151,7 +151,7 @@ void Batch::run_samples(std::span<const std::size_t> samples, double until, cons
   }
 }
 
-// Results are tables: every sample has the bodies and events of the scenario.
+// Checks that every sample has the bodies and events of the scenario: results are tables.
 void Batch::check_lists(const hil::Scenario& scenario) const {
   if (scenario.model.events.size() == events_ && scenario.model.bodies.size() == bodies_) return;
   throw hil::ScenarioError({{scenario.file,

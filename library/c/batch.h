@@ -1,4 +1,4 @@
-// Many samples of one scenario, each with overrides of its own, run by threads with the evaluator of campaigns.
+// Many samples of one scenario, each with its overrides, run by threads with the evaluator of campaigns.
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@ namespace unlatch::library {
 
 class Batch {
  public:
-  // Throws ScenarioError.
+  // Loads the scenario. Throws ScenarioError.
   Batch(const std::string& path, const LoadOptions& options);
 
   void add(std::vector<std::string> overrides);
-  // Every sample that was not run yet. `threads` 0: one on each processor.
+  // Runs every sample that has not been run yet. `threads` 0: one on each processor.
   unlatch_status run(double until, std::size_t threads, std::atomic<bool>& interrupted);
 
   unlatch_status get_array(std::int32_t which, unlatch_array& array) const;
@@ -41,8 +41,8 @@ class Batch {
   const Catalogue catalogue_;
   const bool judges_;
   const std::size_t bodies_, events_, requirements_;
-  std::vector<std::vector<std::string>> overrides_;    // of each sample, besides those of all
-  std::vector<std::string> texts_;                     // why it failed
+  std::vector<std::vector<std::string>> overrides_;    // overrides of each sample, besides those of all
+  std::vector<std::string> texts_;                     // reasons of failures
   std::array<std::vector<std::int64_t>, 3> integers_;  // by UNLATCH_SAMPLE_STATUS, _TICKS, _HASHES
   std::vector<double> first_events_, values_, margins_, last_bodies_;
 };

@@ -1,4 +1,4 @@
-// Parts that the functions of unlatch.h share: null arguments, and handles that open, are used and close.
+// Code that the functions of unlatch.h share: refusal of null arguments; opening, use and closing of handles.
 #pragma once
 
 #include <memory>
@@ -9,13 +9,14 @@
 
 namespace unlatch::library {
 
-// `what`: the argument that is null.
+// Refuses a null argument. `what`: its name.
 inline unlatch_status refuse_null(const char* what) noexcept {
   return guard([&] { return fail(UNLATCH_ERROR_ARGUMENT, std::string("null: ") + what); });
 }
 
-// A handle on the object that `make(options)` gives as a unique_ptr. It may give null once it has set this thread's
-// error, which is then UNLATCH_ERROR_ARGUMENT. Its exceptions become errors with their place in `source`.
+// Opens a handle on the object that `make(options)` returns as a unique_ptr. `make` may return null after it has set
+// this thread's error; the result is then UNLATCH_ERROR_ARGUMENT. Its exceptions become errors with their place in
+// `source`.
 template <class Handle, class Make>
 unlatch_status make_handle(HandleKind kind, const ErrorSource& source, const unlatch_options* options, Handle** handle,
                            const Make& make) noexcept {
@@ -33,7 +34,7 @@ unlatch_status make_handle(HandleKind kind, const ErrorSource& source, const unl
   return guard(open_made, source);
 }
 
-// Calls a function that gives a status with the object of a handle.
+// Calls a function that returns a status with the object of a handle.
 template <class Object, class Function>
 unlatch_status with(HandleKind kind, const void* handle, const Function& function) noexcept {
   const Access access(kind, handle);

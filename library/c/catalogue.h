@@ -1,4 +1,4 @@
-// The lists of a scenario as the C library gives them: names, units, places, limits.
+// Lists of a scenario for the C library: names, units, places, limits.
 #pragma once
 
 #include <array>
@@ -24,12 +24,12 @@ class Catalogue {
   [[nodiscard]] const std::vector<unlatch_item>& get(std::int32_t kind) const {
     return items_[static_cast<std::size_t>(kind)];
   }
-  // The item of a name, or of "name:text" (events); -1 if there is none, -2 if there are several.
+  // Index of the item of a name, or of "name:text" (events); -1 if there is none, -2 if there are several.
   [[nodiscard]] int find(std::int32_t kind, const std::string& name) const;
   // Modes of a joint.
   [[nodiscard]] const std::vector<std::string>& get_modes(std::size_t joint) const { return modes_[joint]; }
 
-  // The functions of the C library over it.
+  // The functions of the C library that use these lists.
   unlatch_status count(std::int32_t kind, std::size_t* count) const;
   unlatch_status describe(std::int32_t kind, std::size_t index, unlatch_item* item) const;
 

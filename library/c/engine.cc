@@ -39,7 +39,7 @@ Engine::Engine(hil::RecordingReader recording, hil::Scenario scenario, const Loa
 Engine::~Engine() {
   try {
     if (recording_) (void)stop_recording();
-  } catch (...) {  // the file is incomplete; who wants to know calls unlatch_stop_recording()
+  } catch (...) {  // the file is incomplete; unlatch_stop_recording() reports the error
   }
 }
 
@@ -55,7 +55,7 @@ ReplayFeed::ReplayFeed(hil::RecordingReader recording, hil::Simulation& simulati
 unlatch_status ReplayFeed::step(StepReport& report) {
   if (!has_pending_) return UNLATCH_END;
   const bool has_next = recording_.next(next_);
-  if (!has_next && !recording_.end) {  // nothing says that the pending step was made
+  if (!has_next && !recording_.end) {  // nothing confirms that the pending step was made
     has_pending_ = false;
     return UNLATCH_END;
   }
@@ -201,7 +201,7 @@ unlatch_status Engine::judge(const unlatch_verdict** verdicts, std::size_t* coun
   return UNLATCH_OK;
 }
 
-// Events, verdicts and clearances begin at the present state.
+// Restarts events, verdicts and clearances at the present state.
 void Engine::begin_anew() {
   event_count_ = 0;
   lost_events_ = 0;

@@ -1,5 +1,5 @@
-// The object behind a handle of a simulation: the scenario, its simulation, and what is kept of the run besides.
-// Stepping allocates nothing unless it judges, replays or records.
+// The object behind a handle of a simulation: the scenario, its simulation, and the stored data of the run. Stepping
+// allocates nothing unless it judges, replays or records.
 #pragma once
 
 #include <atomic>
@@ -20,12 +20,13 @@
 
 namespace unlatch::library {
 
-// Steps of a recording: its commands, and the hashes to compare.
+// Steps of a recording: applies its commands, and compares the hashes.
 class ReplayFeed {
  public:
   // `simulation` is at the state where the recording begins. Throws LogError.
   ReplayFeed(hil::RecordingReader recording, hil::Simulation& simulation);
-  // One tick. UNLATCH_OK, UNLATCH_END, UNLATCH_ERROR_DIFFERENCE or UNLATCH_ERROR_FAULT; `report` is of the step.
+  // Makes one tick. UNLATCH_OK, UNLATCH_END, UNLATCH_ERROR_DIFFERENCE or UNLATCH_ERROR_FAULT; `report` is the report of
+  // the step.
   unlatch_status step(StepReport& report);
 
  private:
@@ -39,9 +40,9 @@ class ReplayFeed {
 
 class Engine {
  public:
-  // Throws ScenarioError.
+  // Simulates a scenario. Throws ScenarioError.
   Engine(hil::Scenario scenario, const LoadOptions& options);
-  // Of a recording. Throws LogError, ScenarioError.
+  // Replays a recording. Throws LogError, ScenarioError.
   Engine(hil::RecordingReader recording, hil::Scenario scenario, const LoadOptions& options);
   ~Engine();
   Engine(const Engine&) = delete;
@@ -78,7 +79,7 @@ class Engine {
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
 
  private:
-  // A recording that is being written.
+  // State of a recording in progress.
   struct Recording {
     Recording(const std::string& path, const hil::LogHeader& header, const hil::Simulation& simulation)
         : recorder(path, header),
@@ -102,7 +103,7 @@ class Engine {
   const std::uint32_t flags_;
   std::unique_ptr<hil::Simulation> simulation_;
   const Catalogue catalogue_;
-  const std::vector<std::uint64_t> initial_;  // saved
+  const std::vector<std::uint64_t> initial_;  // saved initial state
   std::vector<unlatch_event> events_;
   std::size_t event_count_ = 0;
   std::uint64_t lost_events_ = 0;
@@ -111,7 +112,7 @@ class Engine {
   std::unique_ptr<ReplayFeed> replay_;
   std::unique_ptr<hil::RunAnalysis> analysis_;
   std::unique_ptr<Recording> recording_;
-  std::string recording_error_;  // of a recording that a fault has ended
+  std::string recording_error_;  // error of a recording that a fault has ended
   bool recording_ended_ = false;
   std::vector<double> clearances_;
   std::vector<hil::Verdict> verdicts_;

@@ -1,4 +1,4 @@
-// States and recordings of an engine, and the arrays that show it.
+// States and recordings of an engine, and the arrays that present its data.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,7 +9,8 @@
 namespace unlatch::library {
 namespace {
 
-// A saved state: these words, the model's hash, the words of Simulation::save(), and a CRC-64 of all before it.
+// Format of a saved state: these words, the model's hash, the words of Simulation::save(), and a CRC-64 of all before
+// it.
 constexpr std::uint64_t kSavedMark = 0x31657461745355ull;  // "USTate1"
 constexpr std::size_t kFrameWords = 3;
 
@@ -17,7 +18,7 @@ std::uint64_t calc_check(std::span<const std::uint64_t> words) {
   return hil::calc_crc64({reinterpret_cast<const std::uint8_t*>(words.data()), words.size_bytes()});
 }
 
-// Numbers that lie `row_stride` and `column_stride` bytes apart.
+// Sets an array to numbers that lie `row_stride` and `column_stride` bytes apart.
 void show(unlatch_array& array, const void* data, std::size_t rows, std::size_t columns, std::ptrdiff_t row_stride,
           std::ptrdiff_t column_stride = sizeof(double), std::int32_t type = UNLATCH_DOUBLE) {
   unlatch_array shown{};

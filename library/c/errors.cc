@@ -21,7 +21,7 @@ struct StoredError {
 struct ThreadErrors {
   std::vector<StoredError> stored;
   std::vector<unlatch_error> views;
-  // There was no memory to say more.
+  // True if there was no memory for the text of the error.
   bool bare = false;
   unlatch_error view{};
 
@@ -52,7 +52,7 @@ unlatch_status keep(std::vector<StoredError> stored) {
   return status;
 }
 
-// The latest key or entry of a list that stands at or before a place is the one that the place belongs to.
+// Search for the latest key or entry of a list at or before a place: the place belongs to it.
 struct KeySearch {
   int line, column;
   std::string found;
@@ -72,7 +72,7 @@ struct KeySearch {
   }
 };
 
-// The text in which a mistake stands: the main file's, or that of a file it includes.
+// Text that contains the mistake: the main file's, or that of an included file.
 std::string read_source(const std::string& file, const ErrorSource& source) {
   if (file == source.file && !source.text.empty()) return source.text;
   if (!source.text.empty()) return hil::ScenarioSources(source.text, "").read(file);
@@ -90,7 +90,7 @@ StoredError describe(const hil::ScenarioMistake& mistake, const ErrorSource& sou
     try {
       error.key = find_key(read_source(mistake.file, source), mistake.mark.line, mistake.mark.column);
     } catch (const std::exception&) {
-      error.key.clear();  // a text that is no YAML has no keys
+      error.key.clear();  // a text that is not YAML has no keys
     }
   }
   return error;

@@ -1,5 +1,4 @@
-// Errors of the C library: what a thread's latest call that failed had to say, and the border that no exception
-// crosses.
+// Errors of the C library: the errors of a thread's latest failed call, and the boundary that no exception crosses.
 #pragma once
 
 #include <exception>
@@ -12,24 +11,24 @@
 
 namespace unlatch::library {
 
-// The text of a scenario's file, to name the key at a place in it.
+// Text of a scenario's file, for naming the key at a place in it.
 struct ErrorSource {
-  std::string file, text;  // of the main file, as messages call it; text: empty if `file` is to be read
+  std::string file, text;  // of the main file, as messages name it; text: empty if `file` must be read
 };
 
-// All of these replace this thread's errors and give the status back.
+// All of these functions replace this thread's errors and return the status.
 unlatch_status fail(unlatch_status status, std::string_view text, std::string_view file = "",
                     std::string_view key = "") noexcept;
 unlatch_status fail(const hil::ScenarioError& error, const ErrorSource& source) noexcept;
-// Of a handle that was refused.
+// Reports a refused handle.
 unlatch_status fail(const Access& access) noexcept;
-// The exception being handled.
+// Reports the exception being handled.
 unlatch_status fail_of_exception(const ErrorSource& source) noexcept;
 
-// The path of the key at a line and column of a YAML text: "bodies.core.mass"; "" if there is none.
+// Path of the key at a line and column of a YAML text: "bodies.core.mass"; "" if there is none.
 std::string find_key(const std::string& text, int line, int column);
 
-// Calls a function that gives a status; exceptions become errors.
+// Calls a function that returns a status; exceptions become errors.
 template <class Function>
 unlatch_status guard(const Function& function, const ErrorSource& source = {}) noexcept {
   try {

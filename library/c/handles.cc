@@ -8,11 +8,11 @@ constinit HandleSlot handle_slots[kHandleSlots];
 
 namespace {
 
-// For opening and closing alone.
+// Guards opening and closing only.
 constinit std::mutex table_mutex;
-constinit std::uint64_t slots_used = 0;                            // places that were ever used
-constinit std::uint64_t free_slots[kHandleSlots], free_count = 0;  // places given back
-constinit std::uint64_t uses[kHandleSlots];                        // handles that a place has given out
+constinit std::uint64_t slots_used = 0;                            // slots that were ever used
+constinit std::uint64_t free_slots[kHandleSlots], free_count = 0;  // free slots
+constinit std::uint64_t uses[kHandleSlots];                        // number of handles that each slot has issued
 
 }  // namespace
 

@@ -1,8 +1,8 @@
-// Handles of the C library. A handle is no address but a number in the shape of a pointer: the place in a table, the
-// kind of object, and how often the place was used. So a closed or foreign one is recognised without touching memory
-// that may be gone. Taking a handle costs one atomic exchange; it takes no lock.
+// Handles of the C library. A handle is not an address but a number in the form of a pointer: the slot in a table, the
+// kind of object, and the number of the slot's uses. So a closed or foreign handle is detected without access to memory
+// that may be freed. Access to a handle costs one atomic exchange and takes no lock.
 //
-//   bits 0 … 15: place   16 … 19: kind   20 … 63: use, from 1
+//   bits 0 … 15: slot   16 … 19: kind   20 … 63: use, from 1
 #pragma once
 
 #include <atomic>
@@ -23,12 +23,12 @@ struct HandleSlot {
 inline constexpr std::uint64_t kHandleSlots = 16'384;
 extern HandleSlot handle_slots[kHandleSlots];
 
-// A new handle; null if none is free.
+// Opens a handle; null if no slot is free.
 void* open_handle(HandleKind kind, void* object) noexcept;
-// Sets `interrupted` of an open handle of any kind, also of one that is at work.
+// Sets `interrupted` of an open handle of any kind, also of one in use.
 [[nodiscard]] bool interrupt_handle(const void* handle) noexcept;
 
-// The object of a handle, for this thread alone, while this lives.
+// Exclusive access of this thread to the object of a handle, for the lifetime of this instance.
 class Access {
  public:
   Access(HandleKind kind, const void* handle) noexcept {
@@ -50,14 +50,14 @@ class Access {
   Access& operator=(const Access&) = delete;
 
   explicit operator bool() const noexcept { return slot_ != nullptr; }
-  // Of a refused handle.
+  // Status of a refused handle.
   [[nodiscard]] unlatch_status get_status() const noexcept { return status_; }
   template <class Object>
   [[nodiscard]] Object& get() const noexcept {
     return *static_cast<Object*>(slot_->object);
   }
   [[nodiscard]] std::atomic<bool>& interrupted() const noexcept { return slot_->interrupted; }
-  // The handle is closed once this is gone; the object is the caller's.
+  // Marks the handle for closing at the end of this instance; the caller then owns the object.
   void close() noexcept;
 
  private:

@@ -1,4 +1,4 @@
-// unlatch_options, read and checked.
+// Reading and checking of unlatch_options.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct LoadOptions {
   std::size_t event_capacity = 4096;
 };
 
-// `options` may be null. False, and an error of this thread, if they are refused.
+// Reads options, which may be null. If they are refused, returns false and sets this thread's error.
 [[nodiscard]] bool read_options(const unlatch_options* options, LoadOptions& read);
 
 }  // namespace unlatch::library

@@ -1,4 +1,4 @@
-// The C library's functions on simulations: arguments are checked here, the work is the engine's.
+// Functions of the C library on simulations: arguments are checked here; the engine does the work.
 #include <cmath>
 
 #include "hil/run/replay.h"

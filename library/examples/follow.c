@@ -1,4 +1,4 @@
-/* Follows a recorded session: gives a simulation of one's own the commands of the recording, tick by tick, and compares
+/* Follows a recorded session: applies the recorded commands to another simulation, tick by tick, and compares
  * the states.
  *   follow SCENARIO RECORDING */
 #include <stdio.h>
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   if (unlatch_load(argv[1], NULL, &own) < 0) return give_up("the scenario");
   if (unlatch_open_recording(argv[2], NULL, &recorded) < 0) return give_up("the recording");
   if (unlatch_get_array(recorded, UNLATCH_CHANNELS, 0, &channels) < 0) return give_up("channels");
-  /* The replay's channels have the values with which it has just stepped. */
+  /* The replay's channels have the values of its latest step. */
   while ((status = unlatch_step(recorded)) == UNLATCH_OK) {
     if (unlatch_set_channels(own, 0, channels.rows, (const double*)channels.data) < 0) return give_up("commands");
     if (unlatch_step(own) < 0) return give_up("step");

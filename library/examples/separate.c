@@ -1,4 +1,4 @@
-/* Control law of one's own: separates the boosters of hil/scenarios/boosters/scenario.yaml, and prints what happened.
+/* A user's control law: separates the boosters of hil/scenarios/boosters/scenario.yaml, and prints what happened.
  *   separate SCENARIO */
 #include <stdio.h>
 
@@ -10,7 +10,7 @@ static int give_up(const char* task) {
   return 1;
 }
 
-/* A number of the simulation by its name, or -1. */
+/* Index of a simulation's item by its name, or -1. */
 static int find(unlatch_simulation* sim, int32_t kind, const char* name, int booster) {
   char full[32];
   size_t index = 0;
@@ -18,7 +18,7 @@ static int find(unlatch_simulation* sim, int32_t kind, const char* name, int boo
   return unlatch_find(sim, kind, full, &index) == UNLATCH_OK ? (int)index : -1;
 }
 
-/* Sets the channels NAME1 to NAME4, or NAME if only that is there. */
+/* Sets the channels NAME1 to NAME4, or NAME if only that exists. */
 static unlatch_status command(unlatch_simulation* sim, const char* name, double value) {
   unlatch_status status = UNLATCH_OK;
   int i;
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
       if (command(sim, sequence[next].channel, sequence[next].value) < 0) return give_up("commanding");
     }
     for (booster = 1; booster <= 4; ++booster) {
-      /* The sensors' numbers are where they were, with the values of this tick. */
+      /* The sensors' numbers keep their addresses, and have the values of this tick. */
       if (contact[booster] < 0 && unlatch_get_number(&sensors, (size_t)kr[booster], 0) > 0.5) contact[booster] = tick;
       if (contact[booster] >= 0 && tick == contact[booster] + 12 &&
           unlatch_set_channel(sim, (size_t)nozzle[booster], 1) < 0)

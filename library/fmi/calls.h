@@ -1,4 +1,4 @@
-// The calls of both versions of FMI on an instance: statuses, types that no variable has, states.
+// Calls that both versions of FMI share: statuses, types that no variable has, states.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace unlatch::fmi {
 using Status = int;
 inline constexpr Status kOk = 0, kError = 3;
 
-// Calls a function of a living instance that gives true or false.
+// Calls a function of a valid instance that returns true or false.
 template <class Function>
 Status with(void* pointer, const Function& function) noexcept {
   Instance* const instance = find_instance(pointer);
@@ -28,16 +28,16 @@ Status with(void* pointer, const Function& function) noexcept {
   }
 }
 
-// A function that is not offered.
+// Refuses a function that is not supported.
 Status refuse(void* pointer, const char* function) noexcept;
-// Access to `count` variables of another type than Float64 (Real).
+// Accesses `count` variables of another type than Float64 (Real).
 Status access_none(void* pointer, std::size_t count) noexcept;
-// Leaving a phase for another; terminating; beginning anew.
+// Moves from one phase to another; terminates; resets.
 Status move(void* pointer, Instance::Phase from, Instance::Phase to, const char* call) noexcept;
 Status terminate(void* pointer) noexcept;
 Status reset(void* pointer) noexcept;
 
-// States, by the standards' rules: a state that is there is used again.
+// Functions on states, by the standards' rules: an existing state is reused.
 Status get_state(void* pointer, void** state) noexcept;
 Status set_state(void* pointer, const void* state) noexcept;
 Status free_state(void* pointer, void** state) noexcept;

@@ -18,7 +18,7 @@ std::string write(double number) {
   return text;
 }
 
-// <BaseUnit .../> of a unit, by its exponents; "" for one that a scenario's author made up.
+// <BaseUnit .../> of a unit, by its exponents; "" for a unit that the scenario's author invented.
 std::string describe_base(const std::string& unit) {
   hil::Dimension dimension;
   try {
@@ -26,7 +26,7 @@ std::string describe_base(const std::string& unit) {
   } catch (const std::exception&) {
     return "";
   }
-  constexpr const char* kNames[] = {"m", "kg", "s", "rad"};  // as Dimension::Base
+  constexpr const char* kNames[] = {"m", "kg", "s", "rad"};  // in the order of Dimension::Base
   std::string xml = "<BaseUnit";
   for (const std::size_t i : {1u, 0u, 2u, 3u})
     if (dimension.exponents[i] != 0)
@@ -46,7 +46,7 @@ std::string describe_units(const std::vector<Variable>& variables) {
 
 std::string describe_variable(const Variable& variable, std::size_t reference, int version) {
   using enum Variable::Causality;
-  static constexpr const char* kNames[] = {"independent", "input", "parameter", "output"};  // as Causality
+  static constexpr const char* kNames[] = {"independent", "input", "parameter", "output"};  // in the order of Causality
   const std::string common = " name=\"" + escape_xml(variable.name) + "\" valueReference=\"" +
                              std::to_string(reference) + "\" description=\"" + escape_xml(variable.description) +
                              "\" causality=\"" + kNames[static_cast<std::size_t>(variable.causality)] +
@@ -87,7 +87,7 @@ std::string describe(const Description& model, const std::vector<Variable>& vari
   xml += "  <ModelVariables>\n";
   for (std::size_t i = 0; i < variables.size(); ++i) xml += describe_variable(variables[i], i, version);
   xml += "  </ModelVariables>\n  <ModelStructure>\n";
-  // All outputs; and the same as what initialization mode computes.
+  // All outputs, and the unknowns of initialization mode, which are the same.
   for (const char* const list : {"Output", "InitialUnknown"}) {
     if (version == 2) xml += std::string("    <") + list + "s>\n";
     for (std::size_t i = 1; i < variables.size(); ++i) {

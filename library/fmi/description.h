@@ -11,10 +11,10 @@ namespace unlatch::fmi {
 struct Description {
   std::string name, identifier, token;
   double dt = 0, until = 0;          // s
-  std::vector<std::string> sources;  // to be compiled; FMI 2.0 names them here
+  std::vector<std::string> sources;  // sources to compile; FMI 2.0 lists them here
 };
 
-// `version`: 2 or 3.
+// Text of the description. `version`: 2 or 3.
 std::string describe(const Description& model, const std::vector<Variable>& variables, int version);
 
 }  // namespace unlatch::fmi

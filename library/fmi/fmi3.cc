@@ -1,5 +1,5 @@
-// The functions of FMI 3.0 for co-simulation, by the standard's text. What this FMU does not offer gives fmi3Error;
-// reading or writing no variables of another type gives fmi3OK.
+// Functions of FMI 3.0 for co-simulation, by the standard's text. Unsupported functions return fmi3Error; reading or
+// writing no variables of another type returns fmi3OK.
 #include <cstddef>
 #include <cstdint>
 #include <exception>

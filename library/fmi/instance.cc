@@ -57,7 +57,7 @@ bool Instance::load(const std::vector<double>& parameters) {
   options.override_count = pointers.size();
   unlatch_simulation* made = nullptr;
   std::size_t pairs = 0;
-  // Clearances are computed where the scenario watches some.
+  // Clearances are computed if the scenario watches some.
   for (const bool judges : {false, true}) {
     options.flags = judges ? UNLATCH_JUDGE : 0;
     if (made != nullptr) (void)unlatch_close(made);
@@ -169,7 +169,7 @@ double Instance::get_time() const {
 }
 
 bool Instance::step(double time, double size, bool stops, bool& stopped) {
-  constexpr double kSameTime = 1e-6;  // of a tick: what importers' sums of step sizes are off
+  constexpr double kSameTime = 1e-6;  // relative to a tick: deviation of importers' sums of step sizes
   stopped = false;
   if (phase_ != Phase::kStep) return refuse("a step is not allowed now");
   std::int64_t tick = 0;
@@ -187,7 +187,7 @@ bool Instance::step(double time, double size, bool stops, bool& stopped) {
   return true;
 }
 
-// A state: that of the library, the parameters, the phase.
+// Saves the state of the library, the parameters, and the phase.
 bool Instance::save(std::vector<std::byte>& state) {
   std::size_t needed = 0;
   if (unlatch_save(simulation_, nullptr, 0, &needed) != UNLATCH_OK) return refuse_of_library("saving");

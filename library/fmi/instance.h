@@ -1,5 +1,5 @@
-// One instance of the FMU, whatever the version of FMI: the simulation, its variables, and the state machine of
-// co-simulation. Everything gives false, and the reason to the importer's log, where the standard demands an error.
+// One instance of the FMU, for both versions of FMI: the simulation, its variables, and the state machine of
+// co-simulation. Functions return false, with the reason in the importer's log, where the standard requires an error.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,8 @@ class Instance {
   enum class Phase { kInstantiated, kInitialization, kStep, kEvent, kTerminated };
   using Log = std::function<void(const char* message)>;
 
-  // `resources`: folder with scenario.yaml and overrides.txt; `token`: that of the description. Null after an error.
+  // Creates an instance. `resources`: folder with scenario.yaml and overrides.txt; `token`: that of the description.
+  // Null after an error.
   static std::unique_ptr<Instance> create(const std::string& resources, const char* token, Log log);
   ~Instance();
   Instance(const Instance&) = delete;
@@ -33,44 +34,44 @@ class Instance {
   [[nodiscard]] bool set(const std::uint32_t* references, std::size_t count, const double* values,
                          std::size_t value_count);
 
-  // From `time` on by `size` s, a whole number of ticks; to the tick in which an event acted if `stops`.
+  // Steps from `time` by `size` s, a whole number of ticks; to the tick in which an event acted if `stops`.
   [[nodiscard]] bool step(double time, double size, bool stops, bool& stopped);
   [[nodiscard]] double get_time() const;
 
   [[nodiscard]] bool save(std::vector<std::byte>& state);
   [[nodiscard]] bool restore(const std::byte* state, std::size_t size);
 
-  bool refuse(const std::string& why) const;  // false
+  bool refuse(const std::string& why) const;  // returns false
 
-  bool event_mode = false, early_return = false;  // as the importer wants it; FMI 3
+  bool event_mode = false, early_return = false;  // options of the importer; FMI 3
 
  private:
   explicit Instance(Log log) : log_(std::move(log)) {}
-  // The scenario with these values of its parameters, at its start; the inputs that were set are set again. After an
-  // error the simulation is what it was.
+  // Loads the scenario with these values of its parameters, at its start; inputs that were set are set again. After an
+  // error the simulation is unchanged.
   bool load(const std::vector<double>& parameters);
   [[nodiscard]] bool may_set(std::uint32_t reference) const;
   bool refuse_of_library(const char* call) const;
 
   Log log_;
   unlatch_simulation* simulation_ = nullptr;
-  std::string text_;                            // of the scenario
+  std::string text_;                            // text of the scenario
   std::vector<std::string> overrides_;          // PATH=VALUE
   std::vector<Variable> variables_;             // parameters last
   std::size_t first_parameter_ = 0;             // value reference
-  std::vector<double> starts_, parameters_;     // of the parameters: as exported, and as they are
+  std::vector<double> starts_, parameters_;     // values of the parameters: as exported, and present
   std::map<std::uint32_t, double> inputs_set_;  // by value reference
   double dt_ = 0;                               // s
   Phase phase_ = Phase::kInstantiated;
 };
 
-// The instance of a pointer that an importer gave; null if it is none that lives.
+// Instance of a pointer from an importer; null if it is no valid instance.
 Instance* find_instance(void* pointer);
 void* keep_instance(std::unique_ptr<Instance> instance);
 void free_instance(void* pointer);
-// The description's token: a scenario's text and overrides, hashed.
+// Token of the description: a hash of a scenario's text and overrides.
 std::string calc_token(const std::string& text, const std::vector<std::string>& overrides);
-// "file:///a%20b/resources" or a path.
+// Reads "file:///a%20b/resources" or a path.
 std::string read_uri(const char* uri);
 
 }  // namespace unlatch::fmi

@@ -11,10 +11,10 @@ namespace {
 
 using hil::escape_xml;
 
-// Same bits as the binary: no compiler may fuse a multiply with an add (cmake/compile_options.cmake).
+// Options for the bits of the binary: no compiler may fuse a multiply with an add (cmake/compile_options.cmake).
 constexpr const char* kOptions = "-std=c++20 -O2 -fPIC -ffp-contract=off -fno-tree-slp-vectorize";
 
-// Files of the kernel that need an instruction set of x86-64, and the option that allows it.
+// Files of the kernel that need an instruction set of x86-64, and the option that enables it.
 struct WideFile {
   const char *path, *options;
 };
@@ -41,7 +41,7 @@ std::string describe_set(const std::vector<std::string>& files, const std::strin
 
 }  // namespace
 
-// The format of POSIX tar, without links and long names: blocks of 512 bytes; a name at 0, an octal length at 124.
+// Format of POSIX tar, without links and long names: blocks of 512 bytes; a name at 0, an octal length at 124.
 std::map<std::string, std::string> read_sources(const std::string& archive) {
   constexpr std::size_t kBlock = 512, kLength = 124, kType = 156, kPrefix = 345;
   std::ifstream file(archive, std::ios::binary);

@@ -115,7 +115,7 @@ class Lister {
                             item.initial, 0, 0, nullptr});
     }
   }
-  // Without the version of the language, and the step and end of the run, which are the importer's.
+  // Adds numbers, except the version of the language, and the step and end of the run, which the importer controls.
   void add_numbers() {
     for (std::size_t i = 0, n = count(UNLATCH_NUMBER); i < n && good_; ++i) {
       const unlatch_item item = describe(UNLATCH_NUMBER, i);

@@ -32,7 +32,7 @@ std::string read_file(const std::string& path) {
   return bytes.str();
 }
 
-// A C identifier.
+// Makes a C identifier of a name.
 std::string make_identifier(const std::string& name) {
   std::string made = "unlatch_";
   for (const char c : name) made += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';

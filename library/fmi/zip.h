@@ -10,7 +10,7 @@ namespace unlatch::fmi {
 class Zip {
  public:
   void add(const std::string& name, const std::string& bytes);
-  // The whole file.
+  // Returns the whole file.
   [[nodiscard]] std::string finish();
 
  private:

@@ -10,7 +10,7 @@
  * and velocities have inertial axes, angular velocities body axes.
  *
  * Every function returns a status: UNLATCH_OK, another status that is no error (> 0), or an error (< 0); after an error
- * unlatch_get_error() tells this thread what was wrong, and nothing has changed. No C++ exception leaves the library.
+ * unlatch_get_error() describes it to this thread, and nothing has changed. No C++ exception leaves the library.
  *
  * A handle may be used by any thread, by one at a time: a call on a handle in which another thread is at work gives
  * UNLATCH_ERROR_BUSY. Different handles do not hinder each other. A null, closed, or foreign handle gives
@@ -56,21 +56,21 @@ enum {
 };
 
 typedef struct unlatch_error {
-  size_t size;          /* of this struct */
+  size_t size;          /* size of this struct */
   unlatch_status status;
   int32_t line, column; /* in `file`, from 1; 0: the file as a whole, or none */
-  const char* text;     /* what is wrong and what would be right, with its place; never null */
-  const char* file;     /* as it was given; "" if the error is not of a file */
-  const char* key;      /* of the scenario: "bodies.core.mass"; "" if it is not of a key */
+  const char* text;     /* the fault and its correction, with its place; never null */
+  const char* file;     /* name as given; "" if the error does not concern a file */
+  const char* key;      /* key in the scenario: "bodies.core.mass"; "" if it does not concern a key */
 } unlatch_error;
 
 /* The errors of this thread's latest call that failed; a scenario may have several. Null beyond the last. Valid until
  * this thread's next call that fails. */
 UNLATCH_API const unlatch_error* unlatch_get_error(size_t index);
 UNLATCH_API size_t unlatch_count_errors(void);
-/* The status in words: "closed or foreign handle". Never null. */
+/* Text of a status: "closed or foreign handle". Never null. */
 UNLATCH_API const char* unlatch_get_status_text(unlatch_status status);
-/* "0.1.0" */
+/* Version of the library: "0.1.0". */
 UNLATCH_API const char* unlatch_get_version(void);
 
 /* --- Loading ------------------------------------------------------------------------------------------------------ */
@@ -84,24 +84,24 @@ enum {
 };
 
 typedef struct unlatch_options {
-  size_t size;                  /* of this struct */
+  size_t size;                  /* size of this struct */
   const char* const* overrides; /* "PATH=VALUE", as --set takes them, applied in this order; may be null */
   size_t override_count;
   uint32_t flags;               /* UNLATCH_JUDGE or 0 */
-  uint32_t event_capacity;      /* events that are kept, see unlatch_get_events(); 0: 4096 */
+  uint32_t event_capacity;      /* number of stored events, see unlatch_get_events(); 0: 4096 */
 } unlatch_options;
 
-/* Loads a scenario from a file, or from a text that includes nothing outside itself. `name`: what messages call it.
+/* Loads a scenario from a file, or from a text that includes no other file. `name`: name of the text in messages.
  * `options` may be null. *simulation is null after an error. */
 UNLATCH_API unlatch_status unlatch_load(const char* path, const unlatch_options* options,
                                         unlatch_simulation** simulation);
 UNLATCH_API unlatch_status unlatch_load_text(const char* text, size_t length, const char* name,
                                              const unlatch_options* options, unlatch_simulation** simulation);
-/* Opens a recording (*.log): its steps take the recorded commands, and each is compared with the recorded hash. Such a
- * simulation takes no commands, restores nothing and cannot be recorded. Overrides are those of the recording. */
+/* Opens a recording (*.log): its steps apply the recorded commands, and each is compared with the recorded hash. Such a
+ * simulation accepts no commands, restores nothing and cannot be recorded. Overrides are those of the recording. */
 UNLATCH_API unlatch_status unlatch_open_recording(const char* path, const unlatch_options* options,
                                                   unlatch_simulation** simulation);
-/* Ends a recording that is being written, and frees everything that pointers of this simulation refer to. */
+/* Ends a recording in progress, and frees all memory that pointers of this simulation refer to. */
 UNLATCH_API unlatch_status unlatch_close(unlatch_simulation* simulation);
 
 /* --- Contents ------------------------------------------------------------------------------------------------------ */
@@ -115,19 +115,19 @@ enum {
   UNLATCH_EVENT_KIND = 5, /* events that the scenario describes */
   UNLATCH_REQUIREMENT = 6,
   UNLATCH_CLEARANCE = 7,  /* watched pairs of bodies */
-  UNLATCH_QUANTITY = 8,   /* what requirements can be about: "reaction.nose1.x" */
+  UNLATCH_QUANTITY = 8,   /* quantities for requirements: "reaction.nose1.x" */
   UNLATCH_CONSTANT = 9,   /* the scenario's own constants; "constants.NAME=VALUE" overrides one */
-  UNLATCH_NUMBER = 10     /* numbers that the scenario writes out, by their path; "PATH=VALUE" overrides one. What
-                             follows from constants is not among them */
+  UNLATCH_NUMBER = 10     /* literal numbers of the scenario, by their path; "PATH=VALUE" overrides one. Numbers that
+                             follow from constants are excluded */
 };
 
 typedef struct unlatch_item {
-  size_t size;           /* of this struct */
+  size_t size;           /* size of this struct */
   const char* name;      /* unique in its list; clearances: "core – booster1" */
-  const char* unit;      /* of its values, SI; "" if it has none, or several */
-  const char* text;      /* events: their subject; requirements: their text; joints: "core – nose"; quantities: as
-                           a requirement writes them; constants: their path, "constants.NAME"; else "" */
-  int32_t first, width;  /* sensors: place of its first value, number of values; joints: 0, number of modes */
+  const char* unit;      /* unit of its values, SI; "" if it has none, or several */
+  const char* text;      /* events: their subject; requirements: their text; joints: "core – nose"; quantities: their
+                            text in a requirement; constants: their path, "constants.NAME"; else "" */
+  int32_t first, width;  /* sensors: index of the first value, number of values; joints: 0, number of modes */
   int32_t a, b;          /* joints: base and follower; clearances: the bodies; -1: the ground; else -1 */
   double initial;        /* channels; constants, numbers: the value */
   double minimum, maximum; /* channels: their range; requirements: the limits, infinite where there is none */
@@ -136,10 +136,10 @@ typedef struct unlatch_item {
 
 /* Number of items of a kind. */
 UNLATCH_API unlatch_status unlatch_count(unlatch_simulation* simulation, int32_t kind, size_t* count);
-/* Fills item->size bytes of *item. Texts live until the simulation is closed. */
+/* Fills item->size bytes of *item. Texts are valid until the simulation is closed. */
 UNLATCH_API unlatch_status unlatch_describe(unlatch_simulation* simulation, int32_t kind, size_t index,
                                             unlatch_item* item);
-/* Events are found by "name:subject", or by their name if it is unique. */
+/* Finds an item. Events are found by "name:subject", or by their name if it is unique. */
 UNLATCH_API unlatch_status unlatch_find(unlatch_simulation* simulation, int32_t kind, const char* name, size_t* index);
 /* Name of a mode of a joint. */
 UNLATCH_API unlatch_status unlatch_get_mode_name(unlatch_simulation* simulation, size_t joint, size_t mode,
@@ -150,30 +150,30 @@ UNLATCH_API unlatch_status unlatch_get_scenario(unlatch_simulation* simulation, 
 
 /* --- Commands and steps -------------------------------------------------------------------------------------------- */
 
-/* The value of a channel from the next step on. Refused outside the channel's range. */
+/* Sets the value of a channel from the next step on. Refused outside the channel's range. */
 UNLATCH_API unlatch_status unlatch_set_channel(unlatch_simulation* simulation, size_t channel, double value);
-/* The values of `count` channels from `first` on: all of them, or none if one is refused. */
+/* Sets the values of `count` channels from `first` on: all of them, or none if one is refused. */
 UNLATCH_API unlatch_status unlatch_set_channels(unlatch_simulation* simulation, size_t first, size_t count,
                                                 const double* values);
 
-/* One tick. */
+/* Makes one tick. */
 UNLATCH_API unlatch_status unlatch_step(unlatch_simulation* simulation);
 
 enum {
-  UNLATCH_STOP_AT_EVENTS = 1 /* after a tick in which events acted */
+  UNLATCH_STOP_AT_EVENTS = 1 /* stop after a tick in which events acted */
 };
-/* `ticks` ticks, or fewer if an event, an interruption, an error or the end of a recording comes before. *done, which may
- * be null, is the number of ticks that were made. */
+/* Makes `ticks` ticks, or fewer if an event, an interruption, an error or the end of a recording comes before. *done,
+ * which may be null, is the number of ticks made. */
 UNLATCH_API unlatch_status unlatch_advance(unlatch_simulation* simulation, uint64_t ticks, uint32_t flags,
                                            uint64_t* done);
-/* Ends unlatch_advance() or unlatch_run_batch() of another thread after the present tick; from any thread, and from a
- * signal handler. Without such a call at work, the next one. */
+/* Ends unlatch_advance() or unlatch_run_batch() of another thread after the present tick; callable from any thread, and
+ * from a signal handler. If no such call is running, it ends the next one. */
 UNLATCH_API unlatch_status unlatch_interrupt(void* handle);
 
 UNLATCH_API unlatch_status unlatch_get_tick(unlatch_simulation* simulation, int64_t* tick);
-/* s; tick · dt */
+/* Time of the present state, s: tick · dt. */
 UNLATCH_API unlatch_status unlatch_get_time(unlatch_simulation* simulation, double* time);
-/* Of every bit of the state; the same that `unlatch run` prints. */
+/* Hash of every bit of the state; the one that `unlatch run` prints. */
 UNLATCH_API unlatch_status unlatch_get_hash(unlatch_simulation* simulation, uint64_t* hash);
 
 /* --- Results ------------------------------------------------------------------------------------------------------- */
@@ -183,10 +183,10 @@ enum {
   UNLATCH_ATTITUDES = 1,        /* bodies × 4 */
   UNLATCH_VELOCITIES = 2,       /* bodies × 3, m/s */
   UNLATCH_ANGULAR_VELOCITIES = 3, /* bodies × 3, body axes, rad/s */
-  UNLATCH_MODAL_COORDINATES = 4,  /* of body number `index`: 1 × modes, 1; no columns if it is rigid */
-  UNLATCH_JOINT_MODES = 5,      /* joints × 1, int64: number of the mode that holds */
-  UNLATCH_REACTIONS = 6,        /* of joint number `index`: 1 × 6, rows x y z rot_x rot_y rot_z, on the follower; N, N m;
-                                   0 for rows that do not hold */
+  UNLATCH_MODAL_COORDINATES = 4,  /* body number `index`: 1 × modes, 1; no columns if it is rigid */
+  UNLATCH_JOINT_MODES = 5,      /* joints × 1, int64: number of the present mode */
+  UNLATCH_REACTIONS = 6,        /* joint number `index`: 1 × 6, rows x y z rot_x rot_y rot_z, on the follower; N, N m; 0
+                                   for inactive rows */
   UNLATCH_SENSORS = 7,          /* values × 1, in the units of the sensors; as last sampled */
   UNLATCH_SIGNALS = 8,          /* signals × 1 */
   UNLATCH_CHANNELS = 9,         /* channels × 1: the commanded values */
@@ -194,20 +194,20 @@ enum {
 };
 enum { UNLATCH_DOUBLE = 0, UNLATCH_INT64 = 1 };
 
-/* Numbers where the simulation keeps them: read only, and at these addresses until it is closed. */
+/* Array in the simulation's own memory: read only, and at these addresses until it is closed. */
 typedef struct unlatch_array {
-  size_t size;                         /* of this struct */
-  const void* data;                    /* of row 0, column 0 */
+  size_t size;                         /* size of this struct */
+  const void* data;                    /* address of row 0, column 0 */
   int32_t type;                        /* UNLATCH_DOUBLE or UNLATCH_INT64 */
   int32_t reserved;
   size_t rows, columns;
   ptrdiff_t row_stride, column_stride; /* bytes */
 } unlatch_array;
 
-/* `index`: of the body or joint where the array is of one; else 0. */
+/* Returns an array. `index`: number of the body or joint if the array belongs to one; else 0. */
 UNLATCH_API unlatch_status unlatch_get_array(unlatch_simulation* simulation, int32_t which, size_t index,
                                              unlatch_array* array);
-/* An element of an array of UNLATCH_DOUBLE. */
+/* Element of an array of UNLATCH_DOUBLE. */
 static inline double unlatch_get_number(const unlatch_array* array, size_t row, size_t column) {
   return *(const double*)((const char*)array->data + (ptrdiff_t)row * array->row_stride +
                           (ptrdiff_t)column * array->column_stride);
@@ -216,72 +216,74 @@ static inline double unlatch_get_number(const unlatch_array* array, size_t row, 
 /* An event that acted. */
 typedef struct unlatch_event {
   double time;   /* s, inside the step */
-  int64_t tick;  /* of the state before that step */
+  int64_t tick;  /* tick of the state before that step */
   int64_t event; /* number among UNLATCH_EVENT_KIND */
 } unlatch_event;
 
-/* The events since the beginning, or since the latest reset or restoration; the first event_capacity of them are kept.
- * *events stays where it is, *count grows. `lost`, which may be null: events that found no place. */
+/* Returns the events since the beginning, or since the latest reset or restoration; the first event_capacity of them
+ * are stored. *events keeps its address, *count grows. `lost`, which may be null: number of events beyond the
+ * capacity. */
 UNLATCH_API unlatch_status unlatch_get_events(unlatch_simulation* simulation, const unlatch_event** events,
                                               size_t* count, uint64_t* lost);
 
 /* The verdict on a requirement so far. */
 typedef struct unlatch_verdict {
-  int32_t evaluated;           /* 1; 0: `why` says why not */
+  int32_t evaluated;           /* 1; 0: `why` gives the reason */
   int32_t met;                 /* 1 or 0 */
   double value, limit, margin; /* in the requirement's unit; margin < 0: not met */
-  double time;                 /* of the value, s */
+  double time;                 /* time of the value, s */
   const char* why;             /* "event 'release:booster1' did not occur"; else "" */
 } unlatch_verdict;
 
-/* One verdict for each requirement, in their order; needs UNLATCH_JUDGE. *verdicts stays where it is, its contents are
- * those of the latest call. */
+/* Returns one verdict for each requirement, in their order; needs UNLATCH_JUDGE. *verdicts keeps its address; its
+ * contents are those of the latest call. */
 UNLATCH_API unlatch_status unlatch_judge(unlatch_simulation* simulation, const unlatch_verdict** verdicts,
                                          size_t* count);
 
 /* --- States -------------------------------------------------------------------------------------------------------- */
 
-/* Everything that decides how the run goes on, as *needed bytes; written if `capacity` is that or more. `buffer` may be
- * null with `capacity` 0, to ask for the size, which never changes. Fits a simulation of the same scenario with the same
- * overrides, also in another process. */
+/* Saves all data that determine the further run, as *needed bytes; written if `capacity` is that or more. `buffer` may
+ * be null with `capacity` 0, to ask for the size, which never changes. The state fits a simulation of the same scenario
+ * with the same overrides, also in another process. */
 UNLATCH_API unlatch_status unlatch_save(unlatch_simulation* simulation, void* buffer, size_t capacity, size_t* needed);
-/* Goes to a saved state. Events, verdicts and clearances begin anew there. */
+/* Restores a saved state. Events, verdicts and clearances begin anew there. */
 UNLATCH_API unlatch_status unlatch_restore(unlatch_simulation* simulation, const void* buffer, size_t length);
-/* Goes to the state at which it was loaded. */
+/* Returns to the state at which the simulation was loaded. */
 UNLATCH_API unlatch_status unlatch_reset(unlatch_simulation* simulation);
 
 /* --- Recordings ---------------------------------------------------------------------------------------------------- */
 
 /* Records from the present tick on, for `unlatch replay`, `report`, `export` and unlatch_open_recording(). */
 UNLATCH_API unlatch_status unlatch_start_recording(unlatch_simulation* simulation, const char* path);
-/* Completes the file. An error if it could not be written. */
+/* Completes the file. Returns an error if it could not be written. */
 UNLATCH_API unlatch_status unlatch_stop_recording(unlatch_simulation* simulation);
 
 /* --- Batches ------------------------------------------------------------------------------------------------------- */
 
-/* Samples of one scenario, each with overrides of its own besides those of `options`. Channels keep their initial
- * values. UNLATCH_JUDGE gives verdicts. */
+/* Opens a batch: samples of one scenario, each with its own overrides besides those of `options`. Channels keep their
+ * initial values. UNLATCH_JUDGE gives verdicts. */
 UNLATCH_API unlatch_status unlatch_open_batch(const char* path, const unlatch_options* options, unlatch_batch** batch);
 UNLATCH_API unlatch_status unlatch_add_sample(unlatch_batch* batch, const char* const* overrides, size_t count);
-/* Runs all samples that have not been run, to `until` s, or for 0 to the end that the scenario gives, on `threads`
- * threads, 0 for one on each processor. A sample that cannot be loaded or stepped is no error of the batch: its status
- * tells. After UNLATCH_INTERRUPTED another call continues. */
+/* Runs all samples that have not been run, to `until` s, or for 0 to the end in the scenario, on `threads` threads, 0
+ * for one on each processor. A sample that cannot be loaded or stepped is no error of the batch: its status shows it.
+ * After UNLATCH_INTERRUPTED another call continues. */
 UNLATCH_API unlatch_status unlatch_run_batch(unlatch_batch* batch, double until, size_t threads);
 
 enum {
   UNLATCH_SAMPLE_STATUS = 0,  /* samples × 1, int64: unlatch_status; UNLATCH_INTERRUPTED: not run yet */
   UNLATCH_SAMPLE_TICKS = 1,   /* samples × 1, int64: ticks made */
-  UNLATCH_SAMPLE_HASHES = 2,  /* samples × 1, int64: of the last state */
-  UNLATCH_SAMPLE_EVENTS = 3,  /* samples × events, s: when each acted first; NaN: never */
+  UNLATCH_SAMPLE_HASHES = 2,  /* samples × 1, int64: hash of the last state */
+  UNLATCH_SAMPLE_EVENTS = 3,  /* samples × events, s: first time of each; NaN: never */
   UNLATCH_SAMPLE_VALUES = 4,  /* samples × requirements: values; NaN: not evaluated. Needs UNLATCH_JUDGE */
-  UNLATCH_SAMPLE_MARGINS = 5, /* the same of the margins */
-  UNLATCH_SAMPLE_BODIES = 6   /* samples × 13 bodies: at the end, position, attitude, velocity, angular velocity each */
+  UNLATCH_SAMPLE_MARGINS = 5, /* likewise margins */
+  UNLATCH_SAMPLE_BODIES = 6   /* samples × 13 bodies, at the end: position, attitude, velocity, angular velocity of
+                                 each */
 };
-/* Results; valid until the next unlatch_add_sample() or unlatch_close_batch(). */
+/* Returns results; valid until the next unlatch_add_sample() or unlatch_close_batch(). */
 UNLATCH_API unlatch_status unlatch_get_batch_array(unlatch_batch* batch, int32_t which, unlatch_array* array);
-/* Why a sample failed; "" if it did not. Valid as long. */
+/* Returns the reason of a sample's failure; "" if it did not fail. Valid as long as the results. */
 UNLATCH_API unlatch_status unlatch_get_sample_text(unlatch_batch* batch, size_t sample, const char** text);
-/* The items of the scenario, as unlatch_count() and unlatch_describe() give them. */
+/* Items of the scenario, as from unlatch_count() and unlatch_describe(). */
 UNLATCH_API unlatch_status unlatch_count_in_batch(unlatch_batch* batch, int32_t kind, size_t* count);
 UNLATCH_API unlatch_status unlatch_describe_in_batch(unlatch_batch* batch, int32_t kind, size_t index,
                                                      unlatch_item* item);

@@ -1,5 +1,6 @@
-// unlatch._native: the C library for Python. Thin: handles become objects, statuses exceptions, arrays NumPy views of
-// the library's own memory, which keep the handle open. The interpreter's lock is released while the library works.
+// Module unlatch._native: the C library for Python. A thin layer: handles become objects, statuses exceptions, arrays
+// NumPy views of the library's own memory, which keep the handle open. The interpreter's lock is released while the
+// library works.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -14,7 +15,7 @@ namespace py = pybind11;
 
 namespace {
 
-// unlatch.Error and its kinds, from the package.
+// Makes unlatch.Error or one of its kinds, from the package.
 py::object make_exception(unlatch_status status) {
   const py::module_ errors = py::module_::import("unlatch.errors");
   py::list mistakes;
@@ -36,7 +37,7 @@ unlatch_status check(unlatch_status status) {
   return status;
 }
 
-// Options whose texts live as long as this.
+// Options with the texts that they refer to.
 class Options {
  public:
   Options(std::vector<std::string> overrides, bool judge, std::uint32_t event_capacity) : texts_(std::move(overrides)) {
@@ -55,7 +56,7 @@ class Options {
   unlatch_options options_{};
 };
 
-// A handle that closes itself. Views keep it, so that their memory stays.
+// Handle that closes itself. Views hold a reference to it, so that their memory stays valid.
 struct SimulationHandle {
   unlatch_simulation* pointer = nullptr;
   ~SimulationHandle() {
@@ -69,7 +70,7 @@ struct BatchHandle {
   }
 };
 
-// A read-only view of numbers that `owner` keeps.
+// Read-only view of numbers whose memory `owner` holds.
 template <class Handle>
 py::array view(const unlatch_array& array, const std::shared_ptr<Handle>& owner) {
   const auto type = array.type == UNLATCH_INT64 ? py::dtype::of<std::int64_t>() : py::dtype::of<double>();
@@ -100,7 +101,7 @@ class Simulation {
     if (!handle_) throw_error(unlatch_step(nullptr));  // closed
     return handle_->pointer;
   }
-  // Memory that views refer to is freed with the last of them.
+  // Closes the handle. Memory that views refer to is freed with the last of them.
   void close() {
     const std::shared_ptr<SimulationHandle> closing = std::move(handle_);
     if (!closing) return;
@@ -174,7 +175,7 @@ class Simulation {
     check(unlatch_get_array(get(), which, index, &array));
     return view(array, handle_);
   }
-  // [(time, tick, event)], lost
+  // Returns [(time, tick, event)], lost.
   py::tuple get_events(std::size_t from) const {
     const unlatch_event* events = nullptr;
     std::size_t count = 0;
@@ -240,7 +241,7 @@ class Batch {
     return handle_->pointer;
   }
   void close() { handle_.reset(); }
-  // Refused while views of the results are there: adding moves them.
+  // Adds a sample. Refused while views of the results exist: adding moves them.
   void add(const std::vector<std::string>& overrides) {
     if (handle_.use_count() > 1)
       throw py::buffer_error(
@@ -248,7 +249,7 @@ class Batch {
     const Options options(overrides, false, 0);
     check(unlatch_add_sample(get(), options.get()->overrides, overrides.size()));
   }
-  // A signal interrupts the run, and is handled then.
+  // Runs the samples. A signal interrupts the run, and is handled then.
   bool run(double until, std::size_t threads) {
     unlatch_batch* const batch = get();
     unlatch_status status;

@@ -1,7 +1,7 @@
 """Builds the wheel: pip wheel --no-build-isolation --no-deps library/python, or python3 setup.py bdist_wheel.
 
-The contents come from CMake: of the build folder in the variable UNLATCH_BUILD, else of one that is built here. The wheel has
-libunlatch.so inside and needs yaml-cpp of the system."""
+The contents come from CMake: from the build folder in the variable UNLATCH_BUILD, else from one that is built here. The wheel
+contains libunlatch.so and needs yaml-cpp of the system."""
 
 import os
 import re

@@ -1,6 +1,6 @@
 // Cost of the protocol relative to a bare exchange of messages of the same sizes over the same middleware, as a ratio
-// within one process. The target is 1.15 (bench/README.md); the bound here is one that a regression exceeds and a busy
-// machine does not: a wait for 0 ns, or one more thread to be woken, doubles a round trip.
+// within one process. The target is 1.15 (bench/README.md); the bound here is exceeded by a regression but not by a
+// busy machine: a wait for 0 ns, or one more thread to wake, doubles a round trip.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLimit = 1.6;
 constexpr int kTurns = 25;
-constexpr int kAttempts = 3;  // a stall of the machine that befalls one and not the other does not do so thrice
+constexpr int kAttempts = 3;  // a stall of the machine that affects one of the two does not happen three times
 
 class BridgeCost : public testing::TestWithParam<const char*> {};
 

@@ -12,14 +12,14 @@ namespace unlatch::bench {
 namespace {
 
 constexpr int kSmall = 64, kLarge = 1024;
-// Time per body may grow by this factor over a sixteenfold n: caches cost some (the small system lies in L2, the large
-// one does not), a term in n log n would cost 1.7 and one in n² 16.
+// Growth of the time per body over a sixteenfold n: caches cost some (the small system lies in L2, the large one does
+// not), a term in n log n would cost 1.7 and one in n² 16.
 constexpr double kGrowth = 1.6;
-// Of joints of all kinds besides: in a small system the processor learns by heart which kind comes next.
+// Growth with joints of all kinds: in a small system the branch predictor learns the order of the kinds.
 constexpr double kGrowthOfMixture = 2.4;
 constexpr int kPairs = 25;
 
-// Time of this thread: other work of the machine does not count.
+// Processor time of this thread: other work of the machine does not count.
 double get_cpu_seconds() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -27,13 +27,13 @@ double get_cpu_seconds() {
 }
 
 double measure_per_body(Solver& solver, int n) {
-  const int calls = 8 * kLarge / n;  // as many bodies in either size
+  const int calls = 8 * kLarge / n;  // equal number of bodies in both sizes
   const double start = get_cpu_seconds();
   for (int i = 0; i < calls; ++i) solver.solve();
   return (get_cpu_seconds() - start) / (calls * n);
 }
 
-// Small and large in turn, so that whatever else the machine does falls on both.
+// Growth from small to large systems, in turn, so that disturbances by the machine affect both.
 double calc_growth(Shape shape) {
   const std::unique_ptr<Solver> small = build_unlatch(build_solve_model(shape, kSmall));
   const std::unique_ptr<Solver> large = build_unlatch(build_solve_model(shape, kLarge));

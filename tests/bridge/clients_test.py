@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Clients that know the IDL or the LCM types and nothing else of ours, in sessions with the real simulator. Run by ctest in a
-network namespace of its own:
+"""Clients that use only the IDL or the LCM types, in sessions with the real simulator. Run by ctest in a
+separate network namespace:
 
     clients_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -21,7 +21,7 @@ FLOWN = "x = 3.000000 m"
 
 
 def read_log(path):
-    """(channel, bytes) of the events of an LCM log"""
+    """Returns (channel, bytes) of the events of an LCM log."""
     events = []
     with open(path, "rb") as log:
         while header := log.read(28):
@@ -47,7 +47,7 @@ class ClientsTest(ProcessTest):
 
     def test_the_s_function_flies_the_pilots_bits_and_names_what_it_does_not_find(self):
         wanted = self.fly("udp", [BIN / "example_pilot_udp"])["hash"]
-        # It commands the throttle at each tick, the pilot when it changes: the same values in the same ticks.
+        # The host commands the throttle at each tick, the pilot only when it changes: the values at each tick are equal.
         host = self.begin(BIN / "sfunction_host")
         report = self.run_json(UNLATCH, "hil", PROBE, "--transport", "udp", "--pace", "lockstep")
         self.assertIn("stopped at 0.500 s", self.finish(host))
@@ -66,7 +66,7 @@ class ClientsTest(ProcessTest):
         self.assertGreater(lossy["timing"]["resent"], 20)
 
     def test_the_c99_pilot_leaves_in_order_with_security(self):
-        """Again and again: what Cyclone's plugins still do when the process ends decides."""
+        """Repeated, because the result depends on the shutdown of Cyclone's plugins at the end of the process."""
         keys = self.folder / "keys"
         self.run_ok(SOURCE / "bridge/security/make-keys", keys)
         def plugin(element, name, functions, files):
@@ -128,7 +128,7 @@ class ClientsTest(ProcessTest):
         logger = self.begin("lcm-logger", "--force", recorded)
         self.wait_for(logger, "Opening log file")
         report = self.fly("lcm", [BIN / "example_pilot_cpp"])
-        logger.terminate()  # it writes what it has, then ends
+        logger.terminate()  # the logger writes its remaining events, then ends
         logger.wait()
         said = self.run_ok("/usr/bin/env", "python3", LISTEN, PYTHON_TYPES, recorded).stdout
         self.assertIn(f"x = {report['samples'][-1]['bodies']['probe']['p'][0]!r};", said)
@@ -142,7 +142,7 @@ class ClientsTest(ProcessTest):
         told = json.loads(header[1])
         self.assertEqual((told["scenario"], told["transport"], told["ended"]), ("probe", "lcm", True))
         self.assertEqual(told["topics"], {channel: sum(name == channel for name, _ in arrived) for channel, _ in arrived})
-        # A busy machine may lose some; none may change, and those of one channel keep their order.
+        # A busy machine may lose some messages; none may change, and those of one channel keep their order.
         self.assertGreater(len(arrived), len(played) // 2)
         for channel in {channel for channel, _ in arrived}:
             remaining = iter([data for name, data in played if name == channel])

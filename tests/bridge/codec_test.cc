@@ -1,4 +1,4 @@
-// The codec of hil/messages against the classes that lcm-gen generates, and the helpers beside it.
+// The codec of hil/messages against the classes that lcm-gen generates, and its helpers.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -156,7 +156,7 @@ TEST(Names, AreCutBetweenCharactersAndFilledWithNul) {
   EXPECT_EQ(octets.back(), 0);
   hil::set_name(octets, "abcdefgh");
   EXPECT_EQ(hil::get_name(octets), "abcde");
-  hil::set_name(octets, "abc\u043a\u043e");  // the second Cyrillic letter would not fit whole
+  hil::set_name(octets, "abc\u043a\u043e");  // the second Cyrillic letter would not fit completely
   EXPECT_EQ(hil::get_name(octets), "abc\u043a");
   octets.fill('x');  // no NUL, as from a careless sender
   EXPECT_EQ(hil::get_name(octets), "xxxxxx");

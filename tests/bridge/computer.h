@@ -1,5 +1,5 @@
-// A flight computer for tests: it speaks the protocol of hil/PROTOCOL.md over a port, in a thread of its own, and can
-// be told to leave, to stop, or to say other things than it should.
+// A flight computer for tests: it uses the protocol of hil/PROTOCOL.md over a port, in a separate thread, and can be
+// configured to leave, to stop, or to send wrong messages.
 #pragma once
 
 #include <atomic>
@@ -19,13 +19,13 @@ class Computer {
  public:
   struct Habits {
     std::int32_t id = 1;
-    // Channel and value of each command for a tick.
+    // Returns channel and value of each command for a tick.
     std::function<std::vector<std::pair<int, double>>(std::int64_t tick)> program = nullptr;
-    // The tick at which command `place` of such a program acts; null: the tick of the State that it answers.
+    // Returns the tick at which command `place` of such a program acts; null: the tick of the State that it answers.
     std::function<std::int64_t(std::size_t place)> due = nullptr;
-    std::chrono::microseconds pace{0};  // takes so long for an answer
-    std::int64_t leaves_at = -1;        // says so, and falls silent
-    std::int64_t dies_at = -1;          // falls silent
+    std::chrono::microseconds pace{0};  // time for an answer
+    std::int64_t leaves_at = -1;        // announces it, and stops answering
+    std::int64_t dies_at = -1;          // stops answering
     // Called once for each tick, before its answer.
     std::function<void(const hil::StateMessage& state, Computer& computer)> mischief = nullptr;
   };
@@ -55,16 +55,16 @@ class Computer {
   [[nodiscard]] std::int64_t get_tick() const { return tick_.load(); }
   void stop() { thread_ = {}; }
 
-  // To be read after stop().
-  std::vector<hil::VerdictMessage> verdicts;  // on what this computer said
-  std::int64_t commands_sent = 0;             // those sent again included
+  // Results, valid after stop().
+  std::vector<hil::VerdictMessage> verdicts;  // verdicts on messages of this computer
+  std::int64_t commands_sent = 0;             // including those sent again
   hil::HealthMessage health;                  // the latest
   hil::HelloMessage hello;                    // the latest
-  std::vector<hil::RunStatus> statuses;       // of Hello up to Configured, then of State; each change
+  std::vector<hil::RunStatus> statuses;       // statuses of Hello up to Configured, then of State; each change
 
  private:
   static constexpr std::size_t kRepeatedWhole =
-      64;  // commands of an answer; of longer ones what is missing is repeated
+      64;  // commands of an answer; of longer ones the missing commands are repeated
 
   void hear(const hil::Message& message) {
     if (silent_) return;

@@ -1,4 +1,4 @@
-// The connections of the executive: rings, their threads, straight to a port. Meant for ThreadSanitizer as well.
+// Connections of the executive: rings, their threads, direct to a port. For ThreadSanitizer as well.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -58,7 +58,7 @@ TEST(RingConnection, NeitherRingsNorCodecAllocate) {
   hil::Arrival arrival;
   std::array<std::uint8_t, hil::kMaxWireBytes> bytes{};
   const AllocationCount count;
-  for (int round = 0; round < 10; ++round) {  // fuller than full, then empty, past the ring's end
+  for (int round = 0; round < 10; ++round) {  // more than full, then empty, past the ring's end
     for (int i = 0; i < 6; ++i) connection.send(message);
     for (int i = 0; i < 6; ++i) connection.deliver(make_command(i));
     while (connection.take(message) && connection.receive(arrival)) {

@@ -1,5 +1,5 @@
-"""Two hosts on a network of their own, made of namespaces: a cable that can be pulled, or a line that loses, delays, reorders
-and duplicates frames. The namespaces end with the processes that hold them, so that nothing is left behind."""
+"""Two hosts on a separate network, made of namespaces: a cable that can be unplugged, or a line that loses, delays, reorders
+and duplicates frames. The namespaces end with the processes that hold them, so that nothing remains."""
 import ctypes
 import fcntl
 import heapq
@@ -21,7 +21,7 @@ def ip(prefix, line):
 
 
 class Host:
-    """A network namespace; `interface` is what everything in it speaks through."""
+    """A network namespace; all traffic in it uses `interface`."""
 
     def __init__(self, name):
         self.name, self.interface = name, f"{name}0"
@@ -36,7 +36,7 @@ class Host:
 
     def up(self):
         ip(self.inside, f"link set {self.interface} up")
-        ip(self.inside, f"route replace 224.0.0.0/4 dev {self.interface}")  # goes when the link does
+        ip(self.inside, f"route replace 224.0.0.0/4 dev {self.interface}")  # removed when the link goes down
 
     def down(self):
         ip(self.inside, f"link set {self.interface} down")
@@ -76,7 +76,7 @@ class Cable:
 
 
 class BadLine(threading.Thread):
-    """Two hosts joined by this thread, which forwards frames as badly as it is told."""
+    """Two hosts joined by this thread, which forwards frames with the configured faults."""
 
     def __init__(self, seed, loss, duplicates, delay_s):
         super().__init__()
@@ -91,7 +91,7 @@ class BadLine(threading.Thread):
         self.start()
 
     def run(self):
-        waiting = []  # (when, number, to, frame): each frame has a delay of its own, so that they overtake one another
+        waiting = []  # (when, number, to, frame): each frame has its own delay, so that frames overtake one another
         number = latest = 0
         while not self.stopping:
             patience = max(0, min(0.05, waiting[0][0] - time.monotonic())) if waiting else 0.05

@@ -37,10 +37,10 @@ class NetworkTest(ProcessTest):
     # --- partitions ---------------------------------------------------------------------------------------------
 
     def pull_the_cable(self, transport, side):
-        """The policy pause acts; healed, the session goes on to the same bits as if nothing had happened."""
+        """The policy pause acts; after the repair the session continues with the bits of an undisturbed one."""
         network = self.join(Cable())
         log = self.folder / "run.log"
-        until = "16"  # of lockstep: still under way when the cable is pulled the second time, however fast the machine
+        until = "16"  # end of lockstep: later than the second interruption of the cable, even on a fast machine
         simulator = self.begin_session(network, transport, "--until", until, "--set", "flight_software.timeout=0.3", "--set",
                                        "flight_software.policy=pause", "--log", log)
         self.wait_for(simulator, "takes part")
@@ -76,7 +76,7 @@ class NetworkTest(ProcessTest):
         self.wait_for(simulator, "takes part")
         time.sleep(0.1)
         network.hosts[1].down()
-        said = self.finish(simulator, code=None)  # the distance that is kept depends on when the cable was pulled
+        said = self.finish(simulator, code=None)  # the distance that is kept depends on the time of the interruption
         self.assertIn("policy 'hold'", said)
         report = self.get_report(log, code=None)
         self.assertEqual(report["status"], "ok")

@@ -1,5 +1,5 @@
 // A second process for the transport tests, started by them.
-//   bridge_party TRANSPORT record   observes; writes each kind's first message to standard output as it lies in
+//   bridge_party TRANSPORT record   observes; writes each kind's first message to standard output as it is in
 //                                   memory; ends when it has seen all kinds
 //   bridge_party TRANSPORT answer   participates; answers everything with a command and an acknowledgement, Hello with
 //                                   a HelloAck before; ends at the first Health
@@ -95,8 +95,8 @@ int watch(OpenPort open, int count) {
   return silent > 0;
 }
 
-// Writes samples of a shorter type under the name of unlatch::Command, as a party with another schema would that
-// tells nothing of its types.
+// Writes samples of a shorter type under the name of unlatch::Command, like a participant with another schema that does
+// not announce its types.
 int write_stunted_commands() {
   const dds_topic_descriptor_t& other = unlatch_StepAck_desc;
   const dds_topic_descriptor_t stunted{.m_size = other.m_size,
@@ -126,7 +126,7 @@ int write_stunted_commands() {
     dds_get_publication_matched_status(writer, &matched);
     std::this_thread::sleep_for(1ms);
   }
-  if (matched.current_count < 2) return 1;  // our own observer, and the simulator
+  if (matched.current_count < 2) return 1;  // this program's observer, and the simulator
   const unlatch_StepAck sample{};
   for (int i = 0; i < kStunted; ++i) dds_write(writer, &sample);
   dds_write_flush(writer);  // the domain batches
@@ -148,7 +148,7 @@ int publish_stunted_commands() {
   return 0;
 }
 
-// A participant of UDP whose commands are too short, in datagrams that are right.
+// Sends commands of UDP that are too short, in valid datagrams.
 int send_stunted_commands() {
   const bridge::Descriptor socket(bridge::open_datagram_socket("UDP"));
   sockaddr_in address{};

@@ -1,4 +1,4 @@
-"""Code shared by the tests with real processes: programs that are started, watched and ended, and the sessions they run."""
+"""Code shared by the tests with real processes: starting, observing and ending programs, and their sessions."""
 import json
 import subprocess
 import sys
@@ -12,13 +12,13 @@ UNLATCH, FSW = str(BIN / "unlatch"), str(BIN / "unlatch-fsw")
 BOOSTERS = str(SOURCE / "hil/scenarios/boosters/scenario.yaml")
 PROBE = str(SOURCE / "bridge/examples/probe.yaml")
 
-HANG = 120  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
+HANG = 120  # s; far longer than any step here, so that a hang ends in a failure. No fact depends on wall time.
 PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine is no dead flight software
 SKIPPED = 77  # ctest's SKIP_RETURN_CODE
 
 
 def run_tests():
-    """Without what the tests need, the exit code says skipped; unittest alone would call that success."""
+    """Exits with the code for "skipped" if a requirement of the tests is missing; unittest alone would report success."""
     arguments = [sys.argv[0], *sys.argv[3:]]
     result = unittest.main(module="__main__", argv=arguments, verbosity=2, exit=False).result
     sys.exit(1 if not result.wasSuccessful() else SKIPPED if result.skipped else 0)
@@ -32,7 +32,7 @@ class ProcessTest(unittest.TestCase):
         self.processes = 0
 
     def begin(self, *arguments, **options):
-        """A program that runs on; what it says to people goes to process.said, a file."""
+        """A program that keeps running; its text for people goes to process.said, a file."""
         self.processes += 1
         said = self.folder / f"said{self.processes}"
         with open(said, "w") as out:
@@ -48,7 +48,7 @@ class ProcessTest(unittest.TestCase):
         return process
 
     def wait_for(self, process, text):
-        """Until the program has said it."""
+        """Waits until the program has printed it."""
         for _ in range(HANG * 100):
             if text in process.said.read_text():
                 return
@@ -58,7 +58,7 @@ class ProcessTest(unittest.TestCase):
         self.fail(f"never said {text!r}: {process.said.read_text()[-2000:]}")
 
     def finish(self, process, code=0):
-        """`code` None: whatever it is."""
+        """Waits for the end. `code` None: any exit code."""
         process.wait(HANG)
         said = process.said.read_text()
         if code is not None:

@@ -34,7 +34,7 @@ void fill_with_bits(T& message, Random& random) {
 
 inline std::int32_t pick(Random& random, std::size_t last) { return static_cast<std::int32_t>(random() % (last + 1)); }
 
-// As above, but counts and enums in their ranges, so that a port accepts it.
+// Makes a random message with counts and enums in their ranges, so that a port accepts it.
 inline hil::Message make_random_message(hil::MessageKind kind, Random& random) {
   hil::StateMessage bits;
   fill_with_bits(bits, random);
@@ -84,7 +84,7 @@ inline hil::Message make_random_message(hil::MessageKind kind, Random& random) {
   return message;
 }
 
-// Same kind, same bits (== would not do: NaN is not equal to itself).
+// Compares kind and bits (== is not enough: NaN is not equal to itself).
 inline bool is_same(const hil::Message& a, const hil::Message& b) {
   return a.kind == b.kind && std::memcmp(&a.hello, &b.hello, hil::get_size(a.kind)) == 0;
 }

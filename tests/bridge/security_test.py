@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""DDS Security and where messages go, with real processes and a throw-away authority. Run by ctest in a network namespace of
+"""DDS Security and the destinations of messages, with real processes and a temporary certificate authority. Run by ctest in a network namespace of
 its own:
 
     security_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
@@ -20,7 +20,7 @@ SECRETS = [b"nozzle1\0", b"boosters\0", b"unlatch::State"]
 
 
 class Sniffer:
-    """Every byte that crosses the loopback interface."""
+    """Captures every byte on the loopback interface."""
 
     def __init__(self):
         self.socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ALL_PACKETS))
@@ -86,12 +86,12 @@ class SecurityTest(ProcessTest):
                      for i, arguments in enumerate(intruders.values())]
         for listener in listeners:
             self.wait_for(listener, "waits for a session")
-        # Flight software without an identity, or with another authority's: the simulator does not hear it.
+        # Flight software without an identity, or with one of another authority: the simulator ignores it.
         strangers = [self.begin(FSW, "--transport", "dds"),
                      self.begin(FSW, "--transport", "dds", "--security", others / "fsw")]
         said = self.run_ok(*self.hil("--pace", "lockstep", "--start-timeout", "3", "--security", self.keys / "sim"), code=1)
         self.assertIn("no answer from the flight software", said.stdout)
-        # Beside flight software of ours the session goes on, and they have not heard of it.
+        # With the right flight software the session continues, and the others have received none of it.
         self.begin(FSW, "--transport", "dds", "--security", self.keys / "fsw")
         self.run_ok(*self.hil("--pace", "realtime", "--until", "1", *PATIENT, "--security", self.keys / "sim"))
         for process in listeners:
@@ -102,7 +102,7 @@ class SecurityTest(ProcessTest):
             self.assertIsNone(process.poll(), "it has taken part")
 
     def test_nobody_may_say_what_his_role_does_not(self):
-        """An observer's identity does not serve to command, nor flight software's to play the simulator."""
+        """An observer's identity does not allow commands, and flight software's does not allow to act as the simulator."""
         result = self.run_ok(FSW, "--transport", "dds", "--security", self.keys / "log", code=3)
         self.assertIn("does the identity in", result.stderr)
         self.run_ok(*self.hil("--pace", "lockstep", "--security", self.keys / "fsw"), code=3)
@@ -120,7 +120,7 @@ class SecurityTest(ProcessTest):
         self.assertIn("only whom the authority of", start("--transport", "dds", "--security", self.keys / "fsw"))
         self.assertIn("interface 'lo': this machine only; every process on it may", start("--transport", "lcm"))
         self.assertIn("LCM has no security", start("--transport", "lcm", "--security", self.keys / "fsw", code=3))
-        # A route for multicast that leads off this machine: not without being asked for.
+        # A multicast route that leads off this machine: not used unless requested.
         for line in ("link add out type veth peer name far", "addr add 10.77.1.1/24 dev out", "link set out up",
                      "link set far up", "route replace 224.0.0.0/4 dev out"):
             subprocess.run(["ip", *line.split()], check=True)

@@ -29,7 +29,7 @@ using Habits = Computer::Habits;
 constexpr const char* kTwo = "flight_software.required=[guidance, separation]";
 constexpr const char* kPatient = "flight_software.timeout=30";  // a stalled machine is no dead computer
 
-// Throttle at every 10th tick.
+// Changes the throttle at every 10th tick.
 std::vector<std::pair<int, double>> drive(std::int64_t tick) {
   if (tick % 10 != 0) return {};
   return {{0, 0.5 + 0.005 * static_cast<double>(tick % 90)}};
@@ -48,7 +48,7 @@ class Sessions : public testing::TestWithParam<std::string> {
     return *computers_.emplace_back(std::make_unique<Computer>(open(Role::kParticipant), name, std::move(habits)));
   }
 
-  // A session to its end; `meanwhile` runs beside it, in this thread.
+  // Runs a session to its end; `meanwhile` runs at the same time, in this thread.
   SessionResult run(const std::vector<std::string>& overrides, Pace pace = Pace::kLockstep, const std::string& log = "",
                     const std::function<void(hil::Executive&)>& meanwhile = nullptr, bool direct = false) {
     const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
@@ -104,7 +104,7 @@ TEST_P(Sessions, GoThroughTheStatesOfTheProtocol) {
   EXPECT_EQ(hello.participant_count, 1);
 }
 
-// Only what is missing is sent again, so that the time for a tick is linear in the number of its commands.
+// Only missing commands are sent again, so that the time for a tick is linear in the number of its commands.
 TEST_P(Sessions, TenThousandCommandsATickAreSentLittleMoreThanOnce) {
   constexpr int kTicks = 20;
   for (const int count : {100, 1000, 10'000}) {
@@ -119,7 +119,7 @@ TEST_P(Sessions, TenThousandCommandsATickAreSentLittleMoreThanOnce) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
     EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
     EXPECT_EQ(result.channels[0], 0.7);
-    // In-process a queue keeps the newest 1024 messages: there it takes more rounds.
+    // In-process a queue keeps the newest 1024 messages, so more rounds are needed.
     const std::int64_t bearable = (GetParam() == "inproc" ? 30 : 3) * kTicks * std::int64_t{count};
     EXPECT_LT(computer.commands_sent, bearable);
     std::cout << count << " commands a tick: " << took.count() / kTicks * 1e3 << " ms a tick, "
@@ -128,10 +128,10 @@ TEST_P(Sessions, TenThousandCommandsATickAreSentLittleMoreThanOnce) {
   }
 }
 
-// All of it is sent before tick 0 is stepped. Its last command of each tick is what the State after it shows.
+// All commands are sent before the step of tick 0. The State after a tick shows its last command.
 TEST_P(Sessions, AProfileOfAHundredThousandCommandsIsLoadedBeforeTheFirstStep) {
   constexpr std::size_t kCommands = 100'000, kPerTick = 100;
-  constexpr std::size_t kPlaces = 16'384;  // unless the scenario says otherwise
+  constexpr std::size_t kPlaces = 16'384;  // default of the scenario
   const auto calc_value = [](std::size_t place) { return 0.2 + 0.8 * static_cast<double>(place) / kCommands; };
   Habits habits;
   habits.program = [&](std::int64_t tick) {
@@ -170,7 +170,7 @@ TEST_P(Sessions, AProfileOfAHundredThousandCommandsIsLoadedBeforeTheFirstStep) {
   }
 }
 
-// The two command the same channel; the later name has the last word, whoever answers first.
+// Both command the same channel; the later name decides, whichever answers first.
 TEST_P(Sessions, SeveralComputersCommandInTheOrderOfTheirNames) {
   std::set<std::int64_t> hashes;
   for (const auto slow : {0, 1}) {
@@ -246,11 +246,11 @@ TEST_P(Sessions, TwoOfOneNameAreNamed) {
   ASSERT_FALSE(computers_[1]->verdicts.empty());
   EXPECT_EQ(computers_[1]->verdicts[0].reason, static_cast<int>(Reject::kNameTaken));
   for (const hil::VerdictMessage& verdict : computers_[0]->verdicts) {
-    EXPECT_EQ(verdict.reason, static_cast<int>(Reject::kDuplicate));  // a State said again is answered again
+    EXPECT_EQ(verdict.reason, static_cast<int>(Reject::kDuplicate));  // a repeated State is answered again
   }
 }
 
-// Each reason, by its name in the schema: what is said instead of a good command.
+// Each reason, by its name in the schema, with the wrong message sent in place of a good command.
 struct Misdeed {
   Reject reason;
   std::function<void(hil::CommandMessage& command)> spoil;
@@ -285,7 +285,7 @@ TEST_P(Sessions, EachRefusalIsCountedAndPublished) {
                     ++sent[static_cast<std::size_t>(misdeed.reason)];
                     computer.say(command);
                   }
-                  // The answer to this State may overtake them on no transport; still, leave them time.
+                  // The answer to this State overtakes them on no transport; even so, give them time.
                   std::this_thread::sleep_for(20ms);
                 }});
   const SessionResult result = run({kPatient});
@@ -301,7 +301,7 @@ TEST_P(Sessions, EachRefusalIsCountedAndPublished) {
   }
   for (std::size_t i = 0; i < hil::kRejectReasons; ++i) {
     const auto reason = static_cast<Reject>(i);
-    if (reason == Reject::kDuplicate) {  // a State that was said again is answered again
+    if (reason == Reject::kDuplicate) {  // a repeated State is answered again
       EXPECT_GE(result.end.timing.rejected[i], sent[i]);
     } else {
       EXPECT_EQ(result.end.timing.rejected[i], sent[i]) << hil::get_text(reason);
@@ -327,7 +327,7 @@ TEST_P(Sessions, MalformedBytesAreCountedAndPublished) {
 TEST_P(Sessions, RealtimeFlagsACommandBehindTheCutOff) {
   const std::string log = make_path("log");
   start("fsw", {.id = 1, .program = drive});
-  // The cut-off is a microsecond after the State: no answer can be in time.
+  // The cut-off is a microsecond after the State: every answer is late.
   const SessionResult result = run({kPatient, "flight_software.cutoff=0.001"}, Pace::kRealtime, log);
   EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
   EXPECT_GE(result.end.timing.late_commands, 3);

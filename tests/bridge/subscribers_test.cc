@@ -1,6 +1,6 @@
-// Sixty-four subscribers, one of which never reads: a process that is stopped after it has subscribed. What the cyclic
-// thread's steps take must not notice them. UNLATCH_SUBSCRIBERS=processes gives every subscriber a process of its own
-// and measures for longer; the figures in bench/results are from there.
+// Sixty-four subscribers, one of which never reads: a process that is stopped after it has subscribed. The times of the
+// cyclic thread's steps must not depend on them. UNLATCH_SUBSCRIBERS=processes gives every subscriber a separate
+// process and measures for longer; the figures in bench/results are from there.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
@@ -27,8 +27,8 @@ using namespace std::chrono_literals;
 
 constexpr int kSubscribers = 64;
 constexpr std::int64_t kTick_ns = 1'000'000;
-// The steps compete with the subscribers for caches and, on a small machine, for cores: the median may grow by some. A
-// wait for a subscriber would cost the thousandfold.
+// Growth of the median. The steps compete with the subscribers for caches and, on a small machine, for cores, so the
+// median may grow by some. A wait for a subscriber would cost a thousand times as much.
 constexpr double kMedianGrowth = 3;
 
 bool is_long() {
@@ -36,7 +36,7 @@ bool is_long() {
   return wish != nullptr && std::strcmp(wish, "processes") == 0;
 }
 
-// `bridge_party dds watch N` in another process.
+// Runs `bridge_party dds watch N` in another process.
 class Watchers {
  public:
   explicit Watchers(int count) {
@@ -71,7 +71,7 @@ class Watchers {
   int output_ = -1;
 };
 
-// The cyclic thread in miniature: wait, step, push the state.
+// The cyclic thread in its simplest form: wait, step, push the state.
 class Cycle {
  public:
   Cycle()
@@ -79,7 +79,7 @@ class Cycle {
             hil::build_simulation(hil::load_scenario(UNLATCH_SOURCE_DIR "/hil/scenarios/boosters/scenario.yaml"))) {
     thread_ = std::jthread([this](const std::stop_token& stopping) { run(stopping); });
   }
-  // Step and push, over the next `ticks`.
+  // Times of step and push, over the next `ticks`.
   hil::Histogram measure(std::int64_t ticks) {
     ticks_ = ticks;
     while (ticks_ > 0) std::this_thread::sleep_for(5ms);
@@ -89,7 +89,7 @@ class Cycle {
   }
   [[nodiscard]] std::int64_t get_sent() const { return sent_; }
   [[nodiscard]] std::int64_t get_dropped() const { return connection_.get_dropped_out(); }
-  // Everything that was pushed has been published.
+  // Stops; all pushed messages have been published.
   [[nodiscard]] bridge::PortCounts stop() {
     thread_.request_stop();
     thread_.join();
@@ -155,8 +155,8 @@ TEST(Subscribers, SixtyFourOfWhichOneNeverReadsDoNotMoveTheSteps) {
   const bridge::PortCounts counts = cycle.stop();
   std::cout << cycle.get_sent() << " states pushed, " << cycle.get_dropped() << " found the ring full, "
             << counts.published << " published\n";
-  EXPECT_EQ(counts.published + cycle.get_dropped(), cycle.get_sent());  // nothing is lost in silence
-  EXPECT_EQ(counts.publish_failures, 0);                                // and the one that never reads blocks nobody
+  EXPECT_EQ(counts.published + cycle.get_dropped(), cycle.get_sent());  // no loss is uncounted
+  EXPECT_EQ(counts.publish_failures, 0);                                // the subscriber that never reads blocks none
 }
 
 }  // namespace

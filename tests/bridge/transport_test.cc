@@ -29,10 +29,10 @@ using hil::Message;
 using hil::MessageKind;
 
 constexpr std::uint64_t kSeed = 777;
-constexpr auto kPatience = 10s;  // for what must come
+constexpr auto kPatience = 10s;  // wait for an expected message
 constexpr auto kRepeatAfter = 20ms;
 
-// Opens ports of one transport that hear each other.
+// Opens ports of one transport that receive each other's messages.
 class Transport {
  public:
   explicit Transport(std::string name) : name_(std::move(name)) {}
@@ -49,7 +49,7 @@ class Transport {
   bridge::InprocHub hub_;
 };
 
-// Says `greeting` until the other hears it.
+// Sends `greeting` until the other port receives it.
 void greet(Port& from, Port& to, const Message& greeting) {
   Message heard;
   for (auto waited = 0ms; waited < kPatience; waited += kRepeatAfter) {
@@ -61,7 +61,7 @@ void greet(Port& from, Port& to, const Message& greeting) {
   FAIL() << "never heard " << hil::get_kind_name(greeting.kind);
 }
 
-// Forgets what is still on its way.
+// Discards messages that are still on the way.
 void drain(Port& port) {
   Message message;
   while (port.poll(message, 5 * kRepeatAfter)) {
@@ -173,8 +173,7 @@ TEST_P(Transports, CountsOutOfRangeAreMalformed) {
 INSTANTIATE_TEST_SUITE_P(All, Transports, testing::Values("inproc", "dds", "lcm", "udp"),
                          [](const auto& test) { return test.param; });
 
-// A property: whatever bits a message has, a gateway from DDS to LCM and another one back to DDS leave them as they
-// are.
+// A property: a gateway from DDS to LCM and another one back to DDS keep all bits of every message.
 TEST(Gateway, DdsToLcmAndBackIsBitExact) {
   constexpr int kRounds = 100;
   std::cout << "seed " << kSeed << '\n';
@@ -205,7 +204,7 @@ TEST(Gateway, DdsToLcmAndBackIsBitExact) {
   }
 }
 
-// bridge_party in another process: what it writes, and its exit code once it has ended.
+// Runs bridge_party in another process; gives its output, and its exit code once it has ended.
 class Party {
  public:
   explicit Party(const std::string& arguments, const std::string& before = "")
@@ -214,7 +213,7 @@ class Party {
   }
   ~Party() { close(); }
 
-  // Reads what has come; false at its end.
+  // Reads the available output; false at its end.
   bool read(std::chrono::milliseconds wait) {
     pollfd waiting{.fd = fileno(pipe_), .events = POLLIN, .revents = 0};
     if (::poll(&waiting, 1, static_cast<int>(wait.count())) <= 0) return true;
@@ -271,8 +270,8 @@ TEST_P(Processes, HearEveryMessageBitForBit) {
 INSTANTIATE_TEST_SUITE_P(All, Processes, testing::Values("dds", "lcm", "udp"),
                          [](const auto& test) { return test.param; });
 
-// Every topic finds its readers separately and at its own time. Hello and State are said again until they are answered,
-// as the protocol demands; of what the participant says after its HelloAck, nothing is lost.
+// Every topic finds its readers separately and at different times. Hello and State are repeated until they are
+// answered, as the protocol demands; no message of the participant after its HelloAck is lost.
 TEST(Dds, CommandsOfTheFirstMomentArrive) {
   for (int round = 0; round < 5; ++round) {
     SCOPED_TRACE(round);
@@ -280,7 +279,7 @@ TEST(Dds, CommandsOfTheFirstMomentArrive) {
     Party participant("dds answer");
     std::set<std::int64_t> commands;
     Message heard;
-    // Says it until the answer comes, noting the commands that come before.
+    // Sends a message until the answer arrives, noting the commands that arrive before.
     const auto say = [&](const Message& message, const auto& is_answer) {
       for (auto waited = 0ms; waited < kPatience; waited += kRepeatAfter) {
         ASSERT_TRUE(simulator->publish(message));
@@ -310,7 +309,7 @@ TEST(Dds, CommandsOfTheFirstMomentArrive) {
   }
 }
 
-// The first packets of the last message are lost; it is said again before the port is gone.
+// The first packets of the last message are lost; the port repeats it before it closes.
 TEST(Dds, WhatIsSaidLastIsHeard) {
   constexpr auto kMute = 200ms;
   auto simulator = bridge::open_dds_port(Role::kSimulator);
@@ -333,7 +332,7 @@ TEST(Dds, LateJoinersGetHelloCatalogAndEvents) {
   constexpr std::int32_t kItems = 300;
   const auto simulator = bridge::open_dds_port(Role::kSimulator);
   hil::HelloMessage hello{};
-  for (int again = 1; again <= 3; ++again) {  // Hello is said again until answered; a late joiner hears it once
+  for (int again = 1; again <= 3; ++again) {  // Hello is repeated until answered; a late joiner receives it once
     hello.session = again;
     ASSERT_TRUE(simulator->publish(hello));
     hil::CatalogMessage item{};
@@ -361,11 +360,11 @@ TEST(Dds, LateJoinersGetHelloCatalogAndEvents) {
       ++events;
     }
   }
-  EXPECT_FALSE(late->poll(heard, 5 * kRepeatAfter));  // nothing twice
+  EXPECT_FALSE(late->poll(heard, 5 * kRepeatAfter));  // nothing arrives twice
 }
 
-// A foreign writer with the default quality of service, which forgets at once, would lose commands: it does not
-// match, and is counted.
+// A foreign writer with the default quality of service, which keeps no history, would lose commands: it does not match,
+// and is counted.
 TEST(Dds, AWriterThatDoesNotFitIsCounted) {
   const auto simulator = bridge::open_dds_port(Role::kSimulator);
   const dds_entity_t stranger = dds_create_participant(0, nullptr, nullptr);
@@ -410,8 +409,8 @@ TEST(Lcm, MalformedBytesAreCounted) {
   EXPECT_EQ(participant->get_counts().malformed, 4);
 }
 
-// The datagram that liblcm 1.3.1 cannot bear, and others that are not well-formed: counted, and the next message
-// arrives.
+// A datagram that liblcm 1.3.1 cannot process, and others that are not well-formed: they are counted, and the next
+// message arrives.
 TEST(Lcm, DatagramsThatAreNotWellFormedAreCounted) {
   bridge::LcmPackets packets;
   using Result = bridge::LcmPackets::Result;
@@ -444,7 +443,7 @@ TEST(Lcm, DatagramsThatAreNotWellFormedAreCounted) {
   EXPECT_EQ(std::string(packet.data.begin(), packet.data.end()), "abcd");
 }
 
-// The text of the PortError that opening throws.
+// Returns the text of the PortError that opening throws.
 template <class Open>
 std::string get_error(Open open) {
   try {
@@ -468,7 +467,7 @@ TEST(PortError, SaysWhatIsWrongAndHowToMendIt) {
             std::string::npos);
 }
 
-// In a namespace in which even the loopback interface is down.
+// Runs in a namespace in which even the loopback interface is down.
 TEST(PortError, AMachineWithoutANetworkIsExitCode3) {
   for (const std::string transport : {"dds", "lcm"}) {
     Party party(transport + " record 2>&1", "unshare -n ");

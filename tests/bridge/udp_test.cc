@@ -1,4 +1,4 @@
-// The UDP transport: its datagrams, and what its hub does with strangers, repetitions and gaps.
+// The UDP transport: its datagrams, and its hub's treatment of unknown senders, repetitions and gaps.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -23,8 +23,8 @@ using bridge::UdpHeader;
 using hil::Message;
 using hil::MessageKind;
 
-constexpr auto kPatience = 10s;  // for what must come
-constexpr auto kQuiet = 100ms;   // for what must not
+constexpr auto kPatience = 10s;  // wait for an expected message
+constexpr auto kQuiet = 100ms;   // wait for an unexpected message
 
 std::vector<std::uint8_t> build_datagram(const UdpHeader& header, const Message& message) {
   std::vector<std::uint8_t> datagram(bridge::kMaxUdpBytes);
@@ -80,7 +80,7 @@ TEST(UdpPacket, AChangeOfAnyBitOrLengthIsNoticed) {
 
 TEST(UdpSequence, RefusesWhatIsLateOrRepeatedAndCountsGaps) {
   bridge::UdpSequence sequence;
-  EXPECT_TRUE(sequence.accept({.run = 1, .sequence = 100}));  // heard from there on
+  EXPECT_TRUE(sequence.accept({.run = 1, .sequence = 100}));  // received from there on
   EXPECT_FALSE(sequence.accept({.run = 1, .sequence = 100}));
   EXPECT_TRUE(sequence.accept({.run = 1, .sequence = 103}));
   EXPECT_FALSE(sequence.accept({.run = 1, .sequence = 101}));
@@ -91,7 +91,7 @@ TEST(UdpSequence, RefusesWhatIsLateOrRepeatedAndCountsGaps) {
   EXPECT_EQ(sequence.get_lost(), 2);
 }
 
-// A socket that knows the datagrams and nothing else.
+// A socket that sends and receives datagrams only.
 class Stranger {
  public:
   explicit Stranger(std::uint16_t port) : socket_(bridge::open_datagram_socket("test")) {
@@ -113,7 +113,7 @@ class Stranger {
   const bridge::Descriptor socket_;
 };
 
-// A port of loopback that is free now.
+// Returns a free port of the loopback interface.
 std::uint16_t find_free_port() {
   const bridge::Descriptor socket(bridge::open_datagram_socket("test"));
   sockaddr_in address{};
@@ -153,7 +153,7 @@ TEST_F(UdpHub, TakesNothingFromObserversAndNothingTwice) {
   observer.send(build_join({.run = 1, .sequence = 0}, Role::kObserver));
   participant.send(build_join({.run = 2, .sequence = 0}, Role::kParticipant));
   observer.send(build_datagram({.run = 1, .sequence = 1}, hil::CommandMessage{}));
-  participant.send(build_datagram({.run = 2, .sequence = 1}, hil::HelloMessage{}));  // not a participant's to send
+  participant.send(build_datagram({.run = 2, .sequence = 1}, hil::HelloMessage{}));  // a participant must not send this
   hil::CommandMessage command;
   command.sequence = 5;
   const auto datagram = build_datagram({.run = 2, .sequence = 3}, command);  // 2 is lost

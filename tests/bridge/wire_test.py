@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What any program of the network can do to the simulator, with real sockets, pipes and signals. Run by ctest in a network
-namespace of its own:
+"""Effects that any program of the network can have on the simulator, with real sockets, pipes and signals. Run by ctest in a network
+namespace:
 
     wire_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -18,13 +18,13 @@ import unittest
 from processes import BOOSTERS, FSW, PATIENT, UNLATCH, ProcessTest, run_tests
 
 GROUP = ("239.255.76.67", 7667)
-LINES_PER_SECOND = 10   # of the middleware's log: bridge/dds_log.h
-FIRST_RTPS_PORT = 7410  # of participants in domain 0: every second port from here on
-# An RTPS header and a DATA submessage whose length leads behind the packet.
+LINES_PER_SECOND = 10   # limit for the middleware's log: bridge/dds_log.h
+FIRST_RTPS_PORT = 7410  # first port of participants in domain 0: every second port from here on
+# An RTPS header and a DATA submessage whose length points behind the packet.
 BAD_RTPS = b"RTPS\x02\x01\x01\x10" + bytes(12) + b"\x15\x05\xff\x7f" + bytes(20)
-# Offset close to 2^32: 100 bytes behind it lie outside any buffer.
+# Offset close to 2^32: the next 100 bytes lie outside any buffer.
 BAD_FRAGMENT = struct.pack(">IIIIHH", 0x4C433033, 1, 1000, 0xFFFFFFC0, 0, 2) + b"UNLATCH_STATE\0" + bytes(100)
-PATIENCE = 15  # s for an end after SIGTERM: what hangs would never end; some 0.7 s on an idle machine
+PATIENCE = 15  # s for an end after SIGTERM: a hanging process would never end; some 0.7 s on an idle machine
 
 
 class WireTest(ProcessTest):
@@ -34,7 +34,7 @@ class WireTest(ProcessTest):
         return out
 
     def flood(self, packet, targets):
-        """Sends it again and again until the test ends."""
+        """Sends it repeatedly until the test ends."""
         out, stopping = self.open_socket(), threading.Event()
 
         def run():
@@ -83,7 +83,7 @@ class WireTest(ProcessTest):
         self.assertLess(max(map(len, lines)), 600)  # bytes; some 290
 
     def open_full_pipe(self):
-        """The writing end of a pipe that is full and that nobody reads."""
+        """Returns the writing end of a full pipe without a reader."""
         read, write = os.pipe()
         self.addCleanup(os.close, read)
         os.set_blocking(write, False)
@@ -95,7 +95,7 @@ class WireTest(ProcessTest):
         return write
 
     def begin_unread(self, *arguments):
-        """A program whose standard error nobody reads, full from the beginning."""
+        """Starts a program whose standard error is a full pipe without a reader."""
         write = self.open_full_pipe()
         process = subprocess.Popen(list(map(str, arguments)), stdout=subprocess.PIPE, stderr=write, text=True)
         os.close(write)
@@ -146,7 +146,7 @@ class WireTest(ProcessTest):
         self.wait_for(first, "takes part")
         second = self.run_ok(UNLATCH, *arguments, code=1)
         self.assertIn("another simulator is here: scenario 'boosters'", second.stdout + second.stderr)
-        # With a number of its own, and flight software for it.
+        # A second simulator with another session number, and flight software for it.
         other = self.begin(FSW, "--transport", transport, "--session", "4711")
         third = self.begin(UNLATCH, "hil", BOOSTERS, "--transport", transport, "--pace", "lockstep", "--until", "1",
                            *PATIENT, "--session", "4711")

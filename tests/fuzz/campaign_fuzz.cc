@@ -1,4 +1,4 @@
-// Campaigns and problems of synthesis, over a small scenario. Of what is accepted three samples are drawn, and one of
+// Campaigns and problems of synthesis, over a small scenario. Of an accepted one three samples are drawn, and one of
 // them makes a scenario that is stepped.
 #include <unistd.h>
 
@@ -14,7 +14,7 @@ using namespace unlatch;
 
 namespace {
 
-// small.yaml and samples.csv, which inputs name; removed at the end.
+// Folder with small.yaml and samples.csv, which inputs name; removed at the end.
 class Folder {
  public:
   Folder() {
@@ -32,7 +32,7 @@ class Folder {
       std::filesystem::temp_directory_path() / ("unlatch-fuzz-" + std::to_string(getpid()));
 };
 
-// Beside those of the folder: a device might block.
+// Returns true if the text names a file outside the folder: a device might block.
 bool names_another_file(const std::string& text) {
   for (const char* beginning : {" /", "\t/", "\n/", "\"/", "'/", "[/", "{/", ",/", ":/", ".."})
     if (text.find(beginning) != std::string::npos) return true;

@@ -1,4 +1,4 @@
-// The reader of checkpoints: a run continues from one, or a message says why not.
+// The reader of checkpoints: a run continues from one, or a message gives the reason why not.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// The decoders of all messages as DDS carries them: the first byte chooses the kind, the rest is a serialised sample as
-// a datagram brings it, encapsulation included. Cyclone's own decoder makes our struct of it, as in bridge/dds_port.cc.
+// Decoders of all messages in the form of DDS: the first byte chooses the kind, the rest is a serialised sample as in a
+// datagram, encapsulation included. Cyclone's own decoder makes the struct of it, as in bridge/dds_port.cc.
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
 
@@ -23,7 +23,7 @@ dds_entity_t check(dds_entity_t result) {
   return result;
 }
 
-// Cyclone's names of the types, from a sample that it has serialised itself.
+// Cyclone's names of the types, from a sample that Cyclone has serialised.
 class Types {
  public:
   Types() {
@@ -54,14 +54,14 @@ class Types {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const Types& types = *new Types;    // Cyclone's threads outlive the target
-  constexpr std::size_t kEncapsulation = 4;  // less is refused before any decoder sees it
+  constexpr std::size_t kEncapsulation = 4;  // shorter input is refused before decoding
   if (size < 1 + kEncapsulation) return 0;
   const std::size_t kind = data[0] % hil::kMessageKinds;
   const ddsrt_iovec_t bytes{const_cast<std::uint8_t*>(data) + 1, size - 1};
   ddsi_serdata* const serdata = ddsi_serdata_from_ser_iov(types.get(kind), SDK_DATA, 1, &bytes, size - 1);
   if (serdata == nullptr) return 0;
   fuzz::require((data[2] & 1) != 0, "a big-endian sample was read");  // bridge/dds_byte_order.cc
-  // Guarded on both sides: Cyclone is not compiled with a sanitizer.
+  // Guards on both sides: Cyclone is not compiled with a sanitizer.
   constexpr std::size_t kGuard = 64;
   constexpr std::uint8_t kUntouched = 0xA5;
   std::array<std::uint8_t, sizeof(hil::Message) + 2 * kGuard> room;

@@ -8,7 +8,7 @@ using namespace unlatch;
 namespace {
 
 void pass(hil::FaultInjector& faults, hil::Direction direction, const hil::Message& said, std::int64_t now_ns) {
-  constexpr int kMany = 4096;  // beyond all copies of a few messages
+  constexpr int kMany = 4096;  // more than all copies of a few messages
   hil::Message heard;
   std::int64_t arrived_ns = 0;
   faults.offer(direction, said, now_ns, now_ns, "fsw");
@@ -19,7 +19,7 @@ void pass(hil::FaultInjector& faults, hil::Direction direction, const hil::Messa
   }
 }
 
-// A few ticks with a message each way.
+// Runs a few ticks with a message each way.
 void run(const hil::FaultScript& script) {
   constexpr std::int64_t kTicks = 4, kTick_ns = 1'000'000;
   hil::FaultInjector faults(script);

@@ -1,4 +1,4 @@
-// An FMU as it comes from outside, without its binary: the zip file, and modelDescription.xml.
+// An FMU from an unknown source, without its binary: the zip file, and modelDescription.xml.
 //
 //   input  = choice (1 byte: even a zip file, odd a description), then its bytes
 #include <algorithm>
@@ -12,7 +12,7 @@ using namespace unlatch;
 
 namespace {
 
-// "a..b" is a name like others.
+// Returns true if a name stays inside the folder; "a..b" is an ordinary name.
 bool stays_inside(const std::filesystem::path& name) {
   return !name.empty() && name.is_relative() && std::find(name.begin(), name.end(), "..") == name.end();
 }

@@ -39,8 +39,8 @@ inline bool is_finite(const unlatch::State& state) {
   return true;
 }
 
-// Whatever model came out of a file, a step of it ends in a status and leaves no number in its state that is none.
-// `look`: at the report of each good step.
+// Steps a model from a file: any step ends in a status and leaves only finite numbers in its state. `look`: called with
+// the report of each good step.
 inline void step_a_little(hil::Simulation& simulation, const std::function<void(const StepReport&)>& look = {}) {
   constexpr int kSteps = 3;
   for (int i = 0; i < kSteps; ++i) {
@@ -51,7 +51,7 @@ inline void step_a_little(hil::Simulation& simulation, const std::function<void(
   }
 }
 
-// A scenario of one body that is pushed, a latch and an event: small, so that an execution is short.
+// A scenario of one body under a force, a latch and an event: small, so that an execution is short.
 inline const char* const kSmallScenario = R"(unlatch: 1
 name: small
 step: {dt: 0.001, until: 0.004}

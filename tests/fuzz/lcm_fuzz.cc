@@ -1,5 +1,5 @@
-// Datagrams of several senders, as the network brings them: inspected, put together, kept, decoded. Input: of each
-// datagram its sender (1 byte), its length (2 bytes, little-endian) and its bytes.
+// Datagrams of several senders, in the form of the network: inspected, joined, stored, decoded. Input: of each datagram
+// its sender (1 byte), its length (2 bytes, little-endian) and its bytes.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -12,12 +12,12 @@ using namespace unlatch;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kHead = 3, kRingBytes = 3 * hil::kMaxWireBytes;
-  static bridge::LcmPackets packets;  // what earlier inputs left unfinished belongs to the test
+  static bridge::LcmPackets packets;  // unfinished fragments of earlier inputs belong to the test
   static bridge::MessageRing ring(kRingBytes), crowded(kRingBytes);
   while (size >= kHead) {
     const std::uint64_t sender = data[0];
     const std::size_t length = std::min(static_cast<std::size_t>(data[1] | data[2] << 8), size - kHead);
-    // Memory of its own, so that a sanitizer sees each byte behind its end.
+    // A separate allocation, so that a sanitizer detects any read behind its end.
     const auto datagram = std::make_unique<std::uint8_t[]>(length);
     std::copy_n(data + kHead, length, datagram.get());
     data += kHead + length;
@@ -37,7 +37,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::require(direct.kind == kept.kind, "another kind");
     fuzz::require(std::memcmp(&direct.hello, &kept.hello, hil::get_size(direct.kind)) == 0, "other bytes");
     (void)hil::is_well_formed(kept);
-    crowded.push(packet.kind, packet.data);  // always full: the oldest give way
+    crowded.push(packet.kind, packet.data);  // always full: the oldest are dropped
   }
   return 0;
 }

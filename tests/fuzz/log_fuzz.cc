@@ -8,7 +8,7 @@ using namespace unlatch;
 namespace {
 
 void read(std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t kMaxBodies = 8;  // whose replay is short
+  constexpr std::size_t kMaxBodies = 8;  // limit for a short replay
   try {
     fuzz::MemoryFile file(bytes);
     hil::RecordingReader recording(file.open());

@@ -1,4 +1,4 @@
-// Writes the inputs to begin with that are not text, from the code as it is, so that they never grow old:
+// Writes the initial inputs that are not text, from the present code, so that they never become outdated:
 //   make_seeds FOLDER     FOLDER/<target>; empty for targets whose inputs are text, in corpus/
 #include <atomic>
 #include <filesystem>
@@ -26,7 +26,7 @@ std::string to_bytes(const T& value, std::size_t size = sizeof(T)) {
   return {reinterpret_cast<const char*>(&value), size};
 }
 
-// Each message as LCM and as DDS carry it.
+// Writes each message in the forms of LCM and DDS.
 void write_messages(const fs::path& folder) {
   test::Random random(kSeed);
   for (const hil::MessageKind kind : test::list_kinds()) {
@@ -40,14 +40,15 @@ void write_messages(const fs::path& folder) {
   }
 }
 
-// Numbers as LCM writes them.
+// Big-endian number, as in LCM.
 std::string to_big_endian(std::uint64_t number, std::size_t length) {
   std::string bytes;
   for (std::size_t i = length; i-- > 0;) bytes += static_cast<char>(number >> 8 * i & 0xFF);
   return bytes;
 }
 
-// Each message in one datagram, then in fragments of macOS's size and of a handful; what the marks mean: lcm_fuzz.cc.
+// Writes each message in one datagram, then in fragments of macOS's size and of a few bytes; lcm_fuzz.cc explains the
+// marks.
 void write_datagrams(const fs::path& folder) {
   test::Random random(kSeed);
   for (const hil::MessageKind kind : test::list_kinds()) {
@@ -74,7 +75,7 @@ void write_datagrams(const fs::path& folder) {
   }
 }
 
-// Each message as the UDP transport carries it, behind a join.
+// Writes each message in the form of the UDP transport, after a join.
 void write_udp(const fs::path& folder) {
   test::Random random(kSeed);
   for (const hil::MessageKind kind : test::list_kinds()) {
@@ -91,7 +92,7 @@ void write_udp(const fs::path& folder) {
   }
 }
 
-// A recording of the small scenario, its first half, and checkpoints.
+// Writes a recording of the small scenario, its first half, and checkpoints.
 void write_logs(const fs::path& folder) {
   const hil::Scenario scenario = hil::load_scenario_text(fuzz::kSmallScenario, "small.yaml");
   const auto simulation = hil::build_simulation(scenario);
@@ -110,7 +111,7 @@ void write_logs(const fs::path& folder) {
   fs::resize_file(folder / "log" / "half", fs::file_size(folder / "log" / "whole") * 2 / 3);
 }
 
-// A command, an acknowledgement and a farewell, under every pace and policy; what the marks mean: session_fuzz.cc.
+// Writes a command, an acknowledgement and a farewell, under every pace and policy; session_fuzz.cc explains the marks.
 void write_sessions(const fs::path& folder) {
   hil::CommandMessage command;
   command.sequence = 1;
@@ -126,7 +127,7 @@ void write_sessions(const fs::path& folder) {
     write(folder / "session" / std::to_string(choice), static_cast<char>(choice) + said);
 }
 
-// Six masses on three crossed bars; one mode, in which the first bar stretches.
+// Writes six masses on three crossed bars; one mode, in which the first bar stretches.
 void write_modes(const fs::path& folder) {
   hil::Modes modes;
   modes.title = "Crossed bars";
@@ -139,11 +140,11 @@ void write_modes(const fs::path& folder) {
     }
   modes.markers.push_back({"end", Eigen::Vector3d::UnitX(), modes.points[1].shape, Eigen::Matrix3Xd::Zero(3, 1)});
   hil::FlexibleReport report;
-  (void)hil::build_flexible_body(modes, {}, report);  // it is one
+  (void)hil::build_flexible_body(modes, {}, report);  // it is a valid flexible body
   write(folder / "modes" / "bars", hil::write_modes_text(modes));
 }
 
-// Descriptions of both versions, alone and in zip files.
+// Writes descriptions of both versions, alone and in zip files.
 void write_fmus(const fs::path& folder) {
   const std::string variables = R"(<ModelVariables>)"
                                 R"(<Float64 name="time" valueReference="0" causality="independent"/>)"

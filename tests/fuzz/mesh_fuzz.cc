@@ -1,4 +1,4 @@
-// Files of triangles: STL, OBJ, and the text of recordings. The first byte says which.
+// Files of triangles: STL, OBJ, and the text of recordings. The first byte selects the format.
 #include "hil/meshes/mesh_file.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -1,4 +1,4 @@
-// The decoders of all messages as LCM's bytes: the first byte chooses the kind, the rest is what came. What decodes
+// Decoders of all messages in LCM's bytes: the first byte chooses the kind, the rest is the message. A decoded message
 // encodes to the same bytes.
 #include <algorithm>
 #include <array>

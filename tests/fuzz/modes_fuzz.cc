@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::require(std::isfinite(structure.mass) && structure.inertia.allFinite(), "a body of numbers that are none");
   } catch (const hil::ScenarioError& error) {
     fuzz::require(!error.mistakes.empty(), "a refusal without a mistake");
-  } catch (const std::invalid_argument&) {  // modes that are no flexible body; the loader says so
+  } catch (const std::invalid_argument&) {  // modes that are no flexible body; the loader reports it
   }
   return 0;
 }

@@ -1,4 +1,4 @@
-// --set PATH=VALUE, one a line, on top of a scenario that is right.
+// Overrides --set PATH=VALUE, one a line, on top of a valid scenario.
 #include <sstream>
 
 #include "tests/fuzz/fuzz.h"

@@ -1,7 +1,7 @@
 // Runs a fuzz target with any compiler: over the inputs in files and folders, then over random mutations of them.
 //   <target>_fuzz [--mutations N] [--seed S] FILE|FOLDER...
-// An input that ends the program, or takes 10 s, is left in the file that the last line names. With the libFuzzer of
-// clang, which looks where an input leads, tools/fuzz finds more; this is for every day, and for machines without it.
+// An input that ends the program, or takes 10 s, is stored in the file that the last line names. clang's libFuzzer,
+// which is guided by coverage, finds more (tools/fuzz); this program is for daily use, and for machines without clang.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -25,9 +25,9 @@ using Random = std::mt19937_64;
 
 constexpr unsigned kHang_s = 10;
 constexpr std::size_t kMaxBytes = 8192;
-const Bytes* current = nullptr;  // what the target is at
+const Bytes* current = nullptr;  // present input of the target
 
-// Only calls that a signal handler may make: open and write.
+// Uses only calls that a signal handler may make: open and write.
 void keep_input(int signal) {
   constexpr char kName[] = "fuzz-finding", kSaid[] = "FOUND: the input is in ./fuzz-finding\n";
   const int file = open(kName, O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -40,7 +40,7 @@ void keep_input(int signal) {
 void run(const Bytes& input) {
   current = &input;
   alarm(kHang_s);
-  // A copy of exactly that size, so that a checker sees a read beyond its end.
+  // Copy of exactly that size, so that a checker detects a read beyond its end.
   const Bytes copy(input);
   LLVMFuzzerTestOneInput(copy.data(), copy.size());
   alarm(0);
@@ -63,7 +63,7 @@ std::vector<Bytes> read_inputs(const std::vector<std::string>& names) {
   return inputs;
 }
 
-// One small change.
+// Makes one small change.
 void mutate(Bytes& bytes, const std::vector<Bytes>& inputs, Random& random) {
   constexpr std::uint8_t kOdd[] = {0, 1, 0x7f, 0x80, 0xff, '\n', ' ', ':', '-', '[', '{', '.', '0', '9', 'e', '"'};
   const auto below = [&random](std::size_t count) { return random() % count; };
@@ -84,7 +84,7 @@ void mutate(Bytes& bytes, const std::vector<Bytes>& inputs, Random& random) {
     case 3:
       bytes.insert(here, kOdd[below(sizeof kOdd)]);
       break;
-    case 4: {  // said twice
+    case 4: {  // repetition
       const Bytes part(here, end);
       bytes.insert(here, part.begin(), part.end());
       break;

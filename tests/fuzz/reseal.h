@@ -1,5 +1,5 @@
-// Recordings and checkpoints are sealed with checksums that no fuzzer guesses: a target looks at its bytes as they are,
-// and once more with every seal made right, so that what is behind the seals is read as well.
+// Corrected checksums of recordings and checkpoints, which no fuzzer guesses: a target reads the original bytes, and
+// once more with valid checksums, so that the data behind them are read as well.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace unlatch::fuzz {
 
-// The bytes of a log with right checksums, as far as they are events.
+// Bytes of a log with valid checksums, as far as they are events.
 inline std::vector<std::uint8_t> reseal(std::span<const std::uint8_t> log) {
   constexpr std::size_t kHead = 28, kLengths = 20, kSeal = 8;
   std::vector<std::uint8_t> bytes(log.begin(), log.end());
@@ -39,7 +39,7 @@ inline std::vector<std::uint8_t> reseal(std::span<const std::uint8_t> log) {
   return bytes;
 }
 
-// Bytes as a file; fmemopen() refuses to open none.
+// Bytes as a file; fmemopen() refuses an empty buffer.
 class MemoryFile {
  public:
   explicit MemoryFile(std::span<const std::uint8_t> bytes)

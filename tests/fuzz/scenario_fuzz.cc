@@ -1,11 +1,12 @@
-// The scenario loader: a text gives a scenario, or a ScenarioError; what loads compiles and steps, or says why not.
+// The scenario loader: a text gives a scenario, or a ScenarioError; a loaded scenario compiles and steps, or gives a
+// reason.
 #include "hil/analysis/run_analysis.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::size_t kMaxBodies = 32;  // whose steps are short
+  constexpr std::size_t kMaxBodies = 32;  // limit for short steps
   try {
     const hil::Scenario scenario = hil::load_scenario_text(fuzz::to_text(data, size), "fuzz.yaml");
     if (scenario.model.bodies.size() > kMaxBodies) return 0;

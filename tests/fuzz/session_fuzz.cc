@@ -25,7 +25,7 @@ class JumpingClock final : public hil::Clock {
   void sleep_until_ns(std::int64_t deadline_ns) const noexcept override { clock_ns = std::max(clock_ns, deadline_ns); }
 };
 
-// Says what the flight software says to begin with, then what the input has for it.
+// Sends the initial messages of the flight software, then those of the input.
 class FuzzConnection final : public hil::Connection {
  public:
   FuzzConnection(std::span<const std::uint8_t> script, std::int64_t model_hash)
@@ -50,7 +50,7 @@ class FuzzConnection final : public hil::Connection {
     if (script_.empty()) return false;
     const std::uint8_t marks = script_[0];
     script_ = script_.subspan(1);
-    if ((marks & 0x80) != 0) return false;  // what follows comes later
+    if ((marks & 0x80) != 0) return false;  // the remaining messages come later
     switch (marks % 3) {
       case 0: {
         hil::CommandMessage command = take<hil::CommandMessage>();
@@ -71,7 +71,7 @@ class FuzzConnection final : public hil::Connection {
         break;
       }
     }
-    if (!hil::is_well_formed(message)) return false;  // a port lets nothing else through
+    if (!hil::is_well_formed(message)) return false;  // a port lets only well-formed messages through
     arrival.message = *hil::to_participant_message(message);
     return true;
   }
@@ -89,7 +89,7 @@ class FuzzConnection final : public hil::Connection {
     script_ = script_.subspan(size);
     return value;
   }
-  // Marks make a message one of this session, of the computer that takes part, or of the present tick.
+  // Marks make a message one of this session, of the active computer, or of the present tick.
   template <class T>
   void adapt(T& message, std::uint8_t marks) const {
     if ((marks & 0x40) != 0) message.session = kSession;
@@ -114,7 +114,7 @@ class FuzzConnection final : public hil::Connection {
     ack.participant = kComputer;
     return ack;
   }
-  // Agreed on everything, with another's number, status and name.
+  // Agreed answer with another one's number, status and name.
   static hil::HelloAckMessage mix(hil::HelloAckMessage agreed, const hil::HelloAckMessage& other) {
     agreed.participant = other.participant % 4 + kComputer;
     agreed.status = other.status;
@@ -137,7 +137,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const auto simulation = hil::build_simulation(scenario);
   static const auto beginning = simulation->save();
   fuzz::require(simulation->restore(beginning), "a simulation that does not go back to its beginning");
-  clock_ns = -1'000'000;  // a session from just before the clock reads 0
+  clock_ns = -1'000'000;  // the session begins just before the clock reads 0
 
   const JumpingClock clock;
   hil::ExecutiveOptions options;
@@ -146,8 +146,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   options.session = kSession;
   options.last_tick = 4;
   options.flight_software = scenario.flight_software;
-  options.flight_software.queue = 16;      // the least: an input can fill it, and little memory is cleared for each
-  options.start_timeout_ns = 100'000'000;  // of the clock above; a hundred looks
+  options.flight_software.queue = 16;      // the minimum: an input can fill it, and little memory is cleared for each
+  options.start_timeout_ns = 100'000'000;  // time of the clock above; a hundred polls
   options.flight_software.policy = static_cast<hil::Policy>((data[0] >> 1) % hil::kPolicyNames.size());
   options.flight_software.delay = (data[0] >> 4) % 3;
   options.timing.spin = (data[0] & 0x80) != 0 ? 1e-4 : 0;  // s; with warm-up steps

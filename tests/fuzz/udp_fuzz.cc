@@ -1,5 +1,5 @@
-// Datagrams of the UDP transport: read, put in order, kept, decoded. Input: of each datagram its length (2 bytes,
-// little-endian) and its bytes; its checksum is mended first in every second one.
+// Datagrams of the UDP transport: read, put in order, stored, decoded. Input: of each datagram its length (2 bytes,
+// little-endian) and its bytes; in every second one the checksum is corrected first.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -12,7 +12,7 @@ using namespace unlatch;
 
 namespace {
 
-// Else hardly any input would get past the checksum.
+// Corrects the checksum; otherwise hardly any input would pass it.
 void mend(std::span<std::uint8_t> datagram) {
   if (datagram.size() < bridge::kUdpHeaderBytes) return;
   constexpr std::size_t kChecksumAt = 16;
@@ -29,7 +29,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   bridge::UdpSequence sequence;
   for (bool as_it_is = false; size >= kHead; as_it_is = !as_it_is) {
     const std::size_t length = std::min(static_cast<std::size_t>(data[0] | data[1] << 8), size - kHead);
-    // Memory of its own, so that a sanitizer sees each byte behind its end.
+    // A separate allocation, so that a sanitizer detects any read behind its end.
     const auto datagram = std::make_unique<std::uint8_t[]>(length);
     std::copy_n(data + kHead, length, datagram.get());
     data += kHead + length;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""tools/determinism finds what differs: determinism_test.py"""
+"""tools/determinism finds differences: determinism_test.py"""
 
 import importlib.machinery
 import importlib.util

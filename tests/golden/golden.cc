@@ -1,5 +1,5 @@
-// The golden program of the kernel: needs nothing but kernel/ and Eigen, so that it runs wherever the kernel does.
-// golden [--lanes NAME | --list-lanes]: prints the hashes that tests/data/golden.json has; tools/determinism compares
+// The golden program of the kernel: needs nothing but kernel/ and Eigen, so that it runs on every platform of the
+// kernel. golden [--lanes NAME | --list-lanes]: prints the hashes of tests/data/golden.json; tools/determinism compares
 // them over compilers and processors.
 #include "tests/golden/golden_distances.h"
 #include "tests/golden/golden_models.h"

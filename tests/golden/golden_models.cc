@@ -102,7 +102,7 @@ void add_booster(Model& model, int k) {
   model.joints.push_back(joint);
 
   const int nozzle = static_cast<int>(model.loads.size()) + 1;
-  // Each engine dies at its own pace, so that the boosters leave one after another.
+  // Each engine's thrust decays differently, so that the boosters separate one after another.
   model.loads.push_back(
       force("main" + id, k, {-5.5, 0, 0}, {0.9962, 0.0869, 0}, exponential(300e3, 0, 0.34 + 0.01 * k)));
   model.loads.push_back(force("nozzle" + id, k, {12.2, 0, 0}, {-0.35, 0.94, 0}, exponential(0, 9000, 0.05), false));

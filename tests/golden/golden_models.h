@@ -1,5 +1,5 @@
-// The models of the golden program: everything that a step can do, described with nothing but the kernel and exact
-// arithmetic, so that every compiler and processor starts from the same bits.
+// Models of the golden program: every feature of a step, described with nothing but the kernel and exact arithmetic, so
+// that every compiler and processor starts from the same bits.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,14 @@
 namespace unlatch::test {
 
 struct GoldenModel {
-  Model model;  // its name is the name of the hashes
+  Model model;  // its name is the name in the hashes
   double dt;    // s
   int ticks;    // long enough for every event of the model
 };
 
 std::vector<GoldenModel> build_golden_models();
 
-// Of these, pushers, stops, cords, friction and impulses.
+// One of these: pushers, stops, cords, friction and impulses.
 Model build_pushers();
 
 }  // namespace unlatch::test

@@ -1,4 +1,4 @@
-// The golden model of what acts on one side only, of friction and of impulses.
+// The golden model of one-sided elements, of friction and of impulses.
 #include "tests/golden/golden_models.h"
 #include "tests/support/small_models.h"
 

@@ -18,8 +18,8 @@ namespace unlatch::test {
 constexpr InstructionSet kEverySet[] = {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::k256,
                                         InstructionSet::k512};
 
-// `--lanes NAME` at the front of the arguments, which moves `first` behind it; kAuto without. `--list-lanes` prints all
-// names with yes or no and ends the program; so does a name that is none, or not for this processor.
+// Reads `--lanes NAME` at the front of the arguments, and moves `first` behind it; kAuto without. `--list-lanes` prints
+// all names with yes or no and ends the program; so does an unknown name, or one that this processor lacks.
 inline InstructionSet read_instruction_set(int argc, char** argv, int& first) {
   const std::string_view option = argc > 1 ? argv[1] : "", wanted = argc > 2 ? argv[2] : "";
   first = 1;
@@ -36,7 +36,7 @@ inline InstructionSet read_instruction_set(int argc, char** argv, int& first) {
   std::exit(2);
 }
 
-// False, with the reason on standard error, if a step fails.
+// Prints the hashes of a run. False, with the reason on standard error, if a step fails.
 inline bool print_golden_hashes(const char* name, const Model& model, double dt, std::int64_t ticks,
                                 InstructionSet set) {
   constexpr std::int64_t kEvery = 100;

@@ -1,5 +1,5 @@
-// golden_scenarios [--lanes NAME] FILE...: the hashes of scenarios, run to their end without flight software. The name
-// in the output is the file's folder and stem: boosters/reference.
+// golden_scenarios [--lanes NAME] FILE...: prints the hashes of scenarios, run to their end without flight software.
+// The name in the output is the file's folder and stem: boosters/reference.
 #include <cmath>
 #include <exception>
 #include <filesystem>

@@ -44,7 +44,7 @@ TEST(Announcer, WaitsForAFullConnectionButNotForEver) {
   EXPECT_EQ(clock.now_ns, -5 + 100 * 1'000'000) << "a hundred attempts";
 }
 
-// Whatever the clock reads: 0 and negative times are times.
+// Any reading of the clock is valid: 0 and negative times too.
 TEST(Announcer, SendsOneOfEachInTurnOnceInAnInterval) {
   for (const std::int64_t begin_ns : {-1000, -10, 0, 5}) {
     FakeConnection connection;

@@ -1,4 +1,4 @@
-// Facts about campaign files: what they draw, and their mistakes, all at once with their places.
+// Facts about campaign files: the values that they draw, and their mistakes, all at once with their places.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -32,7 +32,7 @@ class CampaignFileTest : public testing::Test {
     return hil::load_campaign_text("unlatch_campaign: 1\nname: c\nscenario: s.yaml\n" + rest, "c.yaml",
                                    folder_.string());
   }
-  // The mistakes, a line each.
+  // Returns the mistakes, one line each.
   [[nodiscard]] std::string load_errors(const std::string& rest) const {
     try {
       (void)load(rest);
@@ -175,7 +175,7 @@ TEST_F(CampaignFileTest, AUnitOfAnotherKindIsAMistake) {
       HasSubstr("is a length"));
 }
 
-// Expressions take a constant by its dimension: a value without its unit would make `5 * gap` no length.
+// Expressions use a constant by its dimension: a value without its unit would make `5 * gap` no length.
 TEST_F(CampaignFileTest, AConstantKeepsItsUnit) {
   std::ofstream(folder_ / "s.yaml") << "constants: {gap: 20 cm}\n"
                                     << replaced(kGoodScenario, "free_length: 1", "free_length: 5 * gap");

@@ -11,9 +11,9 @@
 namespace unlatch::test {
 namespace {
 
-// Everything that a state remembers: a profile in an element's own time, a ramp, an event that waits for its delay, one
-// that repeats, a signal, a joint that latched, a spring that tells how far a hinge has turned; channels and sensors
-// that are held between their ticks.
+// A scenario with every kind of memory in a state: a profile in an element's own time, a ramp, an event that waits for
+// its delay, one that repeats, a signal, a joint that latched, a spring that counts the turns of a hinge; channels and
+// sensors that are held between their ticks.
 const char* const kMemoryScenario = R"(unlatch: 1
 name: memory
 step: {dt: 0.001, until: 0.4}
@@ -71,7 +71,7 @@ std::int64_t get_last_tick(const hil::Scenario& scenario) {
   return static_cast<std::int64_t>(scenario.until / scenario.dt + 0.5);
 }
 
-// Commands that arrive while it runs: held until the next.
+// Sets commands that arrive during the run: held until the next.
 void command(hil::Simulation& simulation) {
   if (simulation.get_tick() % 37 == 5) {
     simulation.channels()[0] = 0.3 + 0.001 * static_cast<double>(simulation.get_tick());
@@ -93,7 +93,7 @@ bool has_running_ramp(const hil::Simulation& simulation) {
 
 bool has_latched(const hil::Simulation& simulation) { return simulation.state().joints[0].mode == 1; }
 
-// The whole run once, a checkpoint at each of `ticks`; then from each checkpoint to the end, in a new simulation.
+// Runs the whole once, with a checkpoint at each of `ticks`; then from each checkpoint to the end, in a new simulation.
 TEST(Checkpoint, ARunTakenUpAgainHasTheSameHashAtEveryTick) {
   const hil::Scenario scenario = load_memory();
   const std::int64_t last_tick = get_last_tick(scenario);
@@ -106,7 +106,7 @@ TEST(Checkpoint, ARunTakenUpAgainHasTheSameHashAtEveryTick) {
   for (std::int64_t tick = 30; tick < 60; ++tick) chosen[static_cast<std::size_t>(tick)] = true;  // while `fire` waits
 
   std::vector<std::int64_t> hashes;
-  std::vector<std::vector<std::uint64_t>> saved;  // what is held included
+  std::vector<std::vector<std::uint64_t>> saved;  // including held values
   std::vector<std::vector<double>> sensors;
   const auto path_of = [](std::size_t tick) { return make_path(std::to_string(tick)); };
   int pending = 0, ramping = 0, latched = 0;
@@ -191,7 +191,7 @@ class ForeignCheckpoint : public ::testing::Test {
     }
   }
 
-  // The checkpoint with its header passed through `edit`, checksum and all.
+  // Writes the checkpoint with its header changed by `edit`, with a valid checksum.
   template <class Edit>
   std::string get_complaint_when(Edit&& edit) const {
     hil::LogHeader header;
@@ -266,7 +266,7 @@ TEST_F(ForeignCheckpoint, AnotherVersionOrSchemaIsRefusedByName) {
             std::string::npos);
 }
 
-// A file may come from anywhere, with a right checksum: what indexes with its numbers must not be led astray.
+// A file may come from any source, with a valid checksum: its numbers must be checked before they are used as indices.
 TEST_F(ForeignCheckpoint, AStateThatCannotBeIsRefused) {
   constexpr const char* kImpossible = "cannot have";
   const auto simulation = hil::build_simulation(scenario_);

@@ -1,6 +1,5 @@
-// The cyclic thread between two deadlines: nothing from the heap, in every scenario, through events, latches, policies,
-// overruns and rates; no page met for the first time. RealtimeSanitizer (tools/rtsan) looks for locks and waits as
-// well.
+// The cyclic thread between two deadlines: no heap memory, in every scenario, through events, latches, policies,
+// overruns and rates; no first access to a page. RealtimeSanitizer (tools/rtsan) checks locks and waits as well.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,8 +19,8 @@ using hil::Pace;
 
 constexpr std::int64_t kMs = 1'000'000;  // ns
 
-// Ticks that come after `pause`, every tenth of them late; counts what the thread takes between its first and last
-// tick.
+// Ticks that come after `pause`, every tenth of them late; counts the allocations and page faults of the thread between
+// its first and last tick.
 class CountingTicks final : public hil::TickSource {
  public:
   explicit CountingTicks(std::chrono::microseconds pause) : TickSource(kMs), pause_(pause) {}

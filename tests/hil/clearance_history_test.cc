@@ -1,4 +1,4 @@
-// Clearances over a run: located inside steps, signed, the same whether pieces were skipped or not.
+// Clearances over a run: located inside steps, signed, equal with and without skipped pieces.
 #include <cmath>
 #include <stdexcept>
 
@@ -28,7 +28,7 @@ bodies:
 clearance: all
 )";
 
-// Two events may lie as near to each other as times can be told apart.
+// Two events may be as close to each other as times can be distinguished.
 TEST(Smallest, IsLocatedBetweenKnotsThatAreRoundingsOfTimeApart) {
   constexpr double kMiddle = 0.8589;  // s
   for (double width = 1e-15; width < 1e-5; width *= 3) {
@@ -47,7 +47,7 @@ TEST(Smallest, IsLocatedBetweenKnotsThatAreRoundingsOfTimeApart) {
   }
 }
 
-// Every knot and a dense grid between the knots around the smallest.
+// Searches every knot and a dense grid between the knots around the smallest.
 TEST(ClearanceHistory, IsTheSmallestOfADenseSearch) {
   const AnalysedRun run(kPassing);
   const hil::Clearance& found = run.analysis.clearances().at(0);
@@ -68,7 +68,7 @@ TEST(ClearanceHistory, IsTheSmallestOfADenseSearch) {
   EXPECT_FALSE(found.touch.has_value());
 }
 
-// At half and at a quarter of the step the minimum is the same: it does not depend on where the knots lie.
+// At half and at a quarter of the step the minimum is the same: it does not depend on the places of the knots.
 TEST(ClearanceHistory, DoesNotDependOnTheStep) {
   const AnalysedRun run(kPassing);
   for (const char* const step : {"dt: 0.5 ms", "dt: 0.25 ms"}) {
@@ -80,7 +80,7 @@ TEST(ClearanceHistory, DoesNotDependOnTheStep) {
   }
 }
 
-// Two balls of 0.1 m that meet head on at 1 m/s, pass through one another and part.
+// Two balls of 0.1 m that meet head on at 1 m/s, pass through one another and separate.
 const char* const kThrough = R"(unlatch: 1
 name: through
 step: {dt: 1 ms, until: 2}
@@ -102,7 +102,7 @@ TEST(ClearanceHistory, OfAnOverlapIsItsGreatestDepthAndTheTouchIsLocated) {
   EXPECT_NEAR(norm(at.least.on_b - Vec3{0, -0.05, 0}), 0, 1e-5);
 }
 
-// A bullet of 0.2 mm whose way through a ball lies within one step: no knot is inside.
+// A bullet of 0.2 mm whose path through a ball lies within one step: no knot is inside.
 TEST(ClearanceHistory, ATouchWithinOneStepIsFound) {
   const AnalysedRun run(R"(unlatch: 1
 name: bullet
@@ -181,7 +181,7 @@ TEST(ClearanceHistory, HasTheSameBitsWhetherPiecesAreSkippedOrNot) {
   EXPECT_GT(with_minimum, 100) << "of 400: the others end or begin with their smallest";
 }
 
-// A nozzle that leaves a skirt: the distance to the wall from within, without the faces that mated.
+// A nozzle that leaves a skirt: the distance to the wall from inside, without the mated faces.
 TEST(ClearanceHistory, ANozzleLeavesItsSkirt) {
   const AnalysedRun run(R"(unlatch: 1
 name: interstage

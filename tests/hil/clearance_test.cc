@@ -29,7 +29,7 @@ Shape sphere(const Vector& centre, double radius) {
   return {.kind = Kind::kSphere, .from = to_vec3(centre), .radius = radius};
 }
 
-// Every shape of body 0 against every one of body 1.
+// Pair of every shape of body 0 with every shape of body 1.
 hil::ClearancePair all_of(const std::vector<std::vector<hil::BodyShape>>& shapes) {
   hil::ClearancePair pair{.a = {0, "a", {}}, .b = {1, "b", {}}, .except = {}};
   pair.a.shapes.resize(shapes[0].size());
@@ -63,7 +63,7 @@ TEST(Clearance, SegmentsOfAllSorts) {
   EXPECT_EQ(distance(x, capsule({0, -1, 0}, {0, 1, 0}, 0)), 0);
 }
 
-// No pair of points is nearer than the closed form says, and some pair is as near.
+// No pair of points is nearer than the closed form, and some pair is as near.
 TEST(Clearance, SegmentDistanceIsTheLeastOverAllPoints) {
   constexpr unsigned kSeed = 7;
   std::mt19937 random(kSeed);
@@ -147,8 +147,8 @@ TEST(Clearance, LeavesOutPairsOfShapes) {
   EXPECT_THROW(calc(), std::invalid_argument);
 }
 
-// 7000 km from the origin, where positions are rounded to 1e-9 m, the distance of two places near one another is that
-// of their difference.
+// At 7000 km from the origin, positions are rounded to 1e-9 m; the distance of two near places is that of their
+// difference.
 TEST(Clearance, LosesNoDigitsFarFromTheOrigin) {
   const std::vector<std::vector<hil::BodyShape>> shapes{body({capsule({0, 0, 0}, {1, 0, 0}, 0.25)}),
                                                         body({sphere({0, 0, 0}, 0.25)})};

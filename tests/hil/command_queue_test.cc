@@ -145,7 +145,7 @@ TEST_F(CommandQueueTest, ANumberFarAheadIsRefusedAndDoesNotHarmTheOthers) {
   }
 }
 
-// A State that was sent again is answered again, as the protocol demands.
+// A repeated State is answered again, as the protocol demands.
 TEST_F(CommandQueueTest, AnAnswerToARepeatedStateIsNoDuplicate) {
   hil::CommandQueue queue = make_queue();
   EXPECT_FALSE(add(queue, make_command(1, 5, 0.5), 5).reason);

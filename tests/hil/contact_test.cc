@@ -1,4 +1,4 @@
-// Contacts of the language, and what a run tells of them, against closed forms.
+// Contacts of the language, and their results in a run, against closed forms.
 #include <cmath>
 #include <map>
 
@@ -9,8 +9,8 @@
 namespace unlatch::test {
 namespace {
 
-constexpr double kLocated = 1e-6;  // s, and of a peak: located inside the step
-constexpr double kAudited = 1e-6;  // of the energy that a blow takes: RK4 with eight sub-steps a millisecond
+constexpr double kLocated = 1e-6;  // s, also for a peak: located inside the step
+constexpr double kAudited = 1e-6;  // of an impact's energy loss: RK4 with eight sub-steps a millisecond
 
 // A ball of 2 kg flies with 3 m/s at a wall of 10^9 kg: k = 2e5 N/m without damping is 316 rad/s, half a period 9.93
 // ms.

@@ -15,8 +15,8 @@
 namespace unlatch::test {
 namespace {
 
-// A resolved motion balances to this part of its largest energy: RK4 at h·ω = 0.02 loses (h·ω)⁶/144 a step, and the
-// quadrature of powers errs by (h·ω)³/24 of a tick's work, of either sign.
+// Error of the balance of a resolved motion, relative to its largest energy: RK4 at h·ω = 0.02 loses (h·ω)⁶/144 a step,
+// and the quadrature of powers errs by (h·ω)³/24 of a tick's work, of either sign.
 constexpr double kBalances = 1e-6;
 constexpr double kExact = 1e-9;  // where every power is linear in time: rounding of a thousand ticks
 
@@ -61,8 +61,9 @@ std::string spring(const std::string& stiffness, const std::string& damping) {
          ", free_length: 1}\n";
 }
 
-// x'' + 2 ζ ω x' + ω² x = 0 with the reduced mass 1 kg: what is left after t is E(t), and the damper has the rest.
-// From rest, with a force that begins as t, the energy is as t⁴: a trapezoid takes twice of it in the first tick.
+// x'' + 2 ζ ω x' + ω² x = 0 with the reduced mass 1 kg: the remaining energy after t is E(t); the damper has dissipated
+// the rest. From rest, with a force that begins as t, the energy grows as t⁴: the trapezoidal rule gives twice of it in
+// the first tick.
 TEST(EnergyAudit, AForceThatBeginsFromZeroAtRestIsExplained) {
   const Audited run(R"(unlatch: 1
 name: sine
@@ -128,7 +129,7 @@ TEST(EnergyAudit, APusherBalancesOnEitherSideOfItsEndsRounding) {
   text += R"(elements:
   f: {type: force, body: b, direction: [-1, 0, 0], profile: 30}
   p: {type: pusher, between: [a, b], stroke: 0.3, preload: )";
-  text.replace(text.find("until: 1"), 8, "until: 0.2");  // it has not come back
+  text.replace(text.find("until: 1"), 8, "until: 0.2");  // it has not returned yet
   for (double preload = 5; preload < 15; preload += 0.25) {
     const Audited run(text + std::to_string(preload) + "}\n");
     EXPECT_NEAR(run.energy().strain, 0.3 * preload, kExact * preload) << preload;
@@ -136,7 +137,7 @@ TEST(EnergyAudit, APusherBalancesOnEitherSideOfItsEndsRounding) {
   }
 }
 
-// A damped stop lets go while its spring is still pressed: what it stores then is lost.
+// A damped stop opens while its spring is still compressed: the energy stored then is lost.
 TEST(EnergyAudit, AStopThatLetsGoBeforeItsSpringIsSlackBalances) {
   std::string text = kPair;
   text.insert(text.rfind('}'), ", velocity: [1, 0, 0]");
@@ -149,7 +150,7 @@ stops: {s: {joint: j, axis: x, at_most: 0.1, stiffness: 400, damping: )";
   }
 }
 
-// A speed of flight and a field of gravity add nothing to what is unexplained.
+// A flight speed and a gravity field add nothing to the unexplained energy.
 TEST(EnergyAudit, AFlightOfKilometresASecondHidesNoSpring) {
   std::string text = spring("400", "1.2");
   for (const char* body : {"inertia: [1, 1, 1]}", "position: [1.5, 0, 0]}"}) {

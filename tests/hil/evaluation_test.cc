@@ -1,4 +1,5 @@
-// Facts about one sample of a scenario: it has the bits of a run of its own, whoever evaluates it and after whatever.
+// Facts about one sample of a scenario: it has the bits of a separate run, independent of the thread and of earlier
+// samples.
 #include "hil/evaluation/evaluation.h"
 
 #include <gmock/gmock.h>
@@ -28,7 +29,7 @@ ScenarioTree make_tree(const std::string& text = kGoodScenario) {
 
 const std::string kBoosters = std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/boosters/reference.yaml";
 
-// Values with all their digits, a list, an entry by its name, and one that is missing in the file.
+// Settings with all digits, a list, an entry by its name, and one that is missing in the file.
 std::vector<Setting> vary(int k) {
   const double x = 1 + k / 30.0;
   const std::vector<double> direction{std::cos(0.01 * x), std::sin(0.01 * x), 0};
@@ -78,7 +79,7 @@ std::vector<std::uint64_t> to_bits(const std::vector<double>& values) {
   return bits;
 }
 
-// A sample's analysis leaves out what its columns do not need; `unlatch run` asks for everything.
+// A sample's analysis leaves out parts that its columns do not need; `unlatch run` requests all.
 TEST(SampleEvaluator, GivesTheValuesOfAnAnalysisOfEverythingInEveryShippedCampaign) {
   for (const char* name : {"antenna", "array", "boosters", "capsule", "fairing"}) {
     const hil::Campaign campaign =

@@ -111,7 +111,7 @@ TEST(Realtime, KeepsItsPaceOverTheWholeRun) {
   const SessionResult result = run_session(Pace::kRealtime, {}, "", {"flight_software.timeout=10"});
   const std::int64_t took_ns = hil::get_monotonic_ns() - begin_ns;
   EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
-  EXPECT_GE(took_ns, 50'000'000);  // 50 ticks of 1 ms: it cannot be earlier; how late depends on the machine
+  EXPECT_GE(took_ns, 50'000'000);  // 50 ticks of 1 ms: it cannot be earlier; the delay depends on the machine
   EXPECT_EQ(result.end.timing.wakeup.count, 50);
 }
 
@@ -165,12 +165,12 @@ TEST(Realtime, ALostParticipantComesBack) {
   ASSERT_GE(result.notices.size(), 3u);
   EXPECT_EQ(result.notices[1], "policy.safe");
   EXPECT_EQ(result.notices[2], "participant.resumed");
-  // Its commands are looked at again; by then they are beyond the channels' ranges.
+  // Its commands are checked again; by then they are outside the channels' ranges.
   EXPECT_GT(result.end.timing.rejected[static_cast<std::size_t>(Reject::kOutOfRange)], 0);
   EXPECT_TRUE(replay_log(log).result.agrees());
 }
 
-// Whatever run() allocates at its beginning and end, a longer run allocates no more.
+// A longer run allocates no more than a short one: allocations of run() are at its beginning and end only.
 TEST(Executive, CycleDoesNotAllocate) {
   if (!kCountsAllocations) GTEST_SKIP() << "a sanitizer has its own malloc";
   for (const Pace pace : {Pace::kLockstep, Pace::kRealtime}) {

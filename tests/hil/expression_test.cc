@@ -71,7 +71,7 @@ TEST(Expression, FunctionsAreTheKernels) {
   EXPECT_NEAR(value("tan(45 deg)"), 1, kRounding);
 }
 
-// SI leaves radians out where it likes.
+// SI often omits radians.
 TEST(Expression, RadiansMayBeLeftOutButNotPutWhereNoneBelong) {
   EXPECT_TRUE(hil::dimension_of("rad/s").takes(evaluate_expression("3 m/s / (2 m)", {}).dimension));
   EXPECT_TRUE(hil::dimension_of("N m/rad").takes(hil::dimension_of("N m")));

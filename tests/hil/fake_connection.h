@@ -39,7 +39,7 @@ class FakeConnection final : public hil::Connection {
   std::deque<hil::Arrival> arrivals;
 };
 
-// Stands still, except to sleep.
+// Clock that stands still, except during sleep.
 class ManualClock final : public hil::Clock {
  public:
   explicit ManualClock(std::int64_t at_ns) : now_ns(at_ns) {}

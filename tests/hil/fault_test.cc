@@ -41,7 +41,7 @@ std::int64_t get_reference_hash() {
   return hash;
 }
 
-// Lockstep does not care: what is lost is said again, what comes twice counts once.
+// Lockstep is unaffected: a lost message is sent again, a repeated one counts once.
 TEST(Faults, LossesLeaveALockstepAsItIs) {
   for (const char* const list :
        {"  - {drop: {message: State}, probability: 0.2}\n", "  - {drop: {message: StepAck}, probability: 0.2}\n",
@@ -99,7 +99,7 @@ TEST(Faults, AFreezeOfSomeWallTimeEndsAPause) {
 TEST(Faults, AKilledParticipantIsNotHeardAgain) {
   const FaultyResult result = run_faulty("  - {kill: fsw, ticks: 12}\n", {kHalfSecond});
   EXPECT_EQ(result.session.notices, (std::vector<std::string>{"participant.joined", "fault.kill", "policy.hold"}));
-  EXPECT_DOUBLE_EQ(result.session.channels[0], 0.55);  // of tick 10
+  EXPECT_DOUBLE_EQ(result.session.channels[0], 0.55);  // command of tick 10
   Habits habits;
   habits.dies_at = 12;
   EXPECT_EQ(result.session.end.hash, run_session(Pace::kLockstep, habits, "", {kHalfSecond}).end.hash);
@@ -110,8 +110,8 @@ TEST(Faults, DeadAndJammedActuatorsObeyNobodyAndReplay) {
   const FaultyResult result =
       run_faulty("  - {dead: throttle, ticks: [5, 44]}\n  - {jam: trim, ticks: [20, end]}\n", {kPatient}, log);
   EXPECT_EQ(result.session.end.status, RunStatus::kDone);
-  EXPECT_DOUBLE_EQ(result.session.channels[0], 0.5 + 0.005 * 40);  // what it was commanded while it was dead
-  EXPECT_DOUBLE_EQ(result.session.channels[1], -0.15);             // of tick 15
+  EXPECT_DOUBLE_EQ(result.session.channels[0], 0.5 + 0.005 * 40);  // command during its absence
+  EXPECT_DOUBLE_EQ(result.session.channels[1], -0.15);             // command of tick 15
   hil::RecordingReader recording{hil::LogFileReader(log)};
   hil::LogTick tick;
   std::vector<std::pair<std::int64_t, double>> forced;
@@ -138,7 +138,7 @@ TEST(Faults, SensorsStickAtTheirFirstValueAndAreBiased) {
   }
 }
 
-// Each with a piece of what is said: where, what, and what would be right.
+// Mistakes, each with parts of its message: place, fault, and correction.
 TEST(FaultScript, MistakesHaveTheirPlace) {
   const std::pair<const char*, const char*> kMistakes[] = {
       {"  - {drop: {message: Stat}}\n", "faults.yaml:4:22: unknown message 'Stat'; did you mean 'State'?"},

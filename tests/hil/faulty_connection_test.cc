@@ -1,4 +1,4 @@
-// Faults between the executive and its connection, and on channels; on any clock, also one that has just begun.
+// Faults between the executive and its connection, and on channels; on any clock, including one that has just begun.
 #include "hil/faults/faulty_connection.h"
 
 #include <gtest/gtest.h>

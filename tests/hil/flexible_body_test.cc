@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 constexpr double kRoundOff = 1e-12;  // sums over some 30 points, relative
 constexpr int kBays = 6, kModes = 7;
 
-// Of ∫ a bᵀ dm: ∫ a × b dm.
+// Returns ∫ a × b dm from ∫ a bᵀ dm.
 Vector3d calc_moment(const Matrix3d& m) { return {m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0)}; }
 
 hil::FlexibleStructure build(const hil::Modes& modes, const hil::ModeSelection& selection = {}) {
@@ -44,7 +44,7 @@ TEST(FlexibleBody, ModesThatAreRightStayAsTheyAre) {
 }
 
 // Clamped modes carry momenta. Projected, they are Ritz vectors of the free structure: by Rayleigh's principle no
-// frequency can fall below the exact one.
+// frequency can be below the exact one.
 TEST(FlexibleBody, MomentumIsTakenOutOfModesThatCarryIt) {
   const hil::Modes modes = build_mast_modes(kBays, kModes, Support::kClamped);
   hil::FlexibleReport report;
@@ -66,7 +66,7 @@ TEST(FlexibleBody, MomentumIsTakenOutOfModesThatCarryIt) {
   EXPECT_LT(effective, 1);
 }
 
-// The quantities in which a kernel uses the invariants, each summed mass by mass instead.
+// Checks the quantities in which a kernel uses the invariants against sums over the masses.
 TEST(FlexibleBody, InvariantsAreTheSumsOverItsPoints) {
   hil::Modes modes = build_mast_modes(kBays, kModes, Support::kFree);
   for (hil::ModalPoint& point : modes.points)  // digits as a printed file has them, and momenta
@@ -111,8 +111,8 @@ TEST(FlexibleBody, InvariantsAreTheSumsOverItsPoints) {
   EXPECT_EQ(body.flexible.damping, VectorXd::Constant(kModes, 0.01));
 }
 
-// A uniform beam: shapes and frequencies of the closed form on a ladder of points. Lumping leaves them orthonormal to
-// about (bend per point)²; conditioning makes them so.
+// A uniform beam: shapes and frequencies of the closed form on a ladder of points. With lumped masses they are
+// orthonormal to about (bend per point)²; conditioning makes them so.
 TEST(FlexibleBody, AFreeFreeBeamKeepsItsAnalyticFrequencies) {
   constexpr double kRoots[] = {4.730040744862704, 7.853204624095838, 10.995607838001671};  // cosh β cos β = 1
   constexpr int kPoints = 200;

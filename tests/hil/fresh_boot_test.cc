@@ -1,4 +1,4 @@
-// A machine that has just been started: its clock reads little, 0, or (relative to due times) negative values. A
+// A machine that has just been started: its clock reads small, zero, or (relative to due times) negative values. A
 // session there is the same as on any other machine.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ class ShiftedClock final : public hil::Clock {
   const std::int64_t shift_ns_;
 };
 
-// Ticks at once; those in `late` are an hour late, all others have an hour.
+// Ticks without waiting; those in `late` are an hour late, all others have an hour left.
 class ScriptedTicks final : public hil::TickSource {
  public:
   ScriptedTicks(const hil::Clock& clock, std::set<std::int64_t> late)

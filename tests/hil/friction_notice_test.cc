@@ -26,7 +26,7 @@ double read_number_before(const std::string& text, const std::string& what) {
   return std::stod(text.substr(begin + 1));
 }
 
-// A block of 4 kg that is pressed on a rail with 100 N slides along x with `speed`: mobility 1/4 per kg.
+// A block of 4 kg, pressed on a rail with 100 N, slides along x with `speed`: mobility 1/4 per kg.
 std::string build_slider(const std::string& friction, double speed = 0) {
   return R"(unlatch: 1
 name: slider
@@ -42,7 +42,7 @@ elements:
          friction + "}\n";
 }
 
-// 0.3 · 100 N / 1 mm/s / 4 kg = 7500 1/s where it sticks.
+// 0.3 · 100 N / 1 mm/s / 4 kg = 7500 1/s while it sticks.
 TEST(FrictionNotices, AJointsFrictionThatSticksFasterThanTheStepResolvesIsTold) {
   const std::string text = build_slider("coefficient: 0.3, speed: 1 mm/s");
   const AnalysedRun run(text);
@@ -57,14 +57,14 @@ TEST(FrictionNotices, AJointsFrictionThatSticksFasterThanTheStepResolvesIsTold) 
   EXPECT_EQ(find_forecast(resolved, "friction", "element 'drag'"), "");
 }
 
-// While it slides with 2 m/s friction changes the speed slowly: 3.75 1/s.
+// Sliding with 2 m/s, friction changes the speed slowly: 3.75 1/s.
 TEST(FrictionNotices, AJointThatOnlySlidesIsNotTold) {
   const std::string text = build_slider("coefficient: 0.3, speed: 1 mm/s", 2);
   EXPECT_EQ(find_notice(AnalysedRun(text), "friction", "drag"), nullptr);
   EXPECT_EQ(find_forecast(text, "friction", "element 'drag'"), "");
 }
 
-// 30 N slow it by 7.5 m/s²: it sticks after 0.0133 s, beyond which the notice has its time.
+// 30 N decelerate it by 7.5 m/s²: it sticks after 0.0133 s, after which the notice has its time.
 TEST(FrictionNotices, AJointThatComesToStickIsToldThen) {
   const AnalysedRun run(build_slider("coefficient: 0.3, speed: 1 mm/s", 0.1));
   const hil::RunNotice* const notice = find_notice(run, "friction", "drag");
@@ -115,7 +115,7 @@ TEST(FrictionNotices, AStiffPusherIsTold) {
   EXPECT_EQ(find_forecast(soft, "step", "element 'push'"), "");
 }
 
-// 5 N / 1 mm/s · 1/kg = 5000 1/s where it begins from rest; 5 N / 5 cm/s · 1/kg = 100 1/s.
+// 5 N / 1 mm/s · 1/kg = 5000 1/s at the start from rest; 5 N / 5 cm/s · 1/kg = 100 1/s.
 TEST(FrictionNotices, APushersFrictionIsTold) {
   const std::string text = build_pusher("preload: 100 N, stiffness: 1 kN/m, friction: 5 N, friction_speed: 1 mm/s");
   const AnalysedRun run(text);

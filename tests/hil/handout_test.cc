@@ -1,4 +1,4 @@
-// Facts about samples that are handed out to workers, and about the threads that run them.
+// Facts about samples that are distributed to workers, and about the threads that run them.
 #include "hil/campaign/handout.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 using hil::Handout;
 
-// Workers that need `cost` s for a sample each, one after the other; what each of them ran. `end`: s, of the last one.
+// Simulates workers that need `cost` s for a sample each, one after the other; returns the samples of each. `end`: s,
+// of the last one.
 std::vector<std::vector<std::int64_t>> simulate(Handout& handout, const std::vector<double>& cost, double& end) {
   constexpr double kTurn = 0.001;  // s
   struct Worker {
@@ -71,7 +72,7 @@ TEST(Handout, SlowWorkersGetFewerAndAreNotWaitedForLong) {
   const auto ran = simulate(handout, {0.01, 0.01, 1.0}, end);
   EXPECT_LT(ran[2].size(), 20u);
   EXPECT_GT(ran[0].size(), 900u);
-  EXPECT_LT(end, 2000 * 0.01 / 2 + 2.1);  // at most the two that the slow one had in hand
+  EXPECT_LT(end, 2000 * 0.01 / 2 + 2.1);  // at most the two that the slow worker had at the end
 }
 
 TEST(Handout, WhatAWorkerWasNotGivenIsNotTaken) {
@@ -80,8 +81,8 @@ TEST(Handout, WhatAWorkerWasNotGivenIsNotTaken) {
   handout.join(1, 1);
   const std::vector<std::int64_t> given = handout.give(0, 0);
   ASSERT_FALSE(given.empty());
-  EXPECT_FALSE(handout.take(1, given[0]));  // of another one
-  EXPECT_FALSE(handout.take(7, given[0]));  // of nobody
+  EXPECT_FALSE(handout.take(1, given[0]));  // another worker's sample
+  EXPECT_FALSE(handout.take(7, given[0]));  // unknown worker
   EXPECT_FALSE(handout.take(0, -1));
   EXPECT_FALSE(handout.take(0, 4));
   EXPECT_TRUE(handout.take(0, given[0]));
@@ -150,7 +151,7 @@ TEST_F(SamplePoolTest, HandsOnWhatASampleThrew) {
   campaign_.parameters[0].choices.resize(1);
   const hil::SampleEvaluator evaluator(*campaign_.tree);
   hil::SamplePool pool(campaign_, evaluator, 2);
-  const std::vector<hil::PlannedSample> samples{{0, {7}}};  // no such choice: no sample's fault
+  const std::vector<hil::PlannedSample> samples{{0, {7}}};  // no such choice: the error belongs to no sample
   pool.add(samples);
   EXPECT_ANY_THROW((void)pool.take(std::chrono::minutes(1)));
 }

@@ -1,4 +1,4 @@
-// The answers to Hello: participants that take part, are refused, leave, come back.
+// Answers to Hello: participants that take part, are refused, leave, return.
 #include "hil/session/handshake.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST_F(HandshakeTest, DuringTheRunARefusalDoesNotCount) {
   EXPECT_TRUE(handshake_.get_refusal().empty());
 }
 
-// Participant number 0 is a number like any other.
+// Participant number 0 is an ordinary number.
 TEST_F(HandshakeTest, TheSecondOfANameIsRefused) {
   (void)handshake_.receive(make_hello_ack(7), 0);
   const auto outcome = handshake_.receive(make_hello_ack(0), 0);

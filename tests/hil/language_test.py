@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The table of the scenario language (hil/language/language.yaml), what is made of it, and the loader agree.
+"""The table of the scenario language (hil/language/language.yaml), the files generated from it, and the loader agree.
 
 language_test.py PROBE SOURCE_DIR [TEST...]"""
 
@@ -25,7 +25,7 @@ SCHEMA = json.loads((SOURCE / "hil/scenarios/unlatch.schema.json").read_text())
 EVERYTHING = load_yaml((SOURCE / "hil/language/everything.yaml").read_text())
 PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.obj"))
 
-# Keys that are worked out before the loader's reader asks for any, so it does not list them.
+# Keys that are processed before the loader's reader asks for any, so it does not list them.
 NOT_OF_SCENARIOS = {"unlatch_part"}
 
 
@@ -39,7 +39,7 @@ def list_files():
 
 
 class Probe:
-    """The loader, asked many times."""
+    """The loader, for many questions."""
 
     def __init__(self):
         self.process = subprocess.Popen([PROBE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
@@ -57,7 +57,7 @@ class Probe:
 
 
 def pick(value, kind):
-    """Of alternatives the one that a value is written in."""
+    """Returns, among alternatives, the one in which a value is written."""
     if kind.kind != "or":
         return kind
     for t in kind.inner:
@@ -107,13 +107,13 @@ def changed(path, change):
     return document
 
 
-WRONG = "1 kg2 m3 s5 rad7"  # of no quantity
-FREE = {"for", "parameters", "set"}  # whose values may have any shape
+WRONG = "1 kg2 m3 s5 rad7"  # unit of no quantity
+FREE = {"for", "parameters", "set"}  # keys whose values may have any shape
 PLACES = list(walk(EVERYTHING, parse_type("scenario", SECTIONS)))
 
 
 def alternatives():
-    """Sections that stand for one another somewhere: the loader asks for the keys of all before it knows which it is."""
+    """Sections that are alternatives somewhere: the loader asks for the keys of all before it knows the section."""
     groups = []
     for section in SECTIONS.values():
         for key in section["keys"].values():
@@ -135,7 +135,7 @@ class LanguageTest(unittest.TestCase):
         cls.probe.close()
 
     def find_schema_errors(self, document):
-        # An editor sees the document as JSON.
+        # An editor reads the document as JSON.
         return [e.message for e in Draft202012Validator(SCHEMA).iter_errors(document)]
 
     def test_schema_and_reference_are_made_of_the_table(self):
@@ -151,7 +151,7 @@ class LanguageTest(unittest.TestCase):
             self.assertEqual(self.find_schema_errors(load_yaml(text)), [], path)
             named = re.match(r"# yaml-language-server: \$schema=(\S+)\n", text)
             self.assertTrue(named, f"{path} names no schema in its first line")
-            if "starters" not in path.parts:  # those get a schema beside them
+            if "starters" not in path.parts:  # starters get a schema beside them
                 self.assertEqual((path.parent / named[1]).resolve(), SOURCE / "hil/scenarios/unlatch.schema.json")
 
     def test_everything_loads_and_has_every_key(self):
@@ -165,7 +165,7 @@ class LanguageTest(unittest.TestCase):
                 missing -= {"period"}
             self.assertEqual(missing, set(), f"everything.yaml has none of these keys of {name}")
 
-    # An unknown key at every place: the loader names all that it would have known there.
+    # An unknown key at every place: the loader lists all keys that it would have accepted there.
     def test_the_loader_knows_exactly_the_keys_of_the_table(self):
         known = {}
         for path, name in PLACES:
@@ -196,7 +196,7 @@ class LanguageTest(unittest.TestCase):
                 units = {m[1] or "" for m in units if m}
                 expected = entry.get("unit", "")
                 if name == "channel" or expected.startswith("that of"):
-                    expected = " or ".join(units)  # said by another key
+                    expected = " or ".join(units)  # another key determines it
                 self.assertLessEqual(units, set(expected.split(" or ")), f"{name}.{key}")
                 self.assertTrue(units, f"{name}.{key}: {mends}")
                 asked += 1
@@ -237,7 +237,8 @@ class LanguageTest(unittest.TestCase):
                 compared += "scenario" in given
         self.assertGreater(compared, 50)
 
-    # Random damage: what the schema refuses the loader refuses, and what the loader refuses for its shape the schema does.
+    # Random damage: the loader refuses every text that the schema refuses, and the schema every text whose shape the loader
+    # refuses.
     def test_schema_and_loader_refuse_the_same_shapes(self):
         seed = 20261
         rng = random.Random(seed)
@@ -250,7 +251,7 @@ class LanguageTest(unittest.TestCase):
         for i in range(600):
             path = rng.choice(mapping)
             document = copy.deepcopy(EVERYTHING)
-            for key in ("set", "include"):  # with them a key that is missing may come from elsewhere
+            for key in ("set", "include"):  # with these, a missing key may come from elsewhere
                 document.pop(key)
             parent, key, what = get(document, path[:-1]), path[-1], rng.randrange(6)
             if what == 0:
@@ -275,7 +276,7 @@ class LanguageTest(unittest.TestCase):
                 refused += 1
         self.assertGreater(refused, 200)
 
-    # `y` is the exception: PyYAML, libyaml and their like leave it a word.
+    # `y` is the exception: PyYAML, libyaml and similar tools read it as a word.
     def test_no_key_and_no_word_means_something_else_in_yaml_1_1(self):
         words = {word for section in SECTIONS.values() for word in section["keys"]}
         for section in SECTIONS.values():
@@ -298,7 +299,7 @@ class LanguageTest(unittest.TestCase):
             try:
                 new = load_yaml(path.read_text())
             except yaml.YAMLError:
-                self.assertIn("corpus", path.parts)  # an input that is meant to be broken
+                self.assertIn("corpus", path.parts)  # an intentionally damaged input
                 continue
             self.assert_same(new, yaml.safe_load(path.read_text()), str(path))
 

@@ -1,4 +1,4 @@
-// Answers, timeouts and policies; on any clock, also one that has just begun.
+// Answers, timeouts and policies; on any clock, including one that has just begun.
 #include "hil/session/liveness.h"
 
 #include <gtest/gtest.h>

@@ -72,7 +72,7 @@ TEST(Lockstep, AParticipantIsLostOnceAndTheRunGoesOn) {
   EXPECT_EQ(result.end.status, RunStatus::kDone);
   EXPECT_EQ(result.end.tick, kTicks);
   EXPECT_EQ(result.notices, (std::vector<std::string>{"participant.joined", "policy.hold"}));
-  EXPECT_DOUBLE_EQ(result.channels[0], 0.55);  // of tick 10
+  EXPECT_DOUBLE_EQ(result.channels[0], 0.55);  // command of tick 10
   const ReplayedLog replayed = replay_log(log);
   EXPECT_TRUE(replayed.result.agrees()) << replayed.result.mismatch;
   EXPECT_EQ(replayed.result.compared, kTicks + 1);
@@ -100,10 +100,10 @@ TEST(Lockstep, PolicyEvictKeepsTheValues) {
   const SessionResult result = run_session(Pace::kLockstep, habits, "", {"flight_software.policy=evict"});
   EXPECT_EQ(result.end.status, RunStatus::kDone);
   EXPECT_EQ(result.notices, (std::vector<std::string>{"participant.joined", "policy.evict"}));
-  EXPECT_DOUBLE_EQ(result.channels[0], 0.55);  // of tick 10
+  EXPECT_DOUBLE_EQ(result.channels[0], 0.55);  // command of tick 10
 }
 
-// The ticks before whose step channels changed, from a recording.
+// Lists, from a recording, the ticks before whose step channels changed.
 std::vector<std::int64_t> list_changes(const std::string& path, std::int32_t channel) {
   hil::RecordingReader recording{hil::LogFileReader(path)};
   std::vector<std::int64_t> ticks;

@@ -86,8 +86,7 @@ TEST_F(LogDiff, TwoRecordingsOfTheSameRunAgree) {
   EXPECT_EQ(diff.endings[0].unreproduced, -1);
 }
 
-// One command differs by a hair, and not by so little that rounding swallows it: what that does is computed here by
-// hand.
+// One command differs by a small amount that rounding does not hide: its effect is computed here independently.
 TEST_F(LogDiff, NamesTheTickTheFieldAndTheDistance) {
   const double nudged = 0.7 + 1e-9;
   record(a_, [](std::int64_t tick) { return tick < 20 ? 0.5 : 0.7; });
@@ -157,7 +156,8 @@ TEST_F(LogDiff, InputsThatDifferWithoutEffectAreADifference) {
   EXPECT_EQ(diff.compared, kTicks + 1);
 }
 
-// As if another build had gone astray at tick 33: this program cannot compute its states, but they were recorded.
+// A recording as if another build had differed from tick 33 on: this program cannot compute its states, but they were
+// recorded.
 TEST_F(LogDiff, AStateThatThisProgramDoesNotReproduceIsReadFromTheRecording) {
   record(a_, half);
   rewrite(a_, b_, [](hil::LogEvent& event) {
@@ -277,8 +277,7 @@ TEST(StateFields, DistanceCountsTheNumbersBetween) {
   EXPECT_EQ((hil::FieldDifference{"", "mode", false, 1, 2}.calc_ulps()), std::nullopt);
 }
 
-// A word of the state that has no name here was added to kernel/include/unlatch/state.h and not to
-// hil/simulation/state_fields.cc.
+// Fails if a word of the state was added to kernel/include/unlatch/state.h and not to hil/simulation/state_fields.cc.
 TEST(StateFields, EveryWordOfTheStateHasANameOfItsOwn) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
   const auto a = hil::build_simulation(scenario), b = hil::build_simulation(scenario);

@@ -22,7 +22,7 @@ using MeshPointer = std::shared_ptr<const hil::TriangleMesh>;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kSingle = 1e-6;  // m: single precision of coordinates of some metres
-constexpr double kExact = 1e-9;   // m: the kernel's error of shapes of about a metre
+constexpr double kExact = 1e-9;   // m: the kernel's error for shapes of about a metre
 constexpr double kPi = 3.14159265358979323846;
 
 MeshPointer build_mesh(const Facets& facets, const hil::MeshPlace& place = {}) {
@@ -51,7 +51,7 @@ double calc(const Shape& a, const Placement& at_a, const Shape& b, const Placeme
   return geometry::calc_distance(geometry::compile_shape(a), at_a, geometry::compile_shape(b), at_b).distance;
 }
 
-// One of each kind that is convex, some decimetres large, a wall and a plane.
+// Lists one shape of each convex kind, some decimetres large, a wall and a plane.
 std::vector<Shape> list_shapes() {
   return {{.kind = Kind::kSphere, .from = {0.1, 0, 0}, .radius = 0.3},
           {.kind = Kind::kCapsule, .from = {-0.4, 0, 0}, .to = {0.3, 0.2, 0}, .radius = 0.1},
@@ -87,7 +87,7 @@ TEST(MeshDistance, OfABoxIsThatOfTheKernelsBox) {
   }
 }
 
-// Corners lie on the solid, facets within it: the mesh is farther, by no more than their sagitta.
+// Corners lie on the solid, facets inside it: the mesh is farther away, by no more than their sagitta.
 TEST(MeshDistance, OfRoundSolidsErrsByNoMoreThanTheFacets) {
   constexpr std::uint64_t kSeed = 2;
   constexpr int kAround = 64;
@@ -167,7 +167,8 @@ double calc_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   return least;
 }
 
-// From a point to a triangle's plane, where it is above the triangle; else infinite, as its edges are looked at.
+// Distance from a point to a triangle's plane, if the point is above the triangle; else infinite, as the edges are
+// searched.
 double calc_above(const Vec3& p, const Triangle& t) {
   const Vec3 n = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
   for (int k = 0; k < 3; ++k)
@@ -193,7 +194,7 @@ double calc_triangles(const Triangle& a, const Triangle& b) {
   return least;
 }
 
-// Facets without a rule: each corner of a sphere's moved in or out.
+// Builds irregular facets: each corner of a sphere's is moved in or out.
 Facets build_rough_facets(Random& random, int around) {
   Facets facets = build_sphere_facets(0.5, around);
   for (Facet& f : facets)
@@ -218,7 +219,7 @@ TEST(MeshDistance, OfTwoMeshesIsTheLeastOfAllPairsOfTriangles) {
       ++(expected > 0 ? apart : crossing);
       if (!(expected > 0)) continue;
       ASSERT_NEAR(norm(found.on_b - found.on_a), expected, kExact);
-      // each witness lies on its mesh
+      // Each witness point lies on its mesh.
       for (const auto& [witness, mesh, at] : {std::tuple(found.on_a, a, at_a), std::tuple(found.on_b, b, at_b)}) {
         double off = kInfinite;
         for (const Triangle& t : place(*mesh, at))
@@ -233,7 +234,7 @@ TEST(MeshDistance, OfTwoMeshesIsTheLeastOfAllPairsOfTriangles) {
   EXPECT_GT(crossing, 10);
 }
 
-// The walk over boxes leaves out no triangle that is nearest.
+// The walk over boxes misses no nearest triangle.
 TEST(MeshDistance, OfAShapeIsTheLeastOfAllTriangles) {
   constexpr std::uint64_t kSeed = 4;
   Random random(kSeed);
@@ -254,14 +255,14 @@ TEST(MeshDistance, OfAShapeIsTheLeastOfAllTriangles) {
       if (expected > 0) {
         ASSERT_NEAR(norm(found.on_b - found.on_a), expected, kExact);
       }
-      // what a limit leaves out is not smaller than it
+      // A distance left out because of a limit is not smaller than the limit.
       const double limited = mesh->get_tree().calc_distance(at, other, at_shape, found.distance).distance;
       ASSERT_EQ(limited, kInfinite);
     }
   }
 }
 
-// From a sphere, by a formula of its own.
+// Checks the distance from a sphere by a separate formula.
 TEST(MeshDistance, OfASphereIsThatOfItsCentreToTheTriangles) {
   constexpr std::uint64_t kSeed = 5;
   Random random(kSeed);

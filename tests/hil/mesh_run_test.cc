@@ -1,4 +1,4 @@
-// Runs with triangle meshes: their clearances and requirements beside those of exact shapes.
+// Runs with triangle meshes: their clearances and requirements compared with those of exact shapes.
 #include <cmath>
 
 #include "hil/meshes/mesh_file.h"
@@ -16,7 +16,8 @@ std::string hold(const std::string& name, const Facets& facets) {
   return "--- # included: " + name + "\n" + hil::write_mesh_text(hil::read_mesh(write_binary_stl(facets), name));
 }
 
-// A box that tumbles past a cylinder; `box`: its shape. Edge lengths of 0.5, 1 and 1.5 m are exact in single precision.
+// Builds a box that tumbles past a cylinder; `box`: its shape. Edge lengths of 0.5, 1 and 1.5 m are exact in single
+// precision.
 std::string build_passing(const std::string& box, const std::string& rest = "") {
   return R"(unlatch: 1
 name: passing
@@ -56,7 +57,7 @@ TEST(MeshRun, ARequirementOnAMeshIsJudgedAsOnTheSameShape) {
   EXPECT_FALSE(mesh.judge("far").is_met());
 }
 
-// A ball of facets falls through a plate of facets: no depth, but the instant of the touch.
+// A ball of facets falls through a plate of facets: it has no depth, but the instant of the touch.
 TEST(MeshRun, MeshesThatCrossTouchAtTheirInstantAndHaveNoDepth) {
   const std::string text = R"(unlatch: 1
 name: crossing

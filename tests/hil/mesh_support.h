@@ -1,4 +1,4 @@
-// Meshes for tests: of solids whose distances are known, and as files.
+// Meshes for tests: of solids with known distances, and as files.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@ inline void add_quad(Facets& to, const Vec3& a, const Vec3& b, const Vec3& c, co
   to.push_back({a, c, d});
 }
 
-// About the origin, edge lengths 2 · half.
+// Box about the origin, edge lengths 2 · half.
 inline Facets build_box_facets(const Vec3& half) {
   const auto corner = [&](int x, int y, int z) { return Vec3{x * half.x, y * half.y, z * half.z}; };
   Facets facets;
@@ -33,7 +33,7 @@ inline Facets build_box_facets(const Vec3& half) {
   return facets;
 }
 
-// Rings of corners on a surface of revolution about z: each (z, r) a ring; r = 0 a point. Closed by its ends.
+// Surface of revolution about z: each (z, r) of the profile is a ring of corners; r = 0 a point. Closed by its ends.
 inline Facets build_revolved_facets(const std::vector<std::array<double, 2>>& profile, int around) {
   const auto corner = [&](std::size_t ring, int k) {
     const double angle = 2 * 3.14159265358979323846 * (k % around) / around, r = profile[ring][1];
@@ -43,7 +43,7 @@ inline Facets build_revolved_facets(const std::vector<std::array<double, 2>>& pr
   for (std::size_t i = 0; i + 1 < profile.size(); ++i)
     for (int k = 0; k < around; ++k)
       add_quad(facets, corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k));
-  return facets;  // those of no area are the reader's to leave out
+  return facets;  // the reader drops triangles without area
 }
 
 inline Facets build_sphere_facets(double radius, int around) {

@@ -9,8 +9,8 @@
 
 namespace unlatch::test {
 
-// The lattice mast of lumped_flexible.h as a modes file would carry it, moved off the origin; a marker at each end,
-// whose rotation is that of the four points' fit.
+// Lattice mast of lumped_flexible.h in the form of a modes file, moved off the origin; a marker at each end, whose
+// rotation is that of the fit to the four points.
 inline hil::Modes build_mast_modes(int bays, int count, Support support) {
   const ModalBody mast = build_lattice_mast(bays, count, support);
   hil::Modes modes;
@@ -29,7 +29,7 @@ inline hil::Modes build_mast_modes(int bays, int count, Support support) {
       marker.position += modes.points[i].position / 4;
       marker.shape += modes.points[i].shape / 4;
     }
-    marker.rotation = 0.1 * marker.shape;  // any rotation: what happens to it is the same
+    marker.rotation = 0.1 * marker.shape;  // any rotation: it is treated in the same way
     modes.markers.push_back(marker);
   }
   return modes;

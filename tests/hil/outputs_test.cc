@@ -1,4 +1,4 @@
-// Outputs of a run: their list, their values against what does not share their formulas, their selection.
+// Outputs of a run: their list, their values against independent formulas, their selection.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -87,7 +87,8 @@ TEST_F(OutputsTest, ABodyAndAJointOfOneNameHaveColumnsThatDiffer) {
   EXPECT_EQ(columns.count("joint.arm.x"), 1u);
 }
 
-// Central differences over 2 dt: their error is that of the third derivative, here below 1e-3 of the values' size.
+// Central differences over 2 dt: their error is that of the third derivative, here below 1e-3 of the size of the
+// values.
 TEST_F(OutputsTest, AccelerationsAndRatesAreThoseOfTheMotion) {
   constexpr double kDifference = 1e-3;
   load();
@@ -155,7 +156,7 @@ elements:
   EXPECT_NEAR(read("element.pusher.stroke")[0], 0.05 - x, kRounding);
   EXPECT_NEAR(read("element.pusher.displacement")[0], x, kRounding);
   EXPECT_NEAR(read("element.pusher.rate")[0], speed, kRounding);
-  EXPECT_EQ(read("element.rub.force")[0], 0);  // the rail carries nothing
+  EXPECT_EQ(read("element.rub.force")[0], 0);  // the rail bears no load
   EXPECT_NEAR(read("element.rub.displacement")[0], x, kRounding);
   EXPECT_NEAR(read("element.cord.stroke")[0], x - 0.2, kRounding);  // slack
   EXPECT_EQ(read("element.cord.force")[0], 0);

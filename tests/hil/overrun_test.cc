@@ -1,5 +1,5 @@
-// Overruns: each policy, the attribution, and that nothing is lost on the way to the recording. A scripted tick source
-// says which ticks are late, so no fact depends on the machine.
+// Overruns: each policy, the attribution, and the completeness of the recording. A scripted tick source decides the
+// late ticks, so no fact depends on the machine.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -26,7 +26,7 @@ constexpr std::int64_t kMs = 1'000'000;          // ns
 constexpr std::int64_t kLate = 3'600'000 * kMs;  // an hour: far beyond any stall of the machine
 const char* const kPatient = "flight_software.timeout=30";
 
-// Ticks at once; those in `late` are an hour late, all others have an hour.
+// Ticks without waiting; those in `late` are an hour late, all others have an hour left.
 class ScriptedTicks final : public hil::TickSource {
  public:
   explicit ScriptedTicks(std::set<std::int64_t> late, std::int64_t behind = 0)

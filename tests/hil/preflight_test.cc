@@ -173,7 +173,7 @@ TEST(RealTime, RefusalsAreNamedAndTheRestIsGranted) {
   EXPECT_FALSE(hil::request_priority(1000).empty());
 }
 
-// With permission idle states are prevented; without it a message says what that costs.
+// With permission idle states are prevented; without it a message describes the consequences.
 TEST(RealTime, DeepIdleStatesAreHeldOffOrThatIsRefusedByName) {
   const hil::ShallowIdle awake;
   const bool may = access("/dev/cpu_dma_latency", W_OK) == 0;
@@ -204,7 +204,7 @@ TEST(Watchdog, ReportsASilenceOnceAndNoSignOfLife) {
   wait_for(2);
 }
 
-// A tick source that never returns in time is a stuck thread, seen from outside.
+// A tick source that never returns in time is a stuck thread, observed from outside.
 TEST(Watchdog, SeesACyclicThreadThatIsStuckAndWhere) {
   class StuckTicks final : public hil::TickSource {
    public:
@@ -231,7 +231,7 @@ TEST(Watchdog, SeesACyclicThreadThatIsStuckAndWhere) {
   std::string place;
   {
     const hil::Watchdog watchdog(executive.get_beats(), 30'000'000, 0, [&](std::int64_t) {
-      if (place.empty()) place = executive.describe_place();  // of the first silence
+      if (place.empty()) place = executive.describe_place();  // at the first silence
       ticks.released = true;
     });
     hil::LogEnd end = executive.run();

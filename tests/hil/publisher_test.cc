@@ -1,4 +1,4 @@
-// Messages that a run publishes: their numbers, ticks, limits, and what people are told.
+// Messages that a run publishes: their numbers, ticks, limits, and their texts for people.
 #include "hil/executive/publisher.h"
 
 #include <gtest/gtest.h>

@@ -41,9 +41,9 @@ TEST(Recording, IsReadByLcmItself) {
   EXPECT_EQ(ticks, 50);
 }
 
-// Results of reading a file's bytes: the ticks, and whether the recording is complete.
+// Results of reading a file's bytes: the ticks, and the completeness of the recording.
 struct Found {
-  std::vector<std::int64_t> hashes;  // of the ticks
+  std::vector<std::int64_t> hashes;  // hashes of the ticks
   bool complete = false, damaged = false;
 };
 
@@ -57,7 +57,7 @@ Found find_ticks(const std::string& bytes) {
     found.complete = reader.end.has_value();
     found.damaged = reader.damaged;
     EXPECT_NE(found.complete, !reader.shortfall.empty()) << "either whole or a sentence why not";
-  } catch (const hil::LogError&) {  // not even its header is complete
+  } catch (const hil::LogError&) {  // the header is incomplete
   }
   return found;
 }
@@ -66,7 +66,7 @@ bool is_beginning_of(const std::vector<std::int64_t>& part, const std::vector<st
   return part.size() <= whole.size() && std::equal(part.begin(), part.end(), whole.begin());
 }
 
-// Every prefix of a recording is a recording of the ticks that are complete in it.
+// Every prefix of a recording is a recording of its complete ticks.
 TEST(Recording, CutAnywhereItHoldsEveryTickThatIsComplete) {
   const std::string whole = read_bytes(record("log"));
   const Found all = find_ticks(whole);
@@ -175,7 +175,7 @@ TEST(Recording, AFullDiskIsSaidNotSwallowed) {
   EXPECT_FALSE(writer.append(0, "SOME_CHANNEL", data));
 }
 
-// A ring made tiny, and a cyclic thread that does not wait, as in real time.
+// A tiny ring, and a cyclic thread that does not wait, as in real time.
 TEST(Recording, WhatTheRingHadNoRoomForIsCountedAndTheRecordingIsNotReplayable) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
   const auto simulation = hil::build_simulation(scenario);

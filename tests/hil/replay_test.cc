@@ -11,7 +11,7 @@ namespace {
 
 using hil::Pace;
 
-// Copies a recording, with each tick and the end passed through `edit`.
+// Copies a recording; `edit` may change each tick and the end.
 template <class EditTick, class EditEnd>
 void rewrite(const std::string& from, const std::string& to, EditTick&& edit_tick, EditEnd&& edit_end) {
   hil::LogFileReader reader(from);
@@ -120,7 +120,7 @@ TEST_F(Replay, AChannelThatDoesNotExistIsRefused) {
   EXPECT_THROW(replay_log(edited_), hil::LogError);
 }
 
-// The recorded inputs, tick by tick, and the messages of the executive.
+// Recorded inputs, tick by tick, and the messages of the executive.
 struct Inputs {
   std::vector<std::pair<std::int64_t, hil::LogChange>> changes;
   std::vector<std::pair<std::int64_t, std::string>> notices;
@@ -139,8 +139,8 @@ Inputs read_inputs(const std::string& path) {
   return inputs;
 }
 
-// Answers come when they like and commands name any tick, past ones too; then the flight software falls silent and the
-// policy decides. What arrived when is another story each time; each replays to the hash of every tick.
+// Answers arrive at any time and commands name any tick, past ones too; then the flight software stops and the policy
+// acts. The arrival times differ in each run; each replays to the hash of every tick.
 class RealtimeReplay : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealtimeReplay, JitterStrayCommandsAndThePolicyAreAllInTheRecording) {
@@ -196,7 +196,7 @@ TEST_P(RealtimeReplay, JitterStrayCommandsAndThePolicyAreAllInTheRecording) {
 INSTANTIATE_TEST_SUITE_P(EachPolicy, RealtimeReplay, ::testing::Values("hold", "zero", "safe"),
                          [](const auto& policy) { return std::string(policy.param); });
 
-// A fault is part of the run: the replay runs into the same one.
+// A fault is part of the run: the replay reaches the same one.
 TEST(FastRun, AFaultIsReportedRecordedAndReplayed) {
   const hil::Scenario scenario = hil::load_scenario_text(
       kSessionScenario, "session.yaml",

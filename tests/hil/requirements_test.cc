@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kPi = 3.141592653589793;
 constexpr double kLocated = 1e-6;  // s: minima and peaks are located inside the step
-constexpr double kExact = 1e-9;    // of a value where the motion itself is exact to rounding
+constexpr double kExact = 1e-9;    // relative, if the motion itself is exact to rounding
 
 // Two balls that pass each other: the distance of their surfaces is smallest, 0.25 m, at 0.6172839 s.
 const char* const kPass = R"(unlatch: 1
@@ -63,8 +63,8 @@ TEST(Requirements, SmallestClearanceIsLocatedInsideTheStep) {
   EXPECT_NEAR(run.analysis.clearances()[0].time, 0.6172839, kLocated);
 }
 
-// Of a pair that is watched and far from its smallest distance most steps are skipped; what is asked is right all the
-// same.
+// If a watched pair is far from its smallest distance, most steps are skipped; the values on request are correct all
+// the same.
 TEST(Requirements, SmallestClearanceIsRightInTheLastStepAndWhenAskedInARun) {
   const std::string kept = "  - {id: kept, clearance: [still, moving], at_least: 0.2}\n";
   std::string ends = kPass + kept;
@@ -232,7 +232,7 @@ TEST(Requirements, DoNotChangeTheModel) {
   const hil::Scenario without = hil::load_scenario_text(text.substr(0, text.find("requirements:")), "run.yaml");
   EXPECT_EQ(hil::build_simulation(with)->get_model_hash(), hil::build_simulation(without)->get_model_hash());
   const AnalysedRun run(text);
-  const auto plain = hil::build_simulation(without);  // that keeps no motion
+  const auto plain = hil::build_simulation(without);  // without stored motion
   while (plain->get_tick() < run.simulation->get_tick()) ASSERT_EQ(plain->step().status, StepStatus::kOk);
   EXPECT_EQ(plain->calc_hash(), run.simulation->calc_hash());
 }

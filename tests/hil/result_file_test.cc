@@ -1,4 +1,4 @@
-// Facts about the file of results: it may be cut anywhere, or be full, and what is whole in it is read.
+// Facts about the result file: it may be cut anywhere, or its disk may be full; its complete records are read.
 #include "hil/campaign/result_file.h"
 
 #include <gtest/gtest.h>
@@ -106,7 +106,7 @@ TEST_F(ResultFileTest, BytesThatAreNoRecordAreRefused) {
     changed[i] = static_cast<char>(changed[i] ^ 1);
     EXPECT_FALSE(decode_record(shape_, changed)) << i;
   }
-  // With a checksum that fits: a sample below 0, a status that is none, and one of a sample that did not end.
+  // Records with a valid checksum: a sample below 0, an unknown status, and one of an unfinished sample.
   for (const auto& [sample, status] : {std::pair{-1, 0}, std::pair{4, 3}, std::pair{4, -1}, std::pair{4, 99}}) {
     SampleRecord record = make(4);
     record.sample = sample;
@@ -116,7 +116,7 @@ TEST_F(ResultFileTest, BytesThatAreNoRecordAreRefused) {
   }
 }
 
-// The header as it is on disk, with a checksum that fits: eight letters, fingerprint, counts, checksum.
+// Header in the form on disk, with a valid checksum: eight letters, fingerprint, counts, checksum.
 TEST_F(ResultFileTest, AForgedHeaderIsNotBelieved) {
   for (const auto& [inputs, values] :
        {std::pair{4294967295u, 4294967295u}, std::pair{4294967295u, 0u}, std::pair{1000000u, 3u}, std::pair{0u, 0u}}) {
@@ -137,7 +137,7 @@ TEST_F(ResultFileTest, AForgedHeaderIsNotBelieved) {
   }
 }
 
-// Bytes changed, lost and added anywhere: what is read is one of the records that were written.
+// Bytes changed, lost and added anywhere: every record read is one of those written.
 TEST_F(ResultFileTest, ADamagedFileGivesWholeRecordsOrARefusal) {
   constexpr int kTrials = 3000, kRecords = 6;
   fill(kRecords);
@@ -162,7 +162,7 @@ TEST_F(ResultFileTest, ADamagedFileGivesWholeRecordsOrARefusal) {
       if (kind == 2) bytes.insert(at, random() % 30, static_cast<char>(random()));
       if (kind == 3) bytes.resize(at);
     }
-    if (random() % 4 == 0 && bytes.size() >= 32) {  // with a checksum of the header that fits
+    if (random() % 4 == 0 && bytes.size() >= 32) {  // with a valid checksum of the header
       const std::uint64_t checksum = hil::calc_checksum({bytes.data(), 24});
       std::memcpy(bytes.data() + 24, &checksum, 8);
     }

@@ -35,7 +35,7 @@ TEST(Philox, UnitsNeverReachTheirEnds) {
   EXPECT_LT(hil::to_unit(~std::uint64_t{0}), 1);
 }
 
-// Of the logarithm: two units of its last place where it is not near 0.
+// Error of the logarithm: two units of its last place where it is not near 0.
 constexpr double kLogError = 5e-16;
 
 TEST(Normal, LogarithmIsThatOfTheCLibrary) {

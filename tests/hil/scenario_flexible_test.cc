@@ -27,7 +27,7 @@ bodies:
   mast_root: {marker: {of: mast, at: root}}
 )";
 
-// A folder with the mast's modes in it.
+// A folder that contains the mast's modes.
 class ScenarioFlexible : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -80,7 +80,7 @@ TEST_F(ScenarioFlexible, ItsTextHoldsTheModesToo) {
 
 TEST_F(ScenarioFlexible, ModesThatWereChangedWhenTheyWereReadAreTold) {
   EXPECT_TRUE(load(kText).remarks.empty());
-  modes_.points.back().mass *= 1.2;  // no longer the masses that the modes are of
+  modes_.points.back().mass *= 1.2;  // the modes belong to other masses
   std::ofstream(folder_ / "mast.modes") << hil::write_modes_text(modes_);
   const hil::Scenario scenario = load(kText);
   ASSERT_EQ(scenario.remarks.size(), 1u);

@@ -1,4 +1,4 @@
-// Hostile texts: each is refused with a place, quickly, and nothing else happens.
+// Hostile texts: each is refused with a place, quickly, and without other effects.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(ScenarioText, IsOneDocumentThatIsAMapping) {
   EXPECT_THAT(load_errors("a: b: c\n"), HasSubstr("not YAML"));
 }
 
-// Whatever bytes change, the loader answers with a scenario or a ScenarioError.
+// For any changed bytes the loader returns a scenario or a ScenarioError.
 TEST(ScenarioText, SurvivesRandomDamage) {
   constexpr unsigned kSeed = 20'260;
   std::mt19937 random(kSeed);

@@ -1,5 +1,5 @@
-// Scenarios of several files and templates: what is put together is the same model, mistakes point at their file,
-// nothing outside the scenario's folder is read.
+// Scenarios of several files and templates: the combination is the same model, mistakes refer to their file, no file
+// outside the scenario's folder is read.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -274,7 +274,7 @@ TEST(Templates, AreBounded) {
   EXPECT_THAT(with(deep), HasSubstr("32 levels"));
 }
 
-// The templates say nothing else than the four boosters written out, to the last bit.
+// The templates give the same as the four boosters written in full, to the last bit.
 TEST(Templates, TheBoostersAreTheSameFour) {
   const std::string plain = UNLATCH_SOURCE_DIR "/tests/data/boosters-plain.yaml";
   const auto made = hil::load_scenario(UNLATCH_SOURCE_DIR "/hil/scenarios/boosters/scenario.yaml");

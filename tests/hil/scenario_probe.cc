@@ -1,5 +1,5 @@
-// scenario_probe: for each line of standard input, a JSON text of a scenario, one line of JSON: its mistakes, or what
-// the loader made of it. language_test.py asks it hundreds of questions.
+// scenario_probe: for each line of standard input, a JSON text of a scenario, prints one line of JSON: its mistakes, or
+// a summary of the loaded scenario. language_test.py asks it hundreds of questions.
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-// Everything that keys with a default decide.
+// Values of all keys with a default.
 json summarize(const unlatch::hil::Scenario& s) {
   unlatch::PlanOptions options;
   options.dt = s.dt;

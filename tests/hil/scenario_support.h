@@ -11,7 +11,8 @@
 
 namespace unlatch::test {
 
-// A scenario, not a campaign or a problem of synthesis, which are about scenarios and have a key of their own.
+// Returns true for a scenario, false for a campaign or a problem of synthesis, which refer to scenarios and have a key
+// of their own.
 inline bool is_scenario_file(const std::filesystem::path& path) {
   if (path.extension() != ".yaml") return false;
   std::ifstream file(path);
@@ -20,7 +21,7 @@ inline bool is_scenario_file(const std::filesystem::path& path) {
   return false;
 }
 
-// Every section once. Line 1 is `unlatch: 1`.
+// Scenario with every section once. Line 1 is `unlatch: 1`.
 inline const char* const kGoodScenario = R"(unlatch: 1
 name: pair
 step: {dt: 0.001, until: 1}
@@ -71,7 +72,7 @@ inline std::string replaced(std::string text, const std::string& what, const std
   return text.replace(at, what.size(), with);
 }
 
-// The mistakes, a line each, "" if there are none.
+// Returns the mistakes, one line each, "" if there are none.
 inline std::string load_errors(const std::string& text, const std::vector<std::string>& overrides = {}) {
   try {
     hil::load_scenario_text(text, "s.yaml", overrides);
@@ -81,7 +82,7 @@ inline std::string load_errors(const std::string& text, const std::vector<std::s
   }
 }
 
-// Messages of the loader if one piece of the good scenario is replaced.
+// Returns the messages of the loader if one piece of the good scenario is replaced.
 inline std::string errors_with(const std::string& what, const std::string& with) {
   return load_errors(replaced(kGoodScenario, what, with));
 }

@@ -65,7 +65,7 @@ TEST(Scenario, EveryShippedFileLoads) {
   EXPECT_GE(count, 21);
 }
 
-// One wrong piece each: where, what, and what would be right.
+// One wrong piece each: place, fault, and correction.
 struct Wrong {
   const char* name;
   const char* what;
@@ -231,7 +231,7 @@ TEST(ScenarioOverrides, ReachEventsByNameAndSubject) {
   EXPECT_EQ(load_with({"events.contact.delay=1"}).model.events[0].delay, 1);
 }
 
-// Among overrides that are sound, beside one whose own value is wrong, and beside a line that is wrong without any.
+// Among valid overrides, beside one whose own value is wrong, and beside a line that is wrong without any.
 TEST(ScenarioOverrides, AreBlamedForLinesThatAreSoundWithoutThem) {
   const std::string with_constant = replaced(
       replaced(kGoodScenario, "name: pair", "name: pair\nconstants: {heavy: 100}"), "mass: 100", "mass: heavy");

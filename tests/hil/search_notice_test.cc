@@ -13,8 +13,7 @@ std::vector<hil::RunNotice> list_notices(const AnalysedRun& run) {
   return found;
 }
 
-// A bolt that holds a motor whose thrust jumps within the first step of 10 ms. Beside the jump the reaction rises
-// slowly.
+// A bolt holds a motor whose thrust jumps within the first step of 10 ms. Beside the jump the reaction rises slowly.
 std::string build_ignition(const std::string& times, const std::string& thrusts, const std::string& breaks_at) {
   return R"(unlatch: 1
 name: ignition
@@ -31,7 +30,7 @@ events:
          breaks_at + "}, then: [{set_mode: {joint: bolt, mode: free}}]}\n";
 }
 
-// Tries come slowly to a jump: half of them are drawn to the flat part beside it.
+// Iterations converge slowly to a jump: half of them are attracted by the flat part beside it.
 TEST(SearchNotices, AnInstantThatTheTriesDoNotLocateIsTold) {
   const AnalysedRun run(build_ignition("[0, 4 ms, 4.01 ms, 30 ms]", "[0.5, 0.999, 20 kN, 22 kN]", "2 N"));
   EXPECT_EQ(run.analysis.search.unlocated, 1);
@@ -45,7 +44,7 @@ TEST(SearchNotices, AnInstantThatTheTriesDoNotLocateIsTold) {
   EXPECT_NEAR(run.analysis.timeline[0].time, 0.004, 1e-6);
 }
 
-// The jump to 100 kN draws the parabola to 52 us before it, where the bolt holds 0.95 N.
+// The jump to 100 kN attracts the parabola to 52 us before it, where the bolt carries 0.95 N.
 TEST(SearchNotices, AThresholdInAJumpIsNotTakenForCrossedBesideIt) {
   const AnalysedRun run(build_ignition("[0, 3.1 ms, 3.100001 ms, 30 ms]", "[0.5, 1, 100 kN, 110 kN]", "10 N"));
   EXPECT_EQ(run.analysis.search.unlocated, 0);
@@ -54,7 +53,7 @@ TEST(SearchNotices, AThresholdInAJumpIsNotTakenForCrossedBesideIt) {
   EXPECT_NEAR(run.analysis.timeline[0].time, 0.0031, 2e-8);
 }
 
-// A block that begins to slide from rest with 10 m/s², 5 cm in the first step.
+// A block begins to slide from rest with 10 m/s², 5 cm in the first step.
 std::string build_slider(const std::string& events) {
   return R"(unlatch: 1
 name: slider
@@ -74,7 +73,7 @@ std::string pass(const std::string& name, const std::string& place) {
          "}, then: [{raise: there}]}\n";
 }
 
-// A threshold that it passes hardly from rest: after a part of 1e-4 of the step's time, of 1e-8 of its way.
+// A threshold that it passes just after rest: after a part of 1e-4 of the step's time, of 1e-8 of its path.
 TEST(SearchNotices, AnInstantThatIsLocatedIsNot) {
   const AnalysedRun run(build_slider(pass("early", "5e-10")));
   EXPECT_EQ(run.analysis.search.unlocated, 0);
@@ -94,7 +93,7 @@ TEST(SearchNotices, MoreInstantsThanAStepHasAreTold) {
   EXPECT_NE(notices[0].text.find("more instants with events than its 8"), std::string::npos) << notices[0].text;
 }
 
-// Balls that pass a post within one step, each by a hair of its own.
+// Balls that pass a post within one step, each at a slightly different distance.
 std::string build_passing(int balls, double hair) {
   std::string text = R"(unlatch: 1
 name: passing

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kPi = 3.141592653589793;
 constexpr double kLocated = 1e-6;  // s
-// Relative: a pusher's force has a corner at its end, within one step of h; the step's own error there is (h ω)³.
+// Relative: a pusher's force has a corner at its end, within one step of h; the error of the step itself is (h ω)³.
 constexpr double kPush = 1e-6;
 
 // A spring of 400 N/m, 0.3 m short of its free length, at an arm of ARM m from the satellite's centre of mass; 100 kg
@@ -37,7 +37,7 @@ std::string replace(std::string text, const std::string& from, const std::string
 }
 
 TEST(Separations, ASpringGivesItsEnergyAndMomentum) {
-  // One bolt alone holds: before its release nothing moves.
+  // One bolt alone holds: before its release the bodies do not move.
   const AnalysedRun run(replace(replace(kSpring, "ARM", "0"), "time: 0.1003", "time: 0.2007"));
   const std::vector<hil::Separation> pairs = run.analysis.list_separations();
   ASSERT_EQ(pairs.size(), 1u);
@@ -64,7 +64,7 @@ TEST(Separations, AnEccentricSpringTipsOff) {
   const double rate = momentum * 0.5 / 1e6;
   EXPECT_NEAR(pairs[0].follower.rate.transverse, rate, 1e-5 * rate);
   EXPECT_NEAR(pairs[0].follower.rate.axial, 0, 1e-12);
-  EXPECT_NEAR(pairs[0].relative.transverse, rate * (1 + 1e-3), 1e-5 * rate);  // the stage turns the other way
+  EXPECT_NEAR(pairs[0].relative.transverse, rate * (1 + 1e-3), 1e-5 * rate);  // the stage turns oppositely
 }
 
 TEST(Separations, TwoJointsPartTheirBodiesOnce) {

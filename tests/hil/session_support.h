@@ -58,7 +58,7 @@ flight_software: {required: [fsw], timeout: 0.05, policy: hold}
 inline std::string make_path(const std::string& name) {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string file = std::string("unlatch_") + info->test_suite_name() + "_" + info->name() + "_" + name;
-  std::replace(file.begin(), file.end(), '/', '_');  // of tests with parameters
+  std::replace(file.begin(), file.end(), '/', '_');  // for tests with parameters
   return (std::filesystem::temp_directory_path() / file).string();
 }
 
@@ -70,7 +70,7 @@ inline void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-// A file that is read from memory: thousands of damaged ones cost no disk.
+// A file in memory: thousands of damaged ones need no disk.
 class MemoryFile {
  public:
   explicit MemoryFile(std::string bytes)
@@ -87,21 +87,21 @@ class MemoryFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-// Speaks to the other end of a Link, in a thread of its own. Every State is answered with the commands of `program`.
+// Uses the other end of a Link, in a separate thread. Answers every State with the commands of `program`.
 class FakeParticipant {
  public:
   struct Habits {
     bool ack_first = false;     // the acknowledgement overtakes the commands
     bool reversed = false;      // commands arrive last first
     bool twice = false;         // everything arrives twice
-    std::int64_t deaf_at = -1;  // this tick's State is not heard the first `deaf_times`
+    std::int64_t deaf_at = -1;  // this tick's State is ignored the first `deaf_times`
     int deaf_times = 0;
-    std::int64_t commands_lost_at = -1;          // the first time this tick is answered, its commands get lost
+    std::int64_t commands_lost_at = -1;          // the commands of the first answer to this tick are lost
     std::int64_t dies_at = -1;                   // answers nothing from this tick on
-    std::chrono::milliseconds returns_after{0};  // 0: never; else answers again so long after it died
+    std::chrono::milliseconds returns_after{0};  // 0: never; else time after which it answers again
     bool refuses = false;
-    std::int64_t announces_too_many_at = -1;  // from this tick on, commands that it never sends
-    std::int64_t repeats_itself_at = -1;      // from this tick on it acknowledges the tick before, again and again
+    std::int64_t announces_too_many_at = -1;  // from this tick on, announces commands that it never sends
+    std::int64_t repeats_itself_at = -1;      // from this tick on it repeatedly acknowledges the tick before
     std::function<void(std::int64_t tick, hil::RingConnection& connection, std::int64_t session)> mischief;
   };
   static constexpr std::int32_t kId = 7;
@@ -121,7 +121,7 @@ class FakeParticipant {
   }
 
  private:
-  // Throttle changes at every 10th tick, trim at every 15th; at 30 both do.
+  // Changes the throttle at every 10th tick, the trim at every 15th; at 30 both.
   static std::vector<std::pair<int, double>> program(std::int64_t tick) {
     std::vector<std::pair<int, double>> settings;
     if (tick % 10 == 0) settings.emplace_back(0, 0.5 + 0.005 * static_cast<double>(tick));
@@ -214,7 +214,7 @@ struct SessionResult {
   std::vector<double> channels;  // at the end
 };
 
-// A whole session; `log` empty: not kept.
+// Runs a whole session; `log` empty: no recording is kept.
 inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& habits, const std::string& log = "",
                                  const std::vector<std::string>& overrides = {}, bool with_participant = true,
                                  hil::TickSource* ticks = nullptr, hil::FaultInjector* faults = nullptr,
@@ -228,7 +228,7 @@ inline SessionResult run_session(hil::Pace pace, const FakeParticipant::Habits& 
   options.flight_software = scenario.flight_software;
   options.timing = scenario.timing;
   options.ticks = ticks;
-  options.start_timeout_ns = 20'000'000'000;  // a stalled machine is not a missing participant
+  options.start_timeout_ns = 20'000'000'000;  // a stalled machine must not count as a missing participant
   options.resend_ns = 5'000'000;
   options.faults = faults;
   options.clock = &clock;

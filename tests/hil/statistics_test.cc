@@ -1,5 +1,5 @@
-// Facts about the statistics of campaigns: against closed forms and published numbers. tests/tools/campaign_test.py has
-// those against OpenTURNS.
+// Facts about the statistics of campaigns: against closed forms and published numbers. tests/tools/campaign_test.py
+// compares with OpenTURNS.
 #include "hil/statistics/statistics.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(Statistics, QuantileIntervalsCoverAsOftenAsTheySay) {
     ASSERT_TRUE(interval);
     covered += interval->low <= 0.5 && 0.5 <= interval->high ? 1 : 0;
   }
-  EXPECT_GT(covered, 0.94 * kTrials);  // the numbers are always the same: no test of chance
+  EXPECT_GT(covered, 0.94 * kTrials);  // the numbers are always the same: the test is not random
   EXPECT_LT(covered, 0.99 * kTrials);
   EXPECT_FALSE(hil::calc_quantile_interval(std::vector<double>(58, 1.0), 0.01));
 }

@@ -1,5 +1,4 @@
-// Facts about subset simulation: probabilities that are known, the same bits in any order, and the spread of its
-// estimates.
+// Facts about subset simulation: known probabilities, the same bits in any order, and the spread of its estimates.
 #include "hil/sampling/subset.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +19,7 @@ using hil::SubsetEstimate;
 using hil::SubsetPlan;
 using hil::SubsetSimulation;
 
-using Margin = std::function<double(const std::vector<double>&)>;  // of standard normal numbers
+using Margin = std::function<double(const std::vector<double>&)>;  // function of standard normal numbers
 
 Margin in_normal_space(const Margin& margin) {
   return [margin](const std::vector<double>& point) {
@@ -30,14 +29,14 @@ Margin in_normal_space(const Margin& margin) {
   };
 }
 
-// Runs what may be run, until nothing may; returns how many samples it took.
+// Runs all samples that may be run, until none is left; returns the number of samples.
 std::int64_t run(SubsetSimulation& subset, const Margin& margin) {
   std::int64_t next = 0;
   for (; next < subset.get_end(); ++next) subset.note(next, margin(subset.calc_point(next)));
   return next;
 }
 
-// A plane at the distance beta from the origin: P = Φ(−beta), whatever the dimension.
+// Plane at the distance beta from the origin: P = Φ(−beta) in any dimension.
 Margin make_plane(double beta) {
   return in_normal_space([beta](const std::vector<double>& u) {
     double sum = 0;
@@ -46,7 +45,7 @@ Margin make_plane(double beta) {
   });
 }
 
-// Outside of an ellipse-free circle: P(u1² + u2² > r²) = exp(−r²/2); no direction is preferred.
+// Outside of a circle: P(u1² + u2² > r²) = exp(−r²/2); no direction is preferred.
 Margin make_circle(double radius) {
   return in_normal_space([radius](const std::vector<double>& u) {
     double square = 0;
@@ -55,7 +54,7 @@ Margin make_circle(double radius) {
   });
 }
 
-// Two failures far from each other, a series system: 1 − (1 − Φ(−beta))² for two axes.
+// Two failure regions far from each other, a series system: 1 − (1 − Φ(−beta))² for two axes.
 Margin make_corner(double beta) {
   return in_normal_space([beta](const std::vector<double>& u) { return beta - std::max(u[0], u[1]); });
 }
@@ -78,8 +77,8 @@ std::vector<Case> list_cases() {
 
 constexpr int kRepetitions = 200;
 
-// Over many seeds: the mean is the probability, the spread is about what each run says of itself, and its interval
-// holds the probability about as often as it says.
+// Over many seeds: the mean is the probability, the spread is about the one that each run reports, and its interval
+// contains the probability about as often as stated.
 TEST(Subset, EstimatesOneInAHundredThousandWithFiveThousandRuns) {
   for (const Case& test : list_cases()) {
     SCOPED_TRACE(test.name);
@@ -106,7 +105,7 @@ TEST(Subset, EstimatesOneInAHundredThousandWithFiveThousandRuns) {
     // Four standard errors of the mean of these seeds; a bias of some percent is known, of the order of 1 / N.
     EXPECT_NEAR(mean / test.probability, 1, 4 * spread / std::sqrt(kRepetitions));
     EXPECT_LT(spread, 0.8);
-    // The deviation leaves out the correlation of levels: Au and Beck, section 5.
+    // The deviation neglects the correlation of levels: Au and Beck, section 5.
     EXPECT_GT(deviations / kRepetitions, 0.6 * spread);
     EXPECT_GE(within, kRepetitions * 80 / 100);
   }
@@ -123,7 +122,7 @@ TEST(Subset, AProbabilityThatIsNotRareIsThatOfIndependentSamples) {
   EXPECT_NEAR(estimate.deviation, std::sqrt((1 - estimate.probability) / (estimate.probability * 1000)), 1e-12);
 }
 
-// Workers give results in any order, and a file that is resumed in any other.
+// Workers give results in any order, and a resumed file in any other.
 TEST(Subset, TheOrderOfResultsChangesNothing) {
   const Margin margin = make_circle(3);
   const SubsetPlan plan{3, 200, 20, 6, 4};
@@ -147,7 +146,7 @@ TEST(Subset, TheOrderOfResultsChangesNothing) {
       mixed.note(sample, margins[static_cast<std::size_t>(sample)]);
     }
   }
-  SubsetSimulation resumed(plan);  // all at once, with one missing to the last
+  SubsetSimulation resumed(plan);  // all at once, with one missing until the end
   std::vector<std::int64_t> all(static_cast<std::size_t>(count));
   std::iota(all.begin(), all.end(), std::int64_t{0});
   std::shuffle(all.begin(), all.end(), random);
@@ -164,7 +163,7 @@ TEST(Subset, TheOrderOfResultsChangesNothing) {
   }
 }
 
-// Every state of a level, not the last alone, is distributed as the inputs are below its threshold: moments of a
+// Every state of a level, not only the last, has the distribution of the inputs below its threshold: moments of a
 // half-line's normal distribution, with the density phi(b)/Φ(−b) at its edge.
 TEST(Subset, StatesOfALevelKeepTheDistributionOfTheInputs) {
   double sum = 0, count = 0, expected = 0;
@@ -204,7 +203,7 @@ TEST(Subset, ItEndsWithItsLastLevel) {
   EXPECT_FALSE(subset.calc_estimate().reached);
 }
 
-// Numbers from anywhere, such as a folder of results that was tampered with, end in no crash and no loop.
+// Numbers of any origin, such as a manipulated folder of results, cause no crash and no endless loop.
 TEST(Subset, AnyNumbersAreBorne) {
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 300; ++trial) {

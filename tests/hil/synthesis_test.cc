@@ -1,4 +1,4 @@
-// Facts about synthesis: batches of samples, their journal, and what the optimisers ask for.
+// Facts about synthesis: batches of samples, their journal, and the points that the optimisers evaluate.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ using Points = std::vector<std::vector<double>>;
 
 TEST(SideBySide, AllThreadsWorkAtTheSameTime) {
   constexpr int kThreads = 8;
-  constexpr std::chrono::minutes kLongest{1};  // one after the other, the first would wait for ever
+  constexpr std::chrono::minutes kLongest{1};  // run one after the other, the first would wait for ever
   std::mutex mutex;
   std::condition_variable changed;
   int begun = 0;
@@ -65,7 +65,7 @@ TEST(SideBySide, AnExceptionLeavesTheRestAndIsThrown) {
 
 // --- The optimisers -------------------------------------------------------------------------------------------------
 
-// Least sum of squares with sum(x) >= 1, far from it at the start; keeps the batches that were asked for.
+// Least sum of squares with sum(x) >= 1, starting far from it; stores the requested batches.
 struct Quadratic {
   static constexpr std::size_t kVariables = 5;
   std::vector<Points> batches;
@@ -112,9 +112,9 @@ TEST(Synthesis, AllDifferencesOfAGradientAreOneBatch) {
   search(quadratic.problem);
   std::size_t gradients = 0;
   for (const Points& batch : quadratic.batches) {
-    if (batch.size() == 1) continue;  // a value
+    if (batch.size() == 1) continue;  // a single value
     ++gradients;
-    // 2 n differences, for the objective and both constraints; the point itself, unless it was there before.
+    // 2 n differences, for the objective and both constraints; and the point itself, unless it was evaluated before.
     EXPECT_THAT(batch.size(), testing::AnyOf(2 * Quadratic::kVariables, 2 * Quadratic::kVariables + 1));
     const Points differences(batch.end() - 2 * Quadratic::kVariables, batch.end());
     for (std::size_t i = 0; i < differences.size(); i += 2) {
@@ -125,7 +125,7 @@ TEST(Synthesis, AllDifferencesOfAGradientAreOneBatch) {
   EXPECT_GT(gradients, 1U);
 }
 
-// NLopt takes an exception in a function for a search that comes no further.
+// NLopt mistakes an exception in a function for a search without progress.
 TEST(Synthesis, AnExceptionInAFlightEndsTheLocalSearchAndIsThrown) {
   hil::LocalSearch* const search = find_local();
   if (search == nullptr) GTEST_SKIP() << "built without NLopt or pagmo";
@@ -176,7 +176,7 @@ class SynthesisJournal : public testing::Test {
     std::ifstream file(journal_);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  // Runs in the journal.
+  // Number of runs in the journal.
   [[nodiscard]] std::int64_t count_rows() const {
     const std::string text = read();
     return std::count(text.begin(), text.end(), '\n') - 1;
@@ -205,7 +205,7 @@ TEST_F(SynthesisJournal, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST_F(SynthesisJournal, KeepsWhatABatchHadWhenItWasStopped) {
-  std::vector<DesignPoint> points = kPoints;  // those that a thread runs side by side, and four more
+  std::vector<DesignPoint> points = kPoints;  // as many as a thread runs side by side, and four more
   points.insert(points.end(), {{4.5}, {5}, {5.5}, {6}});
   int seen = 0;
   DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_, [&] {

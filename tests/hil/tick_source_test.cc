@@ -73,7 +73,7 @@ TEST(MonotonicTicks, DozeUntilTheSpinAndCountALateWakeUpAsLatency) {
   ticks.restart(hil::get_monotonic_ns());
   const std::int64_t left_ns = ticks.doze();
   EXPECT_LE(left_ns, kMs / 2);
-  hil::sleep_until_ns(ticks.get_next_due_ns() + 1000);  // what was done with the time took too long
+  hil::sleep_until_ns(ticks.get_next_due_ns() + 1000);  // work in between took too long
   ASSERT_TRUE(ticks.wait(stop));
   EXPECT_FALSE(ticks.is_backlogged());
   EXPECT_GE(ticks.get_latency_ns(), 1000);
@@ -129,7 +129,7 @@ TEST(DescriptorTicks, ATimerfdTicksWithThePeriodThatItWasGiven) {
   ticks.restart(start_ns);
   constexpr int kTicks = 20;
   for (int i = 0; i < kTicks; ++i) ASSERT_TRUE(ticks.wait(stop));
-  // The first may have been due just before the start.
+  // The first one may have been due just before the start.
   EXPECT_GE(hil::get_monotonic_ns() - start_ns, (kTicks - 1) * 2 * kMs - 2 * kMs);
 }
 

@@ -40,7 +40,7 @@ TEST(WarmUp, OfEveryTickOfASessionReplays) {
   EXPECT_TRUE(replay_log(log).result.agrees());
 }
 
-// Ticks at once, with an hour for a warm-up step before each; after some there will be no more.
+// Ticks without waiting, with an hour for a warm-up step before each; they end after some.
 class EndingTicks final : public hil::TickSource {
  public:
   explicit EndingTicks(std::int64_t count) : TickSource(1'000'000), left_(count) {}
@@ -59,7 +59,7 @@ class EndingTicks final : public hil::TickSource {
   std::int64_t left_;
 };
 
-// The run ends after a warm-up step of the tick that never comes: in which the latch, held until then, is free.
+// The run ends after a warm-up step of the tick that never comes, in which the latch, held until then, is free.
 TEST(WarmUp, LastReactionsAreThoseOfTheLastTick) {
   constexpr int kTicks = 20;
   const auto warmed = build(), plain = build();
@@ -84,7 +84,7 @@ TEST(WarmUp, LastReactionsAreThoseOfTheLastTick) {
     EXPECT_EQ(reactions.multipliers[row], plain->workspace().multipliers[row]) << "row " << row;
 }
 
-// Due while the warm-up step was still going on.
+// Ticks that become due during the warm-up step.
 class OvertakenTicks final : public hil::TickSource {
  public:
   OvertakenTicks() : TickSource(1'000'000) {}

@@ -1,5 +1,5 @@
-// A pendulum of 1 m, let go from the horizontal; with the consumer's own flags, Eigen vectorised. Fails unless it is at
-// the lowest point after a quarter of its period.
+// A pendulum of 1 m, released from the horizontal; with the consumer's own flags, Eigen vectorised. Fails unless it is
+// at the lowest point after a quarter of its period.
 #include <cmath>
 #include <cstdio>
 #include <vector>

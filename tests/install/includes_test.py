@@ -7,12 +7,12 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-MODULES = ("kernel", "hil", "library", "bridge", "tools")  # from below
+MODULES = ("kernel", "hil", "library", "bridge", "tools")  # lowest first
 KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dynamics", "compile", "solver", "dispatch",
-          "step")  # from below
+          "step")  # lowest first
 HIL = ("modules", "messages", "language", "flexible", "meshes", "scenario", "realtime", "simulation", "recording", "motion", "notices",
-       "separations", "analysis", "outputs", "run", "evaluation", "sampling", "statistics", "campaign", "synthesis", "session", "faults", "executive")  # from below
-LIBRARY = ("include", "c", "python", "fmi")  # from below
+       "separations", "analysis", "outputs", "run", "evaluation", "sampling", "statistics", "campaign", "synthesis", "session", "faults", "executive")  # lowest first
+LIBRARY = ("include", "c", "python", "fmi")  # lowest first
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 

@@ -6,7 +6,7 @@ build=$1 scratch=$2 compiler=$3
 source=$(cd "$(dirname "$0")" && pwd)
 rm -rf "$scratch"
 cmake --install "$build" --prefix "$scratch/prefix" --component kernel
-# The prefix may move before it is used.
+# The prefix may be moved before its use.
 mv "$scratch/prefix" "$scratch/moved"
 if grep -rn "$(cd "$source/../.." && pwd)" "$scratch/moved" --include='*.cmake'; then
   echo "the installed package names the source folder" >&2

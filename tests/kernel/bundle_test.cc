@@ -1,4 +1,4 @@
-// Bundles: runs side by side have the bits of each alone.
+// Bundles: runs side by side have the bits of separate runs.
 #include "unlatch/bundle.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ void delay(Condition& condition, double seconds) {
   for (Condition& part : condition.parts) delay(part, seconds);
 }
 
-// The same structure with other masses, loads, speeds and times of events.
+// Varies masses, loads, speeds and times of events; the structure stays.
 Model disperse(const Model& model, int number) {
   Model out = model;
   const double grown = 1 + 0.01 * number;
@@ -60,7 +60,7 @@ std::string get_bytes(const Span& span) {
   return {reinterpret_cast<const char*>(span.data()), span.size() * sizeof(span[0])};
 }
 
-// The same of numbers; −0 is 0.
+// Writes numbers; −0 is 0.
 template <class Numbers>
 std::string get_numbers(const Numbers& numbers) {
   std::string out;
@@ -71,7 +71,7 @@ std::string get_numbers(const Numbers& numbers) {
   return out;
 }
 
-// All that a step leaves, by name.
+// All results of a step, by name.
 using Parts = std::vector<std::pair<std::string, std::string>>;
 Parts list_parts(const Logged& run, const StepReport& report) {
   Parts parts{{"state", get_bytes(run.simulation.state.get_bytes())},
@@ -97,7 +97,7 @@ Parts list_parts(const Logged& run, const StepReport& report) {
   return parts;
 }
 
-// The name of the first part that differs; empty if none does.
+// Returns the name of the first part that differs; empty if none does.
 std::string find_difference(const Parts& a, const Parts& b) {
   if (a.size() != b.size()) return "number of knots";
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -120,7 +120,7 @@ struct Fleet {
     bundle = Bundle::build(all, plans);
   }
 
-  // Steps both; the run that differs and in what, or nothing. Runs whose step failed have ended.
+  // Steps both; returns the first difference with its run, or nothing. Runs whose step failed have ended.
   std::string advance() {
     bundle->step(runs);
     for (std::size_t k = 0; k < runs.size(); ++k) {
@@ -201,7 +201,7 @@ TEST(Bundle, RunsWithClosedContactsHaveTheBitsOfEachAlone) {
   }
 }
 
-// A run that fails or ends disturbs no other, and one whose state its owner replaces goes on from there.
+// A run that fails or ends does not disturb the others, and one whose state its owner replaces continues from there.
 TEST(Bundle, RunsEndAndBeginAnewWithoutADifferenceToTheOthers) {
   Fleet fleet(build_fleet(build_soyuz(load_reference("soyuz_nominal")), 4), {});
   ASSERT_TRUE(fleet.bundle);

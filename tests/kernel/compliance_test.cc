@@ -24,7 +24,7 @@ SpringChain build_chain(double stiffness, double damping) {
           {0.1, 0.2, -0.1}};
 }
 
-// Stretches of a chain's springs, then their rates.
+// Reads stretches of a chain's springs, then their rates.
 VectorXd read_chain(const Simulation& s) {
   const auto n = static_cast<Eigen::Index>(s.state.bodies.size());
   VectorXd y(2 * n);
@@ -49,7 +49,7 @@ TEST(Compliance, IsRos2OnAChainOfSprings) {
       ASSERT_EQ(s.advance().status, StepStatus::kOk);
       expected = step_ros2([&A](const VectorXd& y) -> VectorXd { return A * y; }, A, expected, 1e-3);
       scale = std::max(scale, expected.norm());
-      // Positions of some metres carry the stretches: their rounding times the stiffest rate √(k/m).
+      // Positions of some metres determine the stretches: their rounding times the highest rate √(k/m).
       EXPECT_LT((read_chain(s) - expected).norm(), 1e-9 * scale) << stiffness << " N/m, step " << i;
     }
   }
@@ -75,7 +75,7 @@ TEST(Compliance, HasOrderTwoWhereTheStepResolvesTheSpring) {
   EXPECT_NEAR(coarse / fine, 4, 0.4);
 }
 
-// The latch of 1e9 N m/rad at 1 ms: h ω is 27,000. It holds the bar up against its weight, and stays still.
+// The latch of 1e9 N m/rad at 1 ms: h ω is 27,000. It holds the bar against its weight, at rest.
 TEST(Compliance, AStiffLatchIsStableAndHolds) {
   SpringPendulum pendulum;
   pendulum.stiffness = 1e9;
@@ -90,7 +90,7 @@ TEST(Compliance, AStiffLatchIsStableAndHolds) {
   EXPECT_NEAR(s.state.bodies[0].w.z, 0, 1e-9);
 }
 
-// Two bodies on six springs and no row, a bushing, that turn as one.
+// Two bodies on six springs without rows, a bushing, that turn together.
 Model build_bushing(double stiffness) {
   Model model;
   model.bodies = {box("left", 3, 1, 2, 1.5), box("right", 2, 0.5, 1, 1)};
@@ -127,7 +127,7 @@ TEST(Compliance, ABushingOfSixSpringsKeepsMomentaAndBecomesAWeld) {
   const Balance before = calc_balance(s.data(), s.state, s.evaluation());
   for (int i = 0; i < 2000; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk);
   const Balance after = calc_balance(s.data(), s.state, s.evaluation());
-  // Momentum is linear, angular momentum is not: it is kept to the method's order, as (w h)² of its size per radian.
+  // Momentum is linear, angular momentum is not: its error is of the method's order, as (w h)² of its size per radian.
   EXPECT_LT(norm(after.momentum - before.momentum), 1e-11);
   EXPECT_LT(norm(after.angular_momentum - before.angular_momentum), 1e-6);
   const Vec3 turning = rotation_matrix(s.state.bodies[0].q) * s.state.bodies[0].w -
@@ -174,8 +174,8 @@ TEST(Compliance, AJointWithAStiffSpringIsNotTheOneThatClosesALoop) {
   }
 }
 
-// Switched off it is as if it were not there: the step is RK4, bit for bit.
-// A latch that goes rigid in flight: what a fresh workspace has never heard of does not matter, nor what an old one
+// Switched off, the spring has no effect: the step is RK4, bit for bit. A latch becomes rigid in flight: the data that
+// a fresh workspace lacks, or an old one has, do not matter.
 // had.
 TEST(Compliance, ASpringWhoseAxisAModeHoldsIsStillInAnyWorkspace) {
   Model model;

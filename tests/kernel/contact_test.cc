@@ -1,4 +1,4 @@
-// Contacts: the law against integrals and closed forms that share nothing with the kernel, balances, events, bounds.
+// Contacts: the law against integrals and closed forms that are independent of the kernel, balances, events, bounds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ struct Logged {
   std::string name, subject;
 };
 
-// Steps, and the events that acted.
+// Steps; returns the events that acted.
 std::vector<Logged> run(Simulation& s, const Model& model, int ticks) {
   std::vector<Logged> events;
   for (int i = 0; i < ticks; ++i) {
@@ -45,7 +45,7 @@ double integrate_law(double d, double v) {
   return sum * h / 3;
 }
 
-// Speed after a blow with v by the law's first integral: what the approach takes the parting gives.
+// Speed after an impact with v by the law's first integral, equal for approach and separation.
 double calc_speed_after(double d, double v) {
   const double taken = integrate_law(d, v);
   double low = 0, high = d > 0 ? std::min(v, (1 - 1e-9) / d) : v;
@@ -165,7 +165,7 @@ TEST(Contact, ASlidingBallComesToRollAtFiveSeventhsOfItsSpeed) {
   run(s, model, 1000);
   const ContactReading contact = calc_contact(s.plan, s.state, 0);
   EXPECT_NEAR(s.state.bodies[0].v.x, 5.0 / 7, 1e-5);
-  const double arm = kBallRadius - 0.5 * contact.depth;  // the force acts at the midpoint of the witnesses
+  const double arm = kBallRadius - 0.5 * contact.depth;  // the force acts at the midpoint of the witness points
   EXPECT_NEAR(s.state.bodies[0].v.x, arm * arm / (arm * arm + 0.4 * kBallRadius * kBallRadius), 1e-9);
   EXPECT_NEAR(s.state.bodies[0].w.y * arm, s.state.bodies[0].v.x, 1e-9);
   EXPECT_NEAR(get_contact_totals(s.plan, s.state, 0).dissipated, 1.0 / 7, 1e-5);  // of ½ m v², 2/7
@@ -310,7 +310,7 @@ TEST(Contact, OneThatTouchesAndOpensAgainWithinOneStepIsFound) {
       ASSERT_EQ(events.size(), 2u) << "depth " << depth << ", phase " << phase;
       EXPECT_EQ(events[0].name, "touch");
       EXPECT_EQ(events[1].name, "lift");
-      // The shallower, the less the distance says about the time: its rounding, 1e-17 m, over the speed of approach.
+      // For a shallow pass the distance determines the time badly: its rounding, 1e-17 m, over the speed of approach.
       const double tolerance = kLocatedPass + 1e-17 / (2 * half / kPassingRadius);
       EXPECT_NEAR(events[0].time, (start - half) / kPassingSpeed, tolerance) << "depth " << depth << ", " << phase;
       EXPECT_NEAR(events[1].time, (start + half) / kPassingSpeed, tolerance) << "depth " << depth << ", " << phase;

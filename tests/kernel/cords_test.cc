@@ -1,5 +1,5 @@
-// Cords that are wound on drums: their paths and forces against polygons, numerical differentiation, closed forms of
-// the yo-yo and of a mass that winds up on a pole.
+// Cords wound on drums: their paths and forces against polygons, numerical differentiation, closed forms of the yo-yo
+// and of a mass that winds up on a pole.
 #include "unlatch/cords.h"
 
 #include <gtest/gtest.h>
@@ -66,8 +66,8 @@ double find(const std::vector<Seen>& seen, const std::string& name, const std::s
 
 // --- Path ------------------------------------------------------------------------------------------------------------
 
-// Length of a thread round a prism with `corners` sides on the circle, from the corner at angle 0 to the end at
-// (rho, bearing): over corners until the end can be seen past the next one.
+// Length of a thread around a prism with `corners` sides on the circle, from the corner at angle 0 to the end at (rho,
+// bearing): over corners until the end is visible past the next one.
 double measure_polygon(double radius, double rho, double bearing, int corners) {
   const double step = 2 * M_PI / corners, side = bearing < 0 ? -1 : 1;
   const double ex = rho * std::cos(bearing), ey = rho * std::sin(bearing);
@@ -79,7 +79,8 @@ double measure_polygon(double radius, double rho, double bearing, int corners) {
   for (; std::abs(bearing) - step * k > 0; ++k) {
     const auto [x, y] = corner(k);
     const auto [u, v] = corner(k + 1);
-    // the end lies on the outer side of the line through this edge, and within half a turn: it is seen past the edge
+    // The end lies on the outer side of the line through this edge, and within half a turn: it is visible past the
+    // edge.
     const double outside = side * ((u - x) * (ey - y) - (v - y) * (ex - x));
     if (std::abs(bearing) - step * k < M_PI && outside <= 0) break;
     length += std::hypot(u - x, v - y);
@@ -102,10 +103,10 @@ TEST(Cords, ThePathIsThatOfAThreadRoundAFinePrism) {
     const Vec3 end{rho * std::cos(bearing), rho * std::sin(bearing), 0};
     const CordPath path = calc_cord_path(own, kIdentity3, end, bearing + 1);
     const double expected = measure_polygon(own.radius, rho, bearing, kCorners);
-    EXPECT_NEAR(path.length, expected, 1e-6 * expected) << "seed 1, case " << i;  // (2π/20000)²/6, and a corner's sight
+    EXPECT_NEAR(path.length, expected, 1e-6 * expected) << "seed 1, case " << i;  // (2π/20000)²/6, and a corner
     EXPECT_NEAR(path.bearing, bearing, 1e-13);
     straight += path.winding <= 0;
-    // out of the plane the drum and the tangent plane unroll: the path is a straight line there
+    // Out of the plane the drum and the tangent plane unroll: the path is a straight line there.
     const CordPath lifted = calc_cord_path(own, kIdentity3, {end.x, end.y, 0.7}, bearing);
     EXPECT_NEAR(lifted.length, std::hypot(path.length, 0.7), 1e-12);
   }
@@ -113,7 +114,7 @@ TEST(Cords, ThePathIsThatOfAThreadRoundAFinePrism) {
   EXPECT_LT(straight, 100);
 }
 
-// The wrench on both bodies is the gradient of what the cord stores, over the six freedoms of each.
+// The wrench on both bodies is the gradient of the cord's stored energy, over the six degrees of freedom of each.
 TEST(Cords, TheForceIsTheGradientOfTheStoredEnergy) {
   std::mt19937 numbers(2);
   std::uniform_real_distribution<double> any(-1, 1);
@@ -135,7 +136,7 @@ TEST(Cords, TheForceIsTheGradientOfTheStoredEnergy) {
     model.one_sided = {f};
     if (!validate(model).empty()) continue;  // the end is inside
     CordDrum placed = place_drum(model, f);
-    if (i % 3 == 0) {  // swung on beyond the tangent, and some of them back onto the drum's other side
+    if (i % 3 == 0) {  // moved beyond the tangent, and some of them back onto the drum's other side
       const double swing = 2.5 * std::abs(any(numbers));
       Mat3& axes = placed.axes;
       axes = {std::cos(swing) * axes.x + std::sin(swing) * axes.y, std::cos(swing) * axes.y - std::sin(swing) * axes.x,
@@ -154,7 +155,7 @@ TEST(Cords, TheForceIsTheGradientOfTheStoredEnergy) {
     };
     const CordPath path = measure(model);
     straight += path.winding < 0;
-    // wrench per newton of pull: −direction at the end on the follower, the opposite at the same place on the base
+    // Wrench per newton of tension: −direction at the end on the follower, the opposite at the same place on the base.
     const auto get_eigen = [](const Vec3& v) { return Eigen::Vector3d(v.x, v.y, v.z); };
     const Eigen::Vector3d force = get_eigen(path.direction);
     const Eigen::Vector3d end = model.bodies[1].p_WB + model.bodies[1].q_WB * f.point_follower;
@@ -182,7 +183,7 @@ TEST(Cords, TheForceIsTheGradientOfTheStoredEnergy) {
   EXPECT_GT(straight, 20);
 }
 
-// The same of the step: accelerations from rest, of bodies that nothing else moves.
+// Checks the same for the step: accelerations from rest, of bodies without other forces.
 TEST(Cords, TheStepAppliesThatForceToBothBodies) {
   Model model;
   model.bodies = {box("drum", 3, 1, 1, 1), box("end", 2, 1, 1, 1)};
@@ -215,7 +216,7 @@ TEST(Cords, TheStepAppliesThatForceToBothBodies) {
   EXPECT_LT(norm(moment_sum), 1e-13);
 }
 
-// Of an end that something let come inside: the moment about the axis stays, and the length is continuous.
+// If the end comes inside the drum, the moment about the axis stays, and the length is continuous.
 TEST(Cords, InsideTheDrumTheMomentAboutItsAxisStays) {
   const CordDrum drum{{0, 0, 0}, kIdentity3, 0.5, 0};
   const CordPath out = calc_cord_path(drum, kIdentity3, {0.5 * std::cos(2.0), 0.5 * std::sin(2.0), 0}, 2);
@@ -299,7 +300,7 @@ Model build_yoyo(double length, double stiffness, double damping) {
   return model;
 }
 
-// Cords let go when `kind` falls to 0.
+// Releases the cords when `kind` falls to 0.
 void add_releases(Model& model, Condition::Kind kind) {
   for (const int i : {0, 1}) {
     Event release{"release", model.one_sided[static_cast<std::size_t>(i)].name, when(kind, i, 0, 0), 0, {}, false};
@@ -326,7 +327,7 @@ double run_yoyo(double length, double stiffness, double dt, Condition::Kind kind
 }
 
 // Conservation of H = (I + 2mR²) w0 and of the energy, with the straight part s = R φ and the unwinding rate φ' = w0:
-// w/w0 = (c − φ²)/(c + φ²), c = 1 + I/(2mR²). Elastic cords come to it as 1/k.
+// w/w0 = (c − φ²)/(c + φ²), c = 1 + I/(2mR²). Elastic cords approach it as 1/k.
 TEST(Cords, AYoYoComesToTheClosedFormAsItsCordsBecomeStiff) {
   const double c = 1 + kInertia / (2 * kTip * kRadius * kRadius);
   for (const double length : {2.0, std::sqrt(kRadius * kRadius + kInertia / (2 * kTip)), 4.0}) {
@@ -341,8 +342,8 @@ TEST(Cords, AYoYoComesToTheClosedFormAsItsCordsBecomeStiff) {
   }
 }
 
-// Then the cords swing on about their anchors; along the radius H = nm (R + l) V + I w, and V the masses' speed.
-// Without spin left, (R + l)² = R² + I/(2m).
+// Then the cords swing about their anchors; along the radius H = nm (R + l) V + I w, and V is the masses' speed.
+// Without remaining spin, (R + l)² = R² + I/(2m).
 TEST(Cords, ReleasedAlongTheRadiusTheirStopNeedsShorterCords) {
   const double length = std::sqrt(kRadius * kRadius + kInertia / (2 * kTip)) - kRadius;
   double errors[2], released = 0;
@@ -354,8 +355,8 @@ TEST(Cords, ReleasedAlongTheRadiusTheirStopNeedsShorterCords) {
   EXPECT_GT(released, length / kRadius / kSpin + 0.01) << "after the tangent";
 }
 
-// Nothing lets go: past the radius the cords wind up the other way. The pulls have no sum and no moment, see above;
-// what is left of the angular momentum and of the energy is the integrator's, of its order.
+// Without release: past the radius the cords wind up in the other direction. The pulls have no sum and no moment, see
+// above; the error of the angular momentum and of the energy is the integrator's, of its order.
 TEST(Cords, MomentumAndEnergyAreKeptToTheIntegrator) {
   double momentum[2] = {}, energy[2] = {};
   for (const int finer : {0, 1}) {

@@ -1,5 +1,5 @@
-// Checks of the oracle itself: against finite differences of motions, against reference values computed elsewhere, and
-// against what physics demands of any answer.
+// Checks of the oracle itself: against finite differences of motions, against independently computed reference values,
+// and against physical laws for any answer.
 #include "tests/support/dense_kkt.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ constexpr double kReferenceTolerance = 1e-10;
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-// A body's motion with given speeds and accelerations at t = 0, to the second order that both determine.
+// Motion of a body with given speeds and accelerations at t = 0, to the second order that both determine.
 struct Motion {
   Vector3 p = Vector3::Zero(), v = Vector3::Zero(), a = Vector3::Zero();
   Matrix3 C = Matrix3::Identity();
@@ -96,7 +96,7 @@ Pair build_pair(const Model& model, const SystemState& state, const Joint& joint
           joint.follower_axes ? Matrix3(joint.follower_axes->cast<Real>()) : coincident};
 }
 
-// Throws every joint off its rows, so that no term vanishes, and into any of its modes.
+// Moves every joint off its rows, so that no term vanishes, and into any of its modes.
 SystemState disturb(const Model& model, Random& random) {
   SystemState state = build_initial_state(model);
   const auto vector = [&random](double size) {
@@ -207,7 +207,7 @@ TEST(DenseKkt, SatisfiesItsEquationsWhateverTheMassRatio) {
   }
 }
 
-// Two welds in parallel: six rows too many, and each carries half of the load.
+// Two welds in parallel: six redundant rows, and each bears half of the load.
 TEST(DenseKkt, SharesLoadsBetweenRedundantRows) {
   RandomModelOptions options;
   options.bodies = 2;
@@ -292,7 +292,7 @@ TEST(RandomModel, StartsOnItsRowsAtPositionAndSpeed) {
           EXPECT_NEAR(static_cast<double>(pair.turn_rate(row - kRotX, universal, 0)), 0, kPlacing);
         }
       }
-      // Two rotation rows leave one axis in common; three, all of them.
+      // Two rotation rows have one common axis; three, all of them.
       const Matrix3 base = pair.base.C * joint.rotation_axes.value_or(joint.axes).cast<Real>();
       const Matrix3 follower = pair.follower.C * pair.follower_axes;
       for (int axis = 0; axis < 3; ++axis) {

@@ -18,10 +18,10 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLargestUlps = 1.0;  // what the header promises at most, in units of the exact result's last place
+constexpr double kLargestUlps = 1.0;  // the header's bound, in units of the exact result's last place
 constexpr std::uint64_t kSeed = 20260101;
 
-// An MPFR number that cleans up after itself. 200 bits: the oracle's own error is below 2^-140 ulp.
+// MPFR number with automatic release. 200 bits: the oracle's own error is below 2^-140 ulp.
 class Exact {
  public:
   Exact() { mpfr_init2(value_, 200); }
@@ -80,7 +80,7 @@ void expect_within_promise(const char* what, const Worst& worst) {
   EXPECT_LE(worst.ulps, kLargestUlps) << what << " at " << worst.at << ", " << worst.at_x;
 }
 
-// A finite double with every bit pattern equally likely: all magnitudes.
+// Draws a finite double with every bit pattern equally likely: all magnitudes.
 double any_double(test::Random& random) {
   for (;;) {
     const double x = std::bit_cast<double>(random.next());
@@ -132,8 +132,8 @@ TEST(Elementary, SineAndCosineAreWithinAnUlpAroundMultiplesOfAQuarterPi) {
   expect_within_promise("cos near k pi/4", worst_cos);
 }
 
-// Every power of two and the adjacent doubles, subnormals and the largest double among them: the reduction's table from
-// end to end, and the border below which the sine is its argument.
+// Every power of two and the adjacent doubles, subnormals and the largest double among them: the whole table of the
+// reduction, and the limit below which the sine is its argument.
 TEST(Elementary, SineAndCosineAreWithinAnUlpAtEveryMagnitude) {
   Worst worst_sin, worst_cos;
   for (int e = -1074; e <= 1023; ++e) {
@@ -192,10 +192,10 @@ TEST(Elementary, ExponentialOfSpecialValues) {
   EXPECT_EQ(exp(kInf), kInf);
   EXPECT_EQ(exp(-kInf), 0.0);
   EXPECT_TRUE(std::isnan(exp(kNaN)));
-  constexpr double kLargest = 0x1.62e42fefa39efp+9;  // the largest argument whose exponential is finite
+  constexpr double kLargest = 0x1.62e42fefa39efp+9;  // largest argument with a finite exponential
   EXPECT_TRUE(std::isfinite(exp(kLargest)));
   EXPECT_EQ(exp(std::nextafter(kLargest, kInf)), kInf);
-  constexpr double kSmallest = -0x1.74910d52d3051p+9;  // the last one above half of the smallest subnormal
+  constexpr double kSmallest = -0x1.74910d52d3051p+9;  // last argument above half of the smallest subnormal
   EXPECT_EQ(exp(kSmallest), 0x1p-1074);
   EXPECT_EQ(exp(std::nextafter(kSmallest, -kInf)), 0.0);
   EXPECT_EQ(exp(std::numeric_limits<double>::max()), kInf);
@@ -211,7 +211,7 @@ TEST(Elementary, ArctangentIsWithinAnUlp) {
     update_atan2(random.uniform(-1, 1) * size, random.uniform(-1, 1), wide);
   }
   for (int i = 0; i < 50000; ++i) update_atan2(any_double(random), any_double(random), any);
-  for (int k = 1; k <= 16; ++k) {  // the table's own points, and where its neighbour takes over; all octants and sizes
+  for (int k = 1; k <= 16; ++k) {  // the table's own points, and the limits between them; all octants and sizes
     for (const double size : {1.0, 3.0, 0x1.fffffffffffffp0, 0x1.8p1000, 0x1.8p-1020, 0x1p-1060}) {
       for (const double x : {size, -size}) {
         const double y = k / 16.0 * size;
@@ -303,8 +303,8 @@ TEST(Elementary, ArctangentOfSpecialValues) {
   EXPECT_TRUE(std::isnan(atan2(0.0, kNaN)));
 }
 
-// The bits of a fixed sequence of results. Another compiler, optimisation level or instruction set that rounds one of
-// them differently shows up here; so does a change of method, which needs a line in CHANGELOG.md.
+// Bits of a fixed sequence of results. A compiler, optimisation level or instruction set that rounds one of them
+// differently shows up here; so does a change of method, which needs a line in CHANGELOG.md.
 TEST(Elementary, ResultsHaveTheSameBitsEverywhere) {
   constexpr std::uint64_t kGolden = 0x511c4cc8648237a5;
   std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a over bytes

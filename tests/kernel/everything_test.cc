@@ -1,12 +1,11 @@
-// Random systems of everything at once: trees of all joint kinds, springs that are integrated implicitly, a flexible
-// mast among the rigid bodies, a loop through it; against one dense system of equations that shares nothing with the
-// solver:
+// Random systems with all features: trees of all joint kinds, springs that are integrated implicitly, a flexible mast
+// among the rigid bodies, a loop through it; against one dense system of equations that is independent of the solver:
 //
 //   [M + Σ κ gᵀg   −Gᵀ] [a]   [F + Σ gᵀ (e + κ c_g)]
 //   [G               0] [λ] = [c                    ]
 //
-// g: the Jacobian row of a spring's coordinate, ẍ = g a − c_g; e: its effort; κ: what the implicit method adds. Markers
-// are bodies with no mass of their own, tied to the mast by six more rows each.
+// g: the Jacobian row of a spring's coordinate, ẍ = g a − c_g; e: its effort; κ: term of the implicit method. Markers
+// are bodies without mass, tied to the mast by six more rows each.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -48,7 +47,7 @@ struct System {
   int mast = 0;  // its markers follow it
 };
 
-// A joint of random kind whose point and axes fit the two bodies where they are.
+// A joint of random kind whose point and axes fit the present places of the two bodies.
 Joint connect(const Model& model, const std::string& name, int base, int follower, const Vector3d& point,
               Random& random) {
   static const RowSet kKinds[] = {0b111111, 0b011111, 0b000111, 0b111011, 0b101111, 0b011011, 0b000011, 0b100111};
@@ -70,7 +69,7 @@ System build_system(std::uint64_t seed) {
            build_lattice_mast(2, kModes, seed % 2 == 0 ? Support::kFree : Support::kClamped), 0};
   Model& model = s.model;
   const int rigid = static_cast<int>(model.bodies.size());
-  for (Body& body : model.bodies) {  // at rest; the test sets speeds that no joint has to agree with
+  for (Body& body : model.bodies) {  // at rest; the test sets speeds that are independent of the joints
     body.v_WB.setZero();
     body.w_WB_B.setZero();
   }
@@ -109,7 +108,7 @@ System build_system(std::uint64_t seed) {
     loop.modes[0].rows = kPointRows;
     model.joints.push_back(loop);
   }
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {  // a stiff spring along something that the mode leaves free
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {  // a stiff spring along a free coordinate
     const Joint& joint = model.joints[j];
     const RowSet rows = joint.modes[static_cast<std::size_t>(joint.mode)].rows;
     const int axis = random.below(kRows);
@@ -127,7 +126,7 @@ System build_system(std::uint64_t seed) {
   return s;
 }
 
-// The dense system in its own unknowns: (v', w') per body, then the modal ones.
+// Dense system in its own unknowns: (v', w') per body, then the modal ones.
 struct Dense {
   RealMatrix M, G;
   RealVector F, c;
@@ -148,7 +147,7 @@ RealMatrix cross_matrix(const Vector3d& a) {
 }
 
 Dense build_dense(const System& s, const Model& placed, const SystemState& state, const FlexibleState& mast) {
-  Model rigid = placed;  // what the rows of joints need of bodies: that they have some mass, which is taken away again
+  Model rigid = placed;  // the rows of joints need bodies with some mass, which is removed again
   for (Body& body : rigid.bodies) {
     body.flexible.reset();
     if (!body.marker) continue;
@@ -200,7 +199,7 @@ Dense build_dense(const System& s, const Model& placed, const SystemState& state
   return d;
 }
 
-// Adds an implicit spring: its Jacobian row is that of the joint's row, if it held.
+// Adds an implicit spring: its Jacobian row is that of the joint's row, as if it were active.
 void add_spring(Dense& d, const Model& placed, const SystemState& state, const JointSpring& spring, double x) {
   Model rigid = placed;
   for (Body& body : rigid.bodies) {

@@ -25,7 +25,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kAgree = 1e-10;  // relative: two ways to the same sums, and a solve of a few unknowns
+constexpr double kAgree = 1e-10;  // relative: two formulas for the same sums, and a solve of a few unknowns
 
 Vector3d to_eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
 
@@ -33,7 +33,7 @@ Vector3d draw(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
 }
 
-// A mast of three bays, its state, and the same as a model: body 0 is the mast, the others markers at its particles.
+// Mast of three bays, its state, and the corresponding model: body 0 is the mast, the others markers at its particles.
 struct Mast {
   ModalBody lumped;
   FlexibleState state;
@@ -72,7 +72,7 @@ Mast build_mast(std::uint64_t seed, Support support, int modes, std::vector<std:
 
 void evaluate_or_fail(Simulation& s) { ASSERT_EQ(evaluate_state(s), kNone); }
 
-// (v', w', η'') of body 0 as the oracle orders them.
+// Reads (v', w', η'') of body 0 in the oracle's order.
 VectorXd read_acceleration(Simulation& s, int body = 0) {
   const PlanFlexible& flexible =
       s.data().flexible[static_cast<std::size_t>(s.data().bodies[static_cast<std::size_t>(body)].flexible)];
@@ -109,14 +109,15 @@ TEST(Flexible, AFreeBodyAcceleratesAsItsParticlesDo) {
   }
 }
 
-// Held by a ball to the ground at one particle, and a rigid body hanging on another: G M⁻¹ Gᵀ λ = c − G M⁻¹ F, densely.
+// Held by a ball joint to the ground at one particle, with a rigid body hanging on another: G M⁻¹ Gᵀ λ = c − G M⁻¹ F,
+// densely.
 TEST(Flexible, AHeldBodyWithALoadOnItAgreesWithADenseSolve) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const int modes = 1 + static_cast<int>(seed % 6);
     Mast mast = build_mast(seed, seed % 2 == 0 ? Support::kFree : Support::kClamped, modes, {1, 13});
     Model& model = mast.model;
     model.gravity.uniform = {0.3, -9.81, 1};
-    // The ball's point is the marker's origin, so the oracle's particle; it is to be at rest.
+    // The ball's point is the marker's origin, so the oracle's particle; it must be at rest.
     mast.state.v_WB -= place_markers(model).bodies[1].v_WB;
     model.bodies[0].v_WB = mast.state.v_WB;
     const PointJacobian held = calc_point_jacobian(mast.lumped, mast.state, 1);
@@ -156,8 +157,8 @@ TEST(Flexible, AHeldBodyWithALoadOnItAgreesWithADenseSolve) {
     G.topLeftCorner(3, n) = held.J.cast<double>();
     G.block(3, 0, 3, n) = -carries.J.cast<double>();
     G.block<3, 6>(3, n) << Matrix3d::Identity(), -arm_cross;
-    // The row of the moving base: n·(r_f'' − …) has no terms beyond the points' accelerations when the points coincide,
-    // save 2 w × v_rel, and v_rel is 0.
+    // Row of the moving base: n·(r_f'' − …) has no terms beyond the points' accelerations when the points coincide,
+    // except 2 w × v_rel, and v_rel is 0.
     c << -held.bias.cast<double>(), carries.bias.cast<double>() - bob.w_WB_B.cross(bob.w_WB_B.cross(arm));
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n + 12, n + 12);
     H << M, -G.transpose(), G, Eigen::MatrixXd::Zero(6, 6);
@@ -204,7 +205,7 @@ TEST(Flexible, AFreeBodyKeepsMomentaAndUndampedItsEnergy) {
   }
   EXPECT_LT(errors[1], errors[0] / 14);  // order four or more
 
-  Simulation s(mast.model, {.dt = 1e-5});  // fine enough that what is left is rounding
+  Simulation s(mast.model, {.dt = 1e-5});  // so fine that the remaining error is rounding
   evaluate_or_fail(s);
   const Balance before = calc_balance(s.data(), s.state, s.evaluation());
   while (s.get_time() < 0.2) ASSERT_EQ(s.advance().status, StepStatus::kOk);
@@ -279,7 +280,7 @@ TEST(Flexible, JointsAtMarkersHold) {
   EXPECT_GT(swing, 1e-3);  // it does bend
 }
 
-// Modes so stiff that nothing bends, integrated implicitly: the rigid run, to the order of the method.
+// Modes so stiff that they do not bend, integrated implicitly: the rigid run, to the order of the method.
 TEST(Flexible, FrozenModesAreTheRigidRun) {
   const Model flexible = build_welded_masts(1e5);
   Model rigid;
@@ -305,7 +306,7 @@ TEST(Flexible, FrozenModesAreTheRigidRun) {
   EXPECT_LT(norm(a.state.bodies[0].w - b.state.bodies[0].w), 1e-5);
 }
 
-// With all its modes a mast that a ball holds at one particle swings as the lattice does with that particle fixed.
+// With all its modes a mast that a ball joint holds at one particle swings like the lattice with that particle fixed.
 TEST(Flexible, AHeldBodySwingsWithTheFrequenciesOfItsHeldLattice) {
   constexpr int kBays = 2, kAll = 12 * (kBays + 1) - 6;
   const ModalBody lumped = build_lattice_mast(kBays, kAll, Support::kFree);
@@ -316,7 +317,7 @@ TEST(Flexible, AHeldBodySwingsWithTheFrequenciesOfItsHeldLattice) {
     shapes.middleRows<3>(static_cast<Index>(3 * i)) = lumped.shapes[i];
     mass.segment<3>(static_cast<Index>(3 * i)).setConstant(lumped.masses[i]);
   }
-  // K = M Φ ω² Φᵀ M, for rigid motions cost nothing; then without the first particle.
+  // K = M Φ ω² Φᵀ M, since rigid motions have no energy; then without the first particle.
   const Eigen::MatrixXd weighted = mass.asDiagonal() * shapes;
   const Eigen::MatrixXd K = weighted * lumped.frequencies.cwiseAbs2().asDiagonal() * weighted.transpose();
   const VectorXd root = mass.tail(dofs - 3).cwiseSqrt().cwiseInverse();
@@ -342,7 +343,7 @@ TEST(Flexible, AHeldBodySwingsWithTheFrequenciesOfItsHeldLattice) {
     for (const double eta : {kSmall, -kSmall}) {
       init_state(s.plan, s.state);
       s.state.auxiliary[static_cast<std::size_t>(k)] = eta;
-      const Vector3d away = -eta * lumped.shapes[0].col(k);  // the particle stays where it is
+      const Vector3d away = -eta * lumped.shapes[0].col(k);  // the particle stays in place
       s.state.bodies[0].p = {away.x(), away.y(), away.z()};
       evaluate_or_fail(s);
       A.col(k) -= read_acceleration(s).tail(kAll) / (2 * eta);
@@ -380,7 +381,7 @@ TEST(Flexible, MistakesAreNamed) {
   EXPECT_NE(all.find("element 'push': it acts on the flexible body 'mast' itself"), std::string::npos) << all;
 }
 
-// Modes that the step does not resolve die out.
+// Modes that the step does not resolve decay.
 TEST(Flexible, ModesOfAnyFrequencyStayFinite) {
   for (const double stiffening : {1.0, 1e4, 1e100}) {
     SCOPED_TRACE(stiffening);

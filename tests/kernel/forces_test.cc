@@ -12,7 +12,7 @@
 namespace unlatch::test {
 namespace {
 
-constexpr double kIntegrator = 1e-9;  // relative error of RK4 at 1 ms over the seconds that these tests run
+constexpr double kIntegrator = 1e-9;  // relative error of RK4 at 1 ms over the seconds of these tests
 constexpr double kRounding = 1e-12;   // relative; thousands of steps
 
 void run(Simulation& s, int ticks) {
@@ -33,7 +33,7 @@ Load push_x(const Profile& profile) {
   return load;
 }
 
-// Two free bodies with off-centre points, moving and turning, with nothing but the element under test between them.
+// Builds two free bodies with off-centre points, moving and turning, connected only by the element under test.
 Model build_pair() {
   Model model;
   model.bodies = {box("a", 3, 1.0, 1.2, 1.5), box("b", 2, 0.7, 0.8, 0.9)};
@@ -50,7 +50,7 @@ Balance get_balance(Simulation& s) {
   return calc_balance(s.data(), s.state, s.evaluation());
 }
 
-// Runs a pair under a conservative element of potential `potential(simulation)` and holds momenta and energy.
+// Runs a pair under a conservative element of potential `potential(simulation)`; momenta and energy must be constant.
 template <class F>
 void expect_conservative(const Model& model, F&& potential) {
   Simulation s(model);
@@ -160,7 +160,7 @@ TEST(Forces, ThrustTurnsWithItsBodyAndHasItsArm) {
   Simulation s(model);
   run(s, 1000);
   EXPECT_NEAR(s.state.bodies[0].w.z, -0.5, kIntegrator);  // torque −0.5 N m on 1 kg m² for a second
-  // v = ∫ cos(t²/4) dt / 2 over a second, by its series
+  // v = ∫ cos(t²/4) dt / 2 over a second, by its series.
   EXPECT_NEAR(s.state.bodies[0].v.x, (1 - 1.0 / 160 + 1.0 / 55296 - 1.0 / 38338560) / 2, kIntegrator);
   EXPECT_LT(s.state.bodies[0].v.y, 0);
 }
@@ -199,7 +199,7 @@ TEST(Forces, APusherPushesAndNeverPulls) {
   model.point_springs.push_back(pusher);
   Simulation s(model);
   run(s, 2000);
-  // ½ k 0.2² goes into two equal bodies. Where the push ends inside a step costs an error of its order in the step.
+  // ½ k 0.2² goes into two equal bodies. The end of the push inside a step causes an error of its order in the step.
   constexpr double kUnlocatedEnd = 1e-4;
   EXPECT_NEAR(s.state.bodies[1].v.x, std::sqrt(0.5 * 200 * 0.04), kUnlocatedEnd);
   EXPECT_NEAR(s.state.bodies[0].v.x, -s.state.bodies[1].v.x, kRounding);
@@ -231,7 +231,7 @@ TEST(Forces, PlaneSpringsConserveMomentaAndEnergy) {
   });
 }
 
-// (4.17) with a signed angle: the axis swings through the plane and comes back from either side.
+// (4.17) with a signed angle: the axis swings through the plane and returns from either side.
 TEST(Forces, PlaneTorsionsConserveMomentaAndEnergyOnBothSides) {
   Model model = build_pair();
   PlaneTorsion spring;

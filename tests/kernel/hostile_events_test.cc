@@ -1,4 +1,4 @@
-// Events that mean harm: at t = 0, many at one instant, chasing one another, chattering. They act in their order, with
+// Hostile events: at t = 0, many at one instant, triggering one another, chattering. They act in their order, with
 // bounded work.
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ TEST(Hostile, EventsOfEveryKindAtTheBeginningActThere) {
   EXPECT_EQ(s.state.joints[0].mode, 2);
 }
 
-// In the middle of a step, each releasing and latching what others hold.
+// Events in the middle of a step, each releasing and latching joints of others.
 TEST(Hostile, AHundredEventsAtOneInstantActThereInTheirOrder) {
   constexpr int kBodies = 50;
   constexpr double kInstant = 0.00237;
@@ -59,7 +59,7 @@ TEST(Hostile, AHundredEventsAtOneInstantActThereInTheirOrder) {
   for (const JointState& joint : s.state.joints) EXPECT_EQ(joint.mode, 2);
 }
 
-// Each undoes the other's condition at once.
+// Each immediately undoes the other's condition.
 TEST(Hostile, EventsThatChaseOneAnotherAreBounded) {
   Model model = build_pendulum(true, 1);
   model.signals = {"ping"};
@@ -73,7 +73,7 @@ TEST(Hostile, EventsThatChaseOneAnotherAreBounded) {
   EXPECT_GT(survival.fired, 0);
 }
 
-// A joint that locks as soon as it turns, and is freed as soon as it is locked: several times a step.
+// A joint that locks as soon as it turns, and is released as soon as it is locked: several times a step.
 TEST(Hostile, AChatteringLatchIsBounded) {
   using Kind = Condition::Kind;
   Model model = build_pendulum(true, 0);
@@ -85,7 +85,7 @@ TEST(Hostile, AChatteringLatchIsBounded) {
   EXPECT_GT(survival.fired, 1000);
 }
 
-// A guard that touches zero without crossing it, and one that is zero throughout.
+// A guard that touches zero without crossing it, and one that is zero all the time.
 TEST(Hostile, GuardsThatStandAtZeroAreBounded) {
   Model model = build_pendulum(true, 0);
   model.events.push_back({"always", "", when(Condition::Kind::kSpeed, 0, kRotZ, 0), 0, {}, true});

@@ -1,6 +1,6 @@
-// Numbers that mean harm. Whatever the model, a step does bounded work and ends in a status: the new state is finite,
-// or the old one is untouched (tests/support/survival.h). Where the kernel promises no invalid operation,
-// floating-point traps are on: one ends the test. Events that mean harm: hostile_events_test.cc.
+// Hostile numbers. For any model, a step does bounded work and ends in a status: the new state is finite, or the old
+// one is unchanged (tests/support/survival.h). Where the kernel promises no invalid operation, floating-point traps are
+// on: one ends the test. Hostile events: hostile_events_test.cc.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -49,9 +49,9 @@ TEST(Hostile, GoodModelsRaiseNoFloatingPointException) {
   }
 }
 
-// Bodies that are eliminated side by side share their loops over rows and freedoms: what a body has not is masked,
-// after its pivot of zero has been divided by. Nothing comes of that infinity, but it raises a flag, so that divisions
-// by zero are not trapped here.
+// Bodies that are eliminated side by side share their loops over rows and degrees of freedom: places that a body does
+// not use are masked, after a division by its pivot of zero. That infinity is not used, but it raises a flag, so
+// divisions by zero are not trapped here.
 TEST(Hostile, RandomModelsRaiseNoFloatingPointException) {
   constexpr std::uint64_t kFirstSeed = 9000, kModels = 40;
   std::cout << "seeds from " << kFirstSeed << '\n';
@@ -76,7 +76,7 @@ TEST(Hostile, MassRatiosOf1e8Step) {
   }
 }
 
-// A fly on an elephant on a fly.
+// A chain of alternating very light and very heavy bodies.
 TEST(Hostile, AChainOfHeavyAndLightLinksSteps) {
   Model model;
   model.gravity.uniform = {0, -9.81, 0};
@@ -108,7 +108,7 @@ TEST(Hostile, ASensorThatOverflowsIsRefused) {
   EXPECT_EQ(survival.steps, 0);
 }
 
-// Far too stiff for the step, until springs are integrated otherwise: a good step, or the last good state.
+// Far too stiff for the explicit step: a good step, or the last good state.
 TEST(Hostile, StiffnessOf1e12IsIntegratedOrRefused) {
   for (const double stiffness : {1e6, 1e9, 1e12, 1e300}) {
     for (const double dt : {1e-6, 1e-3, 1.0}) {
@@ -218,8 +218,8 @@ TEST(Hostile, WithoutGravityAndThrustNothingChangesItsSpeed) {
 
 // --- Geometry -------------------------------------------------------------------------------------------------------
 
-// A follower bent by 90° and more about the cross's second axis, at rest or turning through it; and a cross whose axes
-// coincide.
+// A follower bent by 90° and more about the cross's second axis, at rest or turning through it; and a cross with
+// coincident axes.
 TEST(Hostile, AUniversalJointPassesItsGimbal) {
   using Eigen::Vector3d;
   Model model;
@@ -239,7 +239,7 @@ TEST(Hostile, AUniversalJointPassesItsGimbal) {
       SCOPED_TRACE(std::to_string(angle) + " rad, " + std::to_string(turning) + " rad/s");
       turn_to(about_x * Eigen::AngleAxisd(angle, Vector3d::UnitY()));
       Simulation s(model);
-      s.state.bodies[1].w.y = turning;  // what the row allows, but not the points: the first projection shares it out
+      s.state.bodies[1].w.y = turning;  // the row allows it, but the points do not: the first projection distributes it
       EXPECT_EQ(survive(s, 300).status, StepStatus::kOk);
     }
   }
@@ -248,7 +248,7 @@ TEST(Hostile, AUniversalJointPassesItsGimbal) {
   EXPECT_FALSE(result.plan) << "two axes of turning that coincide";
 }
 
-// All rods on one line: the next instant the linkage may fold either way, and its rows depend on one another.
+// All rods on one line: the next instant the linkage may fold in either direction, and its rows are dependent.
 TEST(Hostile, AStretchedFourBarEndsInAStatus) {
   using Eigen::Vector3d;
   const std::vector<Vector3d> axes(4, Vector3d::UnitZ());
@@ -257,13 +257,13 @@ TEST(Hostile, AStretchedFourBarEndsInAStatus) {
       SCOPED_TRACE(gap);
       Simulation s(build_linkage({{0, 0, 0}, {1, gap, 0}, {2, -gap, 0}, {3, 0, 0}}, axes, gravity));
       survive(s, 500);
-      for (BodyState& body : s.state.bodies) body.v = {0.3, 1, 0};  // that no hinge allows
+      for (BodyState& body : s.state.bodies) body.v = {0.3, 1, 0};  // a velocity that no hinge allows
       survive(s, 500);
     }
   }
 }
 
-// Loops that lie in one another: every rod twice, all hinges at the same two points.
+// Coincident loops: every rod twice, all hinges at the same two points.
 TEST(Hostile, AlignedLoopsEndInAStatus) {
   using Eigen::Vector3d;
   Model model;
@@ -275,7 +275,7 @@ TEST(Hostile, AlignedLoopsEndInAStatus) {
   }
   EXPECT_EQ(survive(model, 500).status, StepStatus::kOk);
   model.joints.back().axes = Eigen::AngleAxisd(0.5, Vector3d::UnitX()).toRotationMatrix() * model.joints.back().axes;
-  survive(model, 500);  // one axis askew: nothing may move any more
+  survive(model, 500);  // one axis askew: nothing can move any more
 }
 
 TEST(Hostile, SpringsWithoutLengthAndPlanesWithoutNormalStep) {
@@ -306,7 +306,7 @@ TEST(Hostile, AFallThroughTheCentreOfGravityEndsInAStatus) {
   }
 }
 
-// Groups of lanes have empty places, and those are where such a field has its centre.
+// Groups of lanes have empty places, which must not be evaluated at the centre of such a field.
 TEST(Hostile, SystemsInOrbitDoNotMindTheCentreOfGravity) {
   constexpr std::uint64_t kFirstSeed = 700, kModels = 200;
   std::cout << "seeds from " << kFirstSeed << '\n';
@@ -343,7 +343,7 @@ TEST(Hostile, EmptyLanesKeepAwayFromAnyCentreOfGravity) {
 
 // --- All of it ------------------------------------------------------------------------------------------------------
 
-// Random systems with a few of their numbers made absurd: validate() refuses them, or they step or stop.
+// Random systems with a few absurd numbers: validate() refuses them, or they step or stop.
 TEST(Hostile, RandomModelsWithAbsurdNumbersEndInAStatus) {
   constexpr std::uint64_t kFirstSeed = 9200, kModels = 400;
   std::cout << "seeds from " << kFirstSeed << '\n';
@@ -367,7 +367,7 @@ TEST(Hostile, RandomModelsWithAbsurdNumbersEndInAStatus) {
     Simulation s(model);
     BodyState& body = s.state.bodies[draw_body()];
     double* const numbers[] = {&body.p.x, &body.v.y, &body.w.z, &body.q.x};
-    const double number = draw();  // a state's numbers are finite to begin with
+    const double number = draw();  // a state's numbers are finite at the start
     if (std::isfinite(number)) *numbers[random.below(std::size(numbers))] = number;
     ++(survive(s, 10).status == StepStatus::kOk ? stepped : stopped);
   }

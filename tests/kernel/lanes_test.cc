@@ -69,7 +69,7 @@ TEST(Lanes, EveryWidthGivesRandomSystemsTheSameReactionsToTheLastBit) {
   }
 }
 
-// Arms that are alike fill a part of a group of four or eight; its empty lanes lie beside their parents'.
+// Equal arms fill a part of a group of four or eight; its empty lanes are beside their parents'.
 TEST(Lanes, EveryWidthGivesThreeToSevenArmsOfTwoLinksTheSameBits) {
   for (int arms = 3; arms < 8; ++arms) {
     Model model;
@@ -106,7 +106,7 @@ TEST(Lanes, EveryWidthGivesThreeToSevenArmsOfTwoLinksTheSameBits) {
   }
 }
 
-// Samples as lanes: copies of one system in one model move as each of them does alone.
+// Samples as lanes: copies of one system in one model move like a single one.
 TEST(Lanes, EightCopiesOfAChainMoveAsOneDoes) {
   RandomModelOptions options;
   options.shape = RandomModelOptions::Shape::kChain;

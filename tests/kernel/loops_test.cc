@@ -17,10 +17,10 @@ namespace unlatch::test {
 namespace {
 
 constexpr double kAgreement = 1e-10;  // relative to the largest of its kind, well-conditioned systems
-// The small matrix of the loops' rows has the square of their condition: so many roundings for each unit of it.
+// The small matrix of the loops' rows has the square of their condition: number of roundings for each unit of it.
 constexpr double kPerSquaredCondition = 1e-14;
 constexpr double kSingular = 1e4;        // condition of the rows
-constexpr double kContradiction = 1e-9;  // m/s², rad/s²: what is left of rows that have a solution is rounding
+constexpr double kContradiction = 1e-9;  // m/s², rad/s²: rounding error of rows that have a solution
 constexpr double kEnergy = 1e-6;         // relative, ten seconds at 1 ms
 constexpr double kLoopDrift = 1e-10;     // m, rad
 
@@ -46,16 +46,16 @@ struct LoopTally {
   Disagreement worst, worst_redundant;
 };
 
-// With redundant rows the dense solve has another split of the multipliers, with one effect on the bodies.
+// With redundant rows the dense solve splits the multipliers differently, with the same effect on the bodies.
 // (RedundantReactions.* compare the split.)
 void expect_to_agree(const KernelSolution& ours, const DenseSolution& dense, const Model& model,
                      const SystemState& state, std::uint64_t seed, LoopTally& tally) {
   if (dense.condition > kSingular) {
-    ++tally.singular;  // a position that is nearly singular is another test's business
+    ++tally.singular;  // positions that are nearly singular belong to another test
     return;
   }
   if (dense.residual > kContradiction) {
-    ++tally.contradictory;  // rows that contradict each other have no solution to agree on
+    ++tally.contradictory;  // contradictory rows have no solution to agree on
     return;
   }
   const bool redundant = dense.redundant > 0;
@@ -78,7 +78,7 @@ void print(const char* what, const LoopTally& tally) {
       tally.worst_redundant.accelerations, tally.worst_redundant.multipliers, tally.singular, tally.contradictory);
 }
 
-// The loops close at once, with an impulse; after it the velocities fit all rows, redundant ones too.
+// The loops close at the start, with an impulse; after it the velocities satisfy all rows, redundant ones too.
 TEST(Loops, AgreeWithADenseSolveOnRandomSystems) {
   constexpr std::uint64_t kFirstSeed = 500, kSystems = 1000;
   LoopTally impulses, accelerations;
@@ -103,7 +103,7 @@ TEST(Loops, AgreeWithADenseSolveOnRandomSystems) {
   print("impulses", impulses);
   print("accelerations", accelerations);
   for (const LoopTally& tally : {impulses, accelerations}) {
-    EXPECT_GT(tally.regular, 300);  // small trees with welds often leave a loop nothing to close; the others count
+    EXPECT_GT(tally.regular, 300);  // small trees with welds often leave no row for a loop; the others count
     EXPECT_GT(tally.redundant, 100);
     EXPECT_LT(tally.singular, 100);
   }
@@ -134,8 +134,8 @@ TEST(Loops, EveryWidthOfLanesGivesTheSameBits) {
   }
 }
 
-// The loop closes what the tree holds already: nothing of its rows is left but rounding, which must not pass for a
-// row.
+// The loop closes a connection that the tree already holds: the remainder of its rows is rounding, which must not count
+// as a row.
 TEST(Loops, ThatCloseNothingAreRedundantAndChangeNothing) {
   constexpr double kRounding = 1e-12;
   Random random(3);
@@ -170,8 +170,8 @@ TEST(Loops, ThatCloseNothingAreRedundantAndChangeNothing) {
   for (const auto& multipliers : closed.multipliers) EXPECT_GT(multipliers.norm(), 0);  // each weld has its share
 }
 
-// Rods in a zigzag from the origin, each on a hinge about an axis of its own, the first on the ground; the tip is held
-// to the ground by a weld, first of the joints, that may let go or not.
+// Rods in a zigzag from the origin, each on a hinge about another axis, the first on the ground; the tip is held to the
+// ground by a weld, first of the joints, that may or may not be released.
 Model build_held_chain(int rods, bool may_let_go) {
   Model model;
   model.gravity.uniform = {0, 0, -9.81};
@@ -269,7 +269,7 @@ void expect_to_swing_freely(const Model& model, int redundant) {
   std::printf("energy kept to %.1e of %.3g J, loop closed to %.1e\n", loss / highest_kinetic, highest_kinetic, drift);
 }
 
-// A crank and rocker: the crank turns right round, without a flat position in which the linkage could branch.
+// A crank and rocker: the crank makes full turns, without a flat position in which the linkage could branch.
 TEST(Loops, APlanarFourBarInSpaceHasThreeRedundantRows) {
   const Eigen::Vector3d z(0, 0, 1);
   expect_to_swing_freely(
@@ -285,9 +285,10 @@ TEST(Loops, ABricardLinkageMovesAndKeepsItsEnergy) {
                          1);
 }
 
-// Four hinges whose axes neither meet nor are parallel, and yet it moves (Bennett 1903): opposite rods are alike, and
-// their lengths are to each other as the sines of the twists between their hinges. With the angle of the first hinge
-// goes that of the second: tan(θ1/2) tan(θ2/2) = sin((β + α)/2) / sin((β − α)/2); the others are theirs reversed.
+// Four hinges whose axes neither meet nor are parallel, but which move (Bennett 1903): opposite rods are equal, and
+// their lengths have the ratio of the sines of the twists between their hinges. The angle of the first hinge determines
+// that of the second: tan(θ1/2) tan(θ2/2) = sin((β + α)/2) / sin((β − α)/2); the others are the same with opposite
+// signs.
 TEST(Loops, ABennettLinkageIsASpatialFourBarWithThreeRedundantRows) {
   const double alpha = 0.7, beta = 1.4, length = 1, other = std::sin(beta) / std::sin(alpha);
   const double first = 1.2;

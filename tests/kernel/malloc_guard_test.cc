@@ -12,7 +12,7 @@
 namespace unlatch::test {
 namespace {
 
-// Keeps the compiler from removing an allocation that nothing reads.
+// Keeps the compiler from removing an unused allocation.
 void use(void* memory) { asm volatile("" : : "r"(memory) : "memory"); }
 
 class MallocGuard : public ::testing::Test {

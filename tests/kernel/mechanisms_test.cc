@@ -40,7 +40,7 @@ constexpr Angles kEnd = {15.81077119629904,  -15.75637105984298, 0.0408222401307
 constexpr Angles kEndSpeeds = {1139.920302151208,  -1424.379294994111, 11.03291221937134, 19.29337464421385,
                                0.5735699284790808, -19.29337464421385, 0.3231791658026955};
 
-// Of the bodies K1 … K7 in space.
+// Attitude angles of the bodies K1 … K7 in space.
 std::vector<double> calc_headings(const Angles& a) {
   return {a.beta, a.beta + a.theta, a.gamma, a.phi + a.delta, a.delta, a.omega + a.epsilon, a.epsilon};
 }
@@ -64,7 +64,7 @@ Model build() {
   Model model;
   model.name = "andrews";
   for (std::size_t k = 0; k < 7; ++k) {
-    // Only the moment about z matters in the plane.
+    // Only the moment about z has an effect in the plane.
     Body body = box("K" + std::to_string(k + 1), kMass[k], 0.6 * kInertia[k], 0.6 * kInertia[k], kInertia[k]);
     body.p_WB = centres[k];
     body.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(heading[k], Vector3d::UnitZ()));

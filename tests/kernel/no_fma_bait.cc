@@ -1,4 +1,4 @@
-// Compiled with fused multiply-adds on purpose: no_fma.sh must find them.
+// Example compiled with fused multiply-adds on purpose: no_fma.sh must find them.
 namespace unlatch::test {
 
 double calc_fused(double a, double b, double c);

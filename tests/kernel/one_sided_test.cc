@@ -1,4 +1,4 @@
-// Pushers, stops, cords, friction in joints and impulses, against closed forms and an integration of their own.
+// Pushers, stops, cords, friction in joints and impulses, against closed forms and a separate integration.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,9 +14,9 @@ namespace unlatch::test {
 namespace {
 
 constexpr double kIntegrator = 1e-9;  // relative error of RK4 at 1 ms over the times of these tests
-constexpr double kLocated = 1e-8;     // of instants, s: two iterations at 1 ms
-constexpr double kSpeed = 1e-7;       // m/s, of what a force of some 100 N does to some kg in a part of that
-constexpr double kEnergy = 1e-6;      // J, the same
+constexpr double kLocated = 1e-8;     // s, instants: two iterations at 1 ms
+constexpr double kSpeed = 1e-7;       // m/s, effect of a force of some 100 N on some kg during a part of that
+constexpr double kEnergy = 1e-6;      // J, likewise
 constexpr RowSet kSlideX = static_cast<RowSet>(kWeldRows & ~row_bit(kX));
 
 // Two bodies of 3 kg and 2 kg in line along x, their points 0.2 m apart, at rest.
@@ -50,7 +50,7 @@ struct Seen {
   std::vector<EventAudit> audits;
 };
 
-// Runs, and tells the events. Of a model without resistance, energies at each tick.
+// Runs a model; returns the events and, for a model without resistance, energies at each tick.
 Seen run(Simulation& s, const Model& model, int ticks) {
   const Model whole = complete_events(model);
   Seen seen;
@@ -81,7 +81,7 @@ TEST(OneSided, APusherGivesItsWorkAndEndsWithItsStroke) {
   const Seen seen = run(s, model, 300);
   const double work = 100 * 0.05 - 0.5 * 1000 * 0.05 * 0.05, w = std::sqrt(1000 / kReduced);
   EXPECT_NEAR(get_speed(s), std::sqrt(2 * work / kReduced), kSpeed);
-  // u = P/k (1 − cos wt) comes to the stroke
+  // u = P/k (1 − cos wt) reaches the stroke.
   ASSERT_EQ(seen.events.size(), 1u);
   EXPECT_EQ(seen.events[0].first, "stroke_end");
   EXPECT_NEAR(seen.events[0].second, std::acos(1 - 0.05 * 1000 / 100) / w, kLocated);
@@ -146,7 +146,7 @@ TEST(OneSided, FrictionTakesItsPartOfTheWork) {
   Simulation s(model);
   const Seen seen = run(s, model, 300);
   EXPECT_NEAR(get_speed(s), std::sqrt(2 * (100 - 20) * 0.05 / kReduced), 1e-3);
-  // To the end of the stroke, where rounding decides on which side of its limit the depth is.
+  // Runs to the end of the stroke, where rounding decides the side of the limit.
   constexpr auto kDampers = static_cast<std::size_t>(PowerSource::kDampers);
   ASSERT_EQ(seen.audits.size(), 1u);
   EXPECT_NEAR(seen.audits[0].flow_before.power[kDampers], -20 * get_speed(s), 1e-6);
@@ -172,7 +172,7 @@ TEST(OneSided, AGuidedPusherHasNoLateralForce) {
   EXPECT_LT(seen.unexplained, kEnergy);
 }
 
-// A joint spring would pull the body back once the joint is free and the displacement past its rest.
+// A joint spring would pull the body back once the joint is free and the displacement beyond its rest position.
 TEST(OneSided, APusherAlongAJointNeverPullsBack) {
   Model model = build_line();
   Joint joint;
@@ -206,7 +206,7 @@ TEST(OneSided, ATorsionPusherEndsAtItsAngle) {
 
 // --- Stops and cords -------------------------------------------------------------------------------------------------
 
-// Of m x'' + c x' + k x = 0 from x = 0 with x' = 1 until the force k x + c x' is 0: time and −x'.
+// Solution of m x'' + c x' + k x = 0 from x = 0 with x' = 1 until the force k x + c x' is 0: time and −x'.
 std::pair<double, double> calc_bounce(double m, double k, double c) {
   const double w = std::sqrt(k / m), z = c / (2 * std::sqrt(k * m)), wd = w * std::sqrt(1 - z * z);
   const double t = std::atan2(2 * z * std::sqrt(1 - z * z), 2 * z * z - 1) / wd;
@@ -280,7 +280,7 @@ TEST(OneSided, ACordIsSlackUntilItIsTaut) {
   EXPECT_EQ(seen.events[0].first, "taut");
   EXPECT_NEAR(seen.events[0].second, 0.3, kLocated);
   EXPECT_EQ(seen.events[1].first, "slack");
-  EXPECT_NEAR(seen.events[1].second, 0.3 + M_PI / std::sqrt(3000 / kReduced), 1e-6);  // h w = 0.05: its phase
+  EXPECT_NEAR(seen.events[1].second, 0.3 + M_PI / std::sqrt(3000 / kReduced), 1e-6);  // h w = 0.05: error of its phase
   EXPECT_NEAR(get_speed(s), -1, 1e-7);
 }
 
@@ -395,7 +395,7 @@ TEST(JointFriction, BelowItsThresholdABlockCreepsAsItsRegularisationSays) {
   EXPECT_NEAR(s.state.bodies[0].v.x, 1e-2 * ratio / std::sqrt(1 - ratio * ratio), 1e-9);
 }
 
-// A pin whose friction moves its own reaction: φ'' = −(m g l cos φ + T) / J, T = μ r |R| by its own integration.
+// A pin whose friction changes its own reaction: φ'' = −(m g l cos φ + T) / J, T = μ r |R| by a separate integration.
 TEST(JointFriction, AHingePinTakesTheReactionThatItsFrictionMoves) {
   constexpr double kRadius = 0.05, kMu = 0.4, kJ = 1.0 / 12 + 0.25, kG = 10;
   Model model = build_pendulum(true, 3);
@@ -408,7 +408,7 @@ TEST(JointFriction, AHingePinTakesTheReactionThatItsFrictionMoves) {
   model.frictions = {f};
   Simulation s(model);
   run(s, model, 150);
-  // own integration: at each instant T solved by many sweeps
+  // Separate integration: at each instant T is solved by many sweeps.
   const auto calc = [&](double phi, double w) {
     double torque = 0, alpha = 0;
     for (int i = 0; i < 60; ++i) {

@@ -1,5 +1,5 @@
-// The oracles of implicit springs and of flexible bodies: that they are right, and that the kernel's own springs, which
-// are explicit where the step resolves them, follow them.
+// Checks of the oracles of implicit springs and of flexible bodies; the kernel's own springs, which are explicit where
+// the step resolves them, follow the oracles.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ TEST(Ros2, HasOrderTwoWhereTheStepResolvesTheSpring) {
     const double ratio =
         (run_ros2(chain, h, steps) - chain_exact).norm() / (run_ros2(chain, h / 2, 2 * steps) - chain_exact).norm();
     EXPECT_NEAR(ratio, 4, 0.4);
-    // A holds the spring alone and not gravity: order two nevertheless.
+    // A contains the spring alone and not gravity: order two nevertheless.
     const double pendulum_ratio = (run_ros2(pendulum, h, steps) - pendulum_exact).norm() /
                                   (run_ros2(pendulum, h / 2, 2 * steps) - pendulum_exact).norm();
     EXPECT_NEAR(pendulum_ratio, 4, 0.4);
@@ -60,7 +60,7 @@ TEST(Ros2, DampsWhatTheStepDoesNotResolveAndNeverGainsEnergy) {
       EXPECT_LT(energy, 1e-20 * calc_energy(chain, get_start(chain)));
     }
   }
-  // A latch that stands where the spring and gravity balance stays there.
+  // A latch at the balance of spring and gravity stays at rest.
   SpringPendulum latch = build_pendulum(1e9);
   latch.angle = 1e-6;
   latch.speed = 0;
@@ -69,7 +69,7 @@ TEST(Ros2, DampsWhatTheStepDoesNotResolveAndNeverGainsEnergy) {
   EXPECT_NEAR(y[1], 0, 1e-9);
 }
 
-// Runge–Kutta stages of order four, as long as they resolve the springs.
+// Runge–Kutta stages of order four, where they resolve the springs.
 TEST(Springs, FollowTheirExactMotionWhereTheStepResolvesThem) {
   constexpr double kChain = 2e-8, kPendulum = 2e-8;  // m, m/s; rad, rad/s; fastest swing 0.02 rad a step, 1 s
   const SpringChain chain = build_chain(100);
@@ -161,7 +161,7 @@ class Lagrange {
   }
 
  private:
-  // Positions and their rates by the rotation vector's own exponential, differentiated along the motion.
+  // Positions and their rates by the exponential of the rotation vector, differentiated along the motion.
   Real calc_energy(const RealVector& q, const RealVector& rate) const {
     using V = Eigen::Matrix<Real, 3, 1>;
     const Real e = 1e-5L;
@@ -187,7 +187,7 @@ class Lagrange {
 };
 
 TEST(LumpedFlexible, AccelerationsObeyLagrangesEquations) {
-  constexpr double kDifferentiation = 1e-7;  // relative: two differentiations, one inside the other, in long double
+  constexpr double kDifferentiation = 1e-7;  // relative: two nested differentiations, in long double
   for (const Support support : {Support::kFree, Support::kClamped}) {
     const ModalBody body = build_lattice_mast(2, 3, support);
     Random random(11);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The mistakes of the source paper (Anshakov et al. 2003), each shown by its consequence: what the formula gives as printed, and
-what it gives as kernel/README.md and the scenarios have it. Finite differences, energy and momentum are the judges; nothing of
+"""The mistakes of the source paper (Anshakov et al. 2003), each shown by its consequence: the result of the formula as printed, and
+that of the formula in kernel/README.md and the scenarios. Finite differences, energy and momentum decide; nothing of
 unlatch takes part. Run by ctest: paper_test.py
 """
 import json
@@ -13,7 +13,7 @@ FRESNEL = json.loads((pathlib.Path(__file__).parents[1] / "data/capsule_fresnel.
 STEP = 1e-4           # s, of the finite differences
 DIFFERENCES = 1e-5    # of second differences at that step
 ROUND_OFF = 1e-12
-WRONG = 0.1           # a formula that is off by so much, where all numbers are about 1, is not right
+WRONG = 0.1           # a formula with this error, where all numbers are about 1, is wrong
 
 
 def add(*vectors):
@@ -55,7 +55,7 @@ def norm(a):
 
 
 def solve(a, b):
-    """Gauss with row exchanges."""
+    """Solves by Gauss with row exchanges."""
     m = [[*row, x] for row, x in zip(a, b)]
     n = len(m)
     for i in range(n):
@@ -85,7 +85,7 @@ def get_rank(rows):
 
 
 class Motion:
-    """A body that moves smoothly: R(t), and C(t), body to inertial, by three angles; its rates by differences."""
+    """A body in smooth motion: R(t), and C(t), body to inertial, by three angles; its rates by differences."""
 
     def __init__(self, dice):
         self.place = [[dice.uniform(-1, 1) for _ in range(3)] for _ in range(3)]
@@ -101,7 +101,7 @@ class Motion:
                 [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb]]
 
     def A(self, t):
-        """The paper's, inertial to body."""
+        """Returns the paper's matrix, inertial to body."""
         return transposed(self.C(t))
 
     def V(self, t):
@@ -111,7 +111,7 @@ class Motion:
         return [2 * c[2] for c in self.place]
 
     def w(self, t):
-        """Angular velocity, body axes: of Cᵀ dC/dt."""
+        """Returns the angular velocity, body axes, from Cᵀ dC/dt."""
         h = 1e-5
         ahead, behind = self.C(t + h), self.C(t - h)
         rate = [[(x - y) / (2 * h) for x, y in zip(r, s)] for r, s in zip(ahead, behind)]
@@ -130,11 +130,11 @@ class PaperTest(unittest.TestCase):
         self.r = [0.4, -0.7, 0.5]  # of the point in body j
 
     def arm(self, t):
-        """r_ij: the point of body j in the axes of body i."""
+        """Returns r_ij: the point of body j in the axes of body i."""
         return apply(self.i.A(t), sub(add(self.j.R(t), apply(self.j.C(t), self.r)), self.i.R(t)))
 
     def relative(self, t):
-        """A_i A_j^-1 w_j."""
+        """Returns A_i A_j^-1 w_j."""
         return apply(self.i.A(t), apply(self.j.C(t), self.j.w(t)))
 
     def test_4_11_has_its_c_on_the_other_side(self):
@@ -175,7 +175,7 @@ class PaperTest(unittest.TestCase):
         self.assertRaises(ValueError, product, column, normal)  # as printed: [3 x 1] [3 x 1]
 
     def test_4_7_needs_second_derivatives_in_its_c(self):
-        """With one coordinate for each body, where the printed products of first derivatives are at least numbers."""
+        """One coordinate for each body, for which the printed products of first derivatives are at least numbers."""
         a, b = lambda t: 0.7 + 1.1 * t, lambda t: -0.4 + 0.9 * t  # without accelerations only c is left
         link = lambda t: a(t) ** 2 * b(t) + b(t) ** 2
         second = (link(STEP) - 2 * link(0) + link(-STEP)) / STEP**2
@@ -198,7 +198,7 @@ class PaperTest(unittest.TestCase):
         tension = sub(scale(m, right[:2]), p["force"])
         printed = solve([[m, 0, h[0]], [0, m, h[1]], [h[0], h[1], 0]], [*p["force"], c])  # (4.10): c of (4.9)
         self.assertGreater(abs(radial(printed[:2]) + dot(p["v"], p["v"])), WRONG)
-        # The sign of lambda, with c mended: by (4.5) the reaction is H^T lambda, by (4.10) and (3.8) its opposite.
+        # The sign of lambda, with c corrected: by (4.5) the reaction is H^T lambda, by (4.10) and (3.8) its opposite.
         mended = solve([[m, 0, h[0]], [0, m, h[1]], [h[0], h[1], 0]], [*p["force"], -c])
         self.assertAlmostEqual(mended[2], -right[2], delta=ROUND_OFF)
         for reaction, by_rod in zip(scale(right[2], h), tension):
@@ -215,12 +215,12 @@ class PaperTest(unittest.TestCase):
         self.assertEqual(get_rank([row(n[0]), row(n[1]), row(n[2]), *turns]), 5)
 
     def spring(self, t):
-        """(4.14): d, the point p1 of the plane and p2 in body 1 = i; the plane goes through its origin."""
+        """Returns d of (4.14), the point p1 of the plane and p2 in body 1 = i; the plane goes through its origin."""
         p2 = self.arm(t)
         return -dot(p2, self.n), sub(p2, scale(dot(p2, self.n), self.n)), p2
 
     def power(self, force, torque_i, torque_j):
-        """Of a force on body i and its opposite on body j, inertial; torques in the axes of each."""
+        """Returns the power of a force on body i and its opposite on body j, inertial; torques in the axes of each."""
         return (dot(force, sub(self.i.V(0), self.j.V(0))) + dot(torque_i, self.i.w(0)) + dot(torque_j, self.j.w(0)))
 
     def test_4_15_pushes_the_wrong_way_and_4_16_mixes_axes(self):
@@ -238,7 +238,7 @@ class PaperTest(unittest.TestCase):
         self.assertAlmostEqual(self.power(force, torque_i, torque_j), lost, delta=DIFFERENCES)
         force, (torque_i, torque_j) = wrench(+1)  # (4.15) as printed
         self.assertAlmostEqual(self.power(force, torque_i, torque_j), -lost, delta=DIFFERENCES)
-        # (4.16) as printed takes the inertial F1 for one in the axes of body 1: then moments do not balance.
+        # (4.16) as printed uses the inertial F1 as if it were in the axes of body 1: then moments do not balance.
         force, (torque_i, torque_j) = wrench(-1)
         def unbalanced(on_i, on_j):
             about_origin = add(cross(self.i.R(0), force), cross(self.j.R(0), scale(-1, force)))
@@ -287,7 +287,7 @@ class PaperTest(unittest.TestCase):
 
     @staticmethod
     def calc_fresnel(x):
-        """C(x), S(x) by Simpson's rule."""
+        """Returns C(x), S(x) by Simpson's rule."""
         steps = 4000
         h = x / steps
         weights = [1 if k in (0, steps) else 4 if k % 2 else 2 for k in range(steps + 1)]
@@ -296,7 +296,7 @@ class PaperTest(unittest.TestCase):
                 h / 3 * sum(w * math.sin(a) for w, a in zip(weights, arguments)))
 
     def calc_angles(self, omega, mu, t, first_case):
-        """(2.10) or (2.11) as printed: gamma, psi."""
+        """Returns (2.10) or (2.11) as printed: gamma, psi."""
         amplitude, s0 = 0.75, 0.5
         radius = amplitude * math.sqrt(math.pi / (2 * abs(mu)))
         place = lambda at: math.sqrt(2 * abs(mu) / math.pi) * (at + omega / (2 * mu))
@@ -317,7 +317,7 @@ class PaperTest(unittest.TestCase):
                 self.assertEqual(math.dist(printed, integrals) > 0.05, omega < 0)
 
     def test_2_10_has_gamma_and_psi_exchanged(self):
-        """(2.3) at phi = 0 says that gamma grows by q and psi by p; (2.10)'s gamma is the integral of p."""
+        """Rates at phi = 0: by (2.3) gamma grows by q and psi by p; (2.10)'s gamma is the integral of p."""
         t = 1e-4
         gamma, psi = self.calc_angles(10, 2.5, t, True)
         p, q = 0.75 * math.sin(0.5), 0.75 * math.cos(0.5)

@@ -1,5 +1,5 @@
-// The kernel beside MuJoCo and Simbody, which work in joint coordinates and share nothing with it: accelerations of
-// random trees of every kind of joint that all of them have.
+// The kernel compared with MuJoCo and Simbody, which use joint coordinates and are independent of it: accelerations of
+// random trees of the joint kinds that all of them have.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace unlatch::test {
 namespace {
 
-constexpr double kAgreement = 1e-9;  // of joint accelerations, relative to the largest
+constexpr double kAgreement = 1e-9;  // joint accelerations, relative to the largest
 constexpr std::uint64_t kFirstSeed = 7001;
 constexpr int kSystems = 150;
 

@@ -1,4 +1,4 @@
-// Reactions where rows are redundant: shared by stiffness, against a dense pseudo-inverse and closed forms.
+// Reactions of redundant rows: shared by stiffness, against a dense pseudo-inverse and closed forms.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kRounding = 1e-12;      // relative
 constexpr double kAgreement = 1e-9;      // relative to the largest multiplier, condition below kSingular
-constexpr double kSingular = 1e3;        // condition of the rows, of which Λ has the square
+constexpr double kSingular = 1e3;        // condition of the rows; Λ has the square of it
 constexpr double kContradiction = 1e-9;  // m/s², rad/s²
 
 using Six = Eigen::Matrix<double, 6, 1>;
@@ -29,7 +29,7 @@ double get_multiplier(const Simulation& s, std::size_t joint, int row) {
 
 void solve(Simulation& s) { ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk); }
 
-// The multipliers of the independent rows alone, 0 for the others: as solved, without the split.
+// Multipliers of the independent rows alone, 0 for the others: as solved, without the split.
 void solve_unsplit(Simulation& s) {
   const Inputs inputs{s.commands};
   update_forces({s.data(), inputs, s.state, s.get_time()}, s.evaluation());
@@ -76,7 +76,7 @@ Model build_random_mesh(std::uint64_t seed, Random& random) {
   return model;
 }
 
-// Of all multipliers with the effect of `some`, those of least Σ λ² / k; by a rank-revealing factorisation of Gᵀ √k.
+// Multipliers of least Σ λ² / k among all with the effect of `some`; by a rank-revealing factorisation of Gᵀ √k.
 std::vector<Six> calc_least(const Model& model, const DenseKkt& kkt, const std::vector<Six>& some) {
   const Eigen::Index rows = kkt.rows.rows();
   Eigen::VectorXd scale(rows), lambda(rows);
@@ -199,7 +199,7 @@ TEST(RedundantReactions, OfEightBoltsUnderForceAndMomentAreThoseOfTheBoltCircle)
   }
 }
 
-// Bolts that carry moments as well, by a tenth of the circle's radius: the moment goes into forces by R²/2 to L².
+// Bolts that also bear moments, by a tenth of the circle's radius: forces and moments share the load as R²/2 to L².
 TEST(RedundantReactions, OfEightWeldedBoltsGiveMomentsTheirPartByTheLength) {
   Model model = build_plate(kWeldRows, true);
   load_plate(model);
@@ -227,7 +227,7 @@ TEST(RedundantReactions, FollowTheStatedShares) {
                 kRounding * std::abs(kForce));
 }
 
-// Four points of a rectangle, the load off its middle: the pseudo-inverse of three balances.
+// Four points of a rectangle, the load off its centre: the pseudo-inverse of three balances.
 TEST(RedundantReactions, OfAPlateOnFourPointsAreThoseOfThePseudoInverse) {
   const Eigen::Vector2d points[] = {{0, 0}, {2, 0}, {1.7, 1.1}, {0, 1}};
   Model model;
@@ -271,8 +271,8 @@ Model build_tumbling_plates() {
   return model;
 }
 
-// The force swings at 6 rad/s and the plates turn at ω, with ω² in their own load: no share bends faster than (6 + 2
-// ω)² of the largest.
+// The force oscillates at 6 rad/s and the plates turn at ω, with ω² in their own load: no share changes faster than (6
+// + 2 ω)² of the largest.
 TEST(RedundantReactions, DoNotChatterAlongASmoothMotion) {
   const Model model = build_tumbling_plates();
   Simulation s(model);
@@ -325,7 +325,7 @@ TEST(RedundantReactions, DoNotDependOnWhichRowsAreFoundRedundant) {
 // --- In the step
 // -------------------------------------------------------------------------------------------------------
 
-// A force that grows by 1 kN/s on eight bolts, each of which breaks at 100 N of its own: all at 0.8 s.
+// A force that grows by 1 kN/s on eight bolts, each of which breaks at a load of 100 N: all at 0.8 s.
 Model build_breaking_bolts() {
   Model model = build_plate(kPointRows, true);
   Load load = push("pull", 0, Load::Kind::kForce, {0, 0, -1});
@@ -385,7 +385,7 @@ TEST(RedundantReactions, AreListedByTheJointsThatShareThem) {
   Body arm = box("arm", 1, 1, 1, 1);
   arm.p_WB = {0, 0, 1.2};
   model.bodies.push_back(arm);
-  Joint hinge;  // no part of a loop
+  Joint hinge;  // not part of a loop
   hinge.name = "hinge";
   hinge.base = 0;
   hinge.follower = 1;
@@ -409,8 +409,8 @@ TEST(RedundantReactions, AreListedByTheJointsThatShareThem) {
 // --- Through a flexible body
 // ---------------------------------------------------------------------------------------------
 
-// A beam of two modes welded to a bus at both its ends: of six rows two bend it, the rest are redundant. What the split
-// adds to the multipliers moves nothing: put on the bodies, which nothing holds now, it leaves all at rest.
+// A beam of two modes welded to a bus at both its ends: two of six rows bend it, the others are redundant. The part
+// that the split adds to the multipliers causes no motion: applied to the free bodies, it leaves all at rest.
 TEST(RedundantReactions, PassThroughFlexibleBodiesInBalance) {
   Model model;
   model.bodies.push_back(box("bus", 50, 4, 5, 6));

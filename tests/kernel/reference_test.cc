@@ -1,5 +1,5 @@
-// The kernel against trajectories that were computed independently, by a dense solve and a high-order integrator at
-// tolerance 1e-13 (tests/data). Bounds are those that the main job asks for.
+// The kernel against independently computed trajectories, by a dense solve and a high-order integrator at tolerance
+// 1e-13 (tests/data). The bounds are the required accuracies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct Happening {
   std::string name, subject;
 };
 
-// Steps to `until`, calling `at_tick` after every step; checks on the way what must hold at every step.
+// Steps to `until`, calling `at_tick` after every step; checks properties of every step meanwhile.
 template <class F>
 std::vector<Happening> run(Simulation& simulation, const Model& model, double until, F&& at_tick) {
   std::vector<Happening> log;

@@ -32,7 +32,7 @@ TEST(Sensors, AccelerometerOnATurningBarReadsTheCentripetalAcceleration) {
 
 TEST(Sensors, AccelerometerAtRestReadsWhatHoldsItUp) {
   Model model = build_pendulum(true, 0);
-  model.gravity.uniform = {0, 0, -9.81};  // along the hinge, which carries it
+  model.gravity.uniform = {0, 0, -9.81};  // along the hinge, which bears it
   model.sensors = {sensor("imu", Sensor::Kind::kSpecificForce, 0), sensor("hinge", Sensor::Kind::kReaction, 0)};
   Simulation s(model);
   ASSERT_EQ(s.advance().status, StepStatus::kOk);

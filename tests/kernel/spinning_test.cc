@@ -1,6 +1,6 @@
-// Frequencies of a flexible body that spins freely and steadily: what one step of the kernel does to small motions
-// about it, against the lumped masses' equations differentiated numerically. In body axes a small motion is (w, η, η');
-// its place and attitude follow, and for modes without momentum the centre of mass goes straight on.
+// Frequencies of a flexible body in free, steady spin: the effect of one step of the kernel on small motions about it,
+// against the lumped masses' equations, differentiated numerically. In body axes a small motion is (w, η, η'); its
+// place and attitude follow, and for modes without momentum the centre of mass moves in a straight line.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -27,11 +27,11 @@ using Eigen::VectorXd;
 constexpr int kModes = 6;
 constexpr Index kSize = 3 + 2 * kModes;
 constexpr double kStep = 1e-4;   // s: RK4 turns a mode by (ω h)⁵/120 too little, 1.4e-8 of ω h for the fastest here
-constexpr double kSmall = 1e-4;  // of the differences: rounding over it and over the step is 1e-8 1/s
-constexpr double kAgree = 1e-7;  // of the fastest frequency
-constexpr double kSteady = 1e-9;  // of its square: what is left of z'
+constexpr double kSmall = 1e-4;  // step of the differences: rounding over it and over the step is 1e-8 1/s
+constexpr double kAgree = 1e-7;  // relative to the fastest frequency
+constexpr double kSteady = 1e-9;  // relative to its square: residual of z'
 
-// The same in every attitude, so the body's axes are those of W.
+// State in one attitude: the motion is the same in all, so the body's axes are those of W.
 FlexibleState build_state(const VectorXd& z) {
   FlexibleState s;
   s.p_WB.setZero();
@@ -43,7 +43,7 @@ FlexibleState build_state(const VectorXd& z) {
   return s;
 }
 
-// z' of the particles.
+// Rates z' of the particles.
 VectorXd calc_rate(const ModalBody& lumped, const VectorXd& z) {
   const FlexibleAcceleration a = calc_flexible_acceleration(lumped, build_state(z), {});
   VectorXd out(kSize);
@@ -76,7 +76,7 @@ VectorXd find_steady_spin(const ModalBody& lumped, const Vector3d& spin) {
   return z;
 }
 
-// One step of the kernel.
+// Makes one step of the kernel.
 VectorXd advance(Simulation& s, const VectorXd& z) {
   init_state(s.plan, s.state);
   s.state.bodies[0].w = {z[0], z[1], z[2]};
@@ -89,7 +89,7 @@ VectorXd advance(Simulation& s, const VectorXd& z) {
   return out;
 }
 
-// Those that oscillate upwards, slowest first, 1/s: real part growth, imaginary part frequency.
+// Oscillations with positive frequency, slowest first, 1/s: real part growth, imaginary part frequency.
 std::vector<std::complex<double>> pick_oscillations(const VectorXcd& all) {
   std::vector<std::complex<double>> out;
   for (const std::complex<double>& x : all)
@@ -132,8 +132,8 @@ TEST(Spinning, SmallMotionsHaveTheFrequenciesAndDampingOfTheParticles) {
   std::cout << "largest difference of an eigenvalue, of the fastest frequency: " << worst << "\n";
 }
 
-// Sensitivity of the comparison to the spin's terms: a pair of bending modes, equal to a thousandth at rest, differs by
-// more than a twentieth.
+// Sensitivity of the comparison to the spin's terms: two bending modes, equal to a thousandth at rest, differ by more
+// than a twentieth.
 TEST(Spinning, TheSpinSplitsAPairOfBendings) {
   const ModalBody lumped = build_lattice_mast(3, kModes, Support::kFree);
   const auto rest = calc_kernel_eigenvalues(lumped, find_steady_spin(lumped, Vector3d::Zero()));

@@ -50,7 +50,8 @@ bool are_equal(const auto& a, const auto& b) {
   return true;
 }
 
-// The step goes on from what the step before has left in the workspace, or, in another one, begins anew.
+// The step continues from the results of the step before in the workspace, or, in another workspace, computes them
+// anew.
 TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
   for (const GoldenModel& golden : build_golden_models()) {
     SCOPED_TRACE(golden.model.name);
@@ -76,8 +77,7 @@ TEST(Step, ContentOfTheWorkspaceBeforeDoesNotMatter) {
 
 void poison(std::span<double> numbers) { std::ranges::fill(numbers, std::numeric_limits<double>::quiet_NaN()); }
 
-// Beside the final evaluation nothing outlives a step: neither the search for events, nor the stages, nor the solver's
-// scratch.
+// Only the final evaluation outlives a step: neither the search for events, nor the stages, nor the solver's scratch.
 TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
   for (const GoldenModel& golden : build_golden_models()) {
     SCOPED_TRACE(golden.model.name);
@@ -110,7 +110,7 @@ TEST(Step, OnlyTheFinalEvaluationIsKeptForTheNextStep) {
   }
 }
 
-// One workspace takes states of any tick in any order: those whose modes are the same, and those whose modes are not.
+// One workspace accepts states of any tick in any order: with equal modes and with other modes.
 TEST(Step, AWorkspaceServesStatesOfOtherTicks) {
   for (const GoldenModel& golden : build_golden_models()) {
     SCOPED_TRACE(golden.model.name);
@@ -139,7 +139,7 @@ TEST(Step, AWorkspaceServesStatesOfOtherTicks) {
   }
 }
 
-// A state that was changed between two steps is not taken for the result of the previous step.
+// A state that was changed between two steps is not mistaken for the result of the previous step.
 TEST(Step, AChangedStateCounts) {
   Simulation changed(build_boosters()), fresh(build_boosters());
   for (Simulation* s : {&changed, &fresh}) ASSERT_EQ(s->advance().status, StepStatus::kOk);
@@ -152,7 +152,7 @@ TEST(Step, AChangedStateCounts) {
   EXPECT_NE(calc_hash(changed.state), calc_hash(same.state));
 }
 
-// An event within some roundings of a tick leaves the step at the tick's own time, where the next one goes on from.
+// An event within some roundings of a tick ends the step at the tick's own time, where the next one begins.
 TEST(Step, EventsNextToATickEndTheStepAtTheTick) {
   const int tick = 700;  // of the sliding phase
   Simulation before(build_boosters());
@@ -298,10 +298,11 @@ TEST(Step, KnowsHowFastALatchSwings) {
   Simulation s(model);
   const std::vector<ElementFrequency> found = calc_frequencies(s.plan, s.state, s.workspace);
   ASSERT_EQ(found.size(), 4u);
-  // A drive and its latch pull along the same freedom, so their frequencies are as the roots of their stiffnesses.
+  // A drive and its latch act on the same degree of freedom, so their frequencies have the ratio of the roots of their
+  // stiffnesses.
   const double drive = model.joint_springs[0].stiffness, latch = model.joint_springs[1].stiffness;
   EXPECT_NEAR(found[1].omega / found[0].omega, std::sqrt(latch / drive), 1e-12);
-  // The outer panel alone, turning about its hinge, is the slowest that the second latch could have to hold.
+  // The outer panel alone, turning about its hinge, is the slowest motion that the second latch could have to hold.
   EXPECT_GT(found[3].omega, std::sqrt(900 / (4.99 + 11 * 1.0013)));
 }
 

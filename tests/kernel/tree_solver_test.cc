@@ -17,13 +17,13 @@ constexpr double kAgreement = 1e-10;          // relative to the largest of its 
 constexpr double kErrorPerCondition = 1e-15;  // some ten roundings along a tree of at most eight bodies
 constexpr std::uint64_t kFirstSeed = 20031;
 
-// Mostly small, since a dense solve costs n³.
+// Number of bodies: mostly small, since a dense solve costs n³.
 int get_body_count(std::uint64_t seed) {
   return seed % 40 == 0 ? 18 + static_cast<int>(seed / 40 % 43) : 1 + static_cast<int>(seed % 17);
 }
 
-// One system: its accelerations and multipliers in the modes in which it starts; then, with every joint switched to
-// any of its modes, the impulse that closes their rows, and the accelerations after it.
+// One system: its accelerations and multipliers in the initial modes; then, with every joint switched to any of its
+// modes, the impulse that closes their rows, and the accelerations after it.
 struct Systems {
   Disagreement start, impulse, after;
   int count = 0;
@@ -48,7 +48,7 @@ void expect_to_agree(std::uint64_t seed, Systems& worst) {
   update_worst(worst.start, compare(read_solution(s), solve_accelerations(model, read_state(s), wrenches)), "start",
                seed);
 
-  // Any other mode: its rows meet a velocity that they do not allow.
+  // Any other mode: the velocity violates its rows.
   for (std::size_t j = 0; j < model.joints.size(); ++j)
     s.state.joints[j].mode = random.below(static_cast<int>(model.joints[j].modes.size()));
   const SystemState before = read_state(s);
@@ -85,9 +85,9 @@ TEST(TreeSolver, AgreesWithADenseSolveOnRandomSystems) {
   print("accelerations after that", worst.after);
 }
 
-// With masses of all orders a heavy body's block, from which its joint's freedoms are taken away, leaves one rounding
-// of its own in the block of a light neighbour: a unit of roundoff for each unit of the ratio of masses. Besides, the
-// exact solution itself moves when a number that goes into it changes in its last digit; how much, the oracle tells.
+// With masses of all orders a heavy body's block, reduced by its joint's degrees of freedom, leaves one of its
+// roundings in the block of a light neighbour: a unit of roundoff for each unit of the ratio of masses. Besides, the
+// exact solution itself changes with the last digit of an input; the oracle gives the amount.
 TEST(TreeSolver, ErrsForMassRatiosToAHundredMillionNoMoreThanTheirConditionDoes) {
   double worst = 0, worst_error = 0, worst_condition = 0;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + 400; ++seed) {

@@ -22,7 +22,7 @@ Body body(const std::string& name, double x) {
   return b;
 }
 
-// Two bodies, a revolute joint about z, one of everything.
+// A model of two bodies, a revolute joint about z, one of each element.
 Model good_model() {
   Model m;
   m.bodies = {body("a", 0), body("b", 2)};
@@ -78,7 +78,7 @@ Profile table(std::vector<double> times, std::vector<double> values) {
   return p;
 }
 
-// The inertia of a plate as a program for design prints it, I_z = I_x + I_y to three digits.
+// The inertia of a plate as printed by a design program, I_z = I_x + I_y to three digits.
 TEST(Validate, RoundedInertiasOfAPlateAreAccepted) {
   Model model = good_model();
   model.bodies[0].inertia = Eigen::Vector3d(1.001, 2.002, 3.005).asDiagonal();  // 6.7e-4 too much

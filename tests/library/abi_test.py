@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The C library as others link it: its symbols, its ABI against the last release, the installed tree.
+"""The C library from outside: its symbols, its ABI against the last release, the installed tree.
 
     abi_test.py BIN_FOLDER SOURCE_FOLDER CXX CC [unittest options]
 """
@@ -32,7 +32,7 @@ def list_declared():
 
 
 def list_enumerators():
-    """["UNLATCH_OK = 0", …] of the header."""
+    """Returns ["UNLATCH_OK = 0", …] of the header."""
     text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(encoding="utf-8"), flags=re.S)
     return [f"{name} = {value}" for body in re.findall(r"enum\s*\{(.*?)\}", text, re.S)
             for name, value in re.findall(r"(UNLATCH_\w+)\s*=\s*(-?\d+)", body)]
@@ -49,7 +49,7 @@ class AbiTest(ProcessTest):
     def test_the_library_exports_what_its_header_declares_and_nothing_else(self):
         listed = self.run_ok("nm", "-D", "--defined-only", find_library()).stdout.split()[2::3]
         names = {name.partition("@@")[0]: name.partition("@@")[2] for name in listed}
-        names.pop("UNLATCH_0.1", None)  # the version's own
+        names.pop("UNLATCH_0.1", None)  # the symbol of the version itself
         self.assertEqual(set(names), list_declared())
         self.assertEqual(set(names.values()), {"UNLATCH_0.1"})
 
@@ -80,7 +80,7 @@ class AbiTest(ProcessTest):
             self.skipTest("a library with a sanitizer needs programs with the same one")
         prefix, log = self.folder / "prefix", self.folder / "session.log"
         self.run_ok("cmake", "--install", BUILD, "--prefix", prefix, "--component", "library")
-        prefix = prefix.rename(self.folder / "moved")  # it may move before it is used
+        prefix = prefix.rename(self.folder / "moved")  # it may be moved before its use
         examples = self.folder / "examples"
         self.run_ok("cmake", "-S", SOURCE / "library/examples", "-B", examples, f"-DCMAKE_PREFIX_PATH={prefix}",
                     f"-DCMAKE_C_COMPILER={CC}", f"-DCMAKE_CXX_COMPILER={CXX}", "-DCMAKE_C_FLAGS=-Wall -Wextra -Wpedantic -Werror",
@@ -94,7 +94,7 @@ class AbiTest(ProcessTest):
         self.assertEqual(len(re.findall(r"^\d\.\d{6} s  liftoff booster", own, re.M)), 4)
         self.assertIn(f"2000 ticks, hash {session['hash']}", self.run_ok(examples / "follow", BOOSTERS, log).stdout)
         self.assertEqual(self.run_ok(examples / "dispersion", REFERENCE).stdout.count("has a margin of"), 10)
-        # The same by pkg-config, as C99.
+        # Uses pkg-config in place of CMake, as C99.
         found = subprocess.run(["pkg-config", "--cflags", "--libs", "unlatch"], capture_output=True, text=True, check=True,
                                env={**os.environ, "PKG_CONFIG_PATH": str(next(prefix.glob("lib*/**/pkgconfig")))}).stdout.split()
         library = next(prefix.glob("lib*/**/libunlatch.so")).parent

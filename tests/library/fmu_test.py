@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""FMUs: an importer of our own calls every function of FMI 2.0 and 3.0, in the right and in the wrong order.
+"""FMUs: a test importer calls every function of FMI 2.0 and 3.0, in the right and in the wrong order.
 
     fmu_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -97,7 +97,7 @@ class Fmu:
         return entered or self.call("ExitInitializationMode")
 
     def access(self, name, reference, value=0.0):
-        """(status, value)"""
+        """Returns (status, value)."""
         references, values = (c_uint32 * 1)(reference), (c_double * 1)(value)
         kind = "Float64" if self.version == 3 else "Real"
         more = [c_size_t(1)] if self.version == 3 else []
@@ -112,7 +112,7 @@ class Fmu:
         return self.access("Set", self.references[name], value)[0]
 
     def step(self, time, size):
-        """(status, event needed, early, last time)"""
+        """Returns (status, event needed, early, last time)."""
         if self.version == 2:
             return self.call("DoStep", c_double(time), c_double(size), c_int(1)), False, False, time + size
         event, terminate, early, last = c_bool(), c_bool(), c_bool(), c_double()
@@ -123,7 +123,7 @@ class Fmu:
         return name if self.version == 3 else name.replace("FMUState", "FMUstate").replace("Deserialize", "DeSerialize")
 
     def save(self):
-        """(state, its bytes)"""
+        """Returns (state, its bytes)."""
         state, size = c_void_p(), c_size_t()
         assert self.call(self.state_name("GetFMUState"), byref(state)) == OK
         assert self.call(self.state_name("SerializedFMUStateSize"), state, byref(size)) == OK
@@ -140,7 +140,7 @@ class Fmu:
 
 class FmuTest(ProcessTest):
     def unpack(self, version, scenario=BOOSTERS, *more):
-        folder = self.folder / f"fmu {version} {Path(scenario).stem}"  # a blank in the path, as on people's desks
+        folder = self.folder / f"fmu {version} {Path(scenario).stem}"  # a blank in the path, as on users' machines
         if not folder.exists():
             file = self.folder / f"{version}.fmu"
             self.run_ok(UNLATCH, "export", scenario, "--fmu", file, "--fmi", version, *more)
@@ -155,7 +155,7 @@ class FmuTest(ProcessTest):
         return fmu
 
     def read_hash(self, fmu, scenario):
-        """A state of an FMU is one of the C library, its parameters, its mode; `scenario` has them all."""
+        """A state of an FMU contains one of the C library, its parameters, its mode; `scenario` has all of them."""
         state, data = fmu.save()
         self.assertEqual(fmu.call(fmu.state_name("FreeFMUState"), byref(state)), OK)
         parameters = [v for v in fmu.description.find("ModelVariables").iter() if v.get("causality") == "parameter"]
@@ -199,7 +199,7 @@ class FmuTest(ProcessTest):
             time = 0.0
             for _ in range(round(0.9 / step)):
                 self.assertEqual(fmu.step(time, step)[0], OK, fmu.messages)
-                time += step  # a running sum, as importers keep it
+                time += step  # a running sum, as in importers
             self.assertEqual(self.read_hash(fmu, REFERENCE), wanted)
 
     def test_every_function_of_the_standards_is_there(self):
@@ -408,7 +408,7 @@ class FmuTest(ProcessTest):
             if version == 2:
                 files = [file.get("name") for file in self.open(2).description.find("CoSimulation/SourceFiles")]
                 self.assertTrue(set(files) <= every)
-            # Every header of ours that one includes is there.
+            # Every included header of this project is there.
             for path in (folder / "sources").rglob("*.[ch]*"):
                 for included in re.findall(r'^#include "([^"]+)"', path.read_text(encoding="utf-8"), re.M):
                     found = [folder / "sources" / place / included for place in (".", "kernel/include", "library/include")]

@@ -97,7 +97,7 @@ class Override {
   unlatch_options options_{};
 };
 
-// A folder that is gone at the end.
+// Folder that is removed at the end.
 class Scratch {
  public:
   Scratch() {

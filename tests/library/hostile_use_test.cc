@@ -1,5 +1,5 @@
 // Facts about hostile use of the C library: null, closed and foreign handles, wrong arguments, two threads, mistakes in
-// scenarios. Nothing of it ends the process, and every refusal has a text.
+// scenarios. None of it ends the process, and every refusal has a text.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Every function that takes a handle, with arguments that are right but for it.
+// Every function that takes a handle, with otherwise valid arguments.
 std::vector<std::function<unlatch_status(void*)>> list_calls() {
   static std::size_t number;
   static std::uint64_t bits;
@@ -160,7 +160,7 @@ TEST(HostileUse, StructsOfUnknownSizeAndUnknownNumbersAreRefused) {
   EXPECT_EQ(unlatch_advance(sim.get(), 1, 1u << 9, nullptr), UNLATCH_ERROR_ARGUMENT);
 }
 
-// A caller that knows a shorter struct gets no more than that.
+// A caller with a shorter struct gets no more than that.
 TEST(HostileUse, AShorterStructIsNotWrittenBeyondItsSize) {
   const Loaded sim(kReference);
   struct {
@@ -197,7 +197,7 @@ TEST(HostileUse, WhatIsOutOfRangeIsRefusedAndChangesNothing) {
   EXPECT_EQ(unlatch_get_array(sim.get(), UNLATCH_MODAL_COORDINATES, 5, &array), UNLATCH_ERROR_RANGE);
   std::size_t index = 0;
   EXPECT_EQ(unlatch_find(sim.get(), UNLATCH_BODY, "nobody", &index), UNLATCH_ERROR_RANGE);
-  EXPECT_EQ(unlatch_find(sim.get(), UNLATCH_EVENT_KIND, "release", &index), UNLATCH_ERROR_RANGE);  // four are called so
+  EXPECT_EQ(unlatch_find(sim.get(), UNLATCH_EVENT_KIND, "release", &index), UNLATCH_ERROR_RANGE);  // four have it
   std::size_t needed = 0;
   char small[8];
   EXPECT_EQ(unlatch_save(sim.get(), small, sizeof small, &needed), UNLATCH_ERROR_RANGE);
@@ -214,7 +214,7 @@ TEST(HostileUse, TwoThreadsInOneHandleOneIsRefusedAndNothingBreaks) {
     EXPECT_GT(done, 0u);
   });
   while (!begun) std::this_thread::yield();
-  // Until the other thread is at work these calls succeed.
+  // These calls succeed until the other thread is at work.
   unlatch_status status = UNLATCH_OK;
   while (status == UNLATCH_OK) {
     std::int64_t tick = 0;
@@ -240,7 +240,7 @@ TEST(HostileUse, ThreadsWithHandlesOfTheirOwnGetTheSameBits) {
         const Loaded sim(kReference);
         EXPECT_EQ(unlatch_advance(sim.get(), 900, 0, nullptr), UNLATCH_OK);
         hash = sim.get_hash();
-        EXPECT_EQ(unlatch_step(nullptr), UNLATCH_ERROR_HANDLE);  // errors are of the thread
+        EXPECT_EQ(unlatch_step(nullptr), UNLATCH_ERROR_HANDLE);  // errors belong to the thread
         EXPECT_EQ(unlatch_count_errors(), 1u);
       });
     }

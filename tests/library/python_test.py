@@ -86,7 +86,7 @@ class PythonTest(ProcessTest):
         self.assertEqual((table.units["nozzle:1"], table.units["distance1.margin"], table.units["mass:1"]), ("N", "m", ""))
         np.testing.assert_array_equal(table["distance1.margin"], table["distance1"] - 1)
         self.assertTrue(np.isnan(table["leaves1"]).any() or (table["leaves1"] > 0).all())
-        # A sample is what the library computes from its overrides.
+        # A sample equals the library's result for its overrides.
         with unlatch.load(SOURCE / "hil/scenarios/boosters/reference.yaml") as sim:
             self.assertTrue(all(len(digits) == len(sim.hash) for digits in table["hash"]))
         frame = table.to_pandas()
@@ -118,7 +118,7 @@ class PythonTest(ProcessTest):
             self.assertEqual((sim.constants["slope"].value, sim.constants["slope"].unit), (0.06, "rad"))
             self.assertEqual(sim.get_unit("constant", "node_radius"), "m")
             self.assertEqual(sim.numbers["bodies.core.mass"], unlatch.Number(98500, "kg"))
-        # The language reads what the list writes.
+        # The language accepts the texts of the list.
         for name in ("rate.core", "clearance.core.booster1", "displacement.nose1.x", "sensor.kr1", "time.liftoff:booster3"):
             with unlatch.load(BOOSTERS) as sim:
                 requirement = f"[{{id: one, {sim.quantities[name].text}, at_least: 0}}]"
@@ -205,14 +205,14 @@ class PythonTest(ProcessTest):
                 while True:
                     try:
                         return native.advance(400_000, False)
-                    except unlatch.OrderError:  # the other thread asked just then
+                    except unlatch.OrderError:  # the other thread was asking at that moment
                         pass
             worker = threading.Thread(target=advance)
             worker.start()
             while worker.is_alive() and not refused:
                 try:
                     native.get_tick()
-                except unlatch.OrderError:  # at work in the other thread, without the interpreter's lock
+                except unlatch.OrderError:  # in use by the other thread, without the interpreter's lock
                     refused = True
             worker.join()
             self.assertTrue(refused)

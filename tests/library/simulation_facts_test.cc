@@ -54,7 +54,7 @@ TEST(CLibrary, SteppingAndCommandsDoNotAllocate) {
   }
   ASSERT_EQ(unlatch_advance(sim.get(), 100, UNLATCH_STOP_AT_EVENTS, nullptr), UNLATCH_OK);
   EXPECT_EQ(count.get(), 0);
-  EXPECT_GT(sim.count_events(), 10u);  // modes changed on the way
+  EXPECT_GT(sim.count_events(), 10u);  // modes changed meanwhile
 }
 
 TEST(CLibrary, ArraysShowTheStateAtOneAddress) {
@@ -147,7 +147,7 @@ TEST(CLibrary, ListsTheNumbersThatAScenarioWritesOutByTheirPaths) {
   EXPECT_EQ(paths.size(), sim.count(UNLATCH_NUMBER));
   EXPECT_GT(paths.size(), 100u);
   EXPECT_TRUE(paths.contains("bodies.booster4.mass"));                                         // of a template
-  for (const std::string& path : paths) EXPECT_FALSE(path.starts_with("constants.")) << path;  // a kind of their own
+  for (const std::string& path : paths) EXPECT_FALSE(path.starts_with("constants.")) << path;  // a separate kind
 }
 
 TEST(CLibrary, StopsAtEventsAndKeepsThem) {
@@ -289,7 +289,7 @@ TEST(CLibrary, WithoutTheFlagThereAreNoVerdicts) {
 }
 
 TEST(CLibrary, AFaultKeepsTheLastGoodState) {
-  // A spring far beyond the stability of the explicit step: the numbers grow until they are none.
+  // A spring far beyond the stability of the explicit step: the numbers grow until they are not finite.
   const std::string text = R"(unlatch: 1
 name: wild
 step: {dt: 0.01, until: 1}

@@ -22,7 +22,7 @@ OPTIONS = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14, "max_step": 5e-3}
 
 
 def integrate(flow, state, stages):
-    """Runs through stages, each a function that ends it at its root; the number of stages passed is given to `flow`."""
+    """Runs through stages, each a function that ends it at its root; `flow` gets the number of completed stages."""
     t, events, pieces = FIRE, [], []
     for k in range(len(stages) + 1):
         ends = []
@@ -40,7 +40,7 @@ def integrate(flow, state, stages):
 
 
 def find_peak(measure, piece, first, last):
-    """The largest value of a function of the state in an interval, from a grid and then between its points."""
+    """Returns the largest value of a function of the state in an interval, from a grid and then between its points."""
     times = np.linspace(first, last, 200)
     best = times[np.argmax([measure(piece.sol(t)) for t in times])]
     found = minimize_scalar(lambda t: -measure(piece.sol(t)), bounds=(best - times[1] + times[0], best + times[1] - times[0]),
@@ -49,7 +49,7 @@ def find_peak(measure, piece, first, last):
 
 
 def sample(pieces, start):
-    """States at TIMES, `start` before the release."""
+    """Returns states at TIMES, `start` before the release."""
     found = {}
     for time in TIMES:
         inside = [piece for piece in pieces if piece.t[0] <= time <= piece.t[-1]]
@@ -58,7 +58,7 @@ def sample(pieces, start):
 
 
 def ribs():
-    """[angle from folded, its rate, place of the hub along the axis]: the hub only moves along the axis, against the ribs."""
+    """[angle from folded, its rate, position of the hub along the axis]: the hub only moves along the axis, opposite to the ribs."""
     count, radius, length, mass, hub, folded, opened = 12, 0.35, 2.4, 1.5, 400.0, np.radians(4), np.radians(75)
     effort, stiffness, damping, latch, latch_damping, stretch, cable_damping = 4.0, 1.5, 1.6, 2000.0, 12.0, 0.02, 4.0
     travel, half = opened - folded, np.sin(np.pi / count)
@@ -71,7 +71,7 @@ def ribs():
 
     def flow(y, stage):
         angle, rate = folded + y[0], y[1]
-        part = count * mass * length / 2  # what the hub has of each rib's speed
+        part = count * mass * length / 2  # part of each rib's speed that the hub has
         shared = part**2 / (hub + count * mass)
         inertia = count * mass * length**2 / 3 - shared * np.sin(angle)**2
         force = count * (effort - stiffness * y[0] - damping * rate)
@@ -84,7 +84,7 @@ def ribs():
                 part * np.sin(angle) * rate / (hub + count * mass)]
 
     def calc_hinge_force(y):
-        """On a latched rib, less the pull of its two cables: its mass times the acceleration of its middle."""
+        """Force on a latched rib, without the pull of its two cables: its mass times the acceleration of its middle."""
         angle, rate = folded + y[0], y[1]
         _, acceleration, _ = flow(y, 2)
         axial = -mass * length / 2 * (np.sin(angle) * acceleration + np.cos(angle) * rate**2) * hub / (hub + count * mass)
@@ -106,7 +106,7 @@ BAR_MASS, POST_MASS, SLIDER_MASS = 0.6, 0.8, 0.3
 
 
 def turn(axis, angle):
-    """Rotation by Rodrigues' formula; the angle may be complex."""
+    """Returns a rotation by Rodrigues' formula; the angle may be complex."""
     x, y, z = axis
     k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * (k @ k)
@@ -117,7 +117,7 @@ def list_bodies(q):
     radius, radius_rate = 2 * HALF * np.sin(q), 2 * HALF * np.cos(q)
     height, height_rate = 2 * HALF * np.cos(q), -2 * HALF * np.sin(q)
     up, zero = np.array([0, 0, 1.0]), np.zeros(3)
-    middle = np.array([-BOOM, 0, POST / 2]) - np.array([1.0, 0, 0]) * radius  # of the upper hinges: post 1 is fixed to the spacecraft
+    middle = np.array([-BOOM, 0, POST / 2]) - np.array([1.0, 0, 0]) * radius  # centre of the upper hinges: post 1 is fixed to the spacecraft
     middle_rate = -np.array([1.0, 0, 0]) * radius_rate
     yield SPACECRAFT, np.diag(SPACECRAFT_INERTIA), zero, zero, zero
     for i in range(6):
@@ -172,13 +172,13 @@ def ring(lock, lock_damping):
         return [rate, (force - slope * rate**2 / 2) / inertia, turning[1] * rate]
 
     def calc_velocity(y):
-        """Of the spacecraft, W."""
+        """Velocity of the spacecraft, W."""
         _, turning, place, drift = reduce(y[0])
         seen = (np.cross(turning, place) - drift) * y[1]
         return np.array([np.cos(y[2]) * seen[0] + np.sin(y[2]) * seen[2], np.cos(y[2]) * seen[2] - np.sin(y[2]) * seen[0]])
 
     def calc_boom_force(y):
-        """The boom alone accelerates the spacecraft."""
+        """Acceleration of the spacecraft, which only the boom causes."""
         return SPACECRAFT * np.hypot(*np.imag(calc_velocity(y + 1j * step * np.array(flow(y, 1)))) / step)
 
     def finish(y):
@@ -194,7 +194,7 @@ def ring(lock, lock_damping):
     if lock is None:
         states = {t: [y[0], y[1] if float(t) < events[0] else 0.0, y[2]] for t, y in states.items()}
     states = {t: finish(y) for t, y in states.items()}
-    origin = finish(start)  # the spacecraft starts with attitude 0; places are told from there
+    origin = finish(start)  # the spacecraft starts with attitude 0; positions are relative to that point
     states = {t: [*y[:3], y[3] - origin[3], y[4] - origin[4]] for t, y in states.items()}
     found = {"events": {"lock": events[0]}, "energy at the lock": inertia * at_lock[1]**2 / 2, "samples": states}
     if lock is not None:

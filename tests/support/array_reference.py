@@ -21,7 +21,7 @@ CASES = {"scenario": (4, "rigid", "rows", 10.0), "elastic": (4, "elastic", "none
          "elastic-cables": (4, "elastic", "elastic", 20.0), "two": (2, "rigid", "rows", 20.0),
          "eight": (8, "rigid", "rows", 20.0)}
 MANY = {"sixteen": (16, [5.0, 18.5]), "thirty-two": (32, [2.0, 34.0]), "sixty-four": (64, [2.0, 62.5])}
-TOUCH = 1e-9  # rad; hinges that a cable ties together come to zero together
+TOUCH = 1e-9  # rad; hinges tied by a cable reach zero together
 
 
 class Array:
@@ -39,7 +39,7 @@ class Array:
         self.start = np.concatenate([np.concatenate(q), np.zeros(3 * (n + 1))])
 
     def rows(self, q, v):
-        """G and the right-hand side of G a = c."""
+        """Returns G and the right-hand side of G a = c."""
         size, g, c = len(q), [], []
         for k in range(self.n):
             a, b = 3 * k, 3 * (k + 1)
@@ -93,7 +93,7 @@ class Array:
         return np.concatenate([v, self.solve(g, self.torques(q, v), c)])
 
     def opening(self, y, k):
-        """Rises through zero where hinge k is unfolded."""
+        """Function that rises through zero at the unfolding of hinge k."""
         return (-1 if k % 2 == 0 else 1) * (y[3 * k + 5] - y[3 * k + 2])
 
     def run(self, until):
@@ -126,15 +126,15 @@ class Array:
 
 
 class Accordion:
-    """With cables every other panel is parallel: x, y and turn of the bus, the turn of odd panels, that of even ones."""
+    """Coordinates with cables, for which every other panel is parallel: x, y and turn of the bus, the turn of odd panels, that of even ones."""
 
     def __init__(self, n):
-        self.n, self.first, self.others = n, False, False  # what has latched: hinge 1; all others
+        self.n, self.first, self.others = n, False, False  # latched: hinge 1; all others
         self.turns = [2] + [3 + k % 2 for k in range(n)]    # of bus and panels, as indices of coordinates
         self.start = np.concatenate([[0, 0, 0, FOLD, -FOLD], np.zeros(5)])
 
     def bodies(self, q, u):
-        """Of bus and panels: place and turn; Jacobian, 3 x 5; what their accelerations have beyond it."""
+        """Position and turn of bus and panels; Jacobian, 3 x 5; the part of their accelerations that does not depend on q''."""
         along = [np.array([np.cos(q[i]), np.sin(q[i])]) for i in self.turns]
         J, bias = np.zeros((2, 5)), np.zeros(2)
         J[0, 0] = J[1, 1] = 1

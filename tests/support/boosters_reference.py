@@ -25,7 +25,7 @@ ROWS = {TIED: "xyzabc", HINGE: "xyzac", SLIDER: "yzac", FREE: ""}  # a, b, c: ro
 THROTTLE, THROTTLED, VERNIERS, VERNIERS_OFF, RUDDERS, NEUTRAL, TIES, CUTOFF = 0.1, 0.2, 0.25, 0.29, 0.3, 0.4, 0.45, 0.5
 # The nozzle of a fuel tank, in booster axes: N, s, m.
 FUEL_JET = {"nozzle_force": 4000.0, "nozzle_tau": 0.05, "nozzle_point": [2.0, 0, 0], "nozzle_dir": [-0.8, 0.6, 0]}
-# Propellant burnt, kg/(N s), and what is left of mass and inertia for each kg of it; central field, m3/s2; m/s along x.
+# Propellant burnt, kg/(N s), and the remaining part of mass and inertia for each kg of it; central field, m3/s2; m/s along x.
 CONSUMPTION = {"core": 1 / (315 * 9.80665), "boosters": 1 / (310 * 9.80665)}
 MU, SPEED = 398600.4418e9, 1750.0
 # The core's attitude loop: s, ticks of 1 ms, N, m; rad/rad and s, about x, y, z; parts of thrust, rad.
@@ -40,8 +40,8 @@ CASES = {
     "uncut-tie": {"uncut": {1}},
     "imbalance": {"thrust": {0: 1.05, 2: 0.95}},
     "dead-nozzle": {"dead": {0}},
-    # dispersed.yaml: no preparatory stage, tail-offs of their own (N, s).
-    # both-nozzles.yaml: those of the fuel tanks, too.
+    # dispersed.yaml: no preparatory stage, individual tail-offs (N, s).
+    # both-nozzles.yaml: with the nozzles of the fuel tanks, too.
     "both-nozzles": {"fuel": True},
     "oxidizer-shut": {"fuel": True, "dead": {0}},
     "fuel-shut": {"fuel": True, "fuel_dead": {0}},
@@ -49,7 +49,7 @@ CASES = {
     # open-loop.yaml and attitude-loop.yaml: commanded by flight software, whose commands take 20 ms.
     "open-loop": {"fuel": True, "thrust": {0: 1.05, 2: 0.95}, "loop": 0},
     "attitude-loop": {"fuel": True, "thrust": {0: 1.05, 2: 0.95}, "loop": 1},
-    # variable-mass.yaml, central-field.yaml: what the paper assumes is dropped.
+    # variable-mass.yaml, central-field.yaml: without simplifications of the paper.
     "variable-mass": {"burns": True},
     "central-field": {"central": True},
     "dispersed": {"tails": [(300000, 0.35), (306000, 0.33), (294000, 0.37), (303000, 0.39)], "until": 2.0},
@@ -84,11 +84,11 @@ class Boosters:
         self.thrust = [case.get("thrust", {}).get(k, 1) for k in range(4)]
         self.delay = [case.get("delay", {}).get(k, P["nozzle_delay"]) for k in range(4)]
         self.uncut = case.get("uncut", set())
-        # Jets of all boosters, each with those on which it stays shut.
+        # Jets of all boosters, each with the set of boosters on which it stays shut.
         self.jets = [(None, case.get("dead", set()))] + ([(FUEL_JET, case.get("fuel_dead", set()))] if "fuel" in case else [])
         self.burns, self.centre = "burns" in case, None
         velocity = np.zeros(3)
-        if "central" in case:  # as strong as the uniform field where the core is at the start
+        if "central" in case:  # as strong as the uniform field at the core's initial position
             field = np.array(P["gravity"])
             self.centre = field / np.linalg.norm(field) * np.sqrt(MU / np.linalg.norm(field))
             velocity = np.array([SPEED, 0, 0])
@@ -104,10 +104,10 @@ class Boosters:
             yb = np.sin(b["delta"]) * ex + np.cos(b["delta"]) * er
             c = np.stack([xb, yb, np.cross(xb, yb)], axis=1)
             states.append(np.concatenate([hinge - c @ np.array(b["r_nose"]), quaternion(c), velocity, np.zeros(3)]))
-        self.start = np.concatenate([*states, np.zeros(5)])  # the last: burnt mass
+        self.start = np.concatenate([*states, np.zeros(5)])  # last entries: burnt mass
 
     def forces(self, t, k, c):
-        """Force and moment about the centre of mass of booster k, inertial axes, without gravity."""
+        """Returns force and moment about the centre of mass of booster k, inertial axes, without gravity."""
         b = P["boosters"][k]
         main, vernier, trim = self.calc_thrusts(t, k)
         tail = main * np.array(b["thrust_dir"]) + [vernier, 0, trim]
@@ -127,14 +127,14 @@ class Boosters:
         return MU * (self.centre - place) / np.linalg.norm(self.centre - place)**3
 
     def calc_flows(self, t):
-        """Mass burnt in a second by each body."""
+        """Returns the mass burnt in a second by each body."""
         if not self.burns:
             return np.zeros(5)
         thrusts = [sum(self.calc_thrusts(t, k)[:2]) for k in range(4)]
         return np.array([P["core"]["thrust"] * CONSUMPTION["core"], *(f * CONSUMPTION["boosters"] for f in thrusts)])
 
     def calc_thrusts(self, t, k):
-        """Of the main engine, of the verniers, and the force of the rudder, of booster k."""
+        """Thrusts of the main engine and of the verniers, and the force of the rudder, of booster k."""
         throttle, vernier, rudder = self.calc_commands(t)
         main = FULL * self.thrust[k] * throttle
         if t >= self.phase_cutoff:
@@ -142,16 +142,16 @@ class Boosters:
         return main, VERNIER * vernier, (TRIM if k % 2 == 0 else -TRIM) * rudder
 
     def calc_commands(self, t):
-        """Parts of the main thrust, of the verniers' and of the rudders' force before the cut-off."""
+        """Returns parts of the main thrust, of the verniers' and of the rudders' force before the cut-off."""
         return ramp(t, THROTTLE, THROTTLED, 0.84), ramp(t, VERNIERS, VERNIERS_OFF, 0), ramp(t, RUDDERS, NEUTRAL, 0)
 
     def calc_core_load(self):
-        """Force and moment about the centre of mass of the core, its axes."""
+        """Returns force and moment about the centre of mass of the core, its axes."""
         return np.array([P["core"]["thrust"], 0, 0]), np.zeros(3)
 
     def solve(self, t, y):
-        """Accelerations (5 × 6, angular ones in inertial axes) and multipliers by (booster, row)."""
-        s, left = y[:65].reshape(5, 13), 1 - y[65:] / self.mass  # mass and inertia fall alike
+        """Returns accelerations (5 × 6, angular ones in inertial axes) and multipliers by (booster, row)."""
+        s, left = y[:65].reshape(5, 13), 1 - y[65:] / self.mass  # mass and inertia decrease in the same proportion
         c = [rotation(s[i, 3:7]) for i in range(5)]
         w = s[:, 10:13]
         m, f = np.zeros((30, 30)), np.zeros(30)
@@ -210,7 +210,7 @@ class Boosters:
         return n[0] @ (rotation(s[0, 3:7]).T @ (nose - s[0, :3]) - hinge)
 
     def guards(self):
-        """(name, booster, function that rises through zero)."""
+        """Returns (name, booster, function that rises through zero)."""
         out = []
         for k in range(4):
             if self.mode[k] == HINGE:
@@ -234,7 +234,7 @@ class Boosters:
         return t + self.delay[k]
 
     def list_times(self):
-        """Those at which something is switched."""
+        """Times of switching."""
         return {THROTTLE, THROTTLED, VERNIERS, VERNIERS_OFF, RUDDERS, NEUTRAL, TIES, CUTOFF}
 
     def switch(self, t, y):
@@ -254,7 +254,7 @@ class Boosters:
                 return events, samples
             self.switch(t, y)
             self.now_open = t
-            while True:  # what already holds
+            while True:  # conditions that are true already
                 due = [(n, k) for n, k, g in self.guards() if g(t, y) >= 0]
                 for n, k in due:
                     events.append([t, n, k + 1])
@@ -288,7 +288,7 @@ class Boosters:
 
 
 class Loop(Boosters):
-    """The same, commanded by flight software: it sees a tick, its commands act LOOP_DELAY ticks later."""
+    """Boosters commanded by flight software: its commands act LOOP_DELAY ticks after the tick to which they respond."""
 
     def __init__(self, case):
         super().__init__(case)

@@ -36,7 +36,7 @@ inline Contact touch(const std::string& name, int base, int follower, double sti
   return contact;
 }
 
-// A ball of 1 kg at `height` above the floor.
+// Builds a ball of 1 kg at `height` above the floor.
 inline Model build_dropped_ball(double height) {
   Model model;
   model.name = "ball";
@@ -50,7 +50,7 @@ inline Model build_dropped_ball(double height) {
   return model;
 }
 
-// The same at rest on the floor, where the spring bears its weight.
+// Builds the same ball at rest on the floor, where the spring bears its weight.
 inline Model build_resting_ball(double stiffness) {
   Model model = build_dropped_ball(-kGravity / stiffness);
   model.contacts[0].stiffness = stiffness;
@@ -60,8 +60,9 @@ inline Model build_resting_ball(double stiffness) {
 inline constexpr double kPassingRadius = 0.006;  // m
 inline constexpr double kPassingSpeed = 2;       // m/s
 
-// A ball of 6 mm that passes a rail along z at the origin, `depth` deeper than it would touch, from `start` before it.
-// The contact is so soft that the ball goes straight on: it touches and lifts at −/+ calc_half_chord() beside the rail.
+// Builds a ball of 6 mm that passes a rail along z at the origin, `depth` closer than a touch, from `start` before it.
+// The contact is so soft that the ball moves in a straight line: it touches and lifts at −/+ calc_half_chord() beside
+// the rail.
 inline Model build_passing_ball(double rail_radius, double depth, double start) {
   Model model;
   model.name = "passing";
@@ -81,7 +82,7 @@ inline double calc_half_chord(double rail_radius, double depth) {
   return std::sqrt(depth * (2 * sum - depth));
 }
 
-// A block of 2 kg on four feet, at rest on the floor z = 0; damped.
+// Builds a block of 2 kg on four feet, at rest on the floor z = 0; damped.
 inline Model build_block_on_feet() {
   Model model;
   model.name = "block";
@@ -98,7 +99,7 @@ inline Model build_block_on_feet() {
   return model;
 }
 
-// Two balls that turn and meet off their line, with friction and damping.
+// Builds two rotating balls that meet off their line, with friction and damping.
 inline Model build_spinning_pair() {
   Model model;
   model.name = "pair";
@@ -116,7 +117,7 @@ inline Model build_spinning_pair() {
   return model;
 }
 
-// A capsule of 2 kg that bounces in a tube, as tests/support/tube_reference.py has it.
+// Builds a capsule of 2 kg that bounces in a tube, as in tests/support/tube_reference.py.
 inline Model build_capsule_in_tube() {
   Model model;
   model.name = "tube";
@@ -142,8 +143,8 @@ inline Model build_capsule_in_tube() {
   return model;
 }
 
-// Sixteen pairs of shapes, four of them closed: capsules at rest on the floor beside each other, a cone and a box that
-// fall towards it.
+// Builds sixteen pairs of shapes, four of them closed: capsules at rest on the floor beside each other, a cone and a
+// box that fall towards it.
 inline Model build_sixteen_pairs() {
   Model model;
   model.name = "pairs";
@@ -182,7 +183,7 @@ inline Model build_sixteen_pairs() {
   return model;
 }
 
-// `bodies` balls, capsules, boxes and hulls that fall onto the floor and each other; the first also in a tube.
+// Builds `bodies` balls, capsules, boxes and hulls that fall onto the floor and each other; the first also in a tube.
 inline Model build_heap(int bodies) {
   Model model;
   model.name = "heap";

@@ -10,11 +10,11 @@ using Vector3 = Eigen::Matrix<Real, 3, 1>;
 using Matrix3 = Eigen::Matrix<Real, 3, 3>;
 using Index = Eigen::Index;
 
-// Data of a body, or of the ground, that the rows need: all in inertial axes.
+// Data of a body, or of the ground, for the rows: all in inertial axes.
 struct Frame {
   Vector3 p = Vector3::Zero(), v = Vector3::Zero(), w = Vector3::Zero();
   Matrix3 C = Matrix3::Identity();
-  Index column = -1;  // of v_dot in the system; −1 for the ground
+  Index column = -1;  // column of v_dot in the system; −1 for the ground
 };
 
 Frame calc_frame(const SystemState& state, int body) {
@@ -31,7 +31,7 @@ Frame calc_frame(const SystemState& state, int body) {
 
 Matrix3 calc_rotation_axes(const Joint& joint) { return joint.rotation_axes.value_or(joint.axes).cast<Real>(); }
 
-// The rotation frame in follower axes: given, or such that it coincides with the base's at the initial attitudes.
+// Rotation frame in follower axes: given, or such that it coincides with the base's at the initial attitudes.
 Matrix3 calc_follower_axes(const Model& model, const Joint& joint) {
   if (joint.follower_axes) return joint.follower_axes->cast<Real>();
   const auto attitude = [&model](int body) -> Matrix3 {
@@ -110,7 +110,8 @@ void write_joint_row(const Model& model, const Joint& joint, RowSet set, int row
   }
 }
 
-// M = L Lᵀ, L body by body. With y = Lᵀ a and A = D G L^-T (D scales rows to length one) the system is
+// Solver of the system. M = L Lᵀ, L body by body. With y = Lᵀ a and A = D G L^-T (D scales rows to length one) the
+// system is
 //   y − Aᵀ (D^-1 λ) = L^-1 F,   A y = D c,
 // so y = L^-1 F + z with z = A⁺ (D c − A L^-1 F) and λ = D (Aᵀ)⁺ z. The factors are in double, the residuals in long
 // double: three rounds bring the solution to the accuracy of the residuals as long as the condition is below some 1e13.
@@ -118,7 +119,7 @@ class Solver {
  public:
   explicit Solver(const DenseKkt& kkt) : kkt_(kkt), A_(kkt.rows.rows(), kkt.rows.cols()) {
     for (Index at = 0; at < kkt.mass.rows(); at += 6) L_.emplace_back(kkt.mass.block<6, 6>(at, at).llt().matrixL());
-    if (A_.rows() == 0) return;  // Eigen takes no blocks of nothing
+    if (A_.rows() == 0) return;  // Eigen accepts no empty blocks
     for (Index at = 0; at < kkt.mass.rows(); at += 6)
       A_.middleCols<6>(at) = L_[static_cast<std::size_t>(at / 6)]
                                  .triangularView<Eigen::Lower>()

@@ -1,4 +1,4 @@
-// DenseKkt: the oracle of the tree solver. It writes the whole system
+// DenseKkt: the oracle of the tree solver. It assembles the whole system
 //
 //   M a = F + Gᵀ λ,   G a = c        a = (v_dot in inertial axes, w_dot in body axes) per body, F holds −w × J w
 //
@@ -48,23 +48,23 @@ struct DenseKkt {
   RealMatrix mass;             // M, 6 n × 6 n
   RealMatrix rows;             // G, m × 6 n
   RealVector bias;             // c, m
-  RealVector gyroscopic;       // −w × J w in the places of w_dot, else 0
+  RealVector gyroscopic;       // −w × J w in the entries of w_dot, else 0
   RealVector speed;            // (v_WB, w_WB_B) per body
-  std::vector<RowName> names;  // of the m rows: joints in order, Row order within
+  std::vector<RowName> names;  // names of the m rows: joints in order, Row order within
 };
 DenseKkt build_dense_kkt(const Model& model, const SystemState& state);
 
 struct DenseSolution {
-  std::vector<Eigen::Vector3d> linear;                   // v_dot, inertial axes; of an impulse: change of v_WB
-  std::vector<Eigen::Vector3d> angular;                  // w_dot, body axes; of an impulse: change of w_WB_B
-  std::vector<Eigen::Matrix<double, 6, 1>> multipliers;  // per joint, by Row; 0 where no row holds; N, N m (s)
-  double condition = 0;                                  // estimate, of the row-scaled G M^-1/2 without its null space
-  int redundant = 0;                                     // rows that follow from the others
-  double residual = 0;                                   // largest entry of G a − c left
+  std::vector<Eigen::Vector3d> linear;                   // v_dot, inertial axes; for an impulse: change of v_WB
+  std::vector<Eigen::Vector3d> angular;                  // w_dot, body axes; for an impulse: change of w_WB_B
+  std::vector<Eigen::Matrix<double, 6, 1>> multipliers;  // per joint, by Row; 0 for inactive rows; N, N m (s)
+  double condition = 0;  // estimated condition of the row-scaled G M^-1/2 without its null space
+  int redundant = 0;     // number of rows that follow from the others
+  double residual = 0;   // largest remaining entry of G a − c
 };
 DenseSolution solve_accelerations(const Model& model, const SystemState& state, const std::vector<Wrench>& wrenches);
 
-// Perfectly plastic: M dv = Gᵀ Λ, G (v + dv) = 0.
+// Solves a perfectly plastic impulse: M dv = Gᵀ Λ, G (v + dv) = 0.
 DenseSolution solve_plastic_impulse(const Model& model, const SystemState& state);
 
 }  // namespace unlatch::test

@@ -19,7 +19,7 @@ K, MU, SLIP_SPEED, E, E_SPEED, TWINS = 1e6, 0.2, 2e-3, 0.2, 0.01, 2
 EXIT, START, END = 0.355, 0.1, 0.6
 DOOR, DOOR_INERTIA, DOOR_X = 0.2, 0.21e-3, PLATE + 0.353
 MASS = (850 + DOOR, 4.0)
-CENTRE = DOOR * DOOR_X / MASS[0]  # of stage and door, in the stage's axes
+CENTRE = DOOR * DOOR_X / MASS[0]  # centre of mass of stage and door, in the stage's axes
 INERTIA = (640 + 850 * CENTRE**2 + DOOR_INERTIA + DOOR * (DOOR_X - CENTRE)**2, 41.98e-3)
 D = brentq(lambda x: x * (1 + E) - np.log((1 + x) / (1 - E * x)), 1e-3, 1 / E - 1e-9) / E_SPEED
 
@@ -34,7 +34,7 @@ def get_velocity(body, point):
 
 
 def find_contacts(stage, cube):
-    """Witnesses of each pair in the plane: on the stage, on the cubesat; the depth; the normal towards the cubesat. W."""
+    """Returns the witness points of each pair in the plane: on the stage, on the cubesat; the depth; the normal towards the cubesat. W."""
     def to_world(body, point, centre=0.0):
         return body[:2] + turn(body[2], point[0] - centre, point[1])
 
@@ -59,7 +59,7 @@ def find_contacts(stage, cube):
 
 
 def measure(stage, cube):
-    """Travel of the spring and its rate; its point; its direction."""
+    """Returns travel of the spring and its rate; its point; its direction."""
     n = turn(stage[2], 1, 0)
     point = cube[:2] + turn(cube[2], -HALF, OFFSET)
     base = stage[:2] + turn(stage[2], PLATE - CENTRE, OFFSET)
@@ -108,7 +108,7 @@ def main():
     state = np.array([CENTRE, 0, 0, 0, 0, 0, PLATE + HALF, 0, 0, 0, 0, 0])
     end, out = make_event(lambda stage, cube: measure(stage, cube)[0] - STROKE), make_event(calc_exit)
     end.terminal = True
-    options = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-14, "max_step": 5e-5}  # of the law's kinks at touch and lift
+    options = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-14, "max_step": 5e-5}  # because of the law's kinks at touch and lift
     first = solve_ivp(flow, (START, END), state, args=(True,), events=[end, out], **options)
     then = solve_ivp(flow, (first.t[-1], END), first.y[:, -1], args=(False,), events=[end, out], **options)
     stage, cube = then.y[:, -1].reshape(2, 6)

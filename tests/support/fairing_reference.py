@@ -19,7 +19,7 @@ from scipy.linalg import eigh
 from boosters_reference import rotation
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# hil/scenarios/fairing/scenario.yaml, by hand.
+# Constants of hil/scenarios/fairing/scenario.yaml, copied by hand.
 CORE_MASS, CORE_INERTIA, CORE_START = 12000.0, np.array([60000.0, 60000.0, 20000.0]), np.array([0, 0, -3.0])
 HINGES = np.array([[0, 2.0, 3], [0, -2.0, 3]])        # in the core's axes
 TURNS = [np.eye(3), np.diag([-1.0, -1, 1])]           # half to core at angle zero
@@ -44,7 +44,7 @@ def cross(a):
 
 
 def crosses(a):
-    """(n, 3, 3) of (n, 3)."""
+    """Returns (n, 3, 3) of (n, 3)."""
     out = np.zeros((len(a), 3, 3))
     out[:, 2, 1], out[:, 0, 2], out[:, 1, 0] = a.T
     return out - out.transpose(0, 2, 1)
@@ -64,7 +64,7 @@ def about_x(angle):
 
 
 class Half:
-    """Mass points and markers from the undeformed centre of mass: shapes without momentum, orthonormal by mass."""
+    """Mass points and markers relative to the undeformed centre of mass: shapes without momentum, orthonormal by mass."""
 
     def __init__(self, path):
         words = [line.split("#")[0].split() for line in path.read_text().splitlines()]
@@ -103,7 +103,7 @@ class Half:
         self.at = {name: (marked[k], (at[k] @ a)[:, :SELECT], (turn[k] @ a)[:, :SELECT]) for k, name in enumerate(names)}
 
     def turn_of(self, name, eta, rate):
-        """S of a marker (its axes to the body's), its derivative by each mode, dS/dt, and d2S/dt2 at constant rates: the
+        """Returns S of a marker (its axes to the body's), its derivative by each mode, dS/dt, and d2S/dt2 at constant rates: the
         Rodrigues vector is half of the small rotations' sum."""
         psi = self.at[name][2]
         g, d = cross(psi @ eta / 2), cross(psi @ rate / 2)
@@ -119,16 +119,16 @@ class Half:
 
 
 class Jettison:
-    """y: core p q v w, then of each half: angle, its rate (hinged) or p q v w (free), and always eta, its rate."""
+    """State y: core p q v w, then of each half: angle, its rate (hinged) or p q v w (free), and always eta, its rate."""
 
     def __init__(self, half, until=0.0, dead=None, locked=False, begin=0.0):
         opens = [(one, other, abs(z - begin) / SPEED, rest) for one, other, z, rest in LOCKS]
-        self.locks = [lock for lock in opens if locked and lock[2] > 0]  # those that still hold; when they let go, s
+        self.locks = [lock for lock in opens if locked and lock[2] > 0]  # active locks; times at which they open, s
         self.half, self.until, self.dead, self.hinged, self.pushing = half, until, dead, [True, True], True
         self.start = np.concatenate([CORE_START, [1, 0, 0, 0], np.zeros(6), *[np.zeros(2 + 2 * SELECT)] * 2])
 
     def unpack(self, y):
-        """Core (p, R, v, w, q); each half's (own coordinates, eta, rate)."""
+        """Returns core (p, R, v, w, q); each half's (own coordinates, eta, rate)."""
         core, i, halves = (y[:3], rotation(y[3:7]), y[7:10], y[10:13], y[3:7]), 13, []
         for hinged in self.hinged:
             own = 2 if hinged else 13
@@ -137,7 +137,7 @@ class Jettison:
         return core, halves
 
     def motion(self, core, own, eta, rate, k, r, phi):
-        """Places, Jacobians and biases (d/dt of them at constant speeds) of points of half k; the speeds are the core's v
+        """Returns positions, Jacobians and biases (d/dt of them at constant speeds) of points of half k; the speeds are the core's v
         (inertial) and w (its axes), angle rate, eta rate when hinged; v, w, eta rate when free."""
         s, flow = r + phi @ eta, phi @ rate
         if len(own) == 13:
@@ -161,7 +161,7 @@ class Jettison:
         return p + x @ R.T, J, (x @ W @ W + 2 * dx @ W + ddx) @ R.T
 
     def pose(self, core, own, eta, rate, k):
-        """Of the half's frame: p, R, v, w; by the rigid motion of its undeformed axes."""
+        """Returns p, R, v, w of the half's frame; by the rigid motion of its undeformed axes."""
         if len(own) == 13:
             return own[:3], rotation(own[3:7]), own[7:10], own[10:13]
         p, R, v, w, _ = core
@@ -177,7 +177,7 @@ class Jettison:
         return p_hinge - R_half @ d, R_half, v_hinge - R_half @ (np.cross(w_half, d) + dd), w_half
 
     def edge(self, own, eta, k, name):
-        """Of a marker of half k on its hinge, core's axes: its place and its y, each with derivatives by angle and eta (3, 1 + SELECT)."""
+        """Returns position and y of a marker of half k on its hinge, core's axes, each with derivatives by angle and eta (3, 1 + SELECT)."""
         (place, phi, _), (arm, arm_phi, _), still = self.half.at[name], self.half.at["hinge"], np.zeros(SELECT)
         (S, by_mode, _, _), (A, a_by_mode, _, _) = self.half.turn_of("hinge", eta, still), self.half.turn_of(name, eta, still)
         T, X, u = about_x(own[0]) @ TURNS[k], cross([1.0, 0, 0]), place + phi @ eta - arm - arm_phi @ eta
@@ -187,7 +187,7 @@ class Jettison:
         return HINGES[k] + out, np.stack([X @ out, *by_place], axis=1), y, np.stack([X @ y, *by_y], axis=1)
 
     def lock_forces(self, halves):
-        """Forces on angle and eta of half 1, then of half 2: minus the derivatives of the springs' energy."""
+        """Returns forces on angle and eta of half 1, then of half 2: minus the derivatives of the springs' energy."""
         force = np.zeros((2, 1 + SELECT))
         for one, other, _, rest in self.locks:
             ends = [self.edge(own, eta, k, name) for k, ((own, eta, _), name) in enumerate(zip(halves, (one, other)))]
@@ -199,7 +199,7 @@ class Jettison:
         return force
 
     def solve(self, t, y):
-        """d(speeds)/dt, ordered: core 6, then for each half its own (1 or 6) and eta's."""
+        """Returns d(speeds)/dt, ordered: core 6, then for each half its own (1 or 6) and eta's."""
         core, halves = self.unpack(y)
         w, half = core[3], self.half
         counts = [(1 if hinged else 6) + SELECT for hinged in self.hinged]
@@ -246,7 +246,7 @@ class Jettison:
         return np.concatenate(out)
 
     def release(self, y, due):
-        """The same motion with those halves in coordinates of their own."""
+        """Returns the same motion with those halves in their own coordinates."""
         core, halves = self.unpack(y)
         out = [y[:13]]
         for k, (own, eta, rate) in enumerate(halves):
@@ -259,7 +259,7 @@ class Jettison:
         return np.concatenate(out)
 
     def describe(self, y):
-        """Core and halves: p q v w; then eta of each half; then the displacement of the points looked at, half's axes."""
+        """Returns core and halves: p q v w; then eta of each half; then the displacement of the observed points, half's axes."""
         core, halves = self.unpack(y)
         bodies, modal, elastic = [np.concatenate([core[0], core[4] / np.linalg.norm(core[4]), core[2], core[3]])], [], []
         for k, (own, eta, rate) in enumerate(halves):
@@ -295,7 +295,7 @@ class Jettison:
 
 
 def check():
-    """The Jacobian times speeds, and the bias, against differences of places along a smooth motion; the pose likewise."""
+    """Compares the Jacobian times speeds, and the bias, with differences of positions along a smooth motion; likewise the pose."""
     dice, half = np.random.default_rng(2003), Half(ROOT / "hil/scenarios/fairing/fairing.modes")
     for hinged in (True, False):
         for k in (0, 1):
@@ -306,7 +306,7 @@ def check():
             h, some = 1e-4, dice.integers(0, len(half.m), 20)
 
             def at(time):
-                """Constant generalised speeds: p linear, q turning about w, the rest linear."""
+                """Moves at constant generalised speeds: p linear, q turning about w, the rest linear."""
                 out = y.copy()
                 frames = [0] + ([] if hinged else [13 + k * (13 + 2 * SELECT)])
                 for f in frames:

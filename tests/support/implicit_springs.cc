@@ -69,7 +69,7 @@ double calc_energy(const SpringChain& chain, const VectorXd& y) {
   return 0.5 * (stretch.cwiseAbs2().dot(to_vector(chain.stiffnesses)) + rate.dot(calc_mass_matrix(chain) * rate));
 }
 
-// The masses lie at rest a metre apart along x, which is z of the joints; they start stretched.
+// The masses rest a metre apart along x, which is z of the joints; they start with stretched springs.
 Model build_model(const SpringChain& chain) {
   Model model;
   model.name = "spring_chain";
@@ -133,7 +133,7 @@ VectorXd calc_accurate(const SpringPendulum& p, double t) {
   const auto rate = [&](const Pair& y) -> Pair {
     return {y.speed, (-real(p.stiffness) * y.angle - real(p.damping) * y.speed - weight * std::cos(y.angle)) / inertia};
   };
-  // A thousandth of the fastest swing's radian a step: an error of some 1e-13 of the amplitude per radian.
+  // Step of a thousandth of the fastest oscillation's radian: an error of some 1e-13 of the amplitude per radian.
   const double fastest = std::sqrt((p.stiffness + p.mass * p.gravity * p.arm) / static_cast<double>(inertia)) + 1;
   const long steps = std::lround(std::ceil(t * fastest * 1000)) + 1;
   const Real h = static_cast<Real>(t) / static_cast<Real>(steps);

@@ -23,11 +23,11 @@ def unpack(state):
 
 
 def measure(state, k):
-    """Place of pusher k along the guide and its rate; arms; direction."""
+    """Returns coordinate of pusher k along the guide and its rate; arms; direction."""
     (p1, R1, v1, w1), (p2, R2, v2, w2) = unpack(state)
     base, end = np.array([PLANE, 0, 0]) + SPOTS[k], np.array([-BEHIND, 0, 0]) + SPOTS[k]
     r2 = R2 @ end
-    r1 = p2 + r2 - p1  # the force meets the base where the follower's point is
+    r1 = p2 + r2 - p1  # the force acts on the base at the follower's point
     n = R1[:, 0]
     line = r1 - R1 @ base
     rate = (v2 + np.cross(R2 @ w2, r2)) - (v1 + np.cross(R1 @ w1, r1))

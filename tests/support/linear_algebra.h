@@ -1,11 +1,11 @@
-// Eigen's decompositions for tests, compiled once: each takes a compiler some ten seconds wherever it is instantiated.
+// Eigen's decompositions for tests, compiled once: each instantiation takes a compiler some ten seconds.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace unlatch::test {
 
-// Eigenvalues of any square matrix, in no order.
+// Eigenvalues of any square matrix, in no particular order.
 Eigen::VectorXcd calc_eigenvalues(const Eigen::MatrixXd& matrix);
 
 // Eigenvalues, ascending, and orthonormal eigenvectors (columns) of a symmetric matrix; its lower triangle is read.
@@ -15,7 +15,7 @@ struct SymmetricEigen {
 };
 SymmetricEigen calc_symmetric_eigen(const Eigen::MatrixXd& matrix);
 
-// The x of matrix · x = right: by Gauss with full pivots; least squares by Householder's QR.
+// Solution x of matrix · x = right: by Gauss with full pivots; least squares by Householder's QR.
 Eigen::VectorXd solve_full_pivots(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 Eigen::VectorXd solve_least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 

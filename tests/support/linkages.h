@@ -1,4 +1,4 @@
-// Mechanisms of bars and hinges, given by points and axes of the world.
+// Mechanisms of bars and hinges, given by points and axes in world coordinates.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace unlatch::test {
 
-// A rod of 1 m and 1 kg from one point to another.
+// Builds a rod of 1 m and 1 kg from one point to another.
 Body build_rod(const std::string& name, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
-// A hinge at a point of the world, about an axis of the world.
+// Builds a hinge at a point and about an axis, both in world coordinates.
 Joint build_hinge(const Model& model, int base, int follower, const Eigen::Vector3d& point,
                   const Eigen::Vector3d& axis);
 
-// A closed chain of rods through `points`, hinged at each about `axes`, the last rod being the ground.
+// Builds a closed chain of rods through `points`, hinged at each about `axes`, the last rod being the ground.
 Model build_linkage(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& axes,
                     const Eigen::Vector3d& gravity);
 

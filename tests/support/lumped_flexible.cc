@@ -17,9 +17,9 @@ using Eigen::VectorXd;
 using RealVector3 = Eigen::Matrix<Real, 3, 1>;
 using RealMatrix3 = Eigen::Matrix<Real, 3, 3>;
 
-constexpr double kBar = 2e5;  // N/m, of each bar
+constexpr double kBar = 2e5;  // N/m, each bar
 constexpr double kReach = 1.8;  // m: points nearer than that are tied; sides are 1 m, diagonals √2, space diagonals √3
-constexpr double kDamping = 0.01;  // of critical, every mode
+constexpr double kDamping = 0.01;  // relative to critical, every mode
 
 RealMatrix3 calc_cross(const RealVector3& a) {
   RealMatrix3 m;
@@ -27,7 +27,7 @@ RealMatrix3 calc_cross(const RealVector3& a) {
   return m;
 }
 
-// Bars resist being stretched: rigid motions, however small the bars' number, cost nothing.
+// Stiffness of bars that resist stretching: for any number of bars, rigid motions have no energy.
 MatrixXd calc_stiffness(const std::vector<Vector3d>& points) {
   const auto size = static_cast<Index>(3 * points.size());
   MatrixXd K = MatrixXd::Zero(size, size);
@@ -70,7 +70,7 @@ ModalBody build_lattice_mast(int bays, int modes, Support support) {
   const SymmetricEigen eigen =
       calc_symmetric_eigen(root.asDiagonal() * K.bottomRightCorner(size, size) * root.asDiagonal());
   if (size - rigid < modes) throw std::invalid_argument("a mast of that many bays has fewer modes");
-  if (modes == 0) {  // Eigen takes no blocks of nothing
+  if (modes == 0) {  // Eigen accepts no empty blocks
     body.shapes.assign(body.masses.size(), Eigen::Matrix<double, 3, Eigen::Dynamic>(3, 0));
     return body;
   }
@@ -87,7 +87,7 @@ PointJacobian calc_point_jacobian(const ModalBody& body, const FlexibleState& st
   const RealMatrix3 R = state.q_WB.cast<Real>().normalized().toRotationMatrix();
   const RealVector3 w = state.w_WB_B.cast<Real>();
   RealVector3 s = body.positions[point].cast<Real>(), s_rate = RealVector3::Zero();
-  if (body.get_modes() > 0) {  // Eigen takes no products of nothing
+  if (body.get_modes() > 0) {  // Eigen accepts no empty products
     s += shape * state.eta.cast<Real>();
     s_rate = shape * state.eta_rate.cast<Real>();
   }

@@ -28,27 +28,27 @@ enum class Support {
   kFree,     // modes of the free lattice: they carry neither momentum nor, at rest, angular momentum
   kClamped,  // its first four points stay in the frame: modes that carry both
 };
-// A mast of a square cross-section: `bays` squares of four points along x, each tied to the next by bars and diagonals.
-// The lowest modes; masses vary along it so that nothing is symmetrical. Throws if there are fewer.
+// Builds a mast of a square cross-section: `bays` squares of four points along x, each tied to the next by bars and
+// diagonals. It has the lowest modes; masses vary along it so that it has no symmetry. Throws if there are fewer modes.
 ModalBody build_lattice_mast(int bays, int modes, Support support);
 
 struct FlexibleState {
-  Eigen::Vector3d p_WB, v_WB;     // of the frame's origin, m, m/s, inertial axes
+  Eigen::Vector3d p_WB, v_WB;     // frame's origin, m, m/s, inertial axes
   Eigen::Quaterniond q_WB;        // frame to inertial
   Eigen::Vector3d w_WB_B;         // rad/s, the frame's axes
   Eigen::VectorXd eta, eta_rate;  // modal coordinates, their rates
 };
 
-// (6 + modes)² mass matrix and right-hand side: M (v', w', η'') = F, without constraints. Constraints may be added with
-// the points' Jacobians as in DenseKkt.
+// Mass matrix of (6 + modes)² and right-hand side: M (v', w', η'') = F, without constraints. Constraints may be added
+// with the points' Jacobians as in DenseKkt.
 struct FlexibleSystem {
   RealMatrix mass;
   RealVector force;
 };
-// `forces`: on every point mass, N, inertial axes; empty for none.
+// Assembles the system. `forces`: on every point mass, N, inertial axes; empty for none.
 FlexibleSystem calc_flexible_system(const ModalBody& body, const FlexibleState& state,
                                     const std::vector<Eigen::Vector3d>& forces);
-// x_i'' = J a + bias.
+// Acceleration of a point: x_i'' = J a + bias.
 struct PointJacobian {
   Eigen::Matrix<Real, 3, Eigen::Dynamic> J;
   Eigen::Matrix<Real, 3, 1> bias;

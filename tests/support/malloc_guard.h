@@ -1,11 +1,11 @@
-// Counts what a piece of code takes from the heap, by standing in front of malloc and its relatives in the executable
-// that links it; operator new and Eigen end there as well.
+// Counter of heap allocations of a piece of code: it replaces malloc and its relatives in the executable that links it;
+// operator new and Eigen use these as well.
 //
 //   AllocationCount count;
 //   step(...);
 //   EXPECT_EQ(count.get(), 0);
 //
-// glibc only. A build with a sanitizer that brings its own malloc leaves it alone: then kCountsAllocations is false,
+// glibc only. In a build with a sanitizer, which has its own malloc, it is inactive: then kCountsAllocations is false,
 // and a test that needs the count skips itself.
 #pragma once
 
@@ -13,7 +13,8 @@ namespace unlatch::test {
 
 extern const bool kCountsAllocations;
 
-// Calls of malloc, calloc, realloc, memalign, aligned_alloc and posix_memalign by this thread since it was made.
+// Number of calls of malloc, calloc, realloc, memalign, aligned_alloc and posix_memalign by this thread since its
+// construction.
 class AllocationCount {
  public:
   AllocationCount();

@@ -1,4 +1,5 @@
-// The oracle's lattice mast as the kernel takes it: a flexible body with its invariants, and markers at its particles.
+// The oracle's lattice mast in the form of the kernel: a flexible body with its invariants, and markers at its
+// particles.
 #pragma once
 
 #include <string>
@@ -35,7 +36,8 @@ inline Body build_flexible_body(const std::string& name, const ModalBody& lumped
   return body;
 }
 
-// At a particle; `turn`: of the marker's axes per modal coordinate, which a particle does not have.
+// Builds a marker at a particle; `turn`: rotation of the marker's axes per modal coordinate, which a particle does not
+// have.
 inline Body build_marker(const std::string& name, int body, const ModalBody& lumped, std::size_t particle,
                          const Eigen::Matrix3Xd& turn) {
   Body out;

@@ -23,14 +23,14 @@ std::ostream& operator<<(std::ostream& out, const Quaterniond& q) {
   return out << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z();
 }
 
-// MuJoCo applies a body's joints one after the other, from the parent outwards. A joint's slides are fixed in its base:
-// they come first where the base is the parent, and last where it is the child.
+// MuJoCo applies a body's joints one after the other, from the parent outwards. The sliding axes of a joint are fixed
+// in its base: they come first if the base is the parent, and last if it is the child.
 class Document {
  public:
   explicit Document(const Model& model) : model_(model), links_(build_tree_links(model)), children_(links_.size()) {
     for (std::size_t k = 1; k < links_.size(); ++k) children_[static_cast<std::size_t>(links_[k].parent)].push_back(k);
     out_.precision(17);
-    // boundmass, balanceinertia and the like stay off: masses are taken as they are.
+    // boundmass, balanceinertia and similar options stay off: masses are used unchanged.
     out_ << "<mujoco><compiler angle='radian'/><size njmax='1' nconmax='1'/><option gravity='" << model.gravity.uniform
          << "'><flag contact='disable' constraint='disable' equality='disable'/></option><worldbody>";
     write_body(links_[0]);
@@ -47,13 +47,13 @@ class Document {
     out_ << "<body name='" << link.body << "' pos='" << Vector3d(q_parent.conjugate() * (body.p_WB - parent.p))
          << "' quat='" << q_parent.conjugate() * Quaterniond(body.q_WB.normalized()) << "'>";
     if (link.joint == kNone) {
-      out_ << "<freejoint/>";  // its speeds: linear in world axes, angular in the body's
+      out_ << "<freejoint/>";  // speeds: linear in world axes, angular in the body's
       speeds_.insert(speeds_.end(), body.v_WB.begin(), body.v_WB.end());
       speeds_.insert(speeds_.end(), body.w_WB_B.begin(), body.w_WB_B.end());
     } else {
       write_joint(link, get_placement(model_, link.body));
     }
-    // Principal axes from Eigen: MuJoCo's own diagonalisation is good for 1e-9 only.
+    // Principal axes from Eigen: MuJoCo's own diagonalisation is accurate to 1e-9 only.
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(body.inertia);
     Eigen::Matrix3d axes = principal.eigenvectors();
     axes.col(2) = axes.col(0).cross(axes.col(1));
@@ -65,7 +65,7 @@ class Document {
 
   void write_joint(const TreeLink& link, const Placement& child) {
     const Freedoms f = calc_freedoms(model_, model_.joints[static_cast<std::size_t>(link.joint)]);
-    const double sign = link.child_is_follower ? 1 : -1;  // of the child's motion against the follower's
+    const double sign = link.child_is_follower ? 1 : -1;  // sign of the child's motion relative to the follower's
     if (link.child_is_follower) write_slides(f, child, sign);
     write_turns(f, child, sign, !link.child_is_follower);
     if (!link.child_is_follower) write_slides(f, child, sign);
@@ -122,7 +122,7 @@ mjModel* load(const std::string& text) {
 struct MujocoSystem::Data {
   std::unique_ptr<mjModel, Deleter> model;
   std::unique_ptr<mjData, Deleter> data;
-  std::vector<int> numbers;  // per body: MuJoCo's
+  std::vector<int> numbers;  // MuJoCo's numbers of the bodies
   Vector3d gravity;
 };
 
@@ -147,7 +147,7 @@ MujocoSystem::~MujocoSystem() = default;
 
 void MujocoSystem::solve() { mj_forward(data_->model.get(), data_->data.get()); }
 
-// MuJoCo's accelerations are those of a world that falls upwards instead of having gravity.
+// Accelerations by MuJoCo are relative to a world that accelerates upwards in place of gravity.
 BodyAccelerations MujocoSystem::calc_accelerations() {
   mj_rnePostConstraint(data_->model.get(), data_->data.get());
   BodyAccelerations out;

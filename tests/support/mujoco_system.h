@@ -1,5 +1,5 @@
-// MuJoCo's forward dynamics of a model's tree in its initial state, by way of an MJCF document without shapes,
-// contacts or actuators. Built where libmujoco-dev is installed (cmake/peers.cmake).
+// MuJoCo's forward dynamics of a model's tree in its initial state, through an MJCF document without shapes, contacts
+// or actuators. Built where libmujoco-dev is installed (cmake/peers.cmake).
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@ namespace unlatch::test {
 
 class MujocoSystem {
  public:
-  // Throws what MuJoCo says against the document: it nests bodies 100 deep at most.
+  // Builds the document. Throws MuJoCo's error about it: it nests bodies 100 deep at most.
   explicit MujocoSystem(const Model& model, const std::vector<Wrench>& wrenches = {});
   ~MujocoSystem();
 
   void solve();                            // mj_forward()
-  BodyAccelerations calc_accelerations();  // of the latest solve()
+  BodyAccelerations calc_accelerations();  // accelerations of the latest solve()
 
  private:
   struct Data;

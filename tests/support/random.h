@@ -1,5 +1,5 @@
-// A random source whose seeds mean the same on every machine and with every standard library: splitmix64 (Steele, Lea,
-// Flood 2014), scaled without <random>'s distributions.
+// Random source whose seeds give the same numbers on every machine and with every standard library: splitmix64 (Steele,
+// Lea, Flood 2014), scaled without <random>'s distributions.
 #pragma once
 
 #include <cstdint>

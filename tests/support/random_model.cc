@@ -34,14 +34,14 @@ constexpr Kind kKinds[] = {
     {"planar", row_bit(kZ) | row_bit(kRotX) | row_bit(kRotY)},
     {"revolute_slider", row_bit(kX) | row_bit(kY) | row_bit(kRotX) | row_bit(kRotZ)},
     {"weld", kAllRows},
-    // not in every program
+    // not available in every program
     {"free", 0},
     {"point_plane", row_bit(kX)},
     {"composed", 0},  // of rows drawn at random
 };
 constexpr int kCommonKinds = 8;
 
-// A body on its way into the model; the ground is one as well.
+// A body while it is placed in the model; the ground is one as well.
 struct Placed {
   Vector3d p = Vector3d::Zero(), v = Vector3d::Zero(), w = Vector3d::Zero();  // inertial axes
   Matrix3d C = Matrix3d::Identity();                                          // body to inertial
@@ -60,7 +60,7 @@ Matrix3d random_rotation(Random& random) {
   }
 }
 
-// The rotation by `angle` about a unit vector (Rodrigues).
+// Rotation by `angle` about a unit vector (Rodrigues).
 Matrix3d build_rotation(double angle, const Vector3d& axis) {
   double sine, cosine;
   elementary::sincos(angle, sine, cosine);
@@ -79,7 +79,8 @@ double calc_log(double x) {
   return log;
 }
 
-// A box of uniform density about a metre in size: its inertia obeys the triangle inequality and is well-conditioned.
+// Draws a box of uniform density about a metre in size: its inertia obeys the triangle inequality and is
+// well-conditioned.
 Body random_body(Random& random, std::string name, double mass_ratio) {
   Body body;
   body.name = std::move(name);
@@ -92,7 +93,7 @@ Body random_body(Random& random, std::string name, double mass_ratio) {
   return body;
 }
 
-// The kind first; then, in no fixed order, what it may change to.
+// Draws modes: the kind first; then, in no fixed order, the modes that it may change to.
 std::vector<JointMode> random_modes(Random& random, const Kind& kind) {
   std::vector<JointMode> modes = {{kind.name, kind.rows}};
   const auto part = static_cast<RowSet>(kind.rows & random.next() & kAllRows);
@@ -109,14 +110,14 @@ std::vector<JointMode> random_modes(Random& random, const Kind& kind) {
 
 // Joint coordinates and rates that the active rows allow.
 struct Motion {
-  Vector3d offset, offset_rate;  // r_j − r_i and its rate as the base sees it, joint frame
+  Vector3d offset, offset_rate;  // r_j − r_i and its rate relative to the base, joint frame
   Matrix3d turn;                 // follower's rotation frame in the base's
   Vector3d turn_rate;            // of the follower relative to the base, base's rotation frame
 };
 
-// Rotation rows fix n·(w_j − w_i) with n of the base. Three hold the frames together, two leave a turn about the third
-// axis; one alone is non-holonomic and leaves any attitude. A universal joint turns about x of the base, then its own
-// y.
+// Draws coordinates. Rotation rows fix n·(w_j − w_i) with n of the base. Three hold the frames together, two leave a
+// rotation about the third axis; one alone is non-holonomic and leaves any attitude. A universal joint turns about x of
+// the base, then about y of the follower.
 Motion random_motion(Random& random, const Joint& joint, bool follower_axes_given) {
   const RowSet rows = joint.modes[static_cast<std::size_t>(joint.mode)].rows;
   Motion motion;
@@ -151,7 +152,7 @@ Motion random_motion(Random& random, const Joint& joint, bool follower_axes_give
   return motion;
 }
 
-// Pose and velocity of the follower from those of the base, or the reverse.
+// Returns pose and velocity of the follower from those of the base, or the reverse.
 //   C_j F = C_i R turn,         r_j = r_i + C_i A offset,
 //   w_j = w_i + C_i R turn_rate,  r_j' − r_i' = C_i A offset_rate + w_i × (r_j − r_i)
 Placed place(const Placed& known, bool known_is_base, const Joint& joint, const Matrix3d& follower_axes,
@@ -176,7 +177,7 @@ Placed place(const Placed& known, bool known_is_base, const Joint& joint, const 
   return unknown;
 }
 
-// A joint between a body (or the ground) whose place is known and one that it places.
+// Draws a joint between a body (or the ground) at a known place and one that the joint places.
 Joint random_joint(Random& random, int known, int next, const RandomModelOptions& options,
                    std::vector<Placed>& placed) {
   Kind kind = kKinds[random.below(options.common_kinds ? kCommonKinds : static_cast<int>(std::size(kKinds)))];
@@ -194,7 +195,7 @@ Joint random_joint(Random& random, int known, int next, const RandomModelOptions
   if (!random.chance(options.first_mode_chance)) joint.mode = random.below(static_cast<int>(joint.modes.size()));
 
   const bool given = random.chance(0.5);
-  const Matrix3d follower_axes = random_rotation(random);  // left out: what the initial attitudes make of it
+  const Matrix3d follower_axes = random_rotation(random);  // if left out: from the initial attitudes
   if (given) joint.follower_axes = follower_axes;
   const Motion motion = random_motion(random, joint, given);
   const Placed ground;
@@ -203,7 +204,7 @@ Joint random_joint(Random& random, int known, int next, const RandomModelOptions
   return joint;
 }
 
-// The body that the k-th one (k ≥ 1) hangs on, by rank in the order of placing.
+// Draws the parent of the k-th body (k ≥ 1), by rank in the order of placing.
 int random_parent(Random& random, Shape shape, int k) {
   if (shape == Shape::kChain) return k - 1;
   if (shape == Shape::kStar) return 0;

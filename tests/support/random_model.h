@@ -12,18 +12,19 @@ namespace unlatch::test {
 struct RandomModelOptions {
   enum class Shape { kAny, kChain, kStar, kTree };  // kAny: one of the others
   Shape shape = Shape::kAny;
-  int bodies = 0;                  // 0: 1 … 60
+  int bodies = 0;                  // number of bodies; 0: 1 … 60
   double mass_ratio = 10;          // heaviest body's mass over the lightest's, at most; inertias follow
-  double grounded_chance = 0.3;    // of a joint between the ground and the tree's first body
-  double first_mode_chance = 0.7;  // of starting in a joint's full mode, modes[0], and not in one of the others
+  double grounded_chance = 0.3;    // probability of a joint between the ground and the tree's first body
+  double first_mode_chance = 0.7;  // of starting in a joint's full mode, modes[0], not in another
   bool common_kinds = false;       // joints that every multibody program has: none that is free or composed of odd rows
 };
 
-// Every joint has several modes: its kind, part of the kind's rows, free, weld. Bases and followers come in both
-// directions, body numbers in no order of depth; frames are arbitrary; half of the joints leave follower_axes out.
+// Builds a system. Every joint has several modes: its kind, part of the kind's rows, free, weld. Bases and followers
+// come in both directions, body numbers in no order of depth; frames are arbitrary; half of the joints leave
+// follower_axes out.
 Model build_random_model(std::uint64_t seed, const RandomModelOptions& options = {});
 
-// A joint that closes a loop: from a random point of the base to the place where the follower has it now. It has no
+// Builds a joint that closes a loop: from a random point of the base to its present place in the follower. It has no
 // modes yet.
 Joint build_closing_joint(const Model& model, int base, int follower, Random& random);
 

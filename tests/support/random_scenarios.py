@@ -1,4 +1,4 @@
-"""Random scenarios and fault scripts that are valid, and tame enough to be stepped to their end. The same seed gives the same text."""
+"""Random scenarios and fault scripts that are valid, and moderate enough to be stepped to their end. The same seed gives the same text."""
 
 import json
 import math
@@ -10,7 +10,7 @@ MODES = {
     "plane": {"kind": "planar", "axis": "z"}, "weld": {"kind": "weld"}, "free": {"rows": []},
     "odd": {"rows": ["x", "rot_y"]},
 }
-MOST_FREQUENCY = 50.0  # rad/s, of any spring: well within what a step of 2 ms integrates
+MOST_FREQUENCY = 50.0  # rad/s, limit for any spring: well resolved by a step of 2 ms
 
 
 def draw_vector(draw, size):
@@ -18,7 +18,7 @@ def draw_vector(draw, size):
 
 
 def draw_body(draw):
-    """A box of some density: its inertia keeps the triangle inequality."""
+    """Draws a box of some density: its inertia keeps the triangle inequality."""
     mass = round(10 ** draw.uniform(0, 4), 3)
     a, b, c = (draw.uniform(0.5, 3) for _ in range(3))
     return {"mass": mass, "inertia": [round(mass / 12 * (x * x + y * y), 6) for x, y in ((b, c), (a, c), (a, b))]}
@@ -57,7 +57,7 @@ class ScenarioDraw:
         return scenario
 
     def add_tree(self):
-        """Every body but the first hangs on an earlier one, placed so that the joint's two points meet."""
+        """Joins every body but the first to an earlier one, placed so that the joint's two points coincide."""
         draw = self.draw
         bodies, joints = self.scenario.setdefault("bodies", {}), self.scenario.setdefault("joints", {})
         for i, name in enumerate(self.names):
@@ -147,14 +147,14 @@ class ScenarioDraw:
 
 
 def build_scenario(seed):
-    """YAML text: JSON is YAML. Signals that nothing raises must be declared."""
+    """Returns YAML text: JSON is YAML. Signals that no event raises must be declared."""
     scenario = ScenarioDraw(seed).build()
     scenario["signals"] = ["fuse"]
     return json.dumps(scenario, indent=1)
 
 
 def build_faults(seed, sensors, channels, participants):
-    """A fault script for a scenario with these names."""
+    """Returns a fault script for a scenario with these names."""
     draw, faults = random.Random(seed), []
     messages = ("State", "StepAck", "Command") if participants else ()
     for _ in range(draw.randint(1, 6)):

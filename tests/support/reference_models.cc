@@ -144,7 +144,7 @@ Joint array_hinge(const json& p, int parent, const char* stowed) {
   return joint;
 }
 
-// The drive of one hinge, and the elastic latch that takes over where the panel reaches its angle.
+// Adds the drive of one hinge, and the elastic latch that replaces it when the panel reaches its angle.
 void add_latch(Model& model, const json& p, int j, int drive, int latch) {
   const double sign = p["sign"], lock = p["lock_angle"];
   Condition reached;
@@ -171,7 +171,7 @@ JointSpring spring(const std::string& name, int joint, double effort, double sti
   return s;
 }
 
-// Two unit vectors across the axis, as columns u and v, and the axis.
+// Frame of two unit vectors across the axis, as columns u and v, and the axis.
 Eigen::Matrix3d rotation_frame(const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
   Eigen::Matrix3d axes;
   axes << u, v, u.cross(v);

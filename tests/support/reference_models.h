@@ -17,7 +17,7 @@ Model build_solar(
 Model build_tree3(const nlohmann::json& reference);
 Model build_tree20(const nlohmann::json& reference);
 
-// One body's 13 numbers as the references give them: R, q (w, x, y, z), V, w.
+// Sets one body's 13 numbers in the order of the references: R, q (w, x, y, z), V, w.
 void set_state(Body& body, const nlohmann::json& state);
 Eigen::Vector3d to_vector(const nlohmann::json& a);
 Eigen::Matrix3d to_matrix(const nlohmann::json& rows);

@@ -27,7 +27,7 @@ SimTK::Body::Rigid build_body(const Body& body) {
   return SimTK::Body::Rigid(SimTK::MassProperties(body.mass, SimTK::Vec3(0), inertia));
 }
 
-// Columns in the order of the mobilizer's x, y, z.
+// Reorders columns to the mobilizer's x, y, z.
 Matrix3d reorder(const Matrix3d& m, int x, int y, int z) {
   Matrix3d out;
   out << m.col(x), m.col(y), m.col(z);
@@ -38,8 +38,8 @@ bool is(const std::vector<int>& axes, std::initializer_list<int> expected) {
   return axes == std::vector<int>(expected);
 }
 
-// The joint's freedoms by Simbody's own mobilizers. Both frames of a mobilizer lie in one place at the initial state,
-// so that all its coordinates are zero there.
+// Degrees of freedom of the joint by Simbody's own mobilizers. Both frames of a mobilizer coincide in the initial
+// state, so that all its coordinates are zero there.
 class Mobilizer {
  public:
   Mobilizer(const Model& model, const TreeLink& link, MobilizedBody& parent)
@@ -49,7 +49,7 @@ class Mobilizer {
         joint_(model.joints[static_cast<std::size_t>(link.joint)]),
         freedoms_(calc_freedoms(model, joint_)) {}
 
-  // The mobilized body; its speeds are left in `speeds`.
+  // Builds the mobilized body; its speeds are returned in `speeds`.
   MobilizedBody build(std::vector<double>& speeds) {
     const Freedoms& f = freedoms_;
     const Matrix3d n = get_placement(model_, joint_.base).R * joint_.axes;
@@ -81,8 +81,8 @@ class Mobilizer {
       speeds = {f.turn_speeds[0], f.slide_speeds[0], f.slide_speeds[1]};
       return build_as<MobilizedBody::Planar>(n, false);
     }
-    // Slides along the base's z and turns about y. Seen from the follower the base turns, then slides along its own
-    // axis: bend and stretch.
+    // The follower slides along the base's z and turns about y. Relative to the follower the base turns, then slides
+    // along its own axis: bend and stretch.
     if (is(f.slide_axes, {kZ}) && is(f.turn_axes, {1})) {
       speeds = {-f.turn_speeds[0], -f.slide_speeds[0]};
       return build_as<MobilizedBody::BendStretch>(reorder(n, 2, 0, 1), true);
@@ -91,7 +91,7 @@ class Mobilizer {
   }
 
  private:
-  // `from_follower`: the mobilizer's coordinates are those of the base as seen from the follower.
+  // `from_follower`: the mobilizer's coordinates are those of the base relative to the follower.
   template <class T>
   MobilizedBody build_as(const Matrix3d& axes, bool from_follower) {
     const auto frame_in = [&](int body) {

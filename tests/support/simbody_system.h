@@ -15,9 +15,9 @@ class SimbodySystem {
   explicit SimbodySystem(const Model& model, const std::vector<Wrench>& wrenches = {});
   ~SimbodySystem();
 
-  void solve();  // realize(Acceleration) as after a change of positions and velocities
+  void solve();  // realize(Acceleration) like after a change of positions and velocities
   void
-  solve_factored();  // the same with the articulated inertias of the latest solve(): it keeps what belongs to positions
+  solve_factored();  // likewise with the articulated inertias of the latest solve(): it keeps the results for positions
   BodyAccelerations calc_accelerations() const;  // of the latest solve
 
  private:

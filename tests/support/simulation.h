@@ -1,4 +1,4 @@
-// A model with everything that stepping it takes, in one owner: for tests and benches.
+// A model with all objects for stepping it, in one owner: for tests and benches.
 #pragma once
 
 #include <cstddef>
@@ -48,7 +48,7 @@ class Simulation {
   StepReport advance() { return step(plan, {commands}, state, workspace); }
   double get_time() const { return static_cast<double>(state.header->tick) * plan.get_options().dt; }
 
-  // Inside the kernel, for tests of its parts.
+  // Access to the kernel's internals, for tests of its parts.
   const PlanData& data() const { return plan.data(); }
   Evaluation& evaluation() const { return workspace.data().kept.evaluation; }
 
@@ -61,21 +61,21 @@ class Simulation {
   Block state_memory_, workspace_memory_;
 };
 
-// Index in the evaluation of a coordinate that an element, guard or sensor reads.
+// Index in the evaluation of a coordinate that an element, guard or sensor uses.
 inline std::size_t find_coordinate(const PlanData& plan, int joint, int row) {
   std::size_t i = 0;
   while (plan.coordinates.at(i).joint != joint || plan.coordinates[i].row != row) ++i;
   return i;
 }
 
-// Kinematics and joint frames of the present state, which only an evaluation leaves otherwise.
+// Updates kinematics and joint frames of the present state, which otherwise only an evaluation does.
 inline void update_motion(Simulation& s) {
   load_state(s.data(), s.state, s.evaluation());
   update_kinematics(s.data(), s.evaluation());
   update_joints(s.data(), s.state, RowTarget::kAcceleration, s.evaluation());
 }
 
-// An evaluation of the present state and commands; returns kNone, or the node whose pivot vanished.
+// Evaluates the present state and commands; returns kNone, or the node whose pivot vanished.
 inline int evaluate_state(Simulation& s, Changed changed = Changed::kState) {
   const Inputs inputs{s.commands};
   return evaluate({s.data(), inputs, s.state, s.get_time()}, changed, s.evaluation());

@@ -16,8 +16,8 @@ inline Body box(const std::string& name, double mass, double jx, double jy, doub
   return body;
 }
 
-// A bar of 1 m, 1 kg, held at one end by a hinge about z to the ground, or to a body of 50 kg: `turning` rad/s about
-// it.
+// Builds a bar of 1 m, 1 kg, held at one end by a hinge about z to the ground, or to a body of 50 kg: `turning` rad/s
+// about it.
 inline Model build_pendulum(bool grounded, double turning) {
   Model model;
   model.name = "pendulum";

@@ -47,7 +47,7 @@ RealVector calc_row_forces(const DenseKkt& kkt, const std::vector<Eigen::Matrix<
   return kkt.rows.transpose() * lambda;
 }
 
-// Everything off by a relative `size` at random; attitudes stay, since turning the frames does as much.
+// Changes everything by a relative `size` at random; attitudes stay, since rotated frames have the same effect.
 Model disturb(Model model, double size, Random& random) {
   const auto turn = [&] {
     const Vector3d r = draw(random, size);
@@ -135,7 +135,7 @@ Disagreement compare_row_forces(const KernelSolution& kernel, const DenseSolutio
 
 double calc_condition(const Model& model, const SystemState& state, const std::vector<Wrench>& wrenches,
                       Random& random) {
-  constexpr double kDisturbance = 1e-11;  // far above the oracle's rounding, far below where the change curves
+  constexpr double kDisturbance = 1e-11;  // far above the oracle's rounding, and small enough for a linear change
   constexpr int kDraws = 3;
   const DenseSolution exact = solve_accelerations(model, state, wrenches);
   double condition = 1;

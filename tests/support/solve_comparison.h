@@ -1,5 +1,5 @@
-// The kernel's answer to one solve beside the dense one's: the only place of the property tests that knows where the
-// kernel leaves its results.
+// Comparison of the kernel's answer to one solve with the dense one: the only part of the property tests that depends
+// on the place of the kernel's results.
 #pragma once
 
 #include <vector>
@@ -17,10 +17,10 @@ struct KernelSolution {
 };
 KernelSolution read_solution(const Simulation& simulation);
 
-// Velocities and modes as the kernel's state has them.
+// Velocities and modes in the form of the oracle.
 SystemState read_state(const Simulation& simulation);
 
-// Random forces and torques on every body, N and N m, added to the model as loads in world axes; returned for the
+// Adds random forces and torques on every body, N and N m, to the model as loads in world axes; returns them for the
 // oracle.
 std::vector<Wrench> add_random_loads(Model& model, Random& random);
 
@@ -33,7 +33,7 @@ struct Disagreement {
 Disagreement compare(const KernelSolution& kernel, const DenseSolution& dense);
 Disagreement compare(const DenseSolution& a, const DenseSolution& b);
 
-// The same where rows are redundant, so that the multipliers are not unique: the generalised forces Gᵀ λ are.
+// Compares the generalised forces Gᵀ λ, for redundant rows: there the multipliers are not unique.
 Disagreement compare_row_forces(const KernelSolution& kernel, const DenseSolution& dense, const DenseKkt& kkt);
 
 // Change of the dense solution for a relative change of all its inputs: masses, inertias, points, axes, velocities,

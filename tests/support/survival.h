@@ -17,7 +17,8 @@
 
 namespace unlatch::test {
 
-// Invalid operations, divisions by zero and overflows end the process. Inexact results and underflows are everyday.
+// Traps: invalid operations, divisions by zero and overflows end the process. Inexact results and underflows are
+// normal.
 class Traps {
  public:
   explicit Traps(int trapped = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW) {
@@ -36,7 +37,7 @@ inline bool is_finite(std::initializer_list<double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
 }
 
-// Every number that the state holds.
+// Returns true if every number of the state is finite.
 inline bool is_finite(const State& state) {
   bool finite = true;
   for (const unlatch::BodyState& b : state.bodies)
@@ -54,14 +55,14 @@ inline bool is_finite(const State& state) {
 }
 
 struct Survival {
-  StepStatus status = StepStatus::kOk;  // of the last step
-  int steps = 0;                        // that were good
-  int fired = 0;                        // events
+  StepStatus status = StepStatus::kOk;  // status of the last step
+  int steps = 0;                        // number of good steps
+  int fired = 0;                        // number of events
 };
 
-// Steps until `ticks` are done or a step fails, and looks at every one.
+// Steps until `ticks` are done or a step fails, and checks every one.
 inline Survival survive(Simulation& s, int ticks) {
-  // A split takes a trial and two iterations; what is left after the last split takes one more.
+  // A split takes a trial and two iterations; the part after the last split takes one more.
   const int most_substeps = 3 * s.plan.get_options().max_splits + 1;
   Survival survival;
   for (; survival.steps < ticks; ++survival.steps) {

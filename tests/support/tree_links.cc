@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Rates along axes that need not be orthogonal.
+// Rates along axes that may be oblique.
 std::vector<double> calc_speeds(const std::vector<Vector3d>& axes, const Vector3d& motion) {
   if (axes.empty()) return {};
   Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(axes.size()));
@@ -24,7 +24,7 @@ std::vector<double> calc_speeds(const std::vector<Vector3d>& axes, const Vector3
   return {speeds.begin(), speeds.end()};
 }
 
-// y of the follower's rotation frame; the frames coincide at the start if only the base's is given.
+// Axis y of the follower's rotation frame; the frames coincide at the start if only the base's is given.
 Vector3d calc_follower_y(const Joint& joint, const Placement& base, const Placement& follower) {
   if (joint.follower_axes) return follower.R * joint.follower_axes->col(1);
   return base.R * joint.rotation_axes.value_or(joint.axes).col(1);

@@ -1,5 +1,5 @@
-// A model of a tree as programs in joint coordinates see it: bodies below their parents, and what each joint's rows
-// leave free, at the initial state. For the systems of MuJoCo and Simbody.
+// Model of a tree in the form of programs with joint coordinates: bodies below their parents, and the degrees of
+// freedom that each joint's rows leave, at the initial state. For the systems of MuJoCo and Simbody.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,10 @@ namespace unlatch::test {
 struct TreeLink {
   int body, parent;        // parent: kGround for the root
   int joint;               // kNone for a root that is free
-  bool child_is_follower;  // of the joint
+  bool child_is_follower;  // the child is the joint's follower
 };
-// Parents first. The root is the body that is held to the ground, or body 0. Throws if the model is not one tree.
+// Lists links, parents first. The root is the body that is held to the ground, or body 0. Throws if the model is not
+// one tree.
 std::vector<TreeLink> build_tree_links(const Model& model);
 
 // Position and motion of a body's frame, or of the ground's, in W.
@@ -23,23 +24,23 @@ struct Placement {
 };
 Placement get_placement(const Model& model, int body);
 
-// The freedoms of a joint in its initial mode, follower relative to base. Axes are unit vectors in W.
+// Degrees of freedom of a joint in its initial mode, follower relative to base. Axes are unit vectors in W.
 struct Freedoms {
-  Eigen::Vector3d point;                   // the follower's, W, m
+  Eigen::Vector3d point;                   // follower's point, W, m
   std::vector<Eigen::Vector3d> slides;     // fixed in the base
   std::vector<Eigen::Vector3d> turns;      // fixed in the base; two: x of the base, then y of the follower; three: any
-  std::vector<int> slide_axes, turn_axes;  // which of x, y, z
+  std::vector<int> slide_axes, turn_axes;  // indices of x, y, z
   std::vector<double> slide_speeds, turn_speeds;  // m/s, rad/s
 };
 Freedoms calc_freedoms(const Model& model, const Joint& joint);
 
-// At the bodies' centres of mass, W.
+// Accelerations at the bodies' centres of mass, W.
 struct BodyAccelerations {
   std::vector<Eigen::Vector3d> linear, angular;  // m/s², rad/s²
 };
 
-// Quantities by which programs are compared: the acceleration of a free root (linear, angular), then, joint by joint in
-// the model's order, the relative acceleration of the two bodies along each degree of freedom.
+// Quantities for comparing programs: the acceleration of a free root (linear, angular), then, joint by joint in the
+// model's order, the relative acceleration of the two bodies along each degree of freedom.
 std::vector<double> calc_joint_accelerations(const Model& model, const BodyAccelerations& bodies);
 
 }  // namespace unlatch::test

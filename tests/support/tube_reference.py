@@ -25,11 +25,11 @@ def gap(y, end, side):
 
 
 def force(y, end, side):
-    """Force and moment of the touching end on the capsule."""
+    """Returns force and moment of the touching end on the capsule."""
     x, z, angle, vx, vz, w = y
     depth = -gap(y, end, side)
     arm_x, arm_z = end * HALF_LENGTH * math.sin(angle), end * HALF_LENGTH * math.cos(angle)
-    # the midpoint of the witnesses: on the wall TUBE from the axis, on the capsule `depth` beyond it
+    # The force acts at the midpoint of the witness points: on the wall TUBE from the axis, on the capsule `depth` beyond it.
     arm_x += side * (RADIUS - depth / 2)
     rate = side * (vx + w * arm_z)
     slip = vz - w * arm_x

@@ -21,8 +21,8 @@ STRAIGHT = np.sqrt(RHO**2 - R**2)
 LENGTH = np.sqrt(RHO**2 + INERTIA / (2 * TIP))
 WOUND = (LENGTH - STRAIGHT + TENSION / K) / R
 OWN = 0.4 * TIP * BALL**2  # inertia of a mass, which counts while it is held
-SIDES = (0.0, np.pi)       # of the masses about the satellite
-OFFSET = TIP * RHO / (MASS + TIP)  # of the centre of mass of the satellite with the second mass, towards that
+SIDES = (0.0, np.pi)       # angles of the masses about the satellite
+OFFSET = TIP * RHO / (MASS + TIP)  # offset of the centre of mass of the satellite with the second mass, towards that
 BOTH = INERTIA + OWN + MASS * TIP / (MASS + TIP) * RHO**2
 
 
@@ -35,7 +35,7 @@ def t(angle):
 
 
 def begin(side, theta, rate):
-    """A mass that is let go: it has moved with the satellite."""
+    """Releases a mass: it has moved with the satellite."""
     b = side + np.arctan(STRAIGHT / R) + theta
     return [STRAIGHT - R * b, b, -R * rate, rate]
 
@@ -45,7 +45,7 @@ def get_wound(side, theta, b):
 
 
 def measure(y, i):
-    """Stretch of a cord, and its force."""
+    """Returns stretch of a cord, and its force."""
     q, b, q_rate, _ = y[6 + 4 * i:10 + 4 * i]
     x = q + R * b + R * get_wound(SIDES[i], y[2], b) - LENGTH
     return x, max(0.0, K * x + C * (q_rate + R * y[5])) if x > 0 else 0.0
@@ -112,7 +112,7 @@ def fly(late):
             continue
         i = watch[next(k for k, times_ in enumerate(run.t_events) if len(times_))]
         times[f"release:cord{i + 1}"], on[i], tips[i] = float(now), False, get_tip(y, i)
-        for k in watch:  # both at once, but for rounding
+        for k in watch:  # both at once, apart from rounding
             if k != i and abs(get_wound(SIDES[k], y[2], y[7 + 4 * k])) < 1e-11:
                 times[f"release:cord{k + 1}"], on[k], tips[k] = float(now), False, get_tip(y, k)
     return {"events": times, "rate": float(y[5]), "satellite": [float(v) for v in y[3:5]], "peaks": peaks,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How far a run can be trusted, as users ask: estimates of --accuracy against trajectories that share nothing with the kernel, and
+"""Accuracy of runs, for users: estimates of --accuracy against trajectories that are independent of the kernel, and
 steps that do not resolve the motion. Run by ctest:
 
     accuracy_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
@@ -12,7 +12,7 @@ from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 
 DATA = SOURCE / "tests/data"
 STEPS = (0.0005, 0.001, 0.002, 0.005)  # s
-FACTOR, SHARE = 3, 0.95                # what the estimates promise
+FACTOR, SHARE = 3, 0.95                # share of the estimates that must be within the factor
 # The references' own accuracy: rtol 1e-12 to 1e-13 over some seconds; the elastic ones state 4e-11.
 SURE = 1e-10
 
@@ -59,7 +59,7 @@ events:
 
 
 def read_cases():
-    """Scenario, time, {(event, subject): t}, {body: [x, y, z, w, x, y, z]} at that time; None where the reference has no number."""
+    """Returns scenario, time, {(event, subject): t}, {body: [x, y, z, w, x, y, z]} at that time; None where the reference has no number."""
     boosters = json.loads((DATA / "boosters_cyclogram.json").read_text())
     for name in ("cyclogram", "late-valve", "uncut-tie", "imbalance", "dispersed"):
         time = max(boosters[name]["samples"], key=float)
@@ -87,11 +87,11 @@ class AccuracyTest(ProcessTest):
 
     def measure(self, file, dt, time, tolerance="1e-3"):
         report = self.run_json(UNLATCH, "run", SCENARIOS / file, "--dt", dt, "--until", time, "--accuracy", tolerance, code=None)
-        self.assertEqual(report["status"], "ok")  # whether requirements are met is another question
+        self.assertEqual(report["status"], "ok")  # the result of the requirements does not matter here
         return report, {entry["what"]: entry for entry in report["accuracy"]}
 
     def compare(self, file, dt, time, events, bodies):
-        """(true error, estimate, what) of every number that the reference has too."""
+        """Returns (true error, estimate, name) of every number that the reference has too."""
         report, entries = self.measure(file, dt, time)
         self.assertNotIn("mismatch", report["accuracy_step"], f"{file} at {dt}")
         pairs = []
@@ -154,7 +154,7 @@ class AccuracyTest(ProcessTest):
         self.assertNotIn("branch", [warning["name"] for warning in plan["warnings"]])
 
     def test_a_spring_across_a_held_joint_is_told_by_check_and_by_the_run(self):
-        # 0.5 k x² of 200 J part 4 kg from 400 kg at 10 m/s
+        # 0.5 k x² of 200 J separates 4 kg from 400 kg at 10 m/s.
         stiff = self.write(PAIR.replace("STIFFNESS", "4e10").replace("LENGTH", "1.0001"))
         plan = self.run_json(UNLATCH, "check", stiff)
         pusher = plan["elements"][0]

@@ -31,7 +31,7 @@ def cross(a, b):
 
 
 def calc_momenta(bodies, properties):
-    """Momentum and angular momentum about W's origin; `properties` are mass and principal inertias of each body."""
+    """Returns momentum and angular momentum about W's origin; `properties` are mass and principal inertias of each body."""
     linear, angular = [0.0] * 3, [0.0] * 3
     for name, (mass, inertia) in properties.items():
         body = bodies[name]
@@ -72,7 +72,7 @@ class AntennaTest(ProcessTest):
         return report
 
     def compare(self, name, times_of, states_of):
-        """Events and states with those of the reference; the report."""
+        """Compares events and states with those of the reference; returns the report."""
         reference = REFERENCE[name]
         report = self.fly(f"{name}.yaml", sorted(map(float, reference["samples"])))
         worst_time = 0
@@ -107,7 +107,7 @@ class AntennaTest(ProcessTest):
         for i in range(1, RIBS + 1):
             self.compare_shock(report, f"hinge{i}", REFERENCE["ribs"]["shock"])
 
-    # The latches bear nothing where springs and cables balance.
+    # The latches bear no load where springs and cables balance.
     def test_the_open_antenna_rests_in_its_shape(self):
         report = self.fly("scenario.yaml", [12], "--until", "12")
         self.assertTrue(all(verdict["met"] for verdict in report["verdict"]))
@@ -166,7 +166,7 @@ class AntennaTest(ProcessTest):
                 self.assertLess(math.hypot(*vector), CONSERVED)
         self.assertEqual(len({event["t"] for event in report["events"] if event["name"] == "lock"}), 1)
 
-    # Six times the spring in one cell does what a spring in each does: loops pass it on.
+    # Six times the spring in one cell has the effect of a spring in each: loops transmit it.
     def test_one_spring_opens_the_ring_like_six(self):
         one = [text for name, value in (("effort", 18), ("stiffness", 6), ("damping", 10.8)) for text in ("--set", f"elements.drive3.{name}={value}")]
         one += [text for i in (1, 2, 4, 5, 6) for text in ("--set", f"elements.drive{i}.enabled=false")]
@@ -177,9 +177,9 @@ class AntennaTest(ProcessTest):
                 for x, y in zip(a["bodies"][name]["p"], b["bodies"][name]["p"]):
                     self.assertAlmostEqual(x, y, delta=1e-9)
         loads = [max(abs(sample["reactions"]["a-upper3"]["lambda"][0]) for sample in report["samples"]) for report in (six, alone)]
-        self.assertGreater(loads[1], 2 * loads[0])  # but the bars bear it
+        self.assertGreater(loads[1], 2 * loads[0])  # but the bars bear the load
 
-    # 25 bodies have 150 freedoms; the whole moves in six, and the shape in one until it is locked.
+    # 25 bodies have 150 degrees of freedom; the whole moves in six, and the shape in one until it is locked.
     def test_redundant_rows_are_counted_and_told(self):
         hinges, slides, boom = 5 * CELLS * 5, CELLS * 5, 6
         moving = hinges + slides + boom - (6 * 25 - 7)

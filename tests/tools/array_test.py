@@ -18,7 +18,7 @@ MODES = [complex(*mode) for mode in REFERENCE["modes"]]  # 1/s: damping and freq
 
 
 def left_by_modes(signal, times, modes):
-    """The part of a signal, by its norm, that damped modes (complex eigenvalues) do not explain: Gram and Schmidt, twice over."""
+    """Returns the part of a signal, by its norm, that damped modes (complex eigenvalues) do not explain: Gram and Schmidt, applied twice."""
     def dot(a, b):
         return sum(x * y for x, y in zip(a, b))
 
@@ -68,7 +68,7 @@ class ArrayTest(ProcessTest):
         print(f"{name}: latches {worst_time:.1e} s, places {worst:.1e}, rates {worst_rate:.1e}", file=sys.stderr)
 
     def hinge_angles(self, times):
-        """Of elastic.yaml, rad, a list for each hinge."""
+        """Angles of elastic.yaml, rad, a list for each hinge."""
         report = self.run_json(UNLATCH, "run", ARRAY / "elastic.yaml", "--sample", ",".join(map(str, times)))
         self.assertLess(max(event["t"] for event in report["events"]), times[0])
         turns = [[2 * math.atan2(body["q"][3], body["q"][0]) for body in sample["bodies"].values()] for sample in report["samples"]]
@@ -78,7 +78,7 @@ class ArrayTest(ProcessTest):
         times = [round(6.59 + i / 1000, 3) for i in range(1001)]
         angles = self.hinge_angles(times)
         for angle in angles:
-            self.assertLess(left_by_modes(angle, times, MODES), 3e-3)  # angles reach 0.08 rad: what is left is not linear
+            self.assertLess(left_by_modes(angle, times, MODES), 3e-3)  # angles reach 0.08 rad: the remainder is not linear
         for mode in MODES:
             self.assertGreater(left_by_modes(angles[1], times, [other for other in MODES if other != mode]), 5e-2)
 
@@ -108,7 +108,7 @@ class ArrayTest(ProcessTest):
         self.compare("sixteen", self.generate(16))
 
     def test_thirty_two_and_sixty_four_panels_begin_as_the_reference_does(self):
-        """Until they have latched takes minutes; hil/scenarios/array/README.md has those figures."""
+        """Compares the first seconds: a run until all have latched takes minutes; hil/scenarios/array/README.md has those figures."""
         self.compare("thirty-two", self.generate(32), until=2)
         self.compare("sixty-four", self.generate(64), until=2)
 

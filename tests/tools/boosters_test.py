@@ -25,7 +25,7 @@ class BoostersTest(ProcessTest):
         return self.run_json(UNLATCH, "run", BOOSTERS / file, "--sample", ",".join(map(str, times)), *overrides, code=code)
 
     def compare(self, name, file, *overrides, missed=()):
-        """`missed`: requirements that this flight does not meet."""
+        """Compares a run with the reference. `missed`: requirements that this run does not meet."""
         times = sorted(map(float, REFERENCE[name]["samples"]))
         report = self.run_at(file, times, *overrides, code=1 if missed else 0)
         return self.compare_report(name, report, missed)
@@ -38,7 +38,7 @@ class BoostersTest(ProcessTest):
         found = {(e["name"], e["subject"]): e["t"] for e in report["events"]
                  if e["name"] in ("release", "contact", "liftoff")}
         wanted = {(event, f"booster{k}"): t for t, event, k in reference["events"]}
-        self.assertEqual(sorted(found), sorted(wanted))  # and nothing else let go
+        self.assertEqual(sorted(found), sorted(wanted))  # no other joint opened
         worst_time = max(abs(found[key] - wanted[key]) for key in wanted)
         self.assertLess(worst_time, EVENT_TIME)
         worst = dict.fromkeys(STATE, 0)
@@ -96,7 +96,7 @@ class BoostersTest(ProcessTest):
     def test_a_central_field_goes_as_the_reference_does(self):
         self.compare("central-field", "central-field.yaml")
 
-    # By the rocket equation: the thrusts act along the core alone, or lean with their boosters.
+    # Rocket equation: the thrusts act along the core alone, or are inclined with their boosters.
     def test_before_the_ties_are_cut_burning_adds_the_rocket_equations_speed(self):
         constant, burning = (self.run_at(file, [0.09])["samples"][0]["bodies"]["core"]["v"][0] + 6.2 * 0.09
                              for file in ("cyclogram.yaml", "variable-mass.yaml"))
@@ -115,7 +115,7 @@ class BoostersTest(ProcessTest):
                              *options, code=code)
 
     def read_back(self, log, *options, code=0):
-        """The replay, with the bodies' states each 0.1 s as samples."""
+        """Returns the replay, with the bodies' states each 0.1 s as samples."""
         report = self.run_json(UNLATCH, "replay", log, "--outputs", "body.*@100", *options, code=code)
         self.assertTrue(report["replay"]["agrees"])
         table = report["outputs"][0]
@@ -150,7 +150,8 @@ class BoostersTest(ProcessTest):
         self.assertEqual(len({report["hash"] for report in reports}), 1)
         self.assertTrue(all(report["replay"]["agrees"] for report in reports))
 
-    # Margins that are told must be those at which the flight begins to swing: nine tenths of it die down, eleven do not.
+    # The reported margins must be those at which the flight begins to oscillate: at nine tenths of them it decays, at eleven
+    # tenths it does not.
     def load_loop(self):
         spec = importlib.util.spec_from_file_location("loop_margins", BOOSTERS / "loop_margins.py")
         margins = importlib.util.module_from_spec(spec)
@@ -180,7 +181,7 @@ class BoostersTest(ProcessTest):
         stable, swinging = fly_with(0.9 * gain), fly_with(1.1 * gain)
         print(f"gain margin {gain:.2f}: rate at the end {stable:.1e} and {swinging:.1e} rad/s", file=sys.stderr)
         self.assertLess(stable, 0.1 * swinging)
-        # Beyond it the chambers go from stop to stop: a first harmonic of (4/pi) 0.6 rad at most, at that frequency.
+        # Beyond it the chambers move from stop to stop: a first harmonic of (4/pi) 0.6 rad at most, at that frequency.
         harmonic = 4 / math.pi * 0.6 * loop.acceleration / loop.calc_margins()["gain_at"]
         self.assertGreater(swinging, 0.3 * harmonic)
         self.assertLess(swinging, 2 * harmonic)
@@ -196,7 +197,8 @@ class BoostersTest(ProcessTest):
         self.assertEqual(report["status"], "aborted")
         self.assertIn("lacks channel roll_rate_gain", report["message"])
 
-    # Beside the same flight without contact: what the strike changed, whose size the law's own sum tells.
+    # Comparison with the same flight without contact: the difference is the effect of the strike; the law's own sum gives its
+    # size.
     def test_a_strike_gives_booster_and_core_opposite_momenta_and_the_impulse_told(self):
         dead = ("--set", "events.contact:booster1.enabled=false")
         without = self.run_at("cyclogram.yaml", [2.58], *dead, "--until", "3", code=1)["samples"][0]["bodies"]
@@ -205,8 +207,8 @@ class BoostersTest(ProcessTest):
         core, booster = ([mass * (a - b) for a, b in zip(bodies[name]["v"], without[name]["v"])]
                          for name, mass in (("core", 98500), ("booster1", 4380)))
         for a, b in zip(core, booster):
-            self.assertAlmostEqual(a, -b, delta=0.05)  # N s; the loads of the two flights differ by the way since
-        normal, slip = strike["impulse"], 0.3 * strike["impulse"]  # it slips all the while
+            self.assertAlmostEqual(a, -b, delta=0.05)  # N s; the loads of the two flights have differed since
+        normal, slip = strike["impulse"], 0.3 * strike["impulse"]  # it slips all the time
         self.assertAlmostEqual(math.hypot(*booster), math.hypot(normal, slip), delta=0.005 * normal)
         self.assertEqual([entry["id"] for entry in struck["verdict"] if not entry["met"]], ["distance1"])
 
@@ -218,10 +220,10 @@ class BoostersTest(ProcessTest):
     def test_before_the_ties_are_cut_the_rocket_is_one_body(self):
         report = self.run_at("cyclogram.yaml", (0.09, 0.449))
         early, late = (sample["bodies"]["core"]["v"][0] for sample in report["samples"])
-        # Main thrust points along the core; verniers lean with their booster.
+        # The main thrust acts along the core; verniers are inclined with their booster.
         thrust = 990000 + 4 * (FULL + 70000 * math.cos(TILT))
         self.assertAlmostEqual(early, (thrust / MASS - 6.2) * 0.09, delta=ROUND_OFF)
-        # Thrust falls to 84 % over 0.1 … 0.2 s, the verniers' to nothing over 0.25 … 0.29 s.
+        # Thrust falls to 84 % over 0.1 … 0.2 s, the verniers' to zero over 0.25 … 0.29 s.
         impulse = (990000 * 0.449 + 4 * FULL * (0.1 + 0.92 * 0.1 + 0.84 * 0.249)
                    + 4 * 70000 * math.cos(TILT) * (0.25 + 0.5 * 0.04))
         self.assertAlmostEqual(late, impulse / MASS - 6.2 * 0.449, delta=ROUND_OFF)

@@ -11,8 +11,8 @@ import tempfile
 import time
 
 CHROMIUM = shutil.which("chromium")
-# Software WebGL, and all else drawn without it, which is ten times as fast; no sandbox, because tests may run as root in
-# a container; nothing that speaks to the network.
+# Software WebGL, and all other drawing without it, which is ten times as fast; no sandbox, because tests may run as root in a
+# container; no access to the network.
 FLAGS = [
     "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--remote-debugging-pipe",
     "--disable-accelerated-2d-canvas", "--disable-gpu-rasterization", "--disable-gpu-compositing",
@@ -21,8 +21,8 @@ FLAGS = [
     "--disable-dev-shm-usage", "--metrics-recording-only", "--no-default-browser-check",
     "--disable-features=Translate,OptimizationHints,MediaRouter,DialMediaRouteProvider",
 ]
-READ_BACK = "GPU stall due to ReadPixels"  # what it costs to draw WebGL in software, not what the page does
-HANG = 60  # s without an answer: a failure, not a measure
+READ_BACK = "GPU stall due to ReadPixels"  # a cost of drawing WebGL in software, not of the page
+HANG = 60  # s without an answer: a failure, not a measurement
 
 
 class BrowserError(Exception):
@@ -35,7 +35,7 @@ class Browser:
         to_read, self.to_browser = os.pipe()
         self.from_browser, to_write = os.pipe()
 
-        # Chromium expects them as 3 and 4; both ends may stand there already, so they move away first.
+        # Chromium expects them as 3 and 4; these numbers may already be in use, so both ends are moved first.
         def place():
             high = [os.dup(fd) for fd in (to_read, to_write)]
             high = [os.dup(fd) if fd in (3, 4) else fd for fd in high]
@@ -87,7 +87,7 @@ class Browser:
         return message
 
     def note(self, message):
-        """Events of a page: errors, and its requests."""
+        """Handles events of a page: errors, and its requests."""
         method, params = message.get("method"), message.get("params", {})
         if method == "Runtime.exceptionThrown":
             details = params["exceptionDetails"]
@@ -135,7 +135,7 @@ class Browser:
         raise BrowserError(f"never true: {expression}")
 
     def settle(self):
-        """Until what was asked for has been drawn."""
+        """Waits until the requested changes have been drawn."""
         self.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
 
     def press(self, key, shift=False):
@@ -145,7 +145,7 @@ class Browser:
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number, modifiers=8 if shift else 0)
 
     def click(self, selector, x=0.5, y=0.5):
-        """At a fraction of the element's width and height."""
+        """Clicks at a fraction of the element's width and height."""
         box = self.evaluate(f"(() => {{ const node = document.querySelector({json.dumps(selector)}); node.scrollIntoView({{block: 'center'}});"
                             " const r = node.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; })()")
         at = {"x": box[0] + x * box[2], "y": box[1] + y * box[3], "button": "left", "clickCount": 1}

@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// One quadrilateral, 2 m by 1 m, two modes; numbers run together as CalculiX prints them.
+// One quadrilateral, 2 m by 1 m, two modes; numbers without blanks between them, as CalculiX prints them.
 constexpr const char* kFrd = R"(    1C
     1UPGM               CalculiX
     1UVERSION           Version 2.20
@@ -111,7 +111,7 @@ TEST(Calculix, DamagedFilesAreRefusedWithTheirLine) {
   EXPECT_THAT(get_refusal(replaced(kFrd, "-1.46183E-03", " 1.4618NE-03")),
               HasSubstr("job.frd:21: columns 14 to 25 hold '1.4618NE-03'"));
   EXPECT_THAT(get_refusal(replaced(kFrd, "-6.86110E-04-2.28383E-02", " -6.86110E-04-2.28383E-02")),
-              HasSubstr("job.frd:21: columns"));  // one blank shifts all
+              HasSubstr("job.frd:21: columns"));  // one blank shifts all columns
 }
 
 TEST(Calculix, WhatIsNoShellIsRefused) {
@@ -132,7 +132,7 @@ TEST(Calculix, OneThatIsNotThereIsSaidToBeMissing) {
 
 // --- Meshes and masses ----------------------------------------------------------------------------------------------
 
-// Any one element of a plate, bent out of plane by nothing: its area, and a linear field, are exact.
+// Any single element of a flat plate: its area, and a linear field, are exact.
 TEST(MeshModes, EveryElementIntegratesItsAreaAndALinearField) {
   const std::vector<Eigen::Vector3d> corners{{0, 0, 1}, {2, 0.3, 1}, {2.5, 1.4, 1}, {-0.2, 1, 1}};
   constexpr double kQuadArea = 2.415, kTriangleArea = 1.025;  // by the shoelace formula
@@ -157,7 +157,7 @@ TEST(MeshModes, EveryElementIntegratesItsAreaAndALinearField) {
     for (const hil::ModalPoint& point : modes.points) {
       EXPECT_GT(point.mass, 0);
       mass += point.mass;
-      EXPECT_LT((point.shape.col(0) - slope * point.position).norm(), 1e-10);  // of rounding to twelve digits
+      EXPECT_LT((point.shape.col(0) - slope * point.position).norm(), 1e-10);  // rounding to twelve digits
     }
     EXPECT_NEAR(mass, 10 * (quad ? kQuadArea : kTriangleArea), 1e-9);
     EXPECT_EQ(modes.markers[0].position, corners[2]);
@@ -173,9 +173,9 @@ TEST(MeshModes, AMarkerTurnsWithARigidMotion) {
   EXPECT_LT((modes.markers[0].shape.col(0) - turn - turn.cross(Eigen::Vector3d(1, 0.5, 0))).norm(), 1e-12);
 }
 
-// The closed form of a half cylinder and half a cone, each of its own mass: means of y, z, their squares and r².
+// Closed form of a half cylinder and half a cone, each with its own mass: means of y, z, their squares and r².
 TEST(MeshModes, TheFairingHalfHasItsMassProperties) {
-  constexpr double kChords = 1e-4;                      // of 24 quadratic elements around, and a nose of 10 mm
+  constexpr double kChords = 1e-4;                      // error of 24 quadratic elements around, and a nose of 10 mm
   constexpr double kPi = std::numbers::pi, kWall = 40;  // kg/m²
   const double cylinder = kWall * kPi * 2 * 8, cone = kWall * kPi * std::sqrt(40.0), mass = cylinder + cone;
   const Eigen::Vector3d centre(0, (cylinder * 4 / kPi + cone * 8 / (3 * kPi)) / mass,

@@ -21,7 +21,7 @@ from browser import Browser
 from processes import HANG, SCENARIOS, UNLATCH, ProcessTest, call, main
 
 CAMPAIGN = SCENARIOS / "boosters" / "campaign.yaml"
-# A mass that falls for 5 steps: a sample takes no time. v: speed at the end, 0.05 s · 9.81 m/s2 + start.
+# Scenario of a mass that falls for 5 steps: a sample takes no time. v: speed at the end, 0.05 s · 9.81 m/s2 + start.
 BALL = """unlatch: 1
 name: ball
 step: {dt: 0.01, until: 0.05}
@@ -52,7 +52,7 @@ class CampaignTest(ProcessTest):
         return json.loads(done.stdout)
 
     def run_boosters(self, out, *options):
-        return self.run_campaign(CAMPAIGN, out, "--set", "step.until=0.4", *options, code=1)  # nothing is released by then
+        return self.run_campaign(CAMPAIGN, out, "--set", "step.until=0.4", *options, code=1)  # no joint opens by then
 
     def test_jobs_parts_and_order_give_the_same_table_and_hash(self):
         whole = self.run_boosters("whole", "--samples", "0:24", "--jobs", "3")
@@ -99,7 +99,7 @@ class CampaignTest(ProcessTest):
                 process.wait()
                 kills -= 1
                 size = (out / "results.bin").stat().st_size if (out / "results.bin").exists() else 0
-                self.assertGreaterEqual(size + 4096, kept)  # at most what was in flight is lost
+                self.assertGreaterEqual(size + 4096, kept)  # at most the records in progress are lost
                 kept = size
             summary = self.run_campaign(path, "killed", "--resume")
             self.assertEqual(summary["hash"], expected, f"seed {seed}")
@@ -182,7 +182,7 @@ class CampaignTest(ProcessTest):
         expected = ordered[int(at)] + (at - int(at)) * (ordered[int(at) + 1] - ordered[int(at)])
         self.assertAlmostEqual(fast["quantiles"]["0.95"], expected, delta=1e-15)
 
-    # The speed of the ball is that of its start: two normal numbers across each other, so that P(speed > 2.5 m/s) is known.
+    # The speed of the ball is that of its start: two perpendicular normal numbers, so that P(speed > 2.5 m/s) is known.
     RARE = ("sampling: subset\nsamples: {samples}\nseed: {seed}\nsubset: {{of: {of}}}\nparameters:\n"
             "  x: {{path: 'bodies.ball.velocity[0]', normal: {{mean: {mean} m/s, sigma: {sigma} m/s}}}}\n"
             "  y: {{path: 'bodies.ball.velocity[1]', normal: {{mean: 0 m/s, sigma: {sigma_y} m/s}}}}\n")
@@ -193,7 +193,7 @@ class CampaignTest(ProcessTest):
     def test_rare_failures_have_the_probability_that_is_known_and_that_openturns_finds(self):
         import openturns as ot
         seeds = range(1, 6)
-        # Linear: one axis alone fails, 4.26 sigma away. Not linear: a circle, which prefers no direction. Both 1e-5.
+        # Linear: one axis alone fails, 4.26 sigma away. Nonlinear: a circle, which has no preferred direction. Both 1e-5.
         for name, mean, sigma_y in (("linear", 1.0, 1e-6), ("circle", 0.0, None)):
             sigma = (2.5 - mean) / 4.264890793922825 if name == "linear" else 2.5 / math.sqrt(-2 * math.log(1e-5))
             ours, ours_said = [], []
@@ -217,7 +217,7 @@ class CampaignTest(ProcessTest):
                 sampling.run()
                 theirs.append(sampling.getResult().getProbabilityEstimate())
                 theirs_said.append(sampling.getResult().getCoefficientOfVariation())
-            for estimates in (ours, theirs):  # by logarithms, since single estimates spread by half
+            for estimates in (ours, theirs):  # by logarithms, since single estimates scatter by half
                 center = statistics.fmean(math.log10(p) for p in estimates)
                 self.assertAlmostEqual(center, -5, delta=4 * 0.25 / math.sqrt(len(estimates)), msg=f"{name}: {ours} {theirs}")
             ratio = statistics.fmean(ours_said) / statistics.fmean(theirs_said)
@@ -318,7 +318,7 @@ class CampaignTest(ProcessTest):
             self.assertEqual(ask("document.getElementById('rare').hidden"), True)
             ask("document.querySelector('#scatter .point').dispatchEvent(new Event('click'))")
             self.assertIn("Sample 0: v", ask("document.getElementById('picked').textContent"))
-            # Another quantity: the input itself, which nothing explains but itself.
+            # Another quantity: the input itself, which depends on nothing but itself.
             ask("(() => { const q = document.getElementById('quantity'); q.value = q.options.length - 1; q.dispatchEvent(new Event('change')); })()")
             self.assertEqual(ask("document.querySelectorAll('#histogram .limit').length"), 0)
             self.assertEqual(browser.complaints, [])
@@ -382,7 +382,7 @@ class CampaignTest(ProcessTest):
         self.assertTrue(math.isfinite(fast[0]["first"]))
 
     def check_script(self, name, *options, stubs, times=1):
-        """The script with these programs before the others in the path gives the table of one campaign; what it printed."""
+        """Runs the script with these programs before the others in the path: it gives the table of one campaign; returns its output."""
         path = self.write("samples: 50\nparameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n", "a b.yaml")
         for stub, text in stubs.items():
             (self.folder / stub).write_text(text)
@@ -403,7 +403,7 @@ class CampaignTest(ProcessTest):
         return done
 
     def test_the_slurm_script_gives_the_table_of_one_campaign(self):
-        # A Slurm that runs a job at once, its tasks one after the other.
+        # A simulated Slurm that runs a job at once, its tasks one after the other.
         sbatch = """#!/bin/bash
 echo "$@" >>"$FOLDER/sbatch.txt"
 first=0 last=0

@@ -25,17 +25,17 @@ except ImportError:
 ODE = json.loads((SOURCE / "tests/data/capsule_ode.json").read_text())
 FRESNEL = json.loads((SOURCE / "tests/data/capsule_fresnel.json").read_text())
 SCALE = 1e-3  # figure6.yaml and figure7.yaml have a thousandth of the paper's L0
-# Of reference.yaml.
+# Constants of reference.yaml.
 A2, C2, A1, A1K, C1, C1K, T = 180, 120, 90, 30, 60, 15, 20
 R0, SIGMA0, P0, Q0 = 0.2, 6.0, 0.03, 0.05
 ODE_AGREES = 1e-9      # rad, rad/s: RK4 at 1 ms
-FRESNEL_AGREES = 1e-6  # of L0 = 0.75: what is left of small angles squared, and of RK4 at 0.5 ms
+FRESNEL_AGREES = 1e-6  # relative to L0 = 0.75: error of small angles squared, and of RK4 at 0.5 ms
 AMPLITUDE_AGREES = 1e-4  # relative: the circle through three points, 0.1 s apart
-LIMIT_AGREES = 2e-6    # the same, and the third term of the tail
+LIMIT_AGREES = 2e-6    # likewise, and the third term of the tail
 
 
 def calc_angles(q):
-    """gamma, psi, phi of (2.3): the attitude is a turn by psi about x, gamma about y, phi about z."""
+    """Returns gamma, psi, phi of (2.3): the attitude is a turn by psi about x, gamma about y, phi about z."""
     w, x, y, z = q
     gamma = math.asin(2 * (x * z + w * y))
     psi = math.atan2(-2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
@@ -88,10 +88,10 @@ class CapsuleTest(ProcessTest):
         samples = self.sample(file, sorted(points))
         for sample in samples:
             gamma, psi, _ = calc_angles(sample["bodies"]["capsule"]["q"])
-            # By (2.3) psi is the integral of p, gamma that of q; the paper's (2.10) has them the other way round.
+            # By (2.3) psi is the integral of p, gamma that of q; the paper's (2.10) exchanges them.
             for angle, wanted in zip((psi, gamma), points[sample["t"]]):
                 self.assertAlmostEqual(angle / SCALE, wanted, delta=FRESNEL_AGREES)
-        # The rest of the way to the limit point, by parts: the integrals of sin F and cos F from t on, F' = omega + 2 mu t.
+        # Rest of the path to the limit point, by parts: the integrals of sin F and cos F from t on, F' = omega + 2 mu t.
         t, amplitude = samples[-1]["t"], 0.75
         phase, speed = 0.5 + 10 * t + mu * t * t, 10 + 2 * mu * t
         tail = (amplitude * (math.cos(phase) / speed + 2 * mu * math.sin(phase) / speed**3),
@@ -120,11 +120,11 @@ class CapsuleTest(ProcessTest):
         self.assertGreater(math.dist((psi, gamma), wanted), 0.01)  # rad; figure 7 as drawn is a limit, not the motion
 
     def test_spin_up_keeps_the_thrust_on_its_line(self):
-        """The velocity gained points the nearer to the axis, the faster the motor spins."""
+        """Direction of the velocity gained: the faster the motor spins, the nearer it is to the axis."""
         errors = []
         for spin in (0, 2, 6):
             sample = self.sample("scenario.yaml", [22], "--set", f"bodies.motor.rate[2]={spin}",
-                                 code=0 if spin == 6 else 1)[0]  # slower, the capsule does not keep its direction
+                                 code=0 if spin == 6 else 1)[0]  # at lower speeds, the capsule does not keep its direction
             v = sample["bodies"]["capsule"]["v"]
             errors.append(math.atan2(math.hypot(v[0], v[1]), v[2]))
         self.assertGreater(errors[0], errors[1])
@@ -207,7 +207,7 @@ class CapsuleTest(ProcessTest):
             _, axes, _ = landing.calc_ellipse(places)
             areas[spin] = math.pi * axes[0] * axes[1]
         self.assertGreater(areas[6], 4 * areas[12])
-        # Of 12 rad/s, by runs with one error each: what every cause adds to the variances.
+        # Variance at 12 rad/s, from runs with one error each: the contribution of every cause.
         fixed = ("--set", "constants.spin=12 rad/s", "--set", "constants.line_x=0 mm", "--set", "constants.turn_x=0 rad/s", "--set",
                  "constants.turn_y=0 rad/s")
         sigmas = {"axis_x": "0.1 deg", "axis_y": "0.1 deg", "turn_x": "0.01 rad/s", "turn_y": "0.01 rad/s", "line_x": "0.5 mm", "line_y": "0.5 mm",

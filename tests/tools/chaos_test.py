@@ -22,7 +22,7 @@ from recording_files import read_events, read_ticks
 
 CYCLES = int(os.environ.get("UNLATCH_CYCLES", 6))
 TIMEOUT = 0.2  # s of wall time after which the policy acts
-ENDINGS = (0, 1, -signal.SIGINT)  # the last where it was interrupted before it had begun
+ENDINGS = (0, 1, -signal.SIGINT)  # the last one if it was interrupted before it began
 POLICIES = ("hold", "zero", "safe", "pause", "abort", "evict")
 
 
@@ -64,7 +64,7 @@ class Session:
         return self.running[name].wait(HANG)
 
     def interrupt(self, name):
-        """As a person would, and whatever it is doing."""
+        """Interrupts a process like a user, at any moment."""
         if self.is_running(name):
             self.running[name].send_signal(signal.SIGINT)
         return self.running[name].wait(HANG)
@@ -80,7 +80,7 @@ class ChaosTest(ProcessTest):
     # --- Processes ----------------------------------------------------------------------------------------------
 
     def check_recording(self, session, was_killed):
-        """It is whole up to its end, replays, and knows of no other policy than the scenario's."""
+        """Checks that the recording is complete, replays, and contains no other policy than the scenario's."""
         log = session.get_log("simulator")
         events, rest = read_events(log) if log.exists() else ([], False)
         if not events:
@@ -98,12 +98,12 @@ class ChaosTest(ProcessTest):
         return "with its policy applied" if policies else "undisturbed as far as it knows"
 
     def check_logger(self, session):
-        """The logger's file is complete up to its end."""
+        """Checks that the logger's file is complete."""
         if session.get_log("logger").exists():
             read_events(session.get_log("logger"))
 
     def disturb(self, session, draw):
-        """Something happens to one of the processes; says what."""
+        """Disturbs one of the processes; returns a description."""
         name = draw.choice(("simulator", "fsw", "logger"))
         time.sleep(draw.uniform(0, 0.7))
         if not session.is_running(name):
@@ -136,7 +136,7 @@ class ChaosTest(ProcessTest):
             code = session.interrupt("simulator")
             self.assertIn(code, ENDINGS, session.get_said("simulator"))
             outcome = self.check_recording(session, was_killed=code < 0)
-            # A process that did not receive the end stops by itself (the flight software), or is told to stop (the logger).
+            # A process that did not receive the end stops by itself (the flight software), or is stopped (the logger).
             self.assertIn(session.running["fsw"].wait(HANG), (0, 1), session.get_said("fsw"))
             self.assertIn(session.interrupt("logger"), ENDINGS, session.get_said("logger"))
             self.check_logger(session)
@@ -154,7 +154,7 @@ class ChaosTest(ProcessTest):
         for outcome, count in sorted(outcomes.items()):
             print(f"  {count:4} {outcome}")
         self.assertEqual(sum(outcomes.values()), CYCLES)
-        if CYCLES >= 50:  # in fewer it may not have come to that
+        if CYCLES >= 50:  # in fewer cycles it may not have occurred
             self.assertTrue(any("policy applied" in outcome for outcome in outcomes), "no policy has ever acted")
 
     # --- Clock --------------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ class ChaosTest(ProcessTest):
             process = subprocess.Popen([UNLATCH, "hil", REFERENCE, "--transport", "inproc", "--pace", "realtime", "--until", "2",
                                         "--overruns", overruns, "--log", str(log), "--json", str(report)],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            while process.poll() is None:  # repeatedly: the moment at which it starts is unknown
+            while process.poll() is None:  # repeatedly: its start time is unknown
                 process.send_signal(signal.SIGSTOP)
                 time.sleep(0.05)
                 process.send_signal(signal.SIGCONT)
@@ -204,7 +204,7 @@ class ChaosTest(ProcessTest):
             self.check_starved(json.loads(report.read_text(encoding="utf-8")), log, overruns)
 
     def test_a_simulator_among_hogs_loses_no_tick(self):
-        """Ordinary priority, one processor, which four others want as well."""
+        """Runs at ordinary priority, on one processor that four others use as well."""
         log, report = self.folder / "run.log", self.folder / "run.json"
         cpu = str(min(os.sched_getaffinity(0)))
         hogs = [subprocess.Popen(["taskset", "-c", cpu, "sh", "-c", "while :; do :; done"]) for _ in range(4)]

@@ -17,7 +17,7 @@ BUSY = ["run", REFERENCE, "--until", "900"]  # long enough for a progress bar on
 
 
 def read_terminal(command, environment=None, until=None, keys=b""):
-    """Output of a program on a terminal of 80 x 24, until it ends or `until` appears."""
+    """Returns the output of a program on a terminal of 80 x 24, until it ends or `until` appears."""
     child, terminal = pty.fork()
     if child == 0:
         os.environ.update(environment or {})
@@ -45,7 +45,7 @@ def list_verbs():
 
 class CliTest(ProcessTest):
     def complete(self, line, *shell):
-        """Completions of the bash script for a line that ends at the cursor."""
+        """Returns completions of the bash script for a line that ends at the cursor."""
         script = (f"source <({UNLATCH} completion bash); COMP_LINE=$1; COMP_POINT=${{#1}}; shift; COMP_WORDS=(\"$@\"); "
                   "COMP_CWORD=$(($# - 1)); _unlatch; printf '%s\\n' \"${COMPREPLY[@]}\"")
         words = line.split(" ")
@@ -137,7 +137,7 @@ class CliTest(ProcessTest):
                 self.assertIn(f".SH {section}", text, page.name)
             if shutil.which("mandoc"):
                 lint = call("mandoc", "-T", "lint", "-W", "warning", page)
-                # Without a date the page is the same from every build.
+                # The missing date is intended: without it the page is the same from every build.
                 found = [line for line in (lint.stdout + lint.stderr).splitlines() if "missing date" not in line]
                 self.assertEqual(found, [], page.name)
         built = BIN.parent / "tools/share/man/man1"

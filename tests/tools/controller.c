@@ -1,4 +1,4 @@
-/* A controller FMU for the tests: flight software of the boosters, FMI 2.0 or 3.0 (-DFMI=2, 3), by the standards' text.
+/* Controller FMU for the tests: flight software of the boosters, FMI 2.0 or 3.0 (-DFMI=2, 3), by the standards' text.
  * Value references: 0 … 3 inputs kr1 … kr4; 100 + channel outputs; 200: an input body position; see fmuloop_test.py.
  * -DHOSTILE=n spoils something; n in hostile() below. */
 #include <math.h>

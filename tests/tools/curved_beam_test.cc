@@ -1,5 +1,5 @@
-// The curved beam of the paper, (3.4), and the exact inextensional arc: roots, none missed, shapes that satisfy the
-// equations.
+// Curved beam of the paper, (3.4), and the exact inextensional arc: roots, completeness of the roots, shapes that
+// satisfy the equations.
 #include "tools/modes/curved_beam.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(CurvedBeam, RootsOfTheExactArcAreTheReferences) {
 
 // 5.06, 15.06, 30.39 Hz by (3.4); the paper's 5, 14, 30 Hz are the exact arc's with the plate's modulus.
 TEST(CurvedBeam, FrequenciesOfTheFairingAreThoseOfBothModels) {
-  constexpr double kHz = 6e-5;  // they are written so here
+  constexpr double kHz = 6e-5;  // printed accuracy
   const double shallow[] = {5.0619, 15.0574, 30.3934}, exact[] = {4.9463, 14.2928, 29.9255};
   const auto a = calc_arc_modes(ArcModel::kShallow, kPi, 3, 5), b = calc_arc_modes(ArcModel::kInextensional, kPi, 3, 5);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -55,7 +55,7 @@ TEST(CurvedBeam, FrequenciesOfTheFairingAreThoseOfBothModels) {
   }
 }
 
-// A short arc is a straight beam: Ω angle² goes to the squares of 4.730, 7.853, ….
+// A short arc is a straight beam: Ω angle² approaches the squares of 4.730, 7.853, ….
 TEST(CurvedBeam, AFlatArcIsAStraightBeam) {
   constexpr double kRoots[] = {4.730040744862704, 7.853204624095838, 10.995607838001671};
   constexpr double kAngle = 0.1;
@@ -66,7 +66,7 @@ TEST(CurvedBeam, AFlatArcIsAStraightBeam) {
   }
 }
 
-// The count does not know where roots are sought, and finds the rigid motions too: two translations and a rotation.
+// The count is independent of the search for roots, and finds the rigid motions too: two translations and a rotation.
 TEST(CurvedBeam, TheArgumentCountsEveryRoot) {
   for (const double angle : {0.7, kPi / 2, kPi, 5.0, 6.2}) {
     const auto shallow = calc_arc_modes(ArcModel::kShallow, angle, 12, 3);
@@ -100,7 +100,7 @@ class Differences {
 };
 
 constexpr int kPoints = 401;
-constexpr double kDifferences = 1e-3;  // of finite differences at that many points
+constexpr double kDifferences = 1e-3;  // relative error of finite differences at that many points
 
 TEST(CurvedBeam, ShapesSatisfyThePapersEquation) {
   for (const ArcMode& mode : calc_arc_modes(ArcModel::kShallow, kPi, 3, kPoints)) {
@@ -113,7 +113,7 @@ TEST(CurvedBeam, ShapesSatisfyThePapersEquation) {
   }
 }
 
-// Rayleigh: the energies of the shape give its frequency; and it does not stretch.
+// Rayleigh: the energies of the shape give its frequency; and the arc does not stretch.
 TEST(CurvedBeam, ShapesOfTheExactArcHaveTheirFrequencies) {
   for (const ArcMode& mode : calc_arc_modes(ArcModel::kInextensional, kPi, 3, kPoints)) {
     const Differences w(mode.radial, kPi), u(mode.tangential, kPi);
@@ -121,7 +121,7 @@ TEST(CurvedBeam, ShapesOfTheExactArcHaveTheirFrequencies) {
     for (std::size_t i = 0; i < mode.radial.size(); ++i) {
       const bool inside = i >= 2 && i + 2 < mode.radial.size(), end = i == 0 || i + 1 == mode.radial.size();
       motion += (end ? 0.5 : 1) * (mode.radial[i] * mode.radial[i] + mode.tangential[i] * mode.tangential[i]);
-      if (!inside) continue;  // nothing bends at the ends
+      if (!inside) continue;  // no bending at the ends
       const double curvature = w.second(i) + mode.radial[i];
       bending += curvature * curvature;
       EXPECT_NEAR(u.first(i), -mode.radial[i], kDifferences);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A cubesat leaves its deployer: against closed forms, and a planar integration that shares nothing with the kernel. Run by ctest:
+"""A cubesat leaves its deployer: against closed forms, and a planar integration that is independent of the kernel. Run by ctest:
 
     deployer_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -13,7 +13,7 @@ ALIGNED, MISALIGNED = SCENARIOS / "deployer/scenario.yaml", SCENARIOS / "deploye
 CONTACTS = [f"{kind}{i}" for kind in ("fore", "aft", "lip") for i in range(1, 5)]
 # The door stays shut, and the latch opens at 0.1 s: two bodies, as in the reference.
 TWO_BODIES = ["--set", "events.open.enabled=false", "--set", "events.release.when={time: 0.1}", "--set", "events.release.delay=0"]
-# Friction of the spring comes up within 5 mm/s, in the first millisecond: of the second order in the step, at a quarter of one.
+# Friction of the spring grows within 5 mm/s, in the first millisecond: of the second order in the step, at a quarter of one.
 TIME, SPEED, RATE = 5e-9, 1e-9, 1e-9  # s, m/s, rad/s
 CLOSED_FORM = 1e-5  # m/s: friction of the spring is less than 2 N for its first 5 mm/s, over some 5e-6 m
 BALANCE = 1e-4  # of 6.6 J, at 1 ms: most of it from the door on its bracket
@@ -32,7 +32,7 @@ def get_verdicts(found):
 
 
 class DeployerTest(ProcessTest):
-    # Work of the spring less its friction, over the reduced mass of cubesat and the rest; nothing touches.
+    # Work of the spring without its friction, over the reduced mass of cubesat and the rest; there is no contact.
     def test_aligned_it_leaves_with_the_work_of_the_spring(self):
         found = run(ALIGNED)
         work, stage, cubesat = (26 - 40 * 0.345 / 2 - 2) * 0.345, 850.2, 4.0
@@ -63,13 +63,13 @@ class DeployerTest(ProcessTest):
         verdicts = get_verdicts(found)
         self.assertEqual([name for name, verdict in verdicts.items() if not verdict["met"]], ["tipoff"])
         self.assertGreater(verdicts["tipoff"]["value"], 100 * get_verdicts(aligned)["tipoff"]["value"])
-        self.assertLess(verdicts["speed"]["value"], get_verdicts(aligned)["speed"]["value"])  # friction on the rails
+        self.assertLess(verdicts["speed"]["value"], get_verdicts(aligned)["speed"]["value"])  # because of friction on the rails
         touched = {event["subject"] for event in found["events"] if event["name"] == "touch"} & set(CONTACTS)
         self.assertEqual(touched, {"aft1", "aft4", "fore2", "fore3", "lip2", "lip3"})  # across, and the spring's side behind
         exit_time = get_times(found)["exit"]
         self.assertFalse([event for event in found["events"] if event["subject"] in CONTACTS and event["t"] > exit_time])
 
-    # A half and a quarter of the step give the same, and nothing is told to be unresolved.
+    # Half and a quarter of the step give the same, and no motion is reported as unresolved.
     def test_the_step_resolves_the_contacts(self):
         rates = []
         for step in ("0.001", "0.0005", "0.00025"):
@@ -78,7 +78,7 @@ class DeployerTest(ProcessTest):
             rates.append(get_verdicts(found)["tipoff"]["value"])
         self.assertLess(max(rates) - min(rates), 1e-6)
 
-    # On a diagonal the spring presses the cubesat into one rail; roll couples the contacts.
+    # Diagonal misalignment: the spring presses the cubesat into one rail; roll couples the contacts.
     def test_momentum_and_energy_balance(self):
         for options in ((ALIGNED,), (MISALIGNED,), (MISALIGNED, "--set", "constants.offset_y=0.006", "--set", "constants.offset_z=0.006")):
             found = run(*options, "--sample", "2")
@@ -88,7 +88,7 @@ class DeployerTest(ProcessTest):
                 momentum = sum(mass * bodies[name]["v"][axis] for name, mass in (("stage", 850), ("cubesat", 4), ("door", 0.2)))
                 self.assertLess(abs(momentum), 1e-9)
 
-    # Events lie within 1e-9 s of each other here: the search for the smallest clearance between them ends.
+    # Events are within 1e-9 s of each other here: the search for the smallest clearance between them ends.
     def test_a_slight_misalignment_ends_too(self):
         found = run(MISALIGNED, "--set", "constants.offset_y=0.001")
         self.assertEqual(found["status"], "ok")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pages for people: their commands run, the files that they show are those files, what they link to is there.
+"""Pages for people: their commands run, the files that they show have these contents, the targets of their links exist.
 
 A fenced block ```sh run is run, all of a page in its order in one scratch folder that sees the repository; ```yaml check is
 a scenario and is checked; after ```LANGUAGE file=PATH stands that file. Run by ctest in a network namespace of its own:
@@ -15,7 +15,7 @@ from processes import BIN, SOURCE, ProcessTest, main
 
 SOURCES = (".cc", ".h", ".c", ".py", ".md", ".yaml", ".sh", ".json", ".idl", ".cmake", ".svg", ".txt")
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-SLOWEST = 240  # s for all commands of a page; a hang, not a measure
+SLOWEST = 240  # s for all commands of a page; a limit for hangs, not a measurement
 
 
 def list_pages():
@@ -26,7 +26,7 @@ def list_pages():
 
 class DocsTest(ProcessTest):
     def run_page(self, page):
-        """Runs the page's commands; their output."""
+        """Runs the page's commands; returns their output."""
         blocks = []
         for info, body in BLOCK.findall((SOURCE / page).read_text()):
             if info.split() == ["sh", "run"]:
@@ -94,7 +94,7 @@ class DocsTest(ProcessTest):
     def test_files_named_in_pages_exist(self):
         names = 0
         for page in list_pages():
-            if page.name == "CHANGELOG.md":  # history: names what was
+            if page.name == "CHANGELOG.md":  # history: names of former files
                 continue
             text = BLOCK.sub("", page.read_text())
             for name in re.findall(r"`([\w./-]+)`", text):
@@ -107,7 +107,7 @@ class DocsTest(ProcessTest):
 
     @staticmethod
     def is_made(name):
-        """Files that a reader or a program makes."""
+        """Files that a reader or a program creates."""
         made = ("first.yaml", "first.svg", "run.json", "manifest.json", "summary.json", "samples.csv", "patch.yaml", "problem.yaml", "result.json", "unlatch.schema.json", "plot.svg")
         return name in made or name.startswith(("NAME", "FILE"))
 

@@ -9,12 +9,12 @@ import math
 from processes import BIN, SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 
 RADIUS, STEPS = 2.0, 1800  # m, of half a ring; parts of it
-AWAY = RADIUS * math.pi / STEPS  # between two points of it, m
+AWAY = RADIUS * math.pi / STEPS  # m, between two points of it
 FAIRING = SCENARIOS / "fairing/scenario.yaml"
 
 
 def write_ring(path):
-    """Half a ring of equal mass points at z 0 and at z 1, y > 0, and a mode that nothing excites."""
+    """Writes half a ring of equal mass points at z 0 and at z 1, y > 0, and a mode without excitation."""
     lines = ["unlatch modes 1", "frequencies 50"]
     points = []
     for z in (0, 1):
@@ -50,7 +50,7 @@ class EnvelopeTest(ProcessTest):
         path.write_text(SCENARIO.format(velocity=velocity, core=core))
         return self.sweep(path, "--of", "half", "--stations=-0.5:1.5:1", "--azimuths", azimuths)
 
-    # A circle moved by -s in y has the radius -s sin(a) + sqrt(R^2 - s^2 cos(a)^2) at the azimuth a: least at the end.
+    # A circle moved by -s in y has the radius -s sin(a) + sqrt(R^2 - s^2 cos(a)^2) at the azimuth a: smallest at the end.
     def test_half_a_ring_that_moves_inwards_leaves_the_closed_form(self):
         zone = self.fly_ring("[0, -1, 0]")
         moved = 0.5
@@ -63,7 +63,7 @@ class EnvelopeTest(ProcessTest):
                              for a in (ends[0] + (ends[1] - ends[0]) * k / 100 for k in range(101)))
                 self.assertGreater(radius, wanted - 1e-9)
                 self.assertLess(radius, wanted + AWAY)
-        self.assertEqual(zone["stiff"], zone["radius"])  # nothing deforms it, to the bit
+        self.assertEqual(zone["stiff"], zone["radius"])  # no deformation, bit for bit
         nose = zone["azimuths"].index(min(zone["azimuths"], key=lambda a: abs(a - math.pi / 2)))
         self.assertAlmostEqual(zone["time"][0][nose], 0.5, delta=1e-9)
 
@@ -74,9 +74,9 @@ class EnvelopeTest(ProcessTest):
                 if b is not None:
                     self.assertAlmostEqual(a, RADIUS, delta=1e-9)
                     self.assertEqual(a, b)
-        self.assertTrue(all(value is None for value in zone["radius"][0][1:17]))  # nothing on the side of -y
+        self.assertTrue(all(value is None for value in zone["radius"][0][1:17]))  # no points on the side of -y
 
-    # Seen from a body that turns about the axis, the half ring sweeps all azimuths it passes, at its own radius.
+    # Relative to a body that turns about the axis, the half ring sweeps all azimuths that it passes, at its own radius.
     def test_the_axes_are_those_of_the_body(self):
         zone = self.fly_ring("[0, 0, 0]", core="rate: [0, 0, 6.283185307179586]")
         for row in zone["radius"]:

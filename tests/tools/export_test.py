@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Facts about `unlatch export`: what other tools read is what the replay computes. Run by ctest like tools_test.py."""
+"""Facts about `unlatch export`: other tools read the values of the replay. Run by ctest like tools_test.py."""
 
 import csv
 import json

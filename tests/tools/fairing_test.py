@@ -14,7 +14,7 @@ from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 FAIRING, UNZIP = SCENARIOS / "fairing/scenario.yaml", SCENARIOS / "fairing/unzip.yaml"
 REFERENCE = json.loads((SOURCE / "tests/data/fairing_jettison.json").read_text())
 EVENT_TIME = 1e-6  # s, asked for at the scenario's step
-STATE = 1e-6       # of the largest of its kind in the run: places, attitudes, velocities, rates
+STATE = 1e-6       # relative to the largest of its kind in the run: positions, attitudes, velocities, rates
 
 
 def into(q, v):
@@ -35,7 +35,7 @@ def align(q, to):
 
 class FairingTest(ProcessTest):
     def measure(self, name, *options, code=0, file=FAIRING):
-        """The largest error of each kind, of the largest value of that kind; and of the event times, s."""
+        """Returns the largest error of each kind, relative to the largest value of that kind; and that of the event times, s."""
         reference = REFERENCE[name]
         times = [0.0, *sorted(map(float, reference["samples"]))]
         report = self.run_json(UNLATCH, "run", file, "--until", max(times), "--sample", ",".join(map(str, times)), *options, code=code)
@@ -97,7 +97,7 @@ class FairingTest(ProcessTest):
             found[begin] = released[0], gaps["core", "half1_base_left"], gaps["core", "half1_middle_left"]
         base, nose = found["0 m"], found["13.97 m"]
         self.assertGreater(nose[0], base[0] + 0.1)                 # s
-        self.assertAlmostEqual(nose[1], base[1], delta=2e-3)       # m: the room at the base is the same
+        self.assertAlmostEqual(nose[1], base[1], delta=2e-3)       # m: the clearance at the base is the same
         self.assertLess(nose[2], base[2] - 8e-3)
 
     def test_a_narrow_strip_of_designs_needs_less_energy_than_the_synthesis_optimum(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""unlatch hil --fmu: controller FMUs as flight software, sound and hostile ones: fmuloop_test.py BIN_FOLDER SOURCE_FOLDER"""
+"""Option unlatch hil --fmu: controller FMUs as flight software, valid and hostile ones: fmuloop_test.py BIN_FOLDER SOURCE_FOLDER"""
 import os
 import platform
 import subprocess

@@ -22,7 +22,7 @@ class HabitsTest(ProcessTest):
         return done.stdout + done.stderr
 
     def copy_tree(self):
-        """A repository of its own with this tree's files, so that its settings are not ours."""
+        """Makes a separate repository with this tree's files, so that the settings of this one do not apply."""
         listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
                                 capture_output=True, check=True).stdout.decode()
         for name in filter(None, listed.split("\0")):

@@ -53,7 +53,7 @@ enum class State {
 
 class HeadersTest(ProcessTest):
     def build(self, headers=None):
-        """(exit code, undescribed names with their places, output) of tools/docs."""
+        """Returns (exit code, undescribed names with their places, output) of tools/docs."""
         environment = {**os.environ, **({"UNLATCH_PUBLIC_HEADERS": str(headers)} if headers else {})}
         done = subprocess.run([SOURCE / "tools/docs", self.folder / "docs"], env=environment, capture_output=True, text=True, timeout=HANG)
         missing = dict(reversed(m) for m in re.findall(r"^(\S+:\d+): (\S+) has no description$", done.stderr, re.M))
@@ -66,7 +66,7 @@ class HeadersTest(ProcessTest):
         return headers
 
     def describe(self):
-        """Descriptions by name, from Doxygen's XML."""
+        """Returns descriptions by name, from Doxygen's XML."""
         texts = {}
         for path in (self.folder / "docs/xml").glob("*.xml"):
             for node in ElementTree.parse(path).getroot().iter():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Facts about `unlatch import`: what it makes moves as it should, and what is hostile is refused. Run by ctest like tools_test.py."""
+"""Facts about `unlatch import`: imported models move as expected, and hostile files are refused. Run by ctest like tools_test.py."""
 
 import json
 import math
@@ -8,14 +8,16 @@ from processes import UNLATCH, ProcessTest, call, main
 
 MASS, LENGTH, ROUND = 2.0, 0.7, 0.05  # kg; m from the pivot to the centre of mass; kg m2 about the swinging axis
 PIVOT = ROUND + MASS * LENGTH**2  # kg m2
-# A quarter of a swing from the horizontal: K(sin 45 deg) sqrt(I / (m g l)), s.
+# Quarter of a swing from the horizontal: K(sin 45 deg) sqrt(I / (m g l)), s.
 QUARTER = 1.8540746773013719 * math.sqrt(PIVOT / (MASS * 9.81 * LENGTH))
 DT = round(QUARTER / 2000 * 1e9) * 1e-9  # s, a whole number of ns
-# The quarter is on a tick to half a nanosecond of each of 2000 steps, at the lowest point's speed and more.
+# Distance at the end of the quarter, whose rounding is half a nanosecond in each of 2000 steps, at more than the lowest point's
+# speed.
 NEAR = 2000 * 0.5e-9 * 10
 
 INERTIA = f'<inertia ixx="0.03" iyy="{ROUND}" izz="0.06" ixy="0" ixz="0" iyz="0"/>'
-# Hangs out along x at zero; the hinge's axis is y. Inertia in a frame that is turned by 0.3 about y, which changes iyy not.
+# Pendulum that points along x at zero; the hinge's axis is y. Inertia in a frame that is turned by 0.3 about y, which does not
+# change iyy.
 PENDULUM = f"""<?xml version="1.0"?>
 <robot name="pendulum">
   <link name="world"/>

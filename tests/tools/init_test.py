@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Beginning a scenario and looking at one: `unlatch init`, `unlatch check --graph`.
+"""Creation and inspection of a scenario: `unlatch init`, `unlatch check --graph`.
 
     init_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """

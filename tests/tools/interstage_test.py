@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two stages part by bolts, pushers and an umbilical: against trajectories that share nothing with the kernel, and energy. Run by ctest:
+"""Two stages separate by bolts, pushers and an umbilical: against trajectories that are independent of the kernel, and energy. Run by ctest:
 
     interstage_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -11,7 +11,8 @@ from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 
 SCENARIO = SCENARIOS / "interstage/scenario.yaml"
 TOGETHER = [word for i in range(1, 9) for word in ("--set", f"events.break:bolt{i}.delay=0")]
-# Of a step of 0.25 ms. Friction comes up within 1 mm/s, a twentieth of the first millisecond's motion: the rest is smaller.
+# Errors of a step of 0.25 ms. Friction grows within 1 mm/s, a twentieth of the first millisecond's motion: the other errors are
+# smaller.
 SINGLE = 2e-7  # m: the duct's coordinates are kept in single precision
 TIME, SPEED, RATE, PLACE = 5e-7, 1e-7, 1e-7, 2e-7  # s, m/s, rad/s, m
 
@@ -51,7 +52,7 @@ class InterstageTest(ProcessTest):
                 for a, b in zip(mine, theirs):
                     self.assertAlmostEqual(a, b, delta=allowed, msg=f"{name} {what}")
 
-    # Work of six pushers less their friction, over the reduced mass; nothing else acts, and the bolts break at once.
+    # Work of six pushers without their friction, over the reduced mass; no other force acts, and the bolts break at once.
     def test_equal_pushers_give_their_work_and_no_rotation(self):
         off = ["--set", "elements.umbilical.enabled=false", "--set", "elements.tail_off.enabled=false"]
         found = run(SCENARIO, *TOGETHER, *off, "--set", "constants.weak=1", "--sample", "3")
@@ -75,7 +76,8 @@ class InterstageTest(ProcessTest):
         told = call(UNLATCH, "replay", log).stdout
         self.assertIn("every bit agrees", told)
 
-    # Within the skirt a facet is nearest to the wall at a corner: the gap is the radius less the farthest corner's distance from the axis.
+    # Within the skirt a facet is nearest to the wall at a corner: the gap is the radius minus the farthest corner's distance from
+    # the axis.
     def test_the_ducts_gap_to_the_skirt_is_that_of_its_corners(self):
         found = run(SCENARIOS / "interstage/duct.yaml", "--sample", "0,0.7,0.8")
         pair = next(pair for pair in found["clearance"] if pair["pair"] == ["lower.skirt", "upper.duct"])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Records and replays an hour at 1 kHz with 64 bodies, and a shorter run of five bodies, and prints what it cost. By hand:
+"""Records and replays an hour at 1 kHz with 64 bodies, and a shorter run of five bodies, and prints time and memory. Run by hand:
 
     long_recording.py BIN_FOLDER SOURCE_FOLDER [HOURS]
 """
@@ -18,7 +18,7 @@ FIVE_BODIES_S = 300
 
 
 def build_scenario():
-    """A hub with three arms of links on damped springs, one of them pushed for ever; each arm lets go of its last link."""
+    """A hub with three arms of links on damped springs, one of them driven all the time; each arm releases its last link."""
     bodies = ["  hub: {mass: 500, inertia: [300, 300, 300]}"]
     joints, springs, events = [], [], []
     for arm in range(ARMS):
@@ -39,7 +39,7 @@ def build_scenario():
 
 
 def measure(*arguments):
-    """Wall time in s and peak memory in bytes of a process."""
+    """Returns wall time in s and peak memory in bytes of a process."""
     begin = time.monotonic()
     process = subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)

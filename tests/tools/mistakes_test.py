@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Facts about mistakes of users: what `unlatch` says of them, and with which exit code. Run by ctest like tools_test.py."""
+"""Facts about mistakes of users: the messages of `unlatch`, and its exit codes. Run by ctest like tools_test.py."""
 
 import os
 import subprocess
@@ -29,7 +29,7 @@ class MistakesTest(ProcessTest):
         return self.write(name, text)
 
     def refuse(self, *arguments, code=2):
-        """What is said of a mistake; nothing else is printed."""
+        """Returns the message about a mistake; nothing else is printed."""
         return self.run_ok(UNLATCH, *arguments, code=code).stderr
 
     # --- Outputs ------------------------------------------------------------------------------------------------
@@ -48,7 +48,7 @@ class MistakesTest(ProcessTest):
         self.assertTrue(os.path.exists(FULL))
 
     def test_a_failed_report_leaves_no_file_and_keeps_an_old_one(self):
-        """On a file system of 64 KiB, which a page does not fit on."""
+        """Writes a page to a file system of 64 KiB, which is too small for it."""
         log = self.folder / "run.log"
         self.run_ok(UNLATCH, "run", self.first, "--until", "0.1", "--log", log)
         small = self.folder / "small"
@@ -184,7 +184,7 @@ class MistakesTest(ProcessTest):
     # --- Many alike ---------------------------------------------------------------------------------------------
 
     def make_planks(self):
-        """A satellite with 24 planks on hinges, from one template; of the springs there are 24, too."""
+        """A satellite with 24 planks on hinges, from one template, and 24 springs."""
         template = ("    bodies:\n      plank<i>: {mass: 3 kg, inertia: [1, 1, 1], position: [2.5 m, <i>*1 m, 0]}\n"
                     "    joints:\n      hinge<i>:\n        between: [satellite, plank<i>]\n        point: [0.9 m, <i>*1 m, 0]\n"
                     "        modes: {turns: {kind: revolute, axis: z}, free: {kind: free}}\n        mode: turns\n    elements:\n")

@@ -12,7 +12,7 @@ from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
 TABLE = json.loads((SOURCE / "tests/data/fairing_shell.json").read_text())
 FAIRING = SOURCE / "hil/scenarios/fairing/fairing.modes"
-AGREES = 0.005  # of a frequency: what the mesh may cost
+AGREES = 0.005  # relative error of a frequency that the mesh may cause
 
 
 def needs_calculix(test):
@@ -56,7 +56,7 @@ class ModesTest(ProcessTest):
         self.assertLess(body["made"]["gram"], 1e-12)
         self.assertLess(body["made"]["momentum"], 1e-12)
         self.assertLess(body["found"]["gram"], 1e-2)
-        # CalculiX's own files, imported like those of any user, give the same file but for the mesh.
+        # CalculiX's own files, imported like those of any user, give the same file apart from the mesh.
         again = self.folder / "again.modes"
         self.run_ok(UNLATCH, "modes", "import", self.folder / "ccx/shell.frd", "--dat", self.folder / "ccx/shell.dat",
                     "--thickness", "0.01", "--density", "4000", "--modes", "7", "--marker", "hinge=0,2,0",

@@ -1,5 +1,4 @@
-// A rank of unlatch-mpi's job that is none: it takes part as the protocol says (tools/mpi/exchange.h) up to one
-// message.
+// A foreign rank in a job of unlatch-mpi: it follows the protocol (tools/mpi/exchange.h) up to one message.
 //   mpi_stranger MODE CAMPAIGN
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Facts about `unlatch-mpi`: campaigns on several ranks give what `unlatch campaign` gives, whatever happens to a rank.
+"""Facts about `unlatch-mpi`: campaigns on several ranks give the results of `unlatch campaign`, also when ranks fail.
 
     mpi_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -17,7 +17,7 @@ from processes import BIN, HANG, SCENARIOS, UNLATCH, ProcessTest, call, main
 
 PROGRAM = str(BIN / "unlatch-mpi")
 CAMPAIGN = str(SCENARIOS / "boosters/campaign.yaml")
-SHORT = ["--set", "step.until=0.2"]  # nothing is released by then
+SHORT = ["--set", "step.until=0.2"]  # no joint opens by then
 # A body that turns for 5 steps. At a rate of 1e200 rad/s its first step fails.
 TOP = """unlatch: 1
 name: top
@@ -28,9 +28,9 @@ bodies:
 requirements:
   - {id: fast, text: it is slow, velocity: {body: top, relative_to: base}, at_most: 2.5}
 """
-# Samples enough for each rank to get some, however late it begins.
+# Samples enough for each rank to get some, even if it begins late.
 MANY = "set: {step.until: 8 s}\nsamples: 200\nparameters:\n  m: {path: bodies.top.mass, uniform: {min: 1, max: 3}}\n"
-# Each rank leaves its process number where the test finds it.
+# Each rank writes its process number to a file for the test.
 NUMBERED = 'echo $$ > "$0/$OMPI_COMM_WORLD_RANK.pid"; exec "$@"'
 
 
@@ -43,7 +43,7 @@ def describe_missing():
 class MpiTest(ProcessTest):
     def setUp(self):
         super().setUp()
-        # Root may run it; more ranks than processors; no messages between processes but by memory that both see.
+        # Permission for root; more ranks than processors; messages between processes only by shared memory.
         self.environment = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                             "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none",
                             "OMPI_MCA_btl": "self,vader", "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
@@ -78,13 +78,13 @@ class MpiTest(ProcessTest):
                 self.assertEqual((self.folder / one / name).read_bytes(), (self.folder / other / name).read_bytes(), name)
 
     def write_long(self):
-        """Minutes of samples."""
+        """Writes a campaign with minutes of samples."""
         return self.write("set: {step.until: 8 s}\nsamples: 100000\nparameters:\n"
                           "  m: {path: bodies.top.mass, uniform: {min: 1, max: 3}}\n"
                           "  w: {path: 'bodies.top.rate[0]', uniform: {min: -1, max: 1}}\n")
 
     def begin_and_wait_for_samples(self, path, out, count, *options):
-        """A job in mid-run: it has so many samples, and far more to do."""
+        """Starts a job; returns in mid-run, when it has this number of samples and far more to do."""
         process = subprocess.Popen(self.build_command(3, "campaign", path, "--out", self.folder / out, *options),
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=self.environment)
 
@@ -98,7 +98,7 @@ class MpiTest(ProcessTest):
         results = self.folder / out / "results.bin"
         before = results.stat().st_size if results.exists() else 0
         limit = time.monotonic() + HANG
-        while not results.exists() or results.stat().st_size < before + count * 200:  # bytes of a record, less than it has
+        while not results.exists() or results.stat().st_size < before + count * 200:  # bytes of a record, fewer than it has
             self.assertIsNone(process.poll(), "it ended")
             self.assertLess(time.monotonic(), limit)
             time.sleep(0.01)
@@ -133,7 +133,7 @@ class MpiTest(ProcessTest):
         self.check_same_tables("alone", "ranks")
 
     def list_samples(self, out):
-        """In the order of the file of results; what is not whole at its end is left out."""
+        """Lists samples in the order of the result file; an incomplete record at its end is left out."""
         manifest = json.loads((self.folder / out / "manifest.json").read_text())
         record = 40 + 8 * (len(manifest["inputs"]) + len(manifest["columns"])) + 120 + 8  # bytes
         content = (self.folder / out / "results.bin").read_bytes()[32:]
@@ -156,7 +156,7 @@ class MpiTest(ProcessTest):
         self.assertEqual(len(hashes), 1)
         self.check_same_tables("alone", "killed")
         self.check_same_tables("alone", "other")
-        self.assertEqual(self.list_samples("killed")[:len(kept)], kept)  # what was whole is not run again
+        self.assertEqual(self.list_samples("killed")[:len(kept)], kept)  # complete samples are not run again
         self.assertEqual(sorted(self.list_samples("killed")), list(range(max(kept) + 8)))
 
     def test_a_rank_told_to_end_ends_all_in_order(self):
@@ -195,7 +195,7 @@ class MpiTest(ProcessTest):
         self.assertRegex(self.run_ok(PROGRAM, "--version").stdout, r"^unlatch-mpi \d")
 
     def run_beside(self, path, *other, code):
-        """Rank 0 with this file, rank 1 another program; standard error."""
+        """Runs rank 0 with this file, rank 1 with another program; returns standard error."""
         done = self.mpirun(["mpirun", "-n", "1", PROGRAM, "campaign", str(path), "--out", str(self.folder / "out"), ":", "-n", "1",
                             *map(str, other)])
         self.assertEqual(done.returncode, code, done.stderr)
@@ -223,7 +223,7 @@ class MpiTest(ProcessTest):
                 shutil.rmtree(self.folder / "out")
 
     def test_a_foreign_rank_that_keeps_to_the_protocol_changes_nothing(self):
-        path = self.write(MANY)  # so that the messages of the fact above end the job for what is wrong in them alone
+        path = self.write(MANY)  # enough samples that the foreign messages, and nothing else, end the job
         alone = self.run_alone(path, "alone")["hash"]
         self.run_beside(path, BIN / "mpi_stranger", "honest", path, code=0)
         self.assertEqual(json.loads((self.folder / "out/summary.json").read_text())["hash"], alone)
@@ -251,7 +251,7 @@ class MpiTest(ProcessTest):
         files = [UNLATCH, *(BIN.parent / "lib").glob("**/unlatch/*.so")]
         for file in files:
             self.assertNotIn("libmpi", self.run_ok("ldd", file).stdout, file)
-        self.assertIn("libmpi", self.run_ok("ldd", PROGRAM).stdout)  # the test sees it where it is
+        self.assertIn("libmpi", self.run_ok("ldd", PROGRAM).stdout)  # the test detects it if it is there
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ elements:
 requirements:
   - {id: far, position: {body: block, along: [1, 1, 0]}, take: final, at_least: 1 m}
 """
-# The block comes to (a/2, b/2) m, so (a + b) / sqrt(8) >= L: the optimum has a = 4 b, value 6.4 L^2, shadow 12.8 L.
+# The block reaches (a/2, b/2) m, so (a + b) / sqrt(8) >= L: the optimum has a = 4 b, value 6.4 L^2, shadow price 12.8 L.
 PROBLEM = """unlatch_synthesis: 1
 name: least-push
 scenario: s.yaml
@@ -69,7 +69,7 @@ class OptimizeTest(ProcessTest):
         return json.loads((self.folder / out / "result.json").read_text())
 
     def optimize_any(self, text, out):
-        """Whatever it finds."""
+        """Runs to any result."""
         process = self.start(text, out)
         process.communicate(timeout=250)
         return self.folder / out
@@ -115,10 +115,10 @@ class OptimizeTest(ProcessTest):
         for point in front:
             self.assertGreaterEqual(sum(point["objectives"]), 8 ** 0.5)
         excess = sorted(sum(point["objectives"]) - 8 ** 0.5 for point in front)
-        self.assertLess(excess[len(excess) // 2], 0.1)  # of 2.8 N, at the median of 2000 runs
+        self.assertLess(excess[len(excess) // 2], 0.1)  # relative to 2.8 N, at the median of 2000 runs
 
     def look_at(self, out):
-        """(function that evaluates in the page of a result, in a browser without a network)"""
+        """Returns a function that evaluates in the page of a result, in a browser without a network."""
         browser = Browser()
         self.addCleanup(browser.close)
         browser.open(self.folder / out / "report.html")
@@ -140,7 +140,7 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(ask("document.querySelectorAll('#search .best').length"), 1)
         ask("document.querySelector('#search .run').dispatchEvent(new Event('click'))")
         self.assertIn("Run ", ask("document.getElementById('picked').textContent"))
-        # The position has a value at the end alone; the speed has one at every tick.
+        # The position has a value only at the end; the speed has one at every tick.
         self.assertEqual(ask("[...document.querySelectorAll('#flights figcaption')].map((c) => c.textContent).includes('slow')"), True)
         self.assertEqual(ask("document.querySelectorAll('#flight-1 .before, #flight-1 .after, #flight-1 .limit').length"), 3)
         self.assertIn("5000", ask("[...document.querySelectorAll('#flight-1 text')].map((t) => t.textContent)"))
@@ -170,7 +170,7 @@ class OptimizeTest(ProcessTest):
         text = PROBLEM + "method: global\n"
         self.optimize(text, "whole")
         whole = (self.folder / "whole/history.csv").read_bytes()
-        for part in 0, 30, len(whole) // 2, len(whole) - 7:  # 30: of the heading
+        for part in 0, 30, len(whole) // 2, len(whole) - 7:  # 30: within the heading
             out = self.folder / f"part{part}"
             out.mkdir()
             if part > 0:
@@ -219,7 +219,7 @@ class OptimizeTest(ProcessTest):
         subprocess.run([UNLATCH, "run", self.folder / "o/patch.yaml"], check=True, capture_output=True)
 
     def test_search_for_a_feasible_point_leaves_budget_for_the_optimum(self):
-        start = PROBLEM.replace("[0 N, 5 N]}", "[0 N, 5 N], start: 0 N}")  # nothing is met there
+        start = PROBLEM.replace("[0 N, 5 N]}", "[0 N, 5 N], start: 0 N}")  # no constraint is met there
         result = self.optimize(start + "method: local\nbudget: {runs: 200}\n", "o")
         self.assertAlmostEqual(result["objectives"][0]["value"] / 6.4, 1, delta=VALUE)
 
@@ -246,8 +246,9 @@ class OptimizeTest(ProcessTest):
         text = (PROBLEM + "campaign: {file: c.yaml, samples: 200, checks: 2000}\n"
                 "constraints: [{requirement: far, probability: 0.9}]\n")
         result = self.optimize(text, "o")
-        # (a + b) / (sqrt(8) m) >= 1 with probability 0.9: the mass at its 0.9 quantile, 1 + 0.05 * 1.2784 (cut at 3 sigma)
-        self.assertAlmostEqual(result["objectives"][0]["value"] / (6.4 * 1.06392 ** 2), 1, delta=5e-3)  # of 200 samples
+        # Expected: (a + b) / (sqrt(8) m) >= 1 with probability 0.9: the mass at its 0.9 quantile, 1 + 0.05 * 1.2784 (cut at 3
+        # sigma).
+        self.assertAlmostEqual(result["objectives"][0]["value"] / (6.4 * 1.06392 ** 2), 1, delta=5e-3)  # error of 200 samples
         settings = [f"--set=elements.p{x}.profile={result['variables'][v]['value']!r}" for x, v in (("x", "a"), ("y", "b"))]
         done = subprocess.run([UNLATCH, "campaign", self.folder / "c.yaml", "--out", self.folder / "d", "--json", "-", *settings],
                               capture_output=True, text=True)
@@ -261,7 +262,7 @@ class OptimizeTest(ProcessTest):
         checked = result["verification"]["dispersed"][0]
         self.assertEqual(checked["samples"], 2000)
         self.assertLess(checked["probability"][0], 0.1)
-        self.assertGreater(checked["probability"][1], 0.1)  # the quantile of 200 lies near that of all
+        self.assertGreater(checked["probability"][1], 0.1)  # the quantile of 200 is near that of all
 
     def test_probability_has_the_same_bits_with_one_job_and_with_three(self):
         (self.folder / "c.yaml").write_text(
@@ -302,7 +303,7 @@ class OptimizeTest(ProcessTest):
         self.look_at("o")
 
     def test_a_budget_that_ends_before_the_search_begins_gives_no_optimum(self):
-        for number, budget in enumerate(("runs: 1", "seconds: 1 us")):  # the start is flown in any case
+        for number, budget in enumerate(("runs: 1", "seconds: 1 us")):  # the start is run in any case
             result = self.optimize(PROBLEM + f"budget: {{{budget}}}\n", f"o{number}")
             self.assertEqual((result["status"], result["runs"]), ("budget", 1))
             self.look_at(f"o{number}")
@@ -310,7 +311,7 @@ class OptimizeTest(ProcessTest):
     def test_seconds_bound_the_runs_around_the_result_too(self):
         (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 10 ms, until: 1 s", "dt: 1 ms, until: 100 s").replace("1 m}", "10 km}"))
         result = self.optimize(PROBLEM + "budget: {runs: 1000000, seconds: 1 ms}\n", "o", code=None)
-        self.assertLess(result["study_runs"], 10)  # without a bound: as many as slices and differences ask for
+        self.assertLess(result["study_runs"], 10)  # without a bound: the number of slices and differences
 
     def test_a_full_disk_ends_the_search_and_resume_goes_on(self):
         def allow_small_files():
@@ -378,7 +379,7 @@ class OptimizeTest(ProcessTest):
     # --- The shipped problems ----------------------------------------------------------------------------------------
 
     def optimize_shipped(self, file, out, runs, code=0, folder="boosters"):
-        """A shipped problem with another budget, beside copies of the scenarios that it names."""
+        """Copies a shipped problem with another budget, and the scenarios that it names."""
         shutil.copytree(SCENARIOS / folder, self.folder / folder, dirs_exist_ok=True)
         path = self.folder / folder / file
         path.write_text(re.sub(r"budget: {runs: \d+}", f"budget: {{runs: {runs}}}", path.read_text()))
@@ -387,10 +388,10 @@ class OptimizeTest(ProcessTest):
         return json.loads((self.folder / out / "result.json").read_text())
 
     def scan_shipped(self, folder, objective, scanned):
-        """The objectives of those designs that meet all constraints, of all combinations of {variable: (values, unit)}."""
+        """Returns the objectives of those designs that meet all constraints, among all combinations of {variable: (values, unit)}."""
         problem = yaml.safe_load((SCENARIOS / folder / "synthesis.yaml").read_text())
         designs = math.prod(len(values) for values, _ in scanned.values())
-        for name, (values, unit) in scanned.items():  # catalogues: every combination is flown, no optimiser chooses
+        for name, (values, unit) in scanned.items():  # catalogues: every combination is run, no optimiser chooses
             problem["variables"][name] = {"path": problem["variables"][name]["path"], "values": [f"{value:.16g} {unit}" for value in values]}
         problem["budget"] = {"runs": designs}
         (self.folder / folder / "scan.yaml").write_text(yaml.safe_dump(problem))
@@ -417,7 +418,7 @@ class OptimizeTest(ProcessTest):
     def test_dead_nozzle_is_told_as_what_no_design_makes_good(self):
         result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 40, code=1)
         self.assertEqual(result["status"], "infeasible")
-        self.assertIn(result["violation"]["constraint"], ("clear1", "distance1"))  # of the booster whose nozzle is dead
+        self.assertIn(result["violation"]["constraint"], ("clear1", "distance1"))  # constraints of the booster whose nozzle is dead
         self.assertGreater(result["violation"]["size"], 0.5)
 
     def test_no_design_of_a_scan_is_better_than_the_boosters_optimum(self):
@@ -443,13 +444,13 @@ class OptimizeTest(ProcessTest):
                  for row in met]
         optimum = result["objectives"][0]["value"]
         self.assertLessEqual(optimum, min(costs))
-        self.assertGreater(optimum, min(costs) - 4)  # half a step of each variable: 1.2 + 0.28 + 0.56 + 0.4, and of what they bound
+        self.assertGreater(optimum, min(costs) - 4)  # half a step of each variable: 1.2 + 0.28 + 0.56 + 0.4, and of the limits
 
     def test_no_design_of_a_scan_is_better_than_the_fairings_optimum(self):
         result = self.optimize_shipped("synthesis.yaml", "o", 100, folder="fairing")
         self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
-        # Over all that the variables may be, finer towards the soft springs and long ways of the optimum.
+        # Over the whole range of the variables, finer near the soft springs and long strokes of the optimum.
         scanned = {"spring": ((50, 60, 80, 120, 170, 250), "kN/m"),
                    "travel": ((0.3, 0.36, 0.42, 0.48, 0.54, 0.6, 0.64, 0.68, 0.7, 0.72, 0.74, 0.76, 0.78, 0.8), "m"),
                    "angle": ((50, 54, 57, 60, 63, 66, 75), "deg")}
@@ -473,7 +474,7 @@ class OptimizeTest(ProcessTest):
         self.assertGreater(len(met), 20)
         self.assertLess(optimum, min(met))
         self.assertGreater(optimum, min(met) - 1)  # s: a step of the spring at the bus and of the next
-        parts = (0.98, 0.99, 1, 1.006, 1.012)  # around the optimum, within the bounds; in its middle the optimum itself
+        parts = (0.98, 0.99, 1, 1.006, 1.012)  # around the optimum, within the bounds; the middle is the optimum itself
         near = {name: ([part * variable["value"] for part in parts], units[name]) for name, variable in result["variables"].items()}
         self.assertAlmostEqual(min(self.scan_shipped("array", "unfolded", near)), optimum, delta=1e-6)  # s: as printed numbers
 

@@ -1,4 +1,4 @@
-"""Real processes under test. A test file is called with BIN_FOLDER SOURCE_FOLDER [unittest options]."""
+"""Real processes under test. A test file is run with BIN_FOLDER SOURCE_FOLDER [unittest options]."""
 
 import json
 import re
@@ -14,12 +14,12 @@ SCENARIOS = SOURCE / "hil/scenarios"
 BOOSTERS = str(SCENARIOS / "boosters/scenario.yaml")
 REFERENCE = str(SCENARIOS / "boosters/reference.yaml")
 
-# A sanitizer has memory of its own, and another debug format than valgrind reads.
+# A sanitizer uses its own memory, and another debug format than valgrind reads.
 CACHE = BIN.parent / "CMakeCache.txt"
 SANITIZED = CACHE.exists() and re.search("^UNLATCH_SANITIZE:STRING=.", CACHE.read_text(encoding="utf-8"), re.M) is not None
 
-HANG = 240  # s; far beyond anything here, so that a hang ends in a failure. No fact depends on wall time.
-PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine is no dead flight software
+HANG = 240  # s; far longer than any step here, so that a hang ends in a failure. No fact depends on wall time.
+PATIENT = ["--set", "flight_software.timeout=30"]  # a stalled machine must not count as dead flight software
 
 
 def call(*arguments):
@@ -49,7 +49,7 @@ class ProcessTest(unittest.TestCase):
         return process
 
     def run_ok(self, *arguments, code=0):
-        """`code` None: whatever it is."""
+        """Runs a program. `code` None: any exit code."""
         result = call(*arguments)
         if code is not None:
             self.assertEqual(result.returncode, code, f"{arguments}\n{result.stdout[-2000:]}\n{result.stderr[-2000:]}")

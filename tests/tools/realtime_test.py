@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Facts about the cyclic thread as the operating system sees it, and about `unlatch preflight`. Run by ctest:
+"""Facts about the cyclic thread from the view of the operating system, and about `unlatch preflight`. Run by ctest:
 
     realtime_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 
-Exit code 77, and the reason, where the machine does not allow a fact to be looked at.
+Exit code 77, and the reason, if the machine does not allow the check of a fact.
 """
 
 import json
@@ -48,11 +48,11 @@ class RealtimeTest(unittest.TestCase):
         trace = self.folder / "trace"
         if call("strace", "-f", "-o", trace, "true").returncode != 0:
             self.skipTest("strace may not trace here")
-        # Whatever the tracer costs, after an overrun the next tick waits for its deadline again.
+        # For any cost of the tracer, after an overrun the next tick waits for its deadline again.
         report, _ = self.run_hil("--until", "1", "--overruns", "slip", before=["strace", "-f", "--decode-pids=comm", "-o", trace])
         calls = re.findall(r"^\d+<unlatch-cyclic>\s+(.*)", trace.read_text(errors="replace"), re.M)
-        names = [re.match(r"\w+", text).group() for text in calls if text[0].isalpha()]  # not the ends of unfinished ones
-        # The thread's counts are asked for before the first tick, and when an overrun is found.
+        names = [re.match(r"\w+", text).group() for text in calls if text[0].isalpha()]  # without the ends of unfinished calls
+        # The thread's counts are read before the first tick, and when an overrun is found.
         cycle = names[names.index("getrusage") + 1:]
         sleeps = [i for i, name in enumerate(cycle) if name == "clock_nanosleep"]
         cycle = cycle[:sleeps[-1]]

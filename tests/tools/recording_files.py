@@ -1,10 +1,10 @@
-"""Recordings and logs as LCM's own event files, read without any code of ours."""
+"""Recordings and logs as LCM's own event files, read without this project's code."""
 
 import struct
 
 
 def read_events(path):
-    """The complete events of an LCM log, and whether something is left behind them."""
+    """Returns the complete events of an LCM log, and True if bytes are left behind them."""
     data, at, events = path.read_bytes(), 0, []
     while len(data) - at >= 28:
         sync, number, _, channel, length = struct.unpack_from(">IqqII", data, at)
@@ -17,6 +17,6 @@ def read_events(path):
 
 
 def read_ticks(path):
-    """The ticks of the complete tick records."""
+    """Returns the ticks of the complete tick records."""
     events, _ = read_events(path)
     return [struct.unpack_from(">q", data)[0] for channel, data in events if channel == "UNLATCH_LOG_TICK"]

@@ -3,7 +3,7 @@
 
     recordings_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 
-UNLATCH_KILLS: how many processes are killed (200).
+UNLATCH_KILLS: number of killed processes (200).
 """
 
 import concurrent.futures
@@ -39,16 +39,16 @@ class RecordingsTest(ProcessTest):
     # --- Killed -------------------------------------------------------------------------------------------------
 
     def kill_one(self, number, seed):
-        """Kills a run that records, somewhere. How far it was, once what it left has been looked at."""
+        """Kills a recording run at a random moment. Returns the ticks recorded, after checking the file."""
         log, moment = self.folder / f"{number}.log", random.Random(seed)
-        if number % 8 == 0:  # in the loop, by the clock
+        if number % 8 == 0:  # in the loop, in real time
             arguments = ["hil", BOOSTERS, "--transport", "inproc", "--pace", "realtime", *ENDLESS, *PATIENT]
-        else:  # as fast as it goes: the more is on its way to the file
+        else:  # as fast as possible: more data are on the way to the file
             arguments = ["run", SCENARIOS / "tree3/reference.yaml", *ENDLESS]
         process = subprocess.Popen([UNLATCH, *map(str, arguments), "--log", str(log)], stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL)
         size = moment.randrange(40_000 if number % 8 == 0 else 200_000)
-        if number % 8 == 1:  # as it begins
+        if number % 8 == 1:  # at its beginning
             size = 0
         while number % 8 != 2 and not (log.exists() and log.stat().st_size >= size):
             self.assertIsNone(process.poll())
@@ -67,7 +67,7 @@ class RecordingsTest(ProcessTest):
         self.assertEqual(events[0][0], "UNLATCH_LOG_HEADER")
         ticks = read_ticks(log)
         self.assertEqual(ticks, list(range(len(ticks))), "no gap")
-        report = self.run_json(UNLATCH, "replay", log, code=None)  # 1: the requirements were not reached
+        report = self.run_json(UNLATCH, "replay", log, code=None)  # 1: requirements were not reached
         self.assertEqual(report["status"], "truncated")
         self.assertEqual(report["replay"], {"ticks_compared": len(ticks), "agrees": True})
         log.unlink()
@@ -85,7 +85,7 @@ class RecordingsTest(ProcessTest):
     # --- No space, no permission --------------------------------------------------------------------------------
 
     def check_cut_short(self, result, log, report_file, replay):
-        """A run whose recording had no space: reported at once and at the end, with the result of the whole run."""
+        """Checks a run whose recording had no space: reported at once and at the end, with the result of the whole run."""
         self.assertEqual(result.returncode, 3, result.stderr)
         self.assertIn(f"{log}: cannot be written", result.stderr)
         report = json.loads(report_file.read_text())
@@ -142,7 +142,7 @@ class RecordingsTest(ProcessTest):
             options = [word for time, file in zip(times, checkpoints) for word in ("--checkpoint", time, file)]
             report = self.run_json(UNLATCH, "run", scenario, "--until", until, "--log", whole, *options)
             for t, file in zip(times, checkpoints):
-                # The checkpoints of a run that was itself taken up again are the same files.
+                # The checkpoints of a resumed run are the same files.
                 last = ["--checkpoint", times[2], again] if t < times[2] else []
                 resumed = self.run_json(UNLATCH, "run", scenario, "--until", until, "--resume", file, "--log", rest, *last)
                 self.assertEqual((resumed["ticks"], resumed["hash"]), (report["ticks"], report["hash"]))
@@ -221,7 +221,7 @@ class RecordingsTest(ProcessTest):
     # --- Length -------------------------------------------------------------------------------------------------
 
     def measure(self, *arguments):
-        """Peak memory of a process, bytes."""
+        """Returns the peak memory of a process, bytes."""
         process = subprocess.Popen(list(map(str, arguments)), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
@@ -252,7 +252,7 @@ class RecordingsTest(ProcessTest):
             size = log.stat().st_size
             print(f"  {ticks} ticks, {size} bytes: recorded in {recorded >> 20} MiB, replayed in {replayed >> 20} MiB, "
                   f"compared in {compared >> 20} MiB")
-        slack = 2 << 20  # the allocator's whims, and parts of the rings that a short run never touches
+        slack = 2 << 20  # variations of the allocator, and parts of the rings that a short run never uses
         self.assertGreater(log.stat().st_size, slack)
         for short, long in zip(peaks[500], peaks[10_000]):
             self.assertLess(long, short + slack)

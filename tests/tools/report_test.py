@@ -14,8 +14,8 @@ from pathlib import Path
 from browser import CHROMIUM, Browser
 from processes import BOOSTERS, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
 
-MOST_BYTES = 5_000_000  # of a page of 10 s at 1 kHz
-# Positions are kept in single precision relative to the first body, at most 60 m away here: half a unit of its last place.
+MOST_BYTES = 5_000_000  # limit for a page of 10 s at 1 kHz
+# Positions are stored in single precision relative to the first body, at most 60 m away here: half a unit of its last place.
 SINGLE = 60 * 2.0**-24
 SAMPLES = [0, 0.25, 0.731, 1.5, 2]  # s; the recording's frames are every tick
 HOSTILE = "</script><script>window.struck = 1</script><!-- <img src=x onerror='window.struck = 2'>"
@@ -27,7 +27,7 @@ def read_document(page):
 
 
 class ReportTest(ProcessTest):
-    """One browser for all facts; each opens the pages that it needs."""
+    """One browser for all facts; each opens its own pages."""
 
     @classmethod
     def setUpClass(cls):
@@ -64,7 +64,7 @@ class ReportTest(ProcessTest):
         self.browser.settle()
 
     def read_picture(self):
-        """Colours in the picture, and a number that changes with it."""
+        """Returns colours in the picture, and a number that changes with it."""
         return self.ask("""(() => {
             const gl = unlatchReport.stage.canvas.getContext('webgl2'), w = gl.drawingBufferWidth, h = gl.drawingBufferHeight;
             const pixels = new Uint32Array(w * h);
@@ -134,7 +134,7 @@ class ReportTest(ProcessTest):
         self.assertGreater(min(curves), 0)
         self.browser.click(".card .u-over", x=0.25)
         t = self.ask("unlatchReport.clock.t")
-        # The axis ends where the run does, and a pixel of the plot is less than 1 % of it.
+        # The axis ends with the run, and a pixel of the plot is less than 1 % of it.
         self.assertAlmostEqual(t, 0.5, delta=0.02)
         cursors = self.ask("unlatchReport.plots.cards.filter((card) => card.visible).map((card) => card.plot.cursor.left)")
         self.assertGreater(len(cursors), 1)
@@ -211,7 +211,7 @@ class ReportTest(ProcessTest):
         self.assertEqual(self.ask(lines), [False] * 3)
         stroke = f"Array.from({card}.group.choices[1].build(unlatchReport.plots.runs[0])[0].values)"
         values = [value for value in self.ask(f"{stroke}.map((value) => (Number.isNaN(value) ? null : value))") if value is not None]
-        self.assertLess(max(values), 0.1 + 1e-6)  # m: to the free length, where it ends
+        self.assertLess(max(values), 0.1 + 1e-6)  # m: up to the free length, where the force ends
         self.assertGreater(max(values), 0.09)
         self.assert_silent()
 
@@ -334,7 +334,7 @@ class ReportTest(ProcessTest):
         self.assertEqual(self.ask("document.scripts.length"), 2)
         self.assertEqual(self.ask("document.images.length"), 0)
         self.assertIn(HOSTILE, self.ask("[...document.querySelectorAll('details.text pre')].map((pre) => pre.textContent).join()"))
-        # Even a script that had got in would not run.
+        # Even an injected script would not run.
         self.assertIsNone(self.ask("(() => { const script = document.createElement('script'); script.textContent = 'window.struck = 4';"
                                    " document.body.append(script); return window.struck ?? null; })()"))
         self.assertIn("Content Security Policy", " ".join(self.browser.complaints))
@@ -348,7 +348,7 @@ class ReportTest(ProcessTest):
                 frames = run["frames"]
                 self.assertEqual(frames["seen"], 10_001)
                 self.assertGreater(frames["count"], 500)
-                # Ticks that are kept: every n-th, the first, the last, and all near events.
+                # Stored ticks: every n-th, the first, the last, and all near events.
                 ticks = array("d", base64.b64decode(frames["ticks"])).tolist()
                 self.assertEqual(len(ticks), frames["count"])
                 self.assertEqual(ticks, sorted(set(ticks)))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables of campaign files and problems of synthesis against the programs that read them. Run by ctest:
+"""Tables of campaign files and problems of synthesis, against the programs that read them. Run by ctest:
 
     schemas_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -18,7 +18,7 @@ sys.path.insert(0, str(SOURCE / "hil/language"))
 sys.dont_write_bytecode = True
 from language import load_sections, load_yaml, parse_type  # noqa: E402
 
-# Every key once.
+# Campaign and problem with every key once.
 CAMPAIGN = """unlatch_campaign: 1
 name: all
 title: every key
@@ -60,7 +60,7 @@ FILES = {"campaign": CAMPAIGN, "synthesis": PROBLEM}
 
 
 def pick(value, kind, sections):
-    """Of alternatives the one that a value is written in."""
+    """Returns, among alternatives, the one in which a value is written."""
     if kind.kind != "or":
         return kind
     wanted = "section" if isinstance(value, dict) else "list" if isinstance(value, list) else None
@@ -68,7 +68,7 @@ def pick(value, kind, sections):
 
 
 def list_places(value, kind, sections, path=()):
-    """(path, name of the section) of every mapping that the table describes."""
+    """Returns (path, name of the section) of every mapping that the table describes."""
     kind = pick(value, kind, sections)
     if kind.kind == "section":
         yield path, kind.of
@@ -114,7 +114,7 @@ class SchemasTest(ProcessTest):
             for path, section in list_places(document, parse_type(name, sections), sections):
                 seen[section] |= set(get(document, path))
             for section, keys in seen.items():
-                missing = set(sections[section]["keys"]) - keys - {"table", "above"}  # of sampling csv alone; instead of below
+                missing = set(sections[section]["keys"]) - keys - {"table", "above"}  # for sampling csv only; in place of `below`
                 self.assertEqual(missing, set(), f"{name}: {section}")
 
     def test_the_programs_know_exactly_the_keys_of_the_tables(self):

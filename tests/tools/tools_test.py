@@ -17,7 +17,7 @@ DEAD_NOZZLE = str(SCENARIOS / "boosters/dead-nozzle.yaml")
 
 class ToolsTest(ProcessTest):
     def run_over(self, transport, *arguments, code=0, scenario=BOOSTERS):
-        """A session with the flight software as a process of its own, unless the transport is inproc."""
+        """Runs a session with the flight software as a separate process, unless the transport is inproc."""
         if transport != "inproc":
             self.begin(FSW, "--transport", transport)
         return self.run_json(UNLATCH, "hil", scenario, "--transport", transport, *arguments, code=code)
@@ -216,11 +216,11 @@ class ToolsTest(ProcessTest):
         read_until("a second flight software named 'fsw' asks to take part and is refused")
         first.kill()
         read_until("policy 'hold' is applied")
-        read_until("was started again and takes part")  # the second takes the place of the first
+        read_until("was started again and takes part")  # the second one replaces the first
         simulator.send_signal(signal.SIGINT)
 
     def kill_flight_software(self, policy, pace, code):
-        """Kills it with SIGKILL mid-run; returns the report and what was said to people."""
+        """Kills it with SIGKILL mid-run; returns the report and the text for people."""
         log = self.folder / f"{policy}-{pace}.log"
         result_file = self.folder / f"{policy}-{pace}.json"
         fsw = self.begin(FSW, "--transport", "dds")
@@ -237,7 +237,7 @@ class ToolsTest(ProcessTest):
         if code is None:
             return simulator, log, said
         said += simulator.communicate(timeout=HANG)[1]
-        self.assertIn(simulator.returncode, (code, 1), said[-2000:])  # the distance that is kept depends on when it was killed
+        self.assertIn(simulator.returncode, (code, 1), said[-2000:])  # the distance that is kept depends on the time of the kill
         again = self.run_json(UNLATCH, "replay", log, code=None)
         self.assertTrue(again["replay"]["agrees"])
         report = json.loads(result_file.read_text())

@@ -10,7 +10,7 @@ import re
 from junitparser import Error, Failure, JUnitXml
 from processes import UNLATCH, ProcessTest, main
 
-# Two balls that pass each other: 0.25 m apart at 0.6172839 s.
+# Scenario of two balls that pass each other: 0.25 m apart at 0.6172839 s.
 SCENARIO = """unlatch: 1
 name: pass
 step: {dt: 1 ms, until: 1}

@@ -19,7 +19,7 @@ FLIGHT = ["--pace", "realtime", "--until", "60", *PATIENT]
 
 
 class Terminal:
-    """A program on a terminal, and what stands on its screen."""
+    """A program on a terminal, and the text on its screen."""
 
     def __init__(self, command, columns=100, rows=40):
         import pyte
@@ -69,7 +69,7 @@ class WatchTest(ProcessTest):
         return self.begin(UNLATCH, "hil", BOOSTERS, "--transport", transport, *FLIGHT, *arguments)
 
     def watch(self, *arguments):
-        """Its lines of JSON, as they come."""
+        """Yields its lines of JSON as they arrive."""
         process = subprocess.Popen([UNLATCH, "watch", *arguments, "--json", "-"], stdout=subprocess.PIPE,
                                    stderr=subprocess.DEVNULL, text=True)
         self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
@@ -104,13 +104,13 @@ class WatchTest(ProcessTest):
         self.check_look("lcm")
 
     def test_reactions_are_those_of_the_run(self):
-        """In lockstep to a tick before anything happens, then the last look against the run's own result."""
+        """Runs in lockstep to a tick before any event, then compares the last observation with the run's own result."""
         lines = self.watch("--transport", "dds")
         simulator = subprocess.Popen([UNLATCH, "hil", BOOSTERS, "--transport", "dds", "--pace", "lockstep", "--until", "0.2", *PATIENT,
                                       "--start-timeout", "60", "--json", "-"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                                      text=True)
         self.addCleanup(lambda: (simulator.kill(), simulator.wait(), simulator.stdout.close()))
-        self.find(lines, lambda look: "nose4" in look["joints"])  # they have met; the run waits for its flight software
+        self.find(lines, lambda look: "nose4" in look["joints"])  # they are connected; the run waits for its flight software
         self.begin(FSW, "--transport", "dds")
         report = json.loads(simulator.communicate(timeout=HANG)[0])
         look = self.find(lines, lambda look: look["status"] == "done" and look["reactions_tick"] == 200 and look["knows_scenario"])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scenarios survive tools for YAML 1.1: each shipped one, read and written back by PyYAML, is accepted and has the same hash.
+"""Scenarios after processing by tools for YAML 1.1: each shipped one, read and written by PyYAML, is accepted and has the same hash.
 
     yaml_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -13,13 +13,13 @@ END = 0.3  # s of each run; long enough for the first events of most scenarios
 
 
 def write_back(text):
-    """PyYAML's form of a file. The order of keys stays: bodies and joints are numbered by it."""
+    """Returns PyYAML's form of a file. The order of keys stays: it determines the numbers of bodies and joints."""
     return yaml.safe_dump(yaml.safe_load(text), sort_keys=False)
 
 
 class YamlTest(ProcessTest):
     def run_hash(self, path):
-        """However the requirements of so short a run are met."""
+        """Runs it; the requirements of such a short run may be met or missed."""
         report = self.run_json(UNLATCH, "run", path, "--until", END, code=None)
         self.assertEqual(report["status"], "ok")
         return report["hash"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A yo-yo stops a satellite's spin: against closed forms, and a planar integration that shares nothing with the kernel. Run by ctest:
+"""A yo-yo stops a satellite's spin: against closed forms, and a planar integration that is independent of the kernel. Run by ctest:
 
     yoyo_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -11,7 +11,7 @@ from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 YOYO, LATE = SCENARIOS / "yoyo/scenario.yaml", SCENARIOS / "yoyo/late.yaml"
 PLANAR = ["--set", "constants.plane=0"]
 FINE = ["--set", "step.dt=0.0001"]
-# The cords ring at 25 Hz and decay: of the fourth order, at a tenth of the scenario's step.
+# Errors: the cords oscillate at 25 Hz and decay; the method is of the fourth order, at a tenth of the scenario's step.
 TIME, RATE, SPEED, FORCE = 2e-9, 2e-8, 2e-7, 1e-4  # s, rad/s, m/s of 40 m/s, N of 555 N
 BALANCE = 1e-5  # of the energy, at 1 ms
 
@@ -47,7 +47,7 @@ class YoyoTest(ProcessTest):
     def test_with_one_mass_late_it_does_too(self):
         self.compare(LATE, json.loads((SOURCE / "tests/data/yoyo.json").read_text())["late"])
 
-    # Whatever the spin was, nothing of it is left as the cords become stiff.
+    # Stiff cords remove any spin completely.
     def test_stiff_cords_leave_no_spin_whatever_it_was(self):
         for spin in ("60 rpm", "120 rpm"):
             rates = []
@@ -69,7 +69,7 @@ class YoyoTest(ProcessTest):
         for i in (1, 2):
             self.assertEqual(times[f"unwound:cord{i}"], times[f"release:cord{i}"])
 
-    # The cords lie above the centre of mass: one alone turns the satellite over.
+    # The cords are above the centre of mass: a single one tilts the satellite.
     def test_a_late_mass_pulls_the_satellite_aside_and_makes_it_wobble(self):
         verdicts = get_verdicts(run(LATE))
         self.assertEqual(sorted(name for name, verdict in verdicts.items() if not verdict["met"]), ["drift", "pair", "wobble"])
@@ -84,7 +84,7 @@ class YoyoTest(ProcessTest):
                 momentum = sum(mass * bodies[name]["v"][axis] for name, mass in (("satellite", 180), ("tip1", 0.8), ("tip2", 0.8)))
                 self.assertLess(abs(momentum), 1e-9)
 
-    # Released along the radius, the cords swing on about their hinges first, and may be shorter by that radius.
+    # Released along the radius, the cords first swing about their hinges, and may be shorter by that radius.
     def test_released_along_the_radius_shorter_cords_stop_it(self):
         length = "sqrt(from_axis^2 + inertia / (2*tip)) - radius"
         found = run(YOYO, *FINE, "--set", f"constants.length={length}", "--set", "constants.stiffness=800 kN/m", "--set", "constants.tension=1 mN",
@@ -93,7 +93,7 @@ class YoyoTest(ProcessTest):
         times = get_times(found)
         self.assertGreater(times["release:cord1"], times["unwound:cord1"] + 0.005)
 
-    # Angle and length on the drum go together; both are outputs.
+    # Angle and length on the drum are consistent; both are outputs.
     def test_outputs_tell_what_is_left_on_the_drum(self):
         found = run(YOYO, "--sample", "0.1,0.5,1")
         names = [sample["elements"]["cord1"] for sample in found["samples"]]

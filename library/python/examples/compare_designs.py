@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two designs side by side: the scenario as it is, and with a heavier core. compare_designs.py SCENARIO"""
+"""Two designs side by side: the unchanged scenario, and one with a heavier core. compare_designs.py SCENARIO"""
 import sys
 
 import numpy as np
@@ -15,7 +15,7 @@ for name, overrides in DESIGNS.items():
         path = []
         while sim.tick < 1500:
             sim.run(ticks=100)
-            path.append((booster.position - core.position).copy())  # views show the present: copies are kept
+            path.append((booster.position - core.position).copy())  # views change with the simulation: copies are kept
         paths[name] = np.array(path)
         release = next(event.time for event in sim.events if event.name == "release")
         print(f"{name}: release at {release:.4f} s, booster1 {np.linalg.norm(path[-1]):.3f} m from the core at {sim.time:g} s")

@@ -12,7 +12,7 @@ from matplotlib import pyplot  # noqa: E402
 
 count = int(sys.argv[3]) if len(sys.argv) > 3 else 40
 random = np.random.default_rng(1)
-masses = random.normal(4380, 44, (count, 4))  # kg, of the boosters
+masses = random.normal(4380, 44, (count, 4))  # kg, masses of the boosters
 
 with unlatch.Batch(sys.argv[1], judge=True) as batch:
     for sample in masses:

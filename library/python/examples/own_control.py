@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A control law of one's own: separates the boosters. own_control.py SCENARIO"""
+"""A user's control law: separates the boosters. own_control.py SCENARIO"""
 import sys
 
 import unlatch

@@ -17,7 +17,7 @@ _STATUS, _TICKS, _HASHES, _EVENTS, _VALUES, _MARGINS, _BODIES = range(7)
 
 
 class Batch:
-    """Samples of a scenario, each with overrides of its own; a context manager.
+    """Samples of a scenario, each with its own overrides; a context manager.
 
         with unlatch.Batch("boosters/reference.yaml", judge=True) as batch:
             for mass in np.linspace(95e3, 105e3, 11):
@@ -47,7 +47,7 @@ class Batch:
         self._native.add(_write_overrides(overrides))
 
     def run(self, until: float = 0, threads: int = 0) -> None:
-        """Runs all samples that were not run, to `until` s (0: the end that the scenario gives). threads 0: one on each processor.
+        """Runs all samples that have not been run, to `until` s (0: the end that the scenario gives). threads 0: one on each processor.
         After Ctrl-C another call continues."""
         failure: List[BaseException] = []
 
@@ -57,7 +57,7 @@ class Batch:
             except BaseException as error:  # is raised below
                 failure.append(error)
 
-        # Signals are handled by the main thread: it must not be the one that waits inside the library.
+        # Signals are handled by the main thread, so it must not wait inside the library.
         worker = threading.Thread(target=work)
         worker.start()
         try:
@@ -107,7 +107,7 @@ class Batch:
         return numbers.reshape(len(numbers), -1, 13)
 
     def why(self, sample: int) -> str:
-        """Why a sample failed; "" if it did not."""
+        """Reason of a sample's failure; "" if it did not fail."""
         return self._native.get_text(sample)
 
     def _by_column(self, names: List[str], which: int) -> Dict[str, Numbers]:

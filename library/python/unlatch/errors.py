@@ -6,7 +6,7 @@ from typing import NamedTuple, Sequence
 
 
 class Mistake(NamedTuple):
-    """One mistake: what it is and what would be right, and where."""
+    """One mistake: the fault, its correction, and its place."""
 
     text: str
     file: str
@@ -16,7 +16,7 @@ class Mistake(NamedTuple):
 
 
 class Error(Exception):
-    """A call of the library failed. file, line, column and key are those of the first mistake; 0 and "" if it has none."""
+    """A failed call of the library. file, line, column and key are those of the first mistake; 0 and "" if it has none."""
 
     def __init__(self, mistakes: Sequence[Mistake]) -> None:
         super().__init__("\n".join(mistake.text for mistake in mistakes))
@@ -44,7 +44,7 @@ class ScenarioError(Error, ValueError):
 
 
 class FileError(Error, OSError):
-    """A file cannot be read or written, or is not what it should be."""
+    """A file that cannot be read or written, or has the wrong contents."""
 
     def __str__(self) -> str:
         return "\n".join(mistake.text for mistake in self.mistakes)
@@ -55,11 +55,11 @@ class RangeError(Error, ValueError):
 
 
 class FaultError(Error):
-    """A step cannot be made; the simulation keeps its last good state."""
+    """A step that cannot be made; the simulation keeps its last good state."""
 
 
 class OrderError(Error):
-    """This is not possible now: closed, at work in another thread, recording, replaying, or loaded without judge=True."""
+    """A call that is not possible now: closed, in use by another thread, recording, replaying, or loaded without judge=True."""
 
 
 class StateError(Error, ValueError):
@@ -75,5 +75,5 @@ _KINDS = {-2: OrderError, -3: OrderError, -4: ScenarioError, -5: FileError, -6: 
 
 
 def make(status: int, mistakes: Sequence[tuple[str, str, int, int, str]]) -> Error:
-    """The exception of a status of the C library."""
+    """Returns the exception of a status of the C library."""
     return _KINDS.get(status, Error)([Mistake(*mistake) for mistake in mistakes])

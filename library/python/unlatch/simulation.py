@@ -23,7 +23,7 @@ _KINDS = ("body", "joint", "channel", "sensor", "signal", "event", "requirement"
 (_POSITIONS, _ATTITUDES, _VELOCITIES, _ANGULAR_VELOCITIES, _MODAL, _JOINT_MODES, _REACTIONS, _SENSORS, _SIGNALS, _CHANNELS,
  _CLEARANCES) = range(11)
 _STATUS_END = 2
-_LOOK = 0.02  # s of wall time after which run() looks for signals such as Ctrl-C
+_LOOK = 0.02  # s of wall time after which run() checks for signals such as Ctrl-C
 
 
 class Item(NamedTuple):
@@ -52,7 +52,7 @@ class Event(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """What a requirement can be about. unit: SI, "" for a plain number; text: as a requirement writes it."""
+    """A quantity for requirements. unit: SI, "" for a plain number; text: its text in a requirement."""
 
     unit: str
     text: str
@@ -66,14 +66,14 @@ class Constant(NamedTuple):
 
 
 class Number(NamedTuple):
-    """A number that the scenario writes out, in `unit` (SI, "" for a plain number). The override PATH=VALUE sets it."""
+    """A literal number of the scenario, in `unit` (SI, "" for a plain number). The override PATH=VALUE sets it."""
 
     value: float
     unit: str
 
 
 class Verdict(NamedTuple):
-    """The verdict on a requirement: value, limit and margin in `unit`, time of the value in s; why: if not evaluated."""
+    """The verdict on a requirement: value, limit and margin in `unit`, time of the value in s; why: the reason if not evaluated."""
 
     id: str
     unit: str
@@ -87,7 +87,7 @@ class Verdict(NamedTuple):
 
 
 class Named(Mapping[str, Value], Generic[Value]):
-    """Things by their names, in the scenario's order."""
+    """Items by their names, in the scenario's order."""
 
     def __init__(self, names: Sequence[str], values: Sequence[Value], what: str) -> None:
         self._values = dict(zip(names, values))
@@ -139,7 +139,7 @@ class Joint:
 
     @property
     def mode(self) -> str:
-        """Name of the mode that holds."""
+        """Name of the present mode."""
         return self.modes[int(self._mode[0])]
 
     def __repr__(self) -> str:
@@ -147,7 +147,7 @@ class Joint:
 
 
 class Channels(MutableMapping[str, float]):
-    """Commands by their names: reading gives the commanded value, setting it counts from the next step on.
+    """Commands by their names: reading returns the commanded value, setting it takes effect from the next step on.
 
     A value outside the channel's range raises RangeError."""
 
@@ -158,7 +158,7 @@ class Channels(MutableMapping[str, float]):
         self.values_array: Numbers = native.get_array(_CHANNELS, 0)
 
     def find(self, name: str) -> int:
-        """The channel's number. KeyError names those that are known."""
+        """Number of the channel. KeyError lists the known names."""
         try:
             return self._index[name]
         except KeyError:
@@ -206,12 +206,12 @@ class Simulation:
         self.signals = Named([s.name for s in self._items[_SIGNAL]], [signals[i:i + 1] for i in range(len(signals))], "signal")
 
         quantities, constants = self._items[_QUANTITY], self._items[_CONSTANT]
-        #: what requirements can be about, by name: "reaction.nose1.x"
+        #: quantities for requirements, by name: "reaction.nose1.x"
         self.quantities = Named([q.name for q in quantities], [Quantity(q.unit, q.text) for q in quantities], "quantity")
         #: the scenario's own constants by name
         self.constants = Named([c.name for c in constants], [Constant(c.initial, c.unit) for c in constants], "constant")
         numbers = self._items[_NUMBER]
-        #: the numbers that the scenario writes out, by the path by which an override reaches them: "bodies.core.mass"
+        #: literal numbers of the scenario, by the path of their override: "bodies.core.mass"
         self.numbers = Named([n.name for n in numbers], [Number(n.initial, n.unit) for n in numbers], "number")
 
     def get_unit(self, kind: str, name: str) -> str:
@@ -257,7 +257,7 @@ class Simulation:
         """Steps to the time `until` (s; default: the end that the scenario gives), or `ticks` ticks; returns the ticks made.
 
         Ends earlier after a tick with events if stop_at_events, and at the end of a recording. Signals such as Ctrl-C are
-        handled on the way; the simulation may go on after a KeyboardInterrupt."""
+        handled meanwhile; the simulation may continue after a KeyboardInterrupt."""
         if ticks is None:
             end = self.until if until is None else until
             if not math.isfinite(end):
@@ -285,12 +285,12 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Of the present state, s."""
+        """Time of the present state, s."""
         return self._native.get_time()
 
     @property
     def hash(self) -> str:
-        """Of every bit of the present state, as `unlatch run` prints it."""
+        """Hash of every bit of the present state, as `unlatch run` prints it."""
         return f"{self._native.get_hash():016x}"
 
     # --- Results
@@ -321,15 +321,15 @@ class Simulation:
     # --- States and recordings
 
     def save(self) -> bytes:
-        """Everything that decides how the run goes on."""
+        """Returns all data that determine the further run."""
         return self._native.save()
 
     def restore(self, state: bytes) -> None:
-        """Goes to a saved state of this scenario. Events and verdicts begin anew there."""
+        """Restores a saved state of this scenario. Events and verdicts begin anew there."""
         self._native.restore(state)
 
     def reset(self) -> None:
-        """Goes to the state at which it was loaded."""
+        """Returns to the state at which it was loaded."""
         self._native.reset()
 
     def start_recording(self, path: Path) -> None:
@@ -343,13 +343,13 @@ class Simulation:
 
 def load(path: Path, overrides: Optional[Mapping[str, object]] = None, *, judge: bool = False, event_capacity: int = 4096) -> Simulation:
     """Loads a scenario. overrides: {"bodies.core.mass": "99 t"}, as --set takes them. judge: requirements are judged and clearances
-    computed at each step, which costs several times the step. event_capacity: events that are kept. Raises ScenarioError."""
+    computed at each step, which costs several times the step. event_capacity: number of stored events. Raises ScenarioError."""
     return Simulation(_native.load(os.fspath(path), _write_overrides(overrides), judge, event_capacity))
 
 
 def load_text(text: str, name: str = "<text>", overrides: Optional[Mapping[str, object]] = None, *, judge: bool = False,
               event_capacity: int = 4096) -> Simulation:
-    """The same from a text. name: what messages call it."""
+    """Loads a scenario from a text. name: name of the text in messages."""
     return Simulation(_native.load_text(text, name, _write_overrides(overrides), judge, event_capacity))
 
 

@@ -165,7 +165,7 @@ def _build(headings: Sequence[str], columns: Sequence[Column]) -> Table:
 
 
 def _convert(cells: Sequence[str]) -> Column:
-    """Whole numbers, numbers (an empty cell is NaN), or text: what all cells can be read as."""
+    """Converts to whole numbers, numbers (an empty cell is NaN), or text: the first kind that fits all cells."""
     try:
         return np.array([int(cell) for cell in cells], dtype=np.int64)
     except (ValueError, OverflowError):

@@ -1,1 +1,2 @@
-/* In place of what Simulink appends to an S-function: its host calls the functions above by their names. */
+/* Replacement for the code that Simulink appends to an S-function: the host calls the functions above by their
+ * names. */

@@ -1,4 +1,4 @@
-/* Runs bridge/stacks/unlatch_sfun.c as Simulink would, as the pilot of bridge/examples/probe.yaml: throttle open at 0.1
+/* Runs bridge/stacks/unlatch_sfun.c like Simulink, as the pilot of bridge/examples/probe.yaml: throttle open at 0.1
  * s, shut at 0.3 s. The model's own part is a switch on the time. Exit code 1 with the block's error. */
 #include <stdio.h>
 

@@ -1,5 +1,5 @@
-/* The part of Simulink's S-function interface that bridge/stacks/unlatch_sfun.c uses, for sfunction_host.c: a block
- * with one input and two output ports. Names and meanings are those of the S-function documentation. */
+/* Part of Simulink's S-function interface that bridge/stacks/unlatch_sfun.c uses, for sfunction_host.c: a block with
+ * one input and two output ports. Names and meanings are those of the S-function documentation. */
 #ifndef UNLATCH_TEST_SIMSTRUC_H_
 #define UNLATCH_TEST_SIMSTRUC_H_
 

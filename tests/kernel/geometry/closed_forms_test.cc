@@ -1,4 +1,4 @@
-// Distances whose formulas are known, ties whose middle is known, and degenerate pairs.
+// Distances with known formulas, ties with a known middle, and degenerate pairs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -128,7 +128,7 @@ TEST(GeometryTies, BoxesFaceToFaceMeetInTheCentreOfTheirCommonArea) {
 TEST(GeometryTies, ACylinderOnABoxMeetsInTheCentreOfTheCommonArea) {
   const Shape table = box({0, 0, -1}, {4, 4, 2});
   expect_near(measure(table, cylinder({0.5, 0.25, 1}, {0.5, 0.25, 3}, 1)).on_a, {0.5, 0.25, 0}, 1e-12);
-  // Half of the disc beyond the edge: the centre of a half disc is 4 r / 3π from its diameter.
+  // Half of the disc is beyond the edge: the centre of a half disc is 4 r / 3π from its diameter.
   expect_near(measure(table, cylinder({2, 0, 1}, {2, 0, 3}, 1)).on_a, {2 - 4 / (3 * kPi), 0, 0}, 1e-12);
 }
 

@@ -54,8 +54,8 @@ TEST(GeometryMotion, ARigidMotionOfBothChangesNothingButRounding) {
   }
 }
 
-// Along a smooth motion the distance is continuous: no change is greater than the speed of approach. Where features
-// change its slope may turn; a step would show as a change that does not shrink with the interval.
+// Along a smooth motion the distance is continuous: no change is greater than the speed of approach. At a change of
+// features its slope may change; a jump would show as a change that does not shrink with the interval.
 TEST(GeometryMotion, HasNoStepsAlongASmoothMotion) {
   Random random(7);
   for (int i = 0; i < 189; ++i) {
@@ -81,8 +81,8 @@ TEST(GeometryMotion, HasNoStepsAlongASmoothMotion) {
   }
 }
 
-// Second differences of a distance along a smooth motion, in an interval where the features stay: those of a smooth
-// function, h² d²; noise of the distance would stand out by its size.
+// Second differences of a distance along a smooth motion, in an interval without a change of features: those of a
+// smooth function, h² d²; noise of the distance would be larger.
 TEST(GeometryMotion, SecondDifferencesAreThoseOfASmoothFunction) {
   const Shape first{.kind = ShapeKind::kCylinder, .from = {0, 0, -1}, .to = {0, 0, 1}, .radius = 0.5};
   const Shape second{.kind = ShapeKind::kCone, .from = {0, 0, 0}, .to = {0, 0, 1.5}, .radius = 0.4};
@@ -131,7 +131,7 @@ TEST(GeometryMotion, BoundsAreBelowTheDistance) {
                                   calc_distance(a.shapes[1], at_a, b.shapes[0], at_b).distance);
     EXPECT_EQ(d.least.distance, apart);
     EXPECT_LE(calc_lower_bound(a, at_a, b, at_b), apart);
-    // Moved for 0.1 s at known speeds, the distance is above the advanced bound.
+    // After 0.1 s at known speeds, the distance is above the advanced bound.
     const geometry::Motion of_b{.v_WB = draw_direction(random), .turn = 1};
     const double dt = 0.1;
     const Vec3 w = draw_direction(random);
@@ -157,7 +157,7 @@ TEST(GeometryMotion, BoundsByBoxesAreBelowTheDistanceAndOftenNearIt) {
     apart += d > 0.5, near += d > 0.5 && bound > 0.5 * d;
   }
   EXPECT_GT(near, apart / 2) << "of " << apart;
-  // A ball beside the long side of a box: there the bound is the distance.
+  // A ball beside the long side of a box: there the bound equals the distance.
   const CompiledShape ball = compile_shape(Shape{.kind = ShapeKind::kSphere, .radius = 0.1});
   const CompiledShape strip = compile_shape(Shape{.kind = ShapeKind::kBox, .size = {4, 0.2, 0.2}});
   EXPECT_NEAR(calc_lower_bound(ball, {{1.5, 0.3, 0}, kIdentity3}, strip, {}), 0.1, 1e-11);

@@ -1,7 +1,7 @@
-// Random pairs of every two kinds of convex shapes. Apart: the witnesses lie in their shapes, and the slab between the
-// support planes across the normal, by supports of the tests' own, is as wide as they are apart, which proves the
-// distance from both sides. Overlapping: the witnesses lie in their shapes and on the support planes, and no direction
-// of a dense search parts the two by less.
+// Random pairs of every two kinds of convex shapes. Apart: the witness points lie in their shapes, and the slab between
+// the support planes across the normal, by separate support functions of the tests, has the width of the distance,
+// which proves the distance from both sides. Overlapping: the witness points lie in their shapes and on the support
+// planes, and no direction of a dense search separates the two by less.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,9 +19,9 @@ using geometry::Shape;
 
 constexpr double kSize = 2;              // m, about that of a shape
 constexpr double kError = 1e-9 * kSize;  // m, of a distance
-constexpr double kOpposite = 1e-7;       // m: an overlap's witnesses; the depth feels their error in second order
-constexpr int kDirections = 250;         // of the search for a lesser depth
-constexpr int kEvery = 8;                // overlap that is searched
+constexpr double kOpposite = 1e-7;  // m: witness points of an overlap; their error affects the depth in second order
+constexpr int kDirections = 250;    // directions of the search for a smaller depth
+constexpr int kEvery = 8;           // interval of the overlaps that are searched
 
 class GeometryPairs : public ::testing::TestWithParam<std::tuple<int, int>> {
  protected:

@@ -1,4 +1,4 @@
-// Mistakes of shapes are told with their field and the way to mend them.
+// Mistakes of shapes are reported with their field and the correction.
 #include <gtest/gtest.h>
 
 #include <limits>

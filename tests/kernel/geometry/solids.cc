@@ -120,7 +120,7 @@ double calc_outside(const Shape& s, const Placement& at, const Vec3& p) {
     default:
       break;
   }
-  // All planes through three points that have the others on one side.
+  // Tries all planes through three points that have the others on one side.
   double outside = 0;
   const std::size_t count = s.points.size();
   for (std::size_t i = 0; i < count; ++i) {

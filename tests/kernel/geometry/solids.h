@@ -1,5 +1,5 @@
-// References for the tests of distances: supports and membership of shapes, written from their definitions and apart
-// from the kernel's; random shapes and places.
+// References for the tests of distances: supports and membership of shapes, written from their definitions, independent
+// of the kernel's; random shapes and places.
 #pragma once
 
 #include "tests/support/random.h"
@@ -16,20 +16,20 @@ inline constexpr const char* kConvexNames[] = {"Sphere", "Capsule", "Cylinder", 
 Vec3 draw_vector(Random& random, double reach);
 Vec3 draw_direction(Random& random);
 Mat3 draw_rotation(Random& random);
-// Sizes of 0.1 to 2 m, near the body's origin.
+// Draws a shape with sizes of 0.1 to 2 m, near the body's origin.
 geometry::Shape draw_shape(Random& random, geometry::ShapeKind kind);
-// Of the convex kinds by their number, 7 a half-space, 8 a hollow shape.
+// Draws a shape of a kind by its number: the convex kinds, 7 a half-space, 8 a hollow shape.
 geometry::Shape draw_any(Random& random, int kind);
 geometry::Placement draw_placement(Random& random, double reach);
 
-// m, farthest extent of the shape along the unit vector n of W, from W's origin.
+// Farthest extent, m, of the shape along the unit vector n of W, from W's origin.
 double calc_extent(const geometry::Shape& shape, const geometry::Placement& at, const Vec3& n);
 
-// m, how far the point of W lies outside the shape, 0 inside: no more than the true distance, and 0 only inside.
+// Distance, m, of the point of W outside the shape, 0 inside: no more than the true distance, and 0 only inside.
 double calc_outside(const geometry::Shape& shape, const geometry::Placement& at, const Vec3& p);
 
-// m, least extent of the two shapes' difference over a dense set of directions, refined by pattern search: depth of
-// an overlap.
+// Least extent, m, of the two shapes' difference over a dense set of directions, refined by pattern search: depth of an
+// overlap.
 double search_depth(const geometry::Shape& a, const geometry::Placement& at_a, const geometry::Shape& b,
                     const geometry::Placement& at_b, int directions);
 

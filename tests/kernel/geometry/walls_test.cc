@@ -1,4 +1,4 @@
-// Distances to thin walls: closed forms, and the least distance to the wall's generators, searched densely.
+// Distances to thin walls: closed forms, and the least distance to the wall's generators, by a dense search.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using geometry::ShapeKind;
 constexpr double kRounding = 1e-13;  // m, of shapes of some metres
 constexpr double kPi = 3.14159265358979323846;
 
-// About z from 0 to the last z.
+// Builds a hollow shape about z from 0 to the last z.
 Shape hollow(std::vector<geometry::ProfilePoint> profile, bool half = false) {
   return {.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = std::move(profile), .half = half, .side = {1, 0, 0}};
 }
@@ -28,7 +28,7 @@ Distance measure(const Shape& a, const Shape& b) {
   return calc_distance(geometry::compile_shape(a), {}, geometry::compile_shape(b), {});
 }
 
-// m, least distance of the body to the wall's generators, each a segment: overlaps count as 0.
+// Least distance, m, of the body to the wall's generators, each a segment: overlaps count as 0.
 double search_wall(const Shape& wall, const CompiledShape& b, const Placement& at_b) {
   double least = 1e9;
   for (std::size_t i = 0; i + 1 < wall.profile.size(); ++i) {
@@ -94,7 +94,7 @@ TEST(GeometryWalls, ABoxStandsOutOfATubeByItsOutermostEdge) {
 }
 
 TEST(GeometryWalls, AConeInAConicalSkirtIsAsFarAsBothSidesAreApart) {
-  // The same slope: any generator is as near; displaced, the nearest is on the side of the displacement.
+  // Equal slope: every generator is equally near; displaced, the nearest is on the side of the displacement.
   const Shape skirt = hollow({{0, 2}, {4, 1}});
   const double k = 4 / std::sqrt(17.0);
   for (const double x : {0.0, 0.2, 0.6}) {
@@ -114,7 +114,7 @@ TEST(GeometryWalls, APayloadStandsInAFairingAndInEachHalf) {
   EXPECT_NEAR(measure(half, payload).distance, 0.4, 1e-9);
   half.side = {-1, 0, 0};  // its edges are nearer than its middle
   EXPECT_NEAR(measure(half, payload).distance, std::hypot(2, 0.1) - 1.5, 1e-9);
-  // Turned away by its half it lets go of the payload.
+  // Rotated away by its half, it clears the payload.
   EXPECT_NEAR(measure(half, sphere({3, 0, 2}, 1)).distance, std::hypot(3, 2) - 1, 1e-9);
 }
 
