@@ -1,6 +1,7 @@
 #include "hil/evaluation/results.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -36,13 +37,27 @@ double get_separation(const Separation& separation, std::size_t part) {
   return part == 1 ? separation.across : separation.relative.transverse;
 }
 
+struct ContactValue {
+  const char *name, *unit;
+  double (*get)(const ContactRecord&);
+};
+constexpr ContactValue kContactValues[] = {
+    {"touch", "s", [](const ContactRecord& contact) { return contact.touch.value_or(kNone); }},
+    {"peak", "N", [](const ContactRecord& contact) { return contact.peak_force; }},
+    {"depth", "m", [](const ContactRecord& contact) { return contact.depth; }},
+    {"impulse", "N s", [](const ContactRecord& contact) { return contact.totals.impulse; }},
+    {"dissipated", "J", [](const ContactRecord& contact) { return contact.totals.dissipated; }},
+    {"duration", "s", [](const ContactRecord& contact) { return contact.duration; }},
+};
+
 // Parts of a run's analysis by the names of the columns.
 struct Results {
   Results(const Scenario& scenario_in, const RunAnalysis& analysis_in)
       : scenario(scenario_in),
         analysis(analysis_in),
         verdicts(analysis_in.judge()),
-        separations(analysis_in.list_separations()) {
+        separations(analysis_in.list_separations()),
+        contacts(analysis_in.list_contacts()) {
     for (const TimelineEntry& entry : analysis.timeline)
       events.emplace(entry.subject.empty() ? entry.name : entry.name + ":" + entry.subject, entry.time);
   }
@@ -78,6 +93,8 @@ struct Results {
         return kNone;
       case Kind::kPeak:
         return analysis.get_peak(column.index, column.part).value;
+      case Kind::kContact:
+        return kContactValues[column.part].get(contacts[column.index]);
     }
     return kNone;
   }
@@ -86,6 +103,7 @@ struct Results {
   const RunAnalysis& analysis;
   const std::vector<Verdict> verdicts;
   const std::vector<Separation> separations;
+  const std::vector<ContactRecord> contacts;
   std::map<std::string, double> events;  // first times
 };
 
@@ -126,6 +144,10 @@ std::vector<ResultColumn> list_columns(const Scenario& scenario) {
         columns.push_back({Kind::kPeak, "peak." + model.joints[i].name + "." + kRowNames[row], row < 3 ? "N" : "N m", i,
                            static_cast<std::size_t>(row)});
   }
+  for (std::size_t i = 0; i < model.contacts.size(); ++i)
+    for (std::size_t part = 0; part < std::size(kContactValues); ++part)
+      columns.push_back({Kind::kContact, "contact." + model.contacts[i].name + "." + kContactValues[part].name,
+                         kContactValues[part].unit, i, part});
   return columns;
 }
 

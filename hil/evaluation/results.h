@@ -12,6 +12,12 @@
 //   separation.JOINT.across     m/s, across it
 //   separation.JOINT.rate       rad/s, of the follower relative to the base, across the axis
 //   peak.JOINT.ROW              N or N m, multiplier of the largest size, signed
+//   contact.NAME.touch          s, first touch
+//   contact.NAME.peak           N, largest normal force
+//   contact.NAME.depth          m, largest depth
+//   contact.NAME.impulse        N s, of the normal force
+//   contact.NAME.dissipated     J
+//   contact.NAME.duration       s, time closed
 // clang-format on
 //
 // NaN: the run has no such value, such as the time of an event that did not occur.
@@ -27,11 +33,22 @@
 namespace unlatch::hil {
 
 struct ResultColumn {
-  enum class Kind { kRequirement, kMargin, kEvent, kClearance, kClearanceTime, kReleased, kTipOff, kSeparation, kPeak };
+  enum class Kind {
+    kRequirement,
+    kMargin,
+    kEvent,
+    kClearance,
+    kClearanceTime,
+    kReleased,
+    kTipOff,
+    kSeparation,
+    kPeak,
+    kContact
+  };
   Kind kind = Kind::kRequirement;
   std::string name, unit;  // SI
-  std::size_t index = 0;   // index of the requirement, event, clearance or joint
-  std::size_t part = 0;    // separation: 0 along, 1 across, 2 rate; peak: the row
+  std::size_t index = 0;   // index of the requirement, event, clearance, joint or contact
+  std::size_t part = 0;  // separation: 0 along, 1 across, 2 rate; peak: the row; contact: the value, in the order above
   bool operator==(const ResultColumn&) const = default;
 };
 
