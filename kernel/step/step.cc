@@ -139,13 +139,20 @@ bool is_near_zero(const Run& run, std::size_t e) {
   return std::fabs(run.ev.guards[e]) <= kSteep * run.search.tolerances[e];
 }
 
+// The number that a report gives a guard: that of its event; behind the events that of its pair's contact.
+std::int32_t get_reported_guard(const PlanData& plan, std::size_t guard) {
+  const std::size_t events = plan.events.size();
+  if (guard < events) return static_cast<std::int32_t>(guard);
+  return static_cast<std::int32_t>(events) + plan.contact_pairs[guard - events].contact;
+}
+
 // The tries ran out: the instant of the event `first` is known to an interval that is wider than the tolerance.
 void note_unlocated(Run& run, std::size_t first, double interval) {
   OpenSearch& open = run.report.open;
   ++open.unlocated;
   if (open.guard != kNone && interval <= open.interval) return;
   open.interval = interval;
-  open.guard = static_cast<std::int32_t>(first);
+  open.guard = get_reported_guard(run.plan, first);
 }
 
 // Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the evaluation of
@@ -198,7 +205,7 @@ void note_unseen(Run& run, std::size_t pair, const Flank& left, const Flank& rig
   const double depth = calc_bound(left, right);
   if (open.contact != kNone && depth <= open.depth) return;
   open.depth = depth;
-  open.contact = static_cast<std::int32_t>(pair);
+  open.contact = run.plan.contact_pairs[pair].contact;
 }
 
 // Looks for a touch of `pair` between two flanks that are apart. Returns its time, `right` if there is none, or a
