@@ -258,11 +258,15 @@ struct GravityField {
   Vec3 centre{};
 };
 
+// Part of a step: times nearer than this are one instant.
+inline constexpr double kSameInstant = 1e-9;
+
 struct PlanData {
   PlanOptions options;
   InstructionSet instruction_set = InstructionSet::kScalar;  // chosen for this processor
   std::uint64_t hash = 0;  // of the model and its options: two plans with one hash step alike
   double get_time(std::int64_t tick) const { return static_cast<double>(tick) * options.dt; }  // s
+  double get_slack() const { return kSameInstant * options.dt; }  // s: times nearer than this are one instant
 
   // tree
   std::vector<TreeNode> nodes;

@@ -123,7 +123,7 @@ class SideBySide {
     const BundleMember& member = data_.members[m];
     const State& own = *runs_[m].state;
     return {all.subspan(at(member.event), own.events.size()),
-            all.subspan(plan_.events.size() + at(member.pair), own.contacts.size())};
+            get_pair_guards(plan_, all).subspan(at(member.pair), own.contacts.size())};
   }
   std::span<const EventState> get_events(std::size_t m) const {
     return state_.events.subspan(at(data_.members[m].event), runs_[m].state->events.size());
@@ -134,7 +134,7 @@ class SideBySide {
     const PlanData& own = runs_[m].plan->data();
     const Guards guards = get_guards(m, ev_.guards);
     const std::span<const EventState> events = get_events(m);
-    const double slack = kSameInstant * plan_.options.dt;
+    const double slack = plan_.get_slack();
     for (std::size_t e = 0; e < events.size(); ++e) {
       if (events[e].phase == EventPhase::kPending && events[e].due <= end_ + slack) return false;
       if (events[e].phase == EventPhase::kArmed && guards.events[e] >= -(own.events[e].by_time ? slack : 0.0))
@@ -167,7 +167,7 @@ class SideBySide {
   // No guard crosses zero, and no pair of shapes can have touched in between.
   bool passes_quietly(std::size_t m) const {
     const PlanData& own = runs_[m].plan->data();
-    const double slack = kSameInstant * plan_.options.dt;
+    const double slack = plan_.get_slack();
     const Guards low = get_guards(m, search_.guards_low), high = get_guards(m, ev_.guards);
     const std::span<const EventState> events = get_events(m);
     for (std::size_t e = 0; e < events.size(); ++e)

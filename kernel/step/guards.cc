@@ -146,7 +146,7 @@ double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> s
 // Touch of open pairs, lift of closed ones; a contact that is off is apart.
 void update_pair_guards(const Instant& now, Evaluation& ev) {
   update_open_pairs(now, ev);
-  double* guards = ev.guards.data() + now.plan.events.size();
+  const std::span<double> guards = get_pair_guards(now.plan, ev.guards);
   for (std::size_t i = 0; i < ev.pair_distances.size(); ++i) {
     const ContactState& pair = now.state.contacts[i];
     const std::int32_t element = now.plan.contacts[at(now.plan.contact_pairs[i].contact)].element;

@@ -241,7 +241,7 @@ TEST(Contact, EachPairOfAUnionOfShapesBearsItsPart) {
   EXPECT_LT(norm(s.state.bodies[0].w), 1e-9);
 }
 
-// What searches of a run left open, the worst of each kind.
+// Searches of a run that were left open: the latest of each kind.
 OpenSearch find_open_search(const Model& model, const PlanOptions& options, int ticks) {
   Simulation s(model, options);
   OpenSearch found;
