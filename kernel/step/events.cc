@@ -146,7 +146,7 @@ bool strike(Run& run, bool struck, Balance& allowed) {
   const Source source = struck ? Source::kForces : Source::kNothing;
   if (run.node = apply_impulse(plan, source, run.state(), ev); run.node != kNone) return false;
   allowed = calc_allowed_change(plan, run.state(), ev);
-  update_velocities(plan, ev);
+  update_velocities(plan, ev);  // w_W of markers; that of other bodies is there
   if (!struck) return true;
   allowed.momentum += strikes.momentum;
   allowed.angular_momentum += strikes.angular_momentum;
