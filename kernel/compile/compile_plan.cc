@@ -3,6 +3,7 @@
 
 #include "kernel/compile/constants.h"
 #include "kernel/compile/contacts.h"
+#include "kernel/compile/elements.h"
 #include "kernel/compile/instruction_set.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
@@ -260,52 +261,53 @@ std::vector<ModelError> compile_compliance(const Model& model, const std::vector
   return errors;
 }
 
+// Elements before the contacts, in the order of kernel/model/elements.h.
 void compile_elements(const Model& model, PlanData& plan, Coordinates& coordinates) {
-  std::int32_t element = 0;
-  const auto next = [&](bool on) {
-    plan.element_scales.push_back(on ? 1 : 0);
-    return element++;
-  };
   Profiles profiles(plan);
   for (const Load& l : model.loads) {
     const bool world = l.frame == Load::Frame::kWorld;
     const Vec3 none{0, 0, 0}, point = l.kind == Load::Kind::kTorque ? none : to_vec(l.point),
                               size = to_vec(l.direction);
     plan.loads.push_back(
-        {l.body, next(l.on), profiles.compile(l.profile), l.channel, world, point,
+        {l.body, add_element(plan, l.on), profiles.compile(l.profile), l.channel, world, point,
          l.kind == Load::Kind::kTorque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
          l.direction.norm(), l.consumption, plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying});
     if (world || l.consumption != 0) plan.external_loads.push_back(static_cast<std::int32_t>(plan.loads.size()) - 1);
     if (l.channel != kNone) plan.commanded_loads = true;
   }
   for (const PointSpring& s : model.point_springs)
-    plan.point_springs.push_back({s.base, s.follower, next(s.on), s.push_only, to_vec(s.point_base),
+    plan.point_springs.push_back({s.base, s.follower, add_element(plan, s.on), s.push_only, to_vec(s.point_base),
                                   to_vec(s.point_follower), s.stiffness, s.damping, s.free_length});
   const std::vector<std::int32_t> compliant = list_compliant(model, plan);
   const JointSpring* first = model.joint_springs.data();
   for (const JointSpring& s : model.joint_springs)
-    plan.joint_springs.push_back({s.joint, s.axis, next(s.on), coordinates.find(s.joint, s.axis), s.effort, s.stiffness,
-                                  s.damping, s.rest, compliant[static_cast<std::size_t>(&s - first)]});
+    plan.joint_springs.push_back({s.joint, s.axis, add_element(plan, s.on), coordinates.find(s.joint, s.axis), s.effort,
+                                  s.stiffness, s.damping, s.rest, compliant[static_cast<std::size_t>(&s - first)]});
+  // Every stage needs the coordinates up to here: those that forces read. Conditions and sensors add theirs later.
   for (const OneSided& f : model.one_sided)
     if (f.joint != kNone) coordinates.find(f.joint, f.axis);
   for (const JointFriction& f : model.frictions) coordinates.find(f.joint, f.axis);
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
   for (const PlaneTorsion& s : model.plane_torsions)
-    plan.plane_torsions.push_back(
-        {s.base, s.follower, next(s.on), to_vec(s.normal_base), to_vec(s.axis_follower), s.stiffness, s.damping});
+    plan.plane_torsions.push_back({s.base, s.follower, add_element(plan, s.on), to_vec(s.normal_base),
+                                   to_vec(s.axis_follower), s.stiffness, s.damping});
 }
 
 // After the contacts, in the numbering of elements too. compile_elements() has made their coordinates.
 void compile_one_sided_and_frictions(const Model& model, PlanData& plan, Coordinates& coordinates) {
-  const auto next = [&](bool on) {
-    plan.element_scales.push_back(on ? 1 : 0);
-    return static_cast<std::int32_t>(plan.element_scales.size()) - 1;
-  };
   for (const OneSided& f : model.one_sided)
-    compile_one_sided(model, f, next(f.on), f.joint == kNone ? kNone : coordinates.find(f.joint, f.axis), plan);
+    compile_one_sided(model, f, add_element(plan, f.on), f.joint == kNone ? kNone : coordinates.find(f.joint, f.axis),
+                      plan);
   for (const JointFriction& f : model.frictions)
-    plan.frictions.push_back({f.joint, f.axis, next(f.on), coordinates.find(f.joint, f.axis), f.coefficient,
-                              f.axis >= kRotX ? f.radius : 1.0, f.speed});
+    plan.frictions.push_back({f.joint, f.axis, add_element(plan, f.on), coordinates.find(f.joint, f.axis),
+                              f.coefficient, f.axis >= kRotX ? f.radius : 1.0, f.speed});
+}
+
+// Elements that push two bodies apart: without one, add_forces() calls none of them. A new kind is added here and in
+// add_pair_forces() of kernel/dynamics/forces.cc, behind the others, so that no sum changes.
+bool has_pair_forces(const PlanData& plan) {
+  return !plan.point_springs.empty() || !plan.joint_springs.empty() || !plan.plane_torsions.empty() ||
+         !plan.contacts.empty() || !plan.one_sided.empty() || !plan.frictions.empty();
 }
 
 // Appends a guard in postfix order; returns how many values its evaluation keeps at once.
@@ -318,8 +320,11 @@ std::int32_t compile_condition(const Condition& c, PlanData& plan) {
   return depth;
 }
 
+// Conditions that read the step's inputs: a new one is added here, or commands do not reach its guard at their tick.
 bool is_command(const PlanCondition& c) { return c.kind == Condition::Kind::kCommand; }
 bool is_elementary(const Condition& c) { return c.parts.empty(); }
+// Conditions that hold or do not, and cannot change within a sub-step: a new one is added here, so that an `all` reads
+// it first. kEngaged is not among them: it is read in its place.
 bool is_switch(const Condition& c) {
   return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal || c.kind == Condition::Kind::kClosed;
 }
@@ -330,17 +335,19 @@ void compile_events(const Model& model, PlanData& plan) {
     const bool all = when.kind == Condition::Kind::kAll &&
                      std::all_of(when.parts.begin(), when.parts.end(), is_elementary) && !when.parts.empty();
     if (all) std::stable_partition(when.parts.begin(), when.parts.end(), is_switch);
-    PlanEvent out{static_cast<std::int32_t>(plan.conditions.size()),
-                  0,
-                  static_cast<std::int32_t>(plan.actions.size()),
-                  static_cast<std::int32_t>(event.then.size()),
-                  all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
-                  event.delay,
-                  event.repeat,
-                  kNone,
-                  0,
-                  when.kind == Condition::Kind::kTime && !when.below,
-                  event.crossing};
+    PlanEvent out{
+        .first_condition = static_cast<std::int32_t>(plan.conditions.size()),
+        .condition_count = 0,
+        .first_action = static_cast<std::int32_t>(plan.actions.size()),
+        .action_count = static_cast<std::int32_t>(event.then.size()),
+        .flat_parts = all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
+        .delay = event.delay,
+        .repeat = event.repeat,
+        .engages = kNone,
+        .engaged = 0,
+        .by_time = when.kind == Condition::Kind::kTime && !when.below,
+        .crossing = event.crossing,
+    };
     for (const Action& action : event.then)
       if (action.kind == Action::Kind::kEngage) {
         out.engages = action.subject;
@@ -386,6 +393,62 @@ void check_options(const Model& model, const PlanOptions& options, std::vector<M
     errors.push_back({"step", "root is not a body of the model", "name one of its bodies, or leave it out"});
 }
 
+// First phase: the tree. Errors: what it refuses.
+std::vector<ModelError> compile_tree(const Model& model, PlanData& plan) {
+  const std::vector<bool> stiff = find_stiff_springs(model, plan.options.dt);
+  Topology topology = compile_topology(model, list_axes(model, stiff), plan.options.root);
+  plan.nodes = std::move(topology.nodes);
+  plan.loops = std::move(topology.loops);
+  return compile_compliance(model, stiff, plan);
+}
+
+// Bodies, with what bends or burns of them; needs the tree.
+void compile_bodies(const Model& model, PlanData& plan) {
+  for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
+  plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses stand before modal coordinates and contacts
+  std::vector<std::vector<int>> markers(model.bodies.size());
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (model.bodies[b].marker) markers[at(model.bodies[b].marker->body)].push_back(static_cast<int>(b));
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
+    if (model.bodies[at(b)].flexible) compile_flexible(model, b, markers[at(b)], plan);
+  plan.rigid = plan.flexible.empty() && plan.varying.empty();
+  place_flexible(plan);
+  mark_blocks(model, plan);
+}
+
+// Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a line says so.
+void compile_parts(const Model& model, PlanData& plan) {
+  compile_bodies(model, plan);
+  compile_events(model, plan);
+  compile_impulses(model, plan);
+  for (const Joint& joint : model.joints) {
+    plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
+    for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
+  }
+  Coordinates coordinates(plan);
+  compile_elements(model, plan, coordinates);  // before conditions and sensors: driven coordinates come first
+  compile_contacts(model, plan);               // after the bodies: its totals stand behind their auxiliary states
+  compile_one_sided_and_frictions(model, plan, coordinates);
+  plan.pair_forces = has_pair_forces(plan);
+  link_conditions(plan, coordinates);  // after compile_events()
+  plan.commanded_events =
+      plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);
+  compile_sensors(model, plan, coordinates);
+  init_angles(model, plan);  // of all coordinates: after the last of them was found
+  plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
+  plan.signal_count = static_cast<std::int32_t>(model.signals.size());
+  plan.channel_count = static_cast<std::int32_t>(model.channels.size());
+}
+
+// Third phase: places in memory, and constants there; needs all parts.
+void compile_memory(const Model& model, PlanData& plan) {
+  lay_out_blocks(model, plan);  // numbers the nodes anew: before all that keeps a node or a place
+  fill_constants(model, plan);
+  compile_loops(model, plan);
+  compile_loop_paths(model, plan);  // after compile_loops(): it leads through loop nodes
+  place_multipliers(plan);
+}
+
 PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   PlanResult result;
   result.errors = validate(model);
@@ -395,48 +458,10 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   PlanData plan;
   plan.options = options;
   plan.instruction_set = resolve(options.instruction_set);
-  const std::vector<bool> stiff = find_stiff_springs(model, options.dt);
-  Topology topology = compile_topology(model, list_axes(model, stiff), options.root);
-  plan.nodes = std::move(topology.nodes);
-  plan.loops = std::move(topology.loops);
-  result.errors = compile_compliance(model, stiff, plan);
+  result.errors = compile_tree(model, plan);
   if (!result.errors.empty()) return result;
-
-  for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
-  plan.initial_auxiliary.assign(plan.varying.size(), 0.0);
-  std::vector<std::vector<int>> markers(model.bodies.size());
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    if (model.bodies[b].marker) markers[at(model.bodies[b].marker->body)].push_back(static_cast<int>(b));
-  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
-    if (model.bodies[at(b)].flexible) compile_flexible(model, b, markers[at(b)], plan);
-  plan.rigid = plan.flexible.empty() && plan.varying.empty();
-  place_flexible(plan);
-  mark_blocks(model, plan);
-  compile_events(model, plan);
-  compile_impulses(model, plan);
-  for (const Joint& joint : model.joints) {
-    plan.joints.push_back(compile_joint(model, joint, static_cast<int>(plan.modes.size())));
-    for (const JointMode& mode : joint.modes) plan.modes.push_back(mode.rows);
-  }
-  Coordinates coordinates(plan);
-  compile_elements(model, plan, coordinates);
-  compile_contacts(model, plan);
-  compile_one_sided_and_frictions(model, plan, coordinates);
-  plan.pair_forces = !plan.point_springs.empty() || !plan.joint_springs.empty() || !plan.plane_torsions.empty() ||
-                     !plan.contacts.empty() || !plan.one_sided.empty() || !plan.frictions.empty();
-  link_conditions(plan, coordinates);
-  plan.commanded_events =
-      plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);
-  compile_sensors(model, plan, coordinates);
-  init_angles(model, plan);
-  lay_out_blocks(model, plan);
-  fill_constants(model, plan);
-  compile_loops(model, plan);
-  compile_loop_paths(model, plan);
-  place_multipliers(plan);
-  plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
-  plan.signal_count = static_cast<std::int32_t>(model.signals.size());
-  plan.channel_count = static_cast<std::int32_t>(model.channels.size());
+  compile_parts(model, plan);
+  compile_memory(model, plan);
   plan.hash = calc_model_hash(model, options);
   result.plan.emplace(std::make_shared<const PlanData>(std::move(plan)));
   return result;

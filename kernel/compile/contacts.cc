@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "kernel/compile/elements.h"
 #include "kernel/math/index.h"
 #include "unlatch/contacts.h"
 #include "unlatch/elementary.h"
@@ -50,8 +51,7 @@ void compile_contacts(const Model& model, PlanData& plan) {
     plan.shapes.push_back({set.body, geometry::build_group(set.name, set.shapes)});
   for (const Contact& c : model.contacts) {
     const auto place = static_cast<std::int32_t>(plan.contacts.size());
-    const auto element = static_cast<std::int32_t>(plan.element_scales.size());
-    plan.element_scales.push_back(c.on ? 1 : 0);
+    const std::int32_t element = add_element(plan, c.on);
     PlanContact out{c.base,
                     c.follower,
                     element,

@@ -51,17 +51,13 @@ Kind find_kind(const Model& model, const PlanData& plan, const TreeNode& node) {
   kind.universal = joint.universal;
   kind.shared_axes = !joint.rotation_axes.has_value() && !joint.universal;
   for (const JointMode& mode : joint.modes) {
-    const int count = std::popcount(mode.rows);
-    const bool held = count >= 3 || kind.compliant != 0;
-    if (!held) kind.by_rows = true;
-    if (held)
+    const bool by_freedoms = is_by_freedoms(mode.rows, kind.compliant);
+    if (!by_freedoms) kind.by_rows = true;
+    if (by_freedoms)
       kind.freedoms = static_cast<RowSet>(kind.freedoms | (~mode.rows & (kPointRows | kRotationRows)));
     else
       kind.rows = static_cast<RowSet>(kind.rows | mode.rows);
-    const RowSet rotation = mode.rows & kRotationRows;
-    for (int a = 0; a < 3; ++a)
-      if (rotation == kRotationRows || rotation == (kRotationRows & ~row_bit(kRotX + a)))
-        kind.carried = static_cast<std::uint8_t>(kind.carried | 1u << a);
+    kind.carried = static_cast<std::uint8_t>(kind.carried | get_carried_axes(mode.rows));
   }
   return kind;
 }

@@ -89,8 +89,8 @@ std::vector<int> measure_distances(const Model& model, int root) {
   return distance;
 }
 
-// Joints in the order in which they may become edges. What closes loops is to let go if one of them does, to have few
-// rows, and to lie where the two ways from the ground meet, so that the tree is shallow and has lanes side by side;
+// Joints in the order in which they may become edges. One that closes a loop is to let go if one of them does, to have
+// few rows, and to lie where the two ways from the ground meet, so that the tree is shallow and has lanes side by side;
 // springs to be integrated implicitly need edges.
 std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& compliant, int root) {
   const std::vector<int> distance = measure_distances(model, root);

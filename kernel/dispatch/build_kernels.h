@@ -17,7 +17,7 @@ constexpr Kernels build_kernels() {
           .init_forces = init_forces<kWidest>,
           .update_joints = update_joints<kWidest>,
           .update_joint_velocities = update_joint_velocities<kWidest>,
-          .calc_angles = calc_angles<kWidest>,
+          .update_angles = update_angles<kWidest>,
           .factor_and_solve = factor_and_solve<kWidest>,
           .solve = solve<kWidest>,
           .begin_substep = begin_substep<kWidest>,

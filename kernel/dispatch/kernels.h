@@ -17,7 +17,7 @@ struct Kernels {
   void (*update_joints)(const PlanData&, Evaluation&, RowTarget);
   void (*update_joint_velocities)(const PlanData&, Evaluation&);
   // simd/arctangent_packs.h
-  void (*calc_angles)(double* sines, const double* cosines, std::size_t count);
+  void (*update_angles)(double* sines, const double* cosines, std::size_t count);
   // solver/solve.h
   int (*factor_and_solve)(const PlanData&, const State&, Evaluation&, const Sweep&, std::int32_t most_rows);
   void (*solve)(const PlanData&, Evaluation&, const Sweep&);

@@ -1,5 +1,6 @@
-// Energies and powers of the whole system, for audits. Each power is that of a force of forces.h, loads.h, varying.h or
-// flexible.h on the motion of the same evaluation; each strain energy is the integral of such a force.
+// Energies and powers of the whole system, for audits. Each power is that of a force of forces.h, loads.h,
+// contacts.h, one_sided.h, friction.h, varying.h or flexible.h on the motion of the same evaluation; each strain energy
+// is the integral of such a force.
 #pragma once
 
 #include "kernel/plan/evaluation.h"

@@ -29,15 +29,11 @@ void update_friction(const Instant& now, Evaluation& ev) noexcept {
   for (std::size_t i = 0; i < now.plan.frictions.size(); ++i) {
     const PlanFriction& own = now.plan.frictions[i];
     if (!acts(now, own)) continue;
-    double square = 0;
-    for (std::size_t r = 0; r < kRotX; ++r) {
-      const double lambda = ev.multipliers.get(at(own.joint), r);
-      square += lambda * lambda;
-    }
+    const double reaction = calc_reaction_size(ev, own.joint, kX);
     const double v = own.radius * ev.speeds[at(own.coordinate)];
     const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
     ev.friction_sizes[i] =
-        -(own.coefficient * own.radius * scale * std::sqrt(square)) * (v / std::sqrt(v * v + own.speed * own.speed));
+        -(own.coefficient * own.radius * scale * reaction) * (v / std::sqrt(v * v + own.speed * own.speed));
   }
 }
 

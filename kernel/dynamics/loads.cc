@@ -1,5 +1,6 @@
 #include "kernel/dynamics/loads.h"
 
+#include "kernel/math/table.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch {
@@ -8,12 +9,8 @@ namespace {
 double calc_table(std::span<const Knot> knots, double s) {
   if (s <= knots.front().time) return knots.front().value;
   if (s >= knots.back().time) return knots.back().value;
-  std::size_t low = 0, high = knots.size() - 1;
-  while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
-    (knots[middle].time <= s ? low : high) = middle;
-  }
-  const Knot &a = knots[low], &b = knots[high];
+  const std::size_t low = find_piece(knots.size(), s, [&](std::size_t i) { return knots[i].time; });
+  const Knot &a = knots[low], &b = knots[low + 1];
   return a.value + (b.value - a.value) * ((s - a.time) / (b.time - a.time));
 }
 

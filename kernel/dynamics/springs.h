@@ -1,5 +1,5 @@
 // Laws of springs between two bodies, each written once: forces.h applies them, energy.h accounts for them,
-// unlatch/readings.h tells them. World axes.
+// unlatch/readings.h tells them. That of a joint's spring is calc_joint_spring() in unlatch/readings.h. World axes.
 #pragma once
 
 #include "kernel/joints/kinematics.h"

@@ -1,6 +1,7 @@
 #include "kernel/dynamics/varying.h"
 
 #include "kernel/dynamics/gravity.h"
+#include "kernel/math/table.h"
 
 namespace unlatch {
 namespace {
@@ -14,13 +15,10 @@ struct Interval {
 Interval find_interval(std::span<const MassKnot> knots, double s) {
   if (s < knots.front().at || knots.size() == 1) return {&knots.front(), &knots.front(), 0, 0};
   if (s >= knots.back().at) return {&knots.back(), &knots.back(), 0, 0};
-  std::size_t low = 0, high = knots.size() - 1;
-  while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
-    (knots[middle].at <= s ? low : high) = middle;
-  }
-  const double width = knots[high].at - knots[low].at;
-  return {&knots[low], &knots[high], (s - knots[low].at) / width, 1 / width};
+  const MassKnot* low = &knots[find_piece(knots.size(), s, [&](std::size_t i) { return knots[i].at; })];
+  const MassKnot* high = low + 1;
+  const double width = high->at - low->at;
+  return {low, high, (s - low->at) / width, 1 / width};
 }
 
 Sym3 add(const Sym3& a, double k, const Sym3& b) {

@@ -150,7 +150,7 @@ class ArcBounds {
 
  private:
   static constexpr int kParts = 8;
-  // How far B reaches along −u and −n, from the foot.
+  // Reach of B along −u and −n, from the foot.
   struct Extent {
     double out, in;
   };

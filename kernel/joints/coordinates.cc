@@ -18,7 +18,7 @@ UNLATCH_INLINE Turn calc_turn(const Vec3& bi, const Vec3& bj, const Vec3& fi, co
 // The turn about a rotation's axis, from the two axes of each side across it.
 UNLATCH_INLINE Turn measure_turn(const PlanData& plan, const State& state, const Evaluation& ev,
                                  const PlanCoordinate& c, const JointView& joint) {
-  const PlanJoint& j = joint.get_plan();
+  const PlanJoint& j = joint.get_joint();
   const Mat3 follower = read(ev.blocks.data(), ev.places[at(j.follower)], &BodyLane::R);
   const Vec3 fi = follower * c.across_follower[0], fj = follower * c.across_follower[1];
   if (!j.universal || !is_crossed(j, get_active_rows(plan, state, c.joint))) {

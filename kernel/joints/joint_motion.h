@@ -40,7 +40,8 @@ UNLATCH_INLINE void update_slip(const BodyFrameT<T>& base, const BodyFrameT<T>& 
   f.w_rel = follower.w - base.w;
 }
 
-// Arms, axes and displacement, and the slip. `rotation_axes`: world axes; `axes`: base axes.
+// Arms, axes and displacement, and the slip. `axes`: of the point–plane rows, base axes; m is n until the caller gives
+// the rotation rows others. `crossed` is unset.
 template <class T>
 UNLATCH_INLINE JointFrameT<T> calc_joint_frame(const BodyFrameT<T>& base, const BodyFrameT<T>& follower,
                                                const Vec3T<T>& point_base, const Vec3T<T>& point_follower,

@@ -1,5 +1,7 @@
 #include "kernel/joints/kinematics.h"
 
+#include <cmath>
+
 namespace unlatch {
 
 BodyFrame get_body_frame(const Evaluation& ev, int body) noexcept {
@@ -33,6 +35,15 @@ JointFrame get_joint_frame(const PlanData& plan, const State& state, const Evalu
 Mat3 calc_follower_axes(const PlanData& plan, const Evaluation& ev, int joint) noexcept {
   const PlanJoint& j = plan.joints[at(joint)];
   return get_body_frame(ev, j.follower).R * rotation_matrix(j.rotation_follower);
+}
+
+double calc_reaction_size(const Evaluation& ev, int joint, int first) noexcept {
+  double square = 0;
+  for (int r = first; r < first + 3; ++r) {
+    const double lambda = ev.multipliers.get(at(joint), at(r));
+    square += lambda * lambda;
+  }
+  return std::sqrt(square);
 }
 
 Quat calc_relative_attitude(const PlanData& plan, const Evaluation& ev, int joint) noexcept {

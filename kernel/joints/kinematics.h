@@ -74,7 +74,7 @@ class JointView {
     const bool of_child = joint_.child == (of_follower ? joint_.follower : joint_.base);
     return of_child ? read(blocks_, place_, &SolverLane::arm_child) : read(blocks_, place_, &JointLane::arm_parent);
   }
-  UNLATCH_INLINE const PlanJoint& get_plan() const { return joint_; }
+  UNLATCH_INLINE const PlanJoint& get_joint() const { return joint_; }
 
  private:
   const PlanData& plan_;
@@ -88,6 +88,9 @@ JointFrame get_joint_frame(const PlanData& plan, const State& state, const Evalu
 
 // The rotation frame as the follower carries it, in world axes.
 Mat3 calc_follower_axes(const PlanData& plan, const Evaluation& ev, int joint) noexcept;
+
+// Size of three multipliers of a joint from row `first` on, N or N m; those of rows that do not hold are 0.
+double calc_reaction_size(const Evaluation& ev, int joint, int first) noexcept;
 
 // Relative attitude of a joint's rotation frame, follower to base.
 Quat calc_relative_attitude(const PlanData& plan, const Evaluation& ev, int joint) noexcept;

@@ -33,8 +33,7 @@ Vec3 calc_orientation_residual(const PlanData& plan, const State& state, const E
   const Mat3 follower = calc_follower_axes(plan, ev, joint);
   if (f.crossed) return {0, 0, -calc_cross_target(follower.y, f)};
   for (int a = 0; a < 3; ++a) {
-    const RowSet others = kRotationRows & static_cast<RowSet>(~row_bit(kRotX + a));
-    if (rotation != others) continue;
+    if ((get_carried_axes(rotation) >> a & 1) == 0) continue;
     const Vec3 carried = follower * turn(conjugate(locked), column(kIdentity3, a));
     return transpose_times(f.m, cross(column(f.m, a), carried));
   }
@@ -73,11 +72,9 @@ void update_non_tree_joints(const PlanData& plan, const State& state, RowTarget 
 }
 
 Vec3 calc_carried_axis(const PlanJoint& joint, const JointState& memory, RowSet rows, int a) noexcept {
-  const RowSet rotation = rows & kRotationRows;
+  if ((get_carried_axes(rows) >> a & 1) == 0) return {0, 0, 0};
   const Vec3 carried = turn(joint.rotation_follower, turn(conjugate(memory.locked), column(kIdentity3, a)));
-  if (rotation == (kRotationRows & static_cast<RowSet>(~row_bit(kRotX + a)))) return carried;
-  if (rotation == kRotationRows) return 0.5 * carried;
-  return {0, 0, 0};
+  return (rows & kRotationRows) == kRotationRows ? 0.5 * carried : carried;
 }
 
 double calc_drift(const PlanData& plan, const State& state, const Evaluation& ev) noexcept {

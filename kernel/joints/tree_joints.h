@@ -15,9 +15,10 @@ template <class T, class Parents>
 UNLATCH_INLINE BodyFrameT<T> load_parent_frame(const Parents& parents) {
   using Body = BodyBlock<double>;
   constexpr Body* kBody = nullptr;
+  using Motion = MotionT<double>;
   const std::ptrdiff_t motion = get_index(&Body::motion);
-  return {load(parents, &Body::R), get_vec(parents, kBody, motion), get_vec(parents, kBody, motion + 7),
-          load(parents, &Body::w_W)};
+  return {load(parents, &Body::R), get_vec(parents, kBody, motion + get_index(&Motion::p)),
+          get_vec(parents, kBody, motion + get_index(&Motion::v)), load(parents, &Body::w_W)};
 }
 
 // The mask of no lane at all, known to the compiler.
@@ -68,7 +69,8 @@ UNLATCH_INLINE JointFrameT<T> calc_frame(const V& v, const E& ends) {
   return f;
 }
 
-// The stored one with the present slip: without displacement, and axes only where a cross has turned them.
+// The stored frame with the present slip, for accelerations: `displacement` and `n` are unset, and without a cross also
+// `m` and `crossed`.
 template <class V, class E, class T = typename V::T>
 UNLATCH_INLINE JointFrameT<T> load_frame_with_slip(const V& v, const E& ends) {
   const Vec3T<T> arm_child = load<T>(v.blocks.solver().arm_child), arm_parent = load<T>(v.blocks.joint().arm_parent);
@@ -100,8 +102,7 @@ UNLATCH_INLINE SpatialT<T> calc_position_bias(const V& v, const E& ends, const J
   int kept = 0;
   for (int a = 0; a < 3; ++a) {
     if ((v.group.carried >> a & 1) == 0) continue;
-    const Vec3T<T>& axis = a == 0 ? f.m.x : (a == 1 ? f.m.y : f.m.z);
-    bias.ang -= cross(axis, ends.follower.R * load<T>(v.blocks.carried_axis(kept++)));
+    bias.ang -= cross(column(f.m, a), ends.follower.R * load<T>(v.blocks.carried_axis(kept++)));
   }
   if (v.group.universal) bias.ang = select(f.crossed, calc_cross_target(calc_follower_y(v, ends), f) * f.m.z, bias.ang);
   return bias;
@@ -112,8 +113,7 @@ template <class V, class T = typename V::T>
 UNLATCH_INLINE void remove_freedoms(const V& v, const JointFrameT<T>& f, SpatialT<T>& bias) {
   for (int r = 0; r < kRows; ++r) {
     if (!has_row(v.group.freedoms, r)) continue;
-    const Mat3T<T>& axes = r < kRotX ? f.n : f.m;
-    const Vec3T<T>& axis = r % 3 == 0 ? axes.x : (r % 3 == 1 ? axes.y : axes.z);
+    const Vec3T<T>& axis = column(r < kRotX ? f.n : f.m, r % 3);
     Vec3T<T>& along = r < kRotX ? bias.lin : bias.ang;
     along -= (load<T>(v.blocks.freedom(r).mask) & dot(axis, along)) * axis;
   }

@@ -171,11 +171,4 @@ struct FreeFactorT {
 };
 using FreeFactor = FreeFactorT<double>;
 
-template <class T>
-UNLATCH_INLINE SpatialT<T> solve(const FreeFactorT<T>& f, const ArticulatedT<T>& A, const SpatialT<T>& b) {
-  const Vec3T<T> y = solve(f.M, b.lin);
-  const Vec3T<T> ang = solve(f.K, b.ang - transpose_times(A.H, y));
-  return {y - f.W * ang, ang};
-}
-
 }  // namespace unlatch

@@ -233,9 +233,10 @@ class Joiner {
 }  // namespace
 
 std::array<int, kElementKinds> count_elements(const Model& model) {
-  const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
-  return {count(model.loads),    count(model.point_springs), count(model.joint_springs), count(model.plane_torsions),
-          count(model.contacts), count(model.one_sided),     count(model.frictions)};
+  std::array<int, kElementKinds> counts{};
+  std::size_t kind = 0;
+  for_each_element_list(model, [&](const auto& list) { counts[kind++] = static_cast<int>(list.size()); });
+  return counts;
 }
 
 Model join_models(std::span<const Model* const> models) { return Joiner(models).join(); }

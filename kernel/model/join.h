@@ -5,12 +5,12 @@
 #include <cstddef>
 #include <span>
 
+#include "kernel/model/elements.h"
 #include "unlatch/model.h"
 
 namespace unlatch {
 
-// Numbers of a model's elements by kind, in the order of their one numbering (Model::element_count()).
-inline constexpr std::size_t kElementKinds = 7;
+// Numbers of a model's elements by kind, in the order of their one numbering.
 std::array<int, kElementKinds> count_elements(const Model& model);
 
 // The lists of the models one after the other, in their order, and their elements kind by kind. Names begin with the

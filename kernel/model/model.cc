@@ -1,6 +1,9 @@
 #include "unlatch/model.h"
 
 #include <algorithm>
+#include <stdexcept>
+
+#include "kernel/model/elements.h"
 
 namespace unlatch {
 
@@ -56,24 +59,21 @@ const char* sensor_unit(Sensor::Kind kind) {
 }
 
 int Model::element_count() const {
-  return static_cast<int>(loads.size() + point_springs.size() + joint_springs.size() + plane_torsions.size() +
-                          contacts.size() + one_sided.size() + frictions.size());
+  std::size_t count = 0;
+  for_each_element_list(*this, [&](const auto& list) { count += list.size(); });
+  return static_cast<int>(count);
 }
 
 const std::string& Model::element_name(int element) const {
-  auto index = static_cast<std::size_t>(element);
-  if (index < loads.size()) return loads[index].name;
-  index -= loads.size();
-  if (index < point_springs.size()) return point_springs[index].name;
-  index -= point_springs.size();
-  if (index < joint_springs.size()) return joint_springs[index].name;
-  index -= joint_springs.size();
-  if (index < plane_torsions.size()) return plane_torsions[index].name;
-  index -= plane_torsions.size();
-  if (index < contacts.size()) return contacts[index].name;
-  index -= contacts.size();
-  if (index < one_sided.size()) return one_sided[index].name;
-  return frictions.at(index - one_sided.size()).name;
+  const std::string* found = nullptr;
+  std::size_t first = 0;
+  const auto index = static_cast<std::size_t>(element);
+  for_each_element_list(*this, [&](const auto& list) {
+    if (index >= first && index < first + list.size()) found = &list[index - first].name;
+    first += list.size();
+  });
+  if (found == nullptr) throw std::out_of_range("element " + std::to_string(element));
+  return *found;
 }
 
 void add_contact_events(Model& model) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <span>
 
+#include "kernel/math/table.h"
 #include "unlatch/elementary.h"
 #include "unlatch/model.h"
 
@@ -34,11 +35,7 @@ inline double calc_table_force(const OneSidedLaw& law, double u) {
   const std::span<const double> at = law.travels, force = law.forces;
   if (u <= at.front()) return force.front();
   if (u >= at.back()) return force.back();
-  std::size_t low = 0, high = at.size() - 1;
-  while (high - low > 1) {
-    const std::size_t middle = (low + high) / 2;
-    (at[middle] <= u ? low : high) = middle;
-  }
+  const std::size_t low = find_piece(at.size(), u, [&](std::size_t i) { return at[i]; }), high = low + 1;
   return force[low] + (force[high] - force[low]) * ((u - at[low]) / (at[high] - at[low]));
 }
 

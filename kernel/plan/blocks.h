@@ -41,7 +41,7 @@ namespace unlatch {
 
 inline constexpr int kEight = 8;  // lanes of a block of bodies
 
-// --- What a body has -------------------------------------------------------------------------------------------------
+// --- Bodies ----------------------------------------------------------------------------------------------------------
 
 // Pose and velocity of a body, their rates, or a weighted sum of rates.
 template <class N>
@@ -80,7 +80,7 @@ struct BodyConstants {
   N mass;            // likewise
 };
 
-// --- What the joint to the parent has --------------------------------------------------------------------------------
+// --- Joints to the parent --------------------------------------------------------------------------------------------
 
 template <class N>
 struct JointBlock {
@@ -107,7 +107,7 @@ struct RotationConstants {
   Vec3T<N> follower_y;  // y of the rotation frame, follower axes
 };
 
-// --- What the solver has ---------------------------------------------------------------------------------------------
+// --- The solver ------------------------------------------------------------------------------------------------------
 
 // Of bodies with something outboard: the block LDLᵀ sums there what the children pass on.
 template <class N>
@@ -221,6 +221,24 @@ enum class BodyKind : std::uint8_t {
 
 // Bodies of the joints that the children of a group are.
 enum class ChildSide : std::uint8_t { kFollower, kBase, kMixed };
+
+// A mode whose rows leave a body's own block to be eliminated through the joint's freedoms: three rows or more, or any
+// in a joint with implicit springs, which act on freedoms. The freedoms are the rows that do not hold: the three
+// point–plane rows and the three rotation rows are each about axes across one another.
+constexpr bool is_by_freedoms(RowSet rows, RowSet compliant) {
+  const RowSet without_one = static_cast<RowSet>(rows & (rows - 1));
+  return (without_one & (without_one - 1)) != 0 || compliant != 0;
+}
+
+// Axes whose place in the follower a mode keeps, bit a for axis a: all of three rotation rows; the free one of two.
+// They measure its orientation.
+constexpr std::uint8_t get_carried_axes(RowSet rows) {
+  const RowSet rotation = rows & kRotationRows;
+  if (rotation == kRotationRows) return 0b111;
+  for (int a = 0; a < 3; ++a)
+    if (rotation == (kRotationRows & ~row_bit(kRotX + a))) return static_cast<std::uint8_t>(1u << a);
+  return 0;
+}
 
 struct alignas(64) Group {
   std::int32_t first;         // of its lanes, in PlanData::lane_nodes and PlanData::lane_parents

@@ -71,10 +71,12 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
 }
 
-void lay_out(const PlanData& plan, Arena& arena, EventSearch& search) {
+void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
+  lay_out(plan, arena, data.kept.evaluation);
+  EventSearch& search = data.search;
   const std::size_t events = plan.events.size();
   for (std::span<double>* guards :
-       {&search.guards_low, &search.guards_high, &search.guards_middle, &search.tolerances, &search.exact})
+       {&search.guards_low, &search.guards_high, &search.guards_middle, &search.tolerances, &data.exact})
     arena.take(*guards, events + plan.contact_pairs.size());
   for (std::span<double>* rates : {&search.rates_low, &search.rates_high})
     arena.take(*rates, plan.contact_pairs.size());
@@ -82,8 +84,8 @@ void lay_out(const PlanData& plan, Arena& arena, EventSearch& search) {
   arena.take(search.stack, static_cast<std::size_t>(plan.guard_depth));
   // An event acts at most once at an instant; a step has at most its splits and its beginning and end as instants.
   const std::size_t instants = static_cast<std::size_t>(plan.options.max_splits) + 2;
-  arena.take(search.fired, events * instants);
-  arena.take(search.audits, (events + plan.contact_pairs.size()) * instants);
+  arena.take(data.events.fired, events * instants);
+  arena.take(data.events.audits, (events + plan.contact_pairs.size()) * instants);
 }
 
 }  // namespace
@@ -96,14 +98,13 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   arena.take(data, 1);
   data_ = new (data.data()) WorkspaceData;
   Evaluation& ev = data_->kept.evaluation;
-  lay_out(plan, arena, ev);
-  lay_out(plan, arena, data_->search);
+  lay_out(plan, arena, *data_);
   arena.take(state, owner.get_state_bytes());
   data_->kept.state = State(owner, state);
 
   for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
   for (double& size : ev.friction_sizes) size = 0;
-  for (double& tolerance : data_->search.exact) tolerance = 0;
+  for (double& tolerance : data_->exact) tolerance = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};
   for (const PlanNonTreeJoint& joint : plan.non_tree_joints)  // of one that never holds nobody else writes them
@@ -118,8 +119,7 @@ std::size_t Plan::get_workspace_bytes() const noexcept {
   std::span<WorkspaceData> data;
   std::span<std::byte> state;
   arena.take(data, 1);
-  lay_out(*data_, arena, scratch.kept.evaluation);
-  lay_out(*data_, arena, scratch.search);
+  lay_out(*data_, arena, scratch);
   arena.take(state, get_state_bytes());
   return arena.get_used();
 }

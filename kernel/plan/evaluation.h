@@ -1,5 +1,6 @@
 // Evaluation: all that follows from a state, its inputs and the time, and can be computed again. WorkspaceData: an
-// evaluation, and the scratch memory of the search for events. Both live in memory that the caller gives.
+// evaluation, the scratch memory of the search for events and the events that acted. Both live in memory that the
+// caller gives.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,7 @@
 
 namespace unlatch {
 
-// A joint at one stage, world axes. The mask `crossed` is a bool for T = double.
+// Type of a mask: a pack is its own, a double has a bool.
 template <class T>
 struct MaskOf {
   using Type = T;
@@ -22,6 +23,7 @@ template <>
 struct MaskOf<double> {
   using Type = bool;
 };
+// A joint at one stage, world axes.
 template <class T>
 struct JointFrameT {
   Vec3T<T> r_base, r_follower;       // from each body's origin to the follower's point, m
@@ -143,6 +145,12 @@ struct FinalEvaluation {
   }
 };
 
+// Of a list per guard, the part of pairs of shapes: it lies behind that of events.
+template <class Number>
+std::span<Number> get_pair_guards(const PlanData& plan, std::span<Number> guards) {
+  return guards.subspan(plan.events.size());
+}
+
 // Scratch of one step: nothing of it outlives the step.
 struct EventSearch {
   // per event, then per pair of shapes of contacts
@@ -150,9 +158,12 @@ struct EventSearch {
   std::span<double> guards_middle;            // at the end of it that was replaced last
   std::span<double> rates_low, rates_high;    // Evaluation::pair_rates at both ends of the sub-step
   std::span<double> tolerances;               // how far below zero a guard may stand beside the one that was located
-  std::span<double> exact;                    // the same where none was located: zeros
   std::span<std::int64_t> acting;             // per event; 1: acts in this round
   std::span<double> stack;                    // evaluates one guard
+};
+
+// Events that acted in a step: until the next one, StepReport has views of them.
+struct EventRecord {
   std::span<FiredEvent> fired;
   std::span<EventAudit> audits;
   std::int32_t fired_count = 0, audit_count = 0;
@@ -162,6 +173,8 @@ struct EventSearch {
 struct WorkspaceData {
   FinalEvaluation kept;
   EventSearch search;
+  EventRecord events;
+  std::span<double> exact;  // per guard, a tolerance of zero; written by the constructor alone
 };
 
 }  // namespace unlatch

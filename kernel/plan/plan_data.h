@@ -220,10 +220,21 @@ struct Knot {
 
 // --- Events and sensors ----------------------------------------------------------------------------------------------
 
-// Guards in postfix order: a condition's parts stand before it.
+// Guards in postfix order: a condition's parts stand before it. Compilation may rewrite `subject` and `axis`:
+//
+//   kind                                                        subject is an index into    axis
+//   kReaction                                                   joints                      row
+//   kDisplacement, kAngle, kSpeed                               PlanData::coordinates       row
+//   kForceSize, kMomentSize                                     joints
+//   kMode                                                       joints                      number of the mode
+//   kBodyRate, kBurnt                                           bodies
+//   kCommand, kSignal                                           channels, signals
+//   kDistance                                                   PlanData::shapes            the other surface, there
+//   too kClosed                                                     PlanData::contacts kOneSidedForce, kEngaged,
+//   kReach, kWound, kBearing          PlanData::one_sided
 struct PlanCondition {
   Condition::Kind kind;
-  std::int32_t subject, axis, part_count;  // subject: of one that reads a coordinate, into PlanData::coordinates
+  std::int32_t subject, axis, part_count;
   double threshold;
   bool below;
   std::int32_t first_mode;  // of a reaction: of its joint in PlanData::modes
@@ -258,11 +269,15 @@ struct GravityField {
   Vec3 centre{};
 };
 
+// Part of a step: times nearer than this are one instant.
+inline constexpr double kSameInstant = 1e-9;
+
 struct PlanData {
   PlanOptions options;
   InstructionSet instruction_set = InstructionSet::kScalar;  // chosen for this processor
   std::uint64_t hash = 0;  // of the model and its options: two plans with one hash step alike
   double get_time(std::int64_t tick) const { return static_cast<double>(tick) * options.dt; }  // s
+  double get_slack() const { return kSameInstant * options.dt; }  // s: times nearer than this are one instant
 
   // tree
   std::vector<TreeNode> nodes;
@@ -330,7 +345,7 @@ struct PlanData {
   std::vector<CordDrum> drums;  // of cords, in the model's order
   std::vector<double> travels, travel_forces;
   std::vector<PlanFriction> frictions;
-  bool pair_forces = false;  // some element pushes two bodies apart: springs, contacts, one-sided forces, friction
+  bool pair_forces = false;  // some element pushes two bodies apart: has_pair_forces() in compile_plan.cc lists them
   std::vector<PlanProfile> profiles;
   std::vector<Knot> knots;
   std::vector<Profile::Harmonic> harmonics;

@@ -9,30 +9,32 @@
 namespace unlatch {
 namespace {
 
-// Takes `count` objects of type T from the front of the memory.
-template <class T>
-std::span<T> take(std::byte*& cursor, std::size_t count) noexcept {
-  T* first = reinterpret_cast<T*>(cursor);
-  cursor += count * sizeof(T);
-  return {first, count};
+// Lists of the state in their order, at the beginning of `memory`; without a memory only counts. Returns the bytes.
+std::size_t lay_out(const PlanData& plan, std::byte* memory, State& state) noexcept {
+  std::size_t used = 0;
+  const auto take = [&]<class T>(std::span<T>& list, std::size_t count) {
+    if (memory != nullptr) list = {reinterpret_cast<T*>(memory + used), count};
+    used += count * sizeof(T);
+  };
+  std::span<StateHeader> header;
+  take(header, 1);
+  state.header = header.data();
+  take(state.bodies, plan.bodies.size());
+  take(state.joints, plan.joints.size());
+  take(state.elements, plan.element_scales.size());
+  take(state.events, plan.events.size());
+  take(state.signals, static_cast<std::size_t>(plan.signal_count));
+  take(state.auxiliary, plan.initial_auxiliary.size());
+  take(state.contacts, plan.contact_pairs.size());
+  take(state.engaged, plan.one_sided.size());
+  take(state.bearings, plan.drums.size());
+  return used;
 }
 
 }  // namespace
 
 State::State(const Plan& owner, std::span<std::byte> memory) noexcept {
-  const PlanData& plan = owner.data();
-  std::byte* cursor = memory.data();
-  header = take<StateHeader>(cursor, 1).data();
-  bodies = take<BodyState>(cursor, plan.bodies.size());
-  joints = take<JointState>(cursor, plan.joints.size());
-  elements = take<ElementState>(cursor, plan.element_scales.size());
-  events = take<EventState>(cursor, plan.events.size());
-  signals = take<double>(cursor, static_cast<std::size_t>(plan.signal_count));
-  auxiliary = take<double>(cursor, plan.initial_auxiliary.size());
-  contacts = take<ContactState>(cursor, plan.contact_pairs.size());
-  engaged = take<std::int64_t>(cursor, plan.one_sided.size());
-  bearings = take<double>(cursor, plan.drums.size());
-  bytes_ = memory.first(static_cast<std::size_t>(cursor - memory.data()));
+  bytes_ = memory.first(lay_out(owner.data(), memory.data(), *this));
 }
 
 const PlanOptions& Plan::get_options() const noexcept { return data_->options; }
@@ -42,12 +44,8 @@ std::size_t Plan::get_sensor_count() const noexcept { return at(data_->sensor_co
 std::uint64_t Plan::get_hash() const noexcept { return data_->hash; }
 
 std::size_t Plan::get_state_bytes() const noexcept {
-  const PlanData& plan = *data_;
-  return sizeof(StateHeader) + plan.bodies.size() * sizeof(BodyState) + plan.joints.size() * sizeof(JointState) +
-         plan.element_scales.size() * sizeof(ElementState) + plan.events.size() * sizeof(EventState) +
-         (static_cast<std::size_t>(plan.signal_count) + plan.initial_auxiliary.size()) * sizeof(double) +
-         plan.contact_pairs.size() * sizeof(ContactState) + plan.one_sided.size() * sizeof(std::int64_t) +
-         plan.drums.size() * sizeof(double);
+  State counted;
+  return lay_out(*data_, nullptr, counted);
 }
 
 void init_state(const Plan& owner, State& state) noexcept {

@@ -46,7 +46,7 @@ UNLATCH_INLINE T calc_plain_atan2(const T& y, const T& x, const T& larger, const
 // Turns: at each place the sine and cosine of an angle times any number, and in the sine's place the angle. `count` is
 // rounded up to a multiple of 8.
 template <int kWidest>
-void calc_angles(double* sines, const double* cosines, std::size_t count) {
+void update_angles(double* sines, const double* cosines, std::size_t count) {
   using T = Pack<kWidest>;
   const T sign(-0.0);
   constexpr std::size_t kWidth = T::kWidth;

@@ -55,12 +55,20 @@ UNLATCH_INLINE void add_four_siblings(const GroupView<Pack<4>, 4>& v, const Pass
   begin(23, Four{force.z.v, torque.x.v, torque.y.v, torque.z.v});
 }
 
+// Of a group with one parent (ParentLink::kSiblings): it takes this path. The plan lets it begin its parent's block
+// where it is four wide, has all of the siblings, and is the first to add to a parent that is alone in its group
+// (find_beginnings() in kernel/compile/layout.cc).
+template <int kWidest>
+UNLATCH_INLINE bool sums_in_registers(const Group& siblings) {
+  return kWidest >= 4 && siblings.begins != kNone;
+}
+
 // To the parents, by the path that fits. `at_parent`: at the parent's origin, see move().
 template <bool kFactor, class T, int kWidth>
 UNLATCH_INLINE void pass_to_parents(const GroupView<T, kWidth>& v, const Passed<T>& at_parent, Source source,
                                     SiblingSums& sums) {
   if constexpr (kWidth == 4 && T::kWidth == 4)
-    if (v.group.link == ParentLink::kSiblings && v.group.begins != kNone)
+    if (v.group.link == ParentLink::kSiblings && sums_in_registers<4>(v.group))
       return add_four_siblings<kFactor>(v, at_parent, source);
   add_to_parents<kFactor>(v, at_parent, source, sums);
 }

@@ -51,7 +51,7 @@ UNLATCH_INLINE SpatialT<T> spread(const Spatial& a) {
   return {spread<T>(a.lin), spread<T>(a.ang)};
 }
 
-// Lower triangle of a matrix, row by row, += scale x yᵀ. What is right of the diagonal is lost.
+// Lower triangle of a matrix, row by row, += scale x yᵀ. Numbers right of the diagonal are lost.
 template <class T>
 UNLATCH_INLINE void add_outer(double* matrix, std::int32_t stride, int first, int count, double scale, const double* x,
                               const double* y) {
@@ -267,7 +267,7 @@ class LoopPass {
 
 // Λ of the present rows.
 template <int kWidest>
-void calc_loop_matrix(const PlanData& plan, Evaluation& ev) {
+void update_loop_matrix(const PlanData& plan, Evaluation& ev) {
   LoopPass<Pack<kWidest>>(plan, ev).run();
 }
 

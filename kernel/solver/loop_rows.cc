@@ -64,7 +64,7 @@ double calc_free_mobility(const PlanData& plan, const Evaluation& ev, const Loop
 
 }  // namespace
 
-void build_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
+void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
   ev.loop_count = ev.loop_redundant = 0;
   for (std::size_t l = 0; l < plan.loops.size(); ++l) {
     const std::int32_t joint = plan.loops[l];

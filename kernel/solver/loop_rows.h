@@ -5,7 +5,8 @@
 // A second solve has the rows' wrenches among its loads, so that the multipliers of the tree's joints come out with it.
 //
 // Rows that follow from the others (a planar four-bar in space, a Bricard linkage) show as vanishing pivots of Λ, which
-// takes the most independent first; they are left out, get no multiplier, and are counted.
+// takes the most independent first; they are left out here, with a multiplier of 0, and counted.
+// split_redundant_rows() gives them their part of the reactions (redundant_rows.h).
 #pragma once
 
 #include <limits>
@@ -27,7 +28,7 @@ inline LowerTriangle get_loop_matrix(const PlanData& plan, const Evaluation& ev)
 inline const LoopRow& get_pivot_row(const Evaluation& ev, int r) { return ev.loop_rows[at(ev.loop_rows[at(r)].pivot)]; }
 
 // The rows that hold in the present modes, with their unit wrenches; needs the joints' frames.
-void build_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
 // Takes every row for independent so far, and keeps its diagonal entry of Λ.
 void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept;

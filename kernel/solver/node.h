@@ -8,7 +8,7 @@
 namespace unlatch::UNLATCH_ISA {
 
 // A pivot this small beside what it was before the joint's other freedoms were eliminated is rounding noise.
-inline constexpr double kSingular = 1e-13;
+inline constexpr double kVanishing = 1e-13;
 
 // Direction of freedom r at the child's origin, by its kind. Hands it to use(direction).
 template <class V, class Use, class T = typename V::T>
@@ -62,7 +62,7 @@ template <class T>
 UNLATCH_INLINE Factor3T<T> factor3(const Sym3T<T>& s, const Sym3T<T>& whole, T& bad) {
   const T minor = s.xx * s.yy - s.xy * s.xy, e = s.xx * s.yz - s.xy * s.xz, last = s.xx * s.zz - s.xz * s.xz;
   const T scale = s.xx * minor, rest = last * minor - e * e;
-  const T tiny(kSingular), i0 = T(1) / s.xx, by_minor = T(1) / minor;
+  const T tiny(kVanishing), i0 = T(1) / s.xx, by_minor = T(1) / minor;
   // The least of what is left over; the last of them is no number if one of the others is not.
   const T first = s.xx - tiny * whole.xx, second = minor - tiny * (s.xx * whole.yy),
           third = rest - tiny * (scale * whole.zz);
@@ -158,7 +158,7 @@ struct Node<T, false> {
   }
   template <class S>
   UNLATCH_INLINE T is_pivot(const T& pivot, const S& s) const {
-    return pivot > T(kSingular) * calc_pivot_scale(A, s);
+    return pivot > T(kVanishing) * calc_pivot_scale(A, s);
   }
 };
 

@@ -96,7 +96,7 @@ class Split {
   void resolve(int ring_joint, const Spatial* on_child, int first_row, int end_row) const {
     const std::int32_t joint = plan_.ring_joints[at(ring_joint)];
     const JointView view(plan_, ev_, joint);
-    const bool follows = view.get_plan().child == view.get_plan().follower;
+    const bool follows = view.get_joint().child == view.get_joint().follower;
     const Vec3 arm = view.get_arm(follows);
     const RowSet rows = get_active_rows(plan_, state_, joint);
     int column = ev_.split.ring_columns[at(ring_joint)];

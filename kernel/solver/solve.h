@@ -12,13 +12,18 @@ namespace unlatch::UNLATCH_ISA {
 template <int kWidest>
 [[gnu::noinline]] void solve_loops(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
   const bool holds = ev.loop_count > 0;
-  sweep_forth<kWidest>(plan, ev, {sweep.source, sweep.biased, sweep.multipliers && !holds, sweep.gamma_h});
+  sweep_forth<kWidest>(plan, ev,
+                       {.source = sweep.source,
+                        .biased = sweep.biased,
+                        .multipliers = sweep.multipliers && !holds,
+                        .gamma_h = sweep.gamma_h});
   clear_loop_multipliers(plan, ev);
   if (!holds) return;
   solve_loop_rows(plan, ev, sweep.biased);
   store_loop_multipliers(ev);
   add_loop_forces(plan, ev, sweep.source);
-  const Sweep whole{Source::kForces, sweep.biased, sweep.multipliers, sweep.gamma_h};
+  Sweep whole = sweep;
+  whole.source = Source::kForces;
   (void)sweep_back<kWidest, false>(plan, ev, whole);
   sweep_forth<kWidest>(plan, ev, whole);
 }
@@ -40,8 +45,8 @@ template <int kWidest>
 int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep, std::int32_t most) {
   if (const int node = sweep_back<kWidest, true>(plan, ev, sweep); node != kNone) return node;
   if (!plan.loops.empty()) {
-    build_loop_rows(plan, state, ev);
-    if (ev.loop_count > 0) calc_loop_matrix<kWidest>(plan, ev);
+    update_loop_rows(plan, state, ev);
+    if (ev.loop_count > 0) update_loop_matrix<kWidest>(plan, ev);
     factor_loop_matrix<kWidest>(plan, ev, most);
   }
   finish_solution<kWidest>(plan, ev, sweep);

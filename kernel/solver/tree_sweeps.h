@@ -151,7 +151,7 @@ UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep&
                           : eliminate_group<false, kFactor, T, kWidth>(plan, ev, sweep, g, sums);
     });
     if (kFactor && node != kNone) return node;
-    if (group.siblings_end && (kWidest < 4 || group.begins == kNone))
+    if (group.siblings_end && !sums_in_registers<kWidest>(group))
       close_siblings<kWidest, kFactor>(plan, ev, group, sweep.source, sums);
   }
   return kNone;

@@ -1,4 +1,4 @@
-// What of a bundle allocates.
+// The part of bundles that allocates.
 #include <algorithm>
 #include <new>
 #include <utility>

@@ -84,7 +84,8 @@ class SideBySide {
  private:
   Instant get_instant(double t) const { return {plan_, inputs_, state_, t}; }
 
-  // The joined state and its evaluation at the beginning, with the commands. False if it cannot be evaluated.
+  // The joined state and its evaluation at the beginning, with the commands, as begin_step() in step.cc. False if it
+  // cannot be evaluated.
   bool begin() {
     bool differs = !kept_.valid, any = false;
     kept_.valid = false;
@@ -123,18 +124,19 @@ class SideBySide {
     const BundleMember& member = data_.members[m];
     const State& own = *runs_[m].state;
     return {all.subspan(at(member.event), own.events.size()),
-            all.subspan(plan_.events.size() + at(member.pair), own.contacts.size())};
+            get_pair_guards(plan_, all).subspan(at(member.pair), own.contacts.size())};
   }
   std::span<const EventState> get_events(std::size_t m) const {
     return state_.events.subspan(at(data_.members[m].event), runs_[m].state->events.size());
   }
 
-  // No event is due at the beginning of the step, none that waits becomes due in it, and no contact is closed.
+  // No event is due at the beginning of the step, as is_due() in events.cc has it; none that waits becomes due in it;
+  // no contact is closed.
   bool begins_quietly(std::size_t m) const {
     const PlanData& own = runs_[m].plan->data();
     const Guards guards = get_guards(m, ev_.guards);
     const std::span<const EventState> events = get_events(m);
-    const double slack = kSameInstant * plan_.options.dt;
+    const double slack = plan_.get_slack();
     for (std::size_t e = 0; e < events.size(); ++e) {
       if (events[e].phase == EventPhase::kPending && events[e].due <= end_ + slack) return false;
       if (events[e].phase == EventPhase::kArmed && guards.events[e] >= -(own.events[e].by_time ? slack : 0.0))
@@ -164,10 +166,10 @@ class SideBySide {
     return kept_.valid = is_finite(state_, ev_.sensors);
   }
 
-  // No guard crosses zero, and no pair of shapes can have touched in between.
+  // No guard crosses zero, as crosses() in event_search.cc has it, and no pair of shapes can have touched in between.
   bool passes_quietly(std::size_t m) const {
     const PlanData& own = runs_[m].plan->data();
-    const double slack = kSameInstant * plan_.options.dt;
+    const double slack = plan_.get_slack();
     const Guards low = get_guards(m, search_.guards_low), high = get_guards(m, ev_.guards);
     const std::span<const EventState> events = get_events(m);
     for (std::size_t e = 0; e < events.size(); ++e)
@@ -210,7 +212,7 @@ class SideBySide {
     std::copy_n(ev_.sensors.begin() + member.sensor, to.size(), to.begin());
   }
 
-  // The knots at the beginning of the step. What leaves later writes its own.
+  // The knots at the beginning of the step. A run that leaves later writes its own.
   void log_beginning() {
     if (std::none_of(runs_.begin(), runs_.end(), [](const BundleRun& run) { return run.log != nullptr; })) return;
     update_sensors(plan_, state_, ev_);

@@ -1,5 +1,5 @@
-// Estimates by which step.cc locates events within a sub-step: where a guard crosses zero, and how high one rises that
-// stands below zero at both ends. Times from the beginning of the sub-step, s.
+// Estimates by which event_search.cc locates events within a sub-step: where a guard crosses zero, and how high one
+// rises that stands below zero at both ends. Times from the beginning of the sub-step, s.
 #pragma once
 
 #include <cmath>
@@ -52,7 +52,7 @@ inline double calc_meeting(const Flank& left, const Flank& right) {
   return ((right.value - left.value) - right.rate * h) / (left.rate - right.rate);
 }
 
-// Upper bound between the two of a function that is nowhere convex: it stays below its tangents.
+// Upper bound between the two of a concave function: it stays below its tangents.
 inline double calc_bound(const Flank& left, const Flank& right) {
   return left.value + left.rate * calc_meeting(left, right);
 }

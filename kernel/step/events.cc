@@ -18,7 +18,7 @@ namespace {
 
 bool is_due(const PlanData& plan, std::size_t e, double now, const State& state, const Evaluation& ev,
             std::span<const double> tolerances) {
-  const double slack = kSameInstant * plan.options.dt;
+  const double slack = plan.get_slack();
   const EventState& event = state.events[e];
   if (event.phase == EventPhase::kPending) return event.due <= now + slack;
   if (event.phase != EventPhase::kArmed) return false;
@@ -42,14 +42,14 @@ bool is_any_due(const PlanData& plan, double now, const State& state, const Eval
 int change_pairs(const PlanData& plan, State& state, const Evaluation& ev, std::span<const double> tolerances) {
   constexpr double kApart = 1e-12;  // m
   int count = 0;
+  const std::span<const double> guards = get_pair_guards(plan, ev.guards), below = get_pair_guards(plan, tolerances);
   for (std::size_t i = 0; i < state.contacts.size(); ++i) {
-    const std::size_t e = plan.events.size() + i;
-    if (!(ev.guards[e] >= -tolerances[e])) continue;
+    if (!(guards[i] >= -below[i])) continue;
     ContactState& pair = state.contacts[i];
     if (pair.closed != 0)
-      pair = {0, std::min(0.0, (pair.edge + ev.guards[e]) - kApart)};
+      pair = {0, std::min(0.0, (pair.edge + guards[i]) - kApart)};
     else
-      pair = {1, std::max(0.0, (pair.edge - ev.guards[e]) + kApart)};
+      pair = {1, std::max(0.0, (pair.edge - guards[i]) + kApart)};
     ++count;
   }
   return count;
@@ -97,10 +97,15 @@ RowSet apply(const PlanData& plan, const Action& action, double now, State& stat
 }
 
 // One round: pairs of shapes close and open; marks the events that are due, then lets them act. Returns how many acted.
-int act_once(const PlanData& plan, double now, std::span<const double> tolerances, State& state, const Evaluation& ev,
-             EventSearch& search, RowSet& added) {
+// `added`: rows that the actions add.
+int act_once(Run& run, double now, std::span<const double> tolerances, RowSet& added) {
+  const PlanData& plan = run.plan;
+  State& state = run.state();
+  const Evaluation& ev = run.ev();
+  EventSearch& search = run.search();
+  EventRecord& events = run.events();
   const int changes = change_pairs(plan, state, ev, tolerances);
-  search.change_count += changes;
+  events.change_count += changes;
   int count = changes;
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
     search.acting[e] = 0;
@@ -116,8 +121,8 @@ int act_once(const PlanData& plan, double now, std::span<const double> tolerance
   for (std::size_t e = 0; e < plan.events.size(); ++e) {
     if (search.acting[e] == 0) continue;
     ++count;
-    if (at(search.fired_count) < search.fired.size())
-      search.fired[at(search.fired_count++)] = {static_cast<std::int32_t>(e), now};
+    if (at(events.fired_count) < events.fired.size())
+      events.fired[at(events.fired_count++)] = {static_cast<std::int32_t>(e), now};
     for (int i = 0; i < plan.events[e].action_count; ++i)
       added |= apply(plan, plan.actions[at(plan.events[e].first_action + i)], now, state, ev);
   }
@@ -126,6 +131,57 @@ int act_once(const PlanData& plan, double now, std::span<const double> tolerance
 
 Balance difference(const Balance& a, const Balance& b) {
   return {a.momentum - b.momentum, a.angular_momentum - b.angular_momentum, a.kinetic - b.kinetic};
+}
+
+// The impulse that closes rows which were added, and the impulses of actions if the round has `struck`. `allowed`: the
+// change that they may make. False if a pivot vanished.
+bool strike(Run& run, bool struck, Balance& allowed) {
+  const PlanData& plan = run.plan;
+  Evaluation& ev = run.ev();
+  Balance strikes{{0, 0, 0}, {0, 0, 0}, 0};
+  if (struck) {
+    strikes = calc_impulses(plan, run.inputs, run.search().acting, ev);
+    set_impulses(plan, run.inputs, run.search().acting, ev);
+  }
+  const Source source = struck ? Source::kForces : Source::kNothing;
+  if (run.node = apply_impulse(plan, source, run.state(), ev); run.node != kNone) return false;
+  allowed = calc_allowed_change(plan, run.state(), ev);
+  update_velocities(plan, ev);  // w_W of markers; that of other bodies is there
+  if (!struck) return true;
+  allowed.momentum += strikes.momentum;
+  allowed.angular_momentum += strikes.angular_momentum;
+  allowed.kinetic += strikes.kinetic + calc_impulses(plan, run.inputs, run.search().acting, ev).kinetic;
+  return true;
+}
+
+// Rounds at one instant, of which the first has something due. Out of line: most instants have nothing.
+[[gnu::noinline]] StepStatus act_in_rounds(Run& run, double now, std::span<const double> tolerances) {
+  const PlanData& plan = run.plan;
+  const State& state = run.state();
+  Evaluation& ev = run.ev();
+  EventRecord& events = run.events();
+  // Every event acts or becomes pending at most once, and a pair of shapes changes for itself, or because its contact
+  // was switched: at most twice as many rounds as events and pairs.
+  for (std::size_t round = 0; round <= 2 * ev.guards.size(); ++round) {
+    if (round > 0 && !is_any_due(plan, now, state, ev, tolerances)) return StepStatus::kOk;
+    const Balance before = calc_balance(plan, state, ev);
+    const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
+    RowSet added = 0;
+    if (act_once(run, now, tolerances, added) == 0) return StepStatus::kOk;
+    load_modes(plan, state, ev);
+    Balance allowed{{0, 0, 0}, {0, 0, 0}, 0};
+    const bool struck = has_impulses(plan, run.search().acting);
+    if ((added != 0 || struck) && !strike(run, struck, allowed)) return StepStatus::kSingular;
+    const Balance jump = difference(calc_balance(plan, state, ev), before);
+    const Instant instant = run.get_instant(now);
+    if (run.node = evaluate(instant, Changed::kModes, ev); run.node != kNone) return StepStatus::kSingular;
+    if (at(events.audit_count) < events.audits.size())
+      events.audits[at(events.audit_count++)] = {
+          now, before, jump, allowed, flow_before, calc_energy_flow(plan, state, now, ev, {0, 0, 0})};
+    tolerances = run.data.exact;
+    update_guards(instant, ev, run.search().stack);
+  }
+  return StepStatus::kTooManyEvents;
 }
 
 // A repeating event is armed once its guard is negative. One that decides an engagement waits until the other has
@@ -142,7 +198,7 @@ bool may_arm(const PlanData& plan, const State& state, const Evaluation& ev, std
 }  // namespace
 
 double calc_next_due(const PlanData& plan, const State& state, double now) noexcept {
-  const double slack = kSameInstant * plan.options.dt;
+  const double slack = plan.get_slack();
   double next = HUGE_VAL;
   for (const std::int32_t e : plan.timed_events) {
     const PlanEvent& event = plan.events[at(e)];
@@ -156,54 +212,16 @@ double calc_next_due(const PlanData& plan, const State& state, double now) noexc
   return next;
 }
 
-StepStatus act(const PlanData& plan, const Inputs& inputs, double now, std::span<const double> tolerances, State& state,
-               Evaluation& ev, EventSearch& search, int& node) noexcept {
-  // Every event acts or becomes pending at most once, and a pair of shapes changes for itself, or because its contact
-  // was switched: at most twice as many rounds as events and pairs.
-  for (std::size_t round = 0; round <= 2 * ev.guards.size(); ++round) {
-    if (!is_any_due(plan, now, state, ev, tolerances)) return StepStatus::kOk;
-    const Balance before = calc_balance(plan, state, ev);
-    const EnergyFlow flow_before = calc_energy_flow(plan, state, now, ev, {0, 0, 0});
-    RowSet added = 0;
-    const int count = act_once(plan, now, tolerances, state, ev, search, added);
-    if (count == 0) return StepStatus::kOk;
-
-    Balance allowed{{0, 0, 0}, {0, 0, 0}, 0};
-    load_modes(plan, state, ev);
-    const bool struck = has_impulses(plan, search.acting);
-    if (added != 0 || struck) {
-      Balance strikes{{0, 0, 0}, {0, 0, 0}, 0};
-      if (struck) {
-        strikes = calc_impulses(plan, inputs, search.acting, ev);
-        set_impulses(plan, inputs, search.acting, ev);
-      }
-      const Source source = struck ? Source::kForces : Source::kNothing;
-      if (node = apply_impulse(plan, source, state, ev); node != kNone) return StepStatus::kSingular;
-      allowed = calc_allowed_change(plan, state, ev);
-      update_velocities(plan, ev);
-      if (struck) {
-        allowed.momentum += strikes.momentum;
-        allowed.angular_momentum += strikes.angular_momentum;
-        allowed.kinetic += strikes.kinetic + calc_impulses(plan, inputs, search.acting, ev).kinetic;
-      }
-    }
-    const Balance jump = difference(calc_balance(plan, state, ev), before);
-    const Instant instant{plan, inputs, state, now};
-    if (node = evaluate(instant, Changed::kModes, ev); node != kNone) return StepStatus::kSingular;
-    if (at(search.audit_count) < search.audits.size())
-      search.audits[at(search.audit_count++)] = {
-          now, before, jump, allowed, flow_before, calc_energy_flow(plan, state, now, ev, {0, 0, 0})};
-    tolerances = search.exact;
-    update_guards(instant, ev, search.stack);
-  }
-  return StepStatus::kTooManyEvents;
+StepStatus act(Run& run, double now, std::span<const double> tolerances) noexcept {
+  return is_any_due(run.plan, now, run.state(), run.ev(), tolerances) ? act_in_rounds(run, now, tolerances)
+                                                                      : StepStatus::kOk;
 }
 
 void rearm(const PlanData& plan, State& state, Evaluation& ev) noexcept {
   for (const std::int32_t e : plan.repeating_events)
     if (state.events[at(e)].phase == EventPhase::kSpent && may_arm(plan, state, ev, e))
       state.events[at(e)].phase = EventPhase::kArmed;
-  double* guards = ev.guards.data() + plan.events.size();
+  const std::span<double> guards = get_pair_guards(plan, ev.guards);
   for (std::size_t i = 0; i < state.contacts.size(); ++i) {
     ContactState& pair = state.contacts[i];
     const double distance = ev.pair_distances[i];

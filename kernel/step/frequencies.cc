@@ -19,15 +19,15 @@ struct Effort {
   Spatial on_base, on_follower;
 };
 
-Effort push_apart(const BodyFrame& base, const BodyFrame& follower, int b, int f, const Vec3& r_base,
-                  const Vec3& r_follower) {
+Effort calc_push(const BodyFrame& base, const BodyFrame& follower, int b, int f, const Vec3& r_base,
+                 const Vec3& r_follower) {
   const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
   const double length = norm(line);
   const Vec3 e = length > 0 ? (1.0 / length) * line : Vec3{1, 0, 0};
   return {b, f, {-e, -cross(r_base, e)}, {e, cross(r_follower, e)}};
 }
 
-Effort turn_apart(int base, int follower, const Vec3& axis) {
+Effort calc_turn(int base, int follower, const Vec3& axis) {
   return {base, follower, {{0, 0, 0}, -axis}, {{0, 0, 0}, axis}};
 }
 
@@ -37,7 +37,7 @@ double calc_mobility(const PlanData& plan, const Effort& effort, Evaluation& ev)
   for (const Place& place : plan.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
   if (effort.base != kGround) write(blocks, ev.places[at(effort.base)], &SharedLane::force, effort.on_base);
   write(blocks, ev.places[at(effort.follower)], &SharedLane::force, effort.on_follower);
-  get_kernels(plan).solve(plan, ev, {Source::kForces, false, false, 0});
+  get_kernels(plan).solve(plan, ev, {.biased = false, .multipliers = false});
   double sum = dot(effort.on_follower, ev.get_acceleration(effort.follower));
   if (effort.base != kGround) sum += dot(effort.on_base, ev.get_acceleration(effort.base));
   return sum > 0 ? sum : 0;
@@ -45,7 +45,7 @@ double calc_mobility(const PlanData& plan, const Effort& effort, Evaluation& ev)
 
 Effort calc_effort(const Evaluation& ev, const PlanPointSpring& s) {
   const BodyFrame base = get_body_frame(ev, s.base), follower = get_body_frame(ev, s.follower);
-  return push_apart(base, follower, s.base, s.follower, base.R * s.point_base, follower.R * s.point_follower);
+  return calc_push(base, follower, s.base, s.follower, base.R * s.point_base, follower.R * s.point_follower);
 }
 
 // Of a spring or friction in a joint.
@@ -53,7 +53,7 @@ template <class InJoint>
 Effort calc_joint_effort(const PlanData& plan, const State& state, const Evaluation& ev, const InJoint& s) {
   const PlanJoint& joint = plan.joints[at(s.joint)];
   const JointFrame f = get_joint_frame(plan, state, ev, s.joint);
-  if (s.axis >= kRotX) return turn_apart(joint.base, joint.follower, column(f.m, s.axis - kRotX));
+  if (s.axis >= kRotX) return calc_turn(joint.base, joint.follower, column(f.m, s.axis - kRotX));
   const Vec3& n = column(f.n, s.axis);
   return {joint.base, joint.follower, {-n, -cross(f.r_base, n)}, {n, cross(f.r_follower, n)}};
 }
@@ -61,7 +61,7 @@ Effort calc_joint_effort(const PlanData& plan, const State& state, const Evaluat
 Effort calc_effort(const PlanData& plan, const State& state, const Evaluation& ev, const PlanOneSided& s) {
   const OneSidedMotion m = calc_motion(plan, state, ev, s);
   const Vec3 e = norm(m.direction) > 0 ? m.direction : Vec3{1, 0, 0};
-  if (s.joint != kNone && s.axis >= kRotX) return turn_apart(s.base, s.follower, e);
+  if (s.joint != kNone && s.axis >= kRotX) return calc_turn(s.base, s.follower, e);
   return {s.base, s.follower, {-e, -cross(m.r_base, e)}, {e, cross(m.r_follower, e)}};
 }
 
@@ -69,7 +69,7 @@ Effort calc_effort(const Evaluation& ev, const PlanPlaneTorsion& s) {
   const Vec3 across =
       cross(get_body_frame(ev, s.base).R * s.normal_base, get_body_frame(ev, s.follower).R * s.axis_follower);
   const double size = norm(across);
-  return turn_apart(s.base, s.follower, size > 0 ? (1.0 / size) * across : Vec3{1, 0, 0});
+  return calc_turn(s.base, s.follower, size > 0 ? (1.0 / size) * across : Vec3{1, 0, 0});
 }
 
 // An evaluation of `state` that mobilities can be computed with; null if a pivot vanishes.
@@ -80,7 +80,7 @@ Evaluation* factor(const PlanData& plan, const State& state, Workspace& workspac
   load_state(plan, state, ev);
   update_kinematics(plan, ev);
   update_joints(plan, state, RowTarget::kVelocity, ev);
-  const Sweep nothing{Source::kNothing, false, false, 0};
+  const Sweep nothing{.source = Source::kNothing, .biased = false, .multipliers = false};
   if (get_kernels(plan).factor_and_solve(plan, state, ev, nothing, kAllRows) != kNone) return nullptr;
   clear_modal_forces(plan, ev);
   return &ev;

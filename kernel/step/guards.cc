@@ -15,16 +15,10 @@ namespace {
 // real-valued parts as they are, which the search for the crossing needs.
 constexpr double kYes = 1e100, kNo = -1e100;
 
-// What few guards read is kept out of line, so that the frequent ones need few registers.
+// Readings of rare guards stay out of line, so that the frequent ones need few registers.
 
-// Size of the multipliers of three rows of a joint; those of rows that do not hold are 0.
 [[gnu::noinline]] double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
-  double square = 0;
-  for (std::size_t r = first; r < first + 3; ++r) {
-    const double lambda = ev.multipliers.get(joint, r);
-    square += lambda * lambda;
-  }
-  return std::sqrt(square);
+  return calc_reaction_size(ev, static_cast<int>(joint), static_cast<int>(first));
 }
 
 // ≥ 0 where it is to be engaged; `below`: > 0 where it is to be so no longer.
@@ -44,6 +38,7 @@ constexpr double kYes = 1e100, kNo = -1e100;
   return calc_motion(now.plan, now.state, ev, now.plan.one_sided[number]).path;
 }
 
+// A condition without parts; `subject` and `axis` are those of PlanCondition's table.
 UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
   const PlanData& plan = now.plan;
   const State& state = now.state;
@@ -146,7 +141,7 @@ double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> s
 // Touch of open pairs, lift of closed ones; a contact that is off is apart.
 void update_pair_guards(const Instant& now, Evaluation& ev) {
   update_open_pairs(now, ev);
-  double* guards = ev.guards.data() + now.plan.events.size();
+  const std::span<double> guards = get_pair_guards(now.plan, ev.guards);
   for (std::size_t i = 0; i < ev.pair_distances.size(); ++i) {
     const ContactState& pair = now.state.contacts[i];
     const std::int32_t element = now.plan.contacts[at(now.plan.contact_pairs[i].contact)].element;

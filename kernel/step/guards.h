@@ -8,8 +8,9 @@
 
 namespace unlatch {
 
-// ev.guards of every armed event, negative for the others; and of pairs of shapes, that touch or part at zero. Needs
-// the evaluation of this instant. `stack`: as long as PlanData::guard_depth.
+// ev.guards: real values for armed events and repeating ones, a large negative number for the others; behind them those
+// of pairs of shapes, which touch or part at zero. Needs the evaluation of this instant. `stack`: as long as
+// PlanData::guard_depth.
 void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept;
 
 }  // namespace unlatch

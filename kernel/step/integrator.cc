@@ -16,7 +16,7 @@
 namespace unlatch {
 namespace {
 
-constexpr Sweep kCorrection{Source::kNothing, true, false, 0};
+constexpr Sweep kCorrection{.source = Source::kNothing, .multipliers = false};
 
 // Kernels that move bodies leave the kinematics of rigid ones, whose masses are constant.
 void complete_kinematics(const PlanData& plan, double t, Evaluation& ev) {
@@ -73,7 +73,7 @@ int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, E
   complete_kinematics(now.plan, now.t, ev);
   if (loads == Loads::kUpdate) update_loads(now, ev);
   update_joints(now.plan, now.state, RowTarget::kAcceleration, ev);
-  return solve_dynamics(now, {Source::kForces, true, false, now.implicit.gamma_h}, start.independent_rows, ev);
+  return solve_dynamics(now, {.multipliers = false, .gamma_h = now.implicit.gamma_h}, start.independent_rows, ev);
 }
 
 // The end of a sub-step, on its rows: one position and one velocity projection, with one factorisation.
@@ -87,6 +87,8 @@ int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   kernels.add_displacements(plan, ev);
   if (!plan.rigid) add_modal_displacements(plan, ev);
 
+  // The velocities take the new frames, but the factor of the old ones, which differs by the displacement: of the
+  // velocity residual a part as small as the drift of one sub-step is left.
   if (!plan.rigid) update_kinematics(plan, ev);
   update_joints(plan, end.state, RowTarget::kVelocity, ev);
   kernels.solve(plan, ev, kCorrection);
@@ -161,7 +163,7 @@ void update_coordinates(const PlanData& plan, const State& state, CoordinateSet 
   if (set == CoordinateSet::kDriven && plan.driven_coordinates == 0) return;
   const std::size_t rotations = measure_coordinates(plan, state, set, ev);
   if (rotations == 0) return;
-  get_kernels(plan).calc_angles(ev.rotation_sines.data(), ev.rotation_cosines.data(), rotations);
+  get_kernels(plan).update_angles(ev.rotation_sines.data(), ev.rotation_cosines.data(), rotations);
   unwind_angles(plan, state, set, ev);
 }
 
@@ -214,7 +216,7 @@ int integrate(const Instant& now, const SubstepStart& start, double end, Evaluat
 int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept {
   const Kernels& kernels = get_kernels(plan);
   update_joints(plan, state, RowTarget::kVelocity, ev);
-  const int node = kernels.factor_and_solve(plan, state, ev, {source, true, true, 0}, kAllRows);
+  const int node = kernels.factor_and_solve(plan, state, ev, {.source = source}, kAllRows);
   if (node != kNone) return node;
   kernels.add_velocities(plan, ev);
   if (!plan.rigid) add_modal_velocities(plan, ev);

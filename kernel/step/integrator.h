@@ -2,7 +2,7 @@
 // (kernel/dynamics/compliance.h), on positions, quaternions and velocities; then one mass-weighted projection onto the
 // rows' positions and one onto their velocities, both with one factorisation. And the evaluations between sub-steps.
 //
-// All return kNone, or the node whose pivot vanished.
+// Functions that return an int return kNone, or the node whose pivot vanished.
 #pragma once
 
 #include "kernel/dynamics/instant.h"
@@ -13,14 +13,18 @@
 
 namespace unlatch {
 
-// Difference of an instant from the one that an evaluation is of; each includes those above it, kMotion all but kModes.
-enum class Changed {
-  kCommands,    // the commands: poses, velocities, modes, elements and time are the same
-  kVelocities,  // and the velocities: what integrate() leaves, which is at the end of its sub-step
-  kModes,       // and modes or elements; poses, velocities and kinematics are in the evaluation
-  kMotion,      // all but what has_same_modes() compares
-  kState,       // all of it
-};
+// Difference of an instant from the one that an evaluation is of. Forces and accelerations follow in every case.
+//
+//                 differs                       is computed again           must be in the evaluation
+//   kCommands     commands                      loads                       all else, the factor too
+//   kVelocities   commands, velocities          joints' velocities, factor  motion, kinematics, loads, joints' frames:
+//                                               what integrate() leaves at the end of its sub-step
+//   kModes        commands, velocities, modes,  loads, joints, factor       motion, kinematics; modes: load_modes()
+//                 elements
+//   kMotion       all but modes                 motion, masses, kinematics, modes: has_same_modes()
+//                                               loads, joints, factor
+//   kState        all                           modes, then as kMotion      nothing
+enum class Changed { kCommands, kVelocities, kModes, kMotion, kState };
 
 // Accelerations, reactions, coordinates and speeds. The evaluation must be one of an instant that differs by `changed`
 // at the most.

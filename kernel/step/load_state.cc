@@ -18,11 +18,6 @@ static_assert(offsetof(JointState, locked) == offsetof(JointState, offset) + siz
 
 double get_mask(bool holds) { return std::bit_cast<double>(holds ? ~std::uint64_t{0} : std::uint64_t{0}); }
 
-bool has_three(RowSet rows) {
-  const RowSet without_one = rows & static_cast<RowSet>(rows - 1);
-  return (without_one & static_cast<RowSet>(without_one - 1)) != 0;
-}
-
 template <class Do>
 void for_rows(RowSet rows, const Do& act) {
   for (unsigned left = rows; left != 0; left &= left - 1) act(std::countr_zero(left));
@@ -44,7 +39,7 @@ void load_empty_lanes(const PlanData& plan, const BodyEight& eight, double* bloc
 // One lane's mode. `rows`: that hold; 0 for an empty lane.
 void load_lane(const PlanData& plan, const State& state, const Group& group, int joint, RowSet rows, double* blocks,
                const Place& place, GroupModes& modes) {
-  const bool by_freedoms = has_three(rows) || (group.compliant != 0 && joint != kNone);
+  const bool by_freedoms = joint != kNone && is_by_freedoms(rows, group.compliant);
   write(blocks, place, &SolverLane::by_freedoms, get_mask(by_freedoms));
   (by_freedoms ? modes.by_freedoms : modes.by_rows) = true;
   const RowSet freedoms = by_freedoms ? static_cast<RowSet>(group.freedoms & ~rows) : RowSet{0};

@@ -93,14 +93,16 @@ TEST(SearchNotices, MoreInstantsThanAStepHasAreTold) {
   EXPECT_NE(notices[0].text.find("more instants with events than its 8"), std::string::npos) << notices[0].text;
 }
 
-// Balls that pass a post within one step, each at a slightly different distance.
-std::string build_passing(int balls, double hair) {
+constexpr const char* kFarShape = ", {sphere: {radius: 0.1, centre: [0, -50, 0]}}";
+
+// Balls that pass a post within one step, each at a slightly different distance. `other_shapes`: further shapes of the post.
+std::string build_passing(int balls, double hair, const std::string& other_shapes = "") {
   std::string text = R"(unlatch: 1
 name: passing
 step: {dt: 1 ms, until: 3 ms}
 bodies:
-  post: {mass: 1000, inertia: [100, 100, 100], shape: [{sphere: {radius: 0.1}}]}
-)";
+  post: {mass: 1000, inertia: [100, 100, 100], shape: [{sphere: {radius: 0.1}})" +
+                     other_shapes + "]}\n";
   std::string contacts = "contacts:\n";
   for (int k = 0; k < balls; ++k) {
     const std::string name = "ball" + std::to_string(k);
@@ -119,6 +121,16 @@ TEST(SearchNotices, LooksForTouchesThatRunOutAreTold) {
   EXPECT_EQ(notices[0].subject.substr(0, 3), "hit");
   EXPECT_NE(notices[0].text.find("it may have touched and parted again within a step, up to "), std::string::npos)
       << notices[0].text;
+}
+
+// A contact has a pair of shapes for each shape of the post: pairs are not numbered as contacts are.
+TEST(SearchNotices, TheContactOfAUnionOfShapesIsTheOneThatIsTold) {
+  const AnalysedRun one(build_passing(6, 1e-5)), united(build_passing(6, 1e-5, kFarShape));
+  EXPECT_EQ(united.analysis.search.unseen, one.analysis.search.unseen);
+  const std::vector<hil::RunNotice> expected = list_notices(one), notices = list_notices(united);
+  ASSERT_EQ(expected.size(), 1u);
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_EQ(notices[0].subject, expected[0].subject);
 }
 
 TEST(SearchNotices, ABallThatPassesClearlyIsNot) {

@@ -241,6 +241,59 @@ TEST(Contact, EachPairOfAUnionOfShapesBearsItsPart) {
   EXPECT_LT(norm(s.state.bodies[0].w), 1e-9);
 }
 
+// Searches of a run that were left open: the latest of each kind.
+OpenSearch find_open_search(const Model& model, const PlanOptions& options, int ticks) {
+  Simulation s(model, options);
+  OpenSearch found;
+  for (int i = 0; i < ticks; ++i) {
+    const StepReport report = s.advance();
+    EXPECT_EQ(report.status, StepStatus::kOk);
+    if (report.open.unseen > 0) found.contact = report.open.contact;
+    if (report.open.unlocated > 0) found.guard = report.open.guard;
+  }
+  return found;
+}
+
+// A surface has one more shape, to which nothing comes near: each of its contacts has two pairs.
+Model add_far_shape(Model model) {
+  model.surfaces[0].shapes.push_back(build_sphere(0.1, {0, -50, 0}));
+  return model;
+}
+
+TEST(Contact, AnUnseenTouchIsReportedOfTheContactWhateverPairsItHas) {
+  Model model;  // balls that pass a post within one step, each by a hair
+  model.surfaces = {{"post", kGround, {build_sphere(0.1)}}};
+  for (int k = 0; k < 6; ++k) {
+    const std::string name = "ball" + std::to_string(k);
+    model.bodies.push_back(box(name, 1, 1, 1, 1));
+    model.bodies.back().p_WB = {-0.6 - 0.01 * k, 0.2 + 1e-5, 0};
+    model.bodies.back().v_WB = {400, 0, 0};
+    model.surfaces.push_back({name, k, {build_sphere(0.1)}});
+    model.contacts.push_back(touch("hit" + std::to_string(k), 0, k + 1, 1000));
+  }
+  const OpenSearch one = find_open_search(model, {}, 3), united = find_open_search(add_far_shape(model), {}, 3);
+  EXPECT_GT(one.contact, 0);
+  EXPECT_EQ(united.contact, one.contact);
+}
+
+TEST(Contact, AnUnlocatedTouchIsReportedOfTheContactWhateverPairsItHas) {
+  Model model = build_dropped_ball(0.01);
+  model.surfaces.push_back({"above", kGround, {build_sphere(0.1, {0, 0, 50})}});
+  model.contacts.insert(model.contacts.begin(), touch("ball above", 2, 1, 1));
+  Load thrust;  // it jumps: beside the jump the ball hardly falls
+  thrust.name = "thrust";
+  thrust.direction = {0, 0, -1};
+  thrust.profile.kind = Profile::Kind::kTable;
+  thrust.profile.times = {0, 0.004, 0.00401, 0.03};
+  thrust.profile.values = {0, 0, 1e6, 1e6};
+  model.loads.push_back(thrust);
+  model.events.clear();
+  const PlanOptions options{.dt = 0.01};
+  EXPECT_EQ(find_open_search(model, options, 1).guard, 1);
+  model.surfaces[2].shapes.push_back(build_sphere(0.1, {0, -50, 50}));
+  EXPECT_EQ(find_open_search(model, options, 1).guard, 1);
+}
+
 TEST(Contact, SubstepsBoundTheCostAndRaiseTheAccuracy) {
   double errors[2];
   int i = 0;

@@ -271,7 +271,7 @@ TEST(Elementary, ArctangentsOfEveryWidthHaveTheSameBits) {
        {InstructionSet::kScalar, InstructionSet::k128, InstructionSet::k256, InstructionSet::k512}) {
     if (!is_supported(set)) continue;
     std::vector<double> angles = y;
-    get_kernels(set).calc_angles(angles.data(), x.data(), angles.size());
+    get_kernels(set).update_angles(angles.data(), x.data(), angles.size());
     for (std::size_t i = 0; i < y.size(); ++i)
       ASSERT_EQ(std::bit_cast<std::uint64_t>(angles[i]), std::bit_cast<std::uint64_t>(atan2(y[i], x[i])))
           << get_name(set) << ": atan2(" << y[i] << ", " << x[i] << ")";

@@ -5,7 +5,7 @@
 
 namespace unlatch {
 
-// Principal moments of a symmetric inertia, kg m², rising. What is not finite in it comes out as NaN.
+// Principal moments of a symmetric inertia, kg m², rising. Numbers that are not finite come out as NaN.
 [[nodiscard]] Eigen::Vector3d calc_principal_moments(const Eigen::Matrix3d& inertia);
 
 // Moments as above, and the axes of each as a column, in the frame of the inertia; they are right-handed and have

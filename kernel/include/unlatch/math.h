@@ -72,7 +72,10 @@ template <class T>
 [[gnu::always_inline]] constexpr Vec3T<T> transpose_times(const Mat3T<T>& m, const Vec3T<T>& a) {
   return {dot(m.x, a), dot(m.y, a), dot(m.z, a)};
 }
-[[gnu::always_inline]] inline const Vec3& column(const Mat3& m, int k) { return k == 0 ? m.x : (k == 1 ? m.y : m.z); }
+template <class T>
+[[gnu::always_inline]] constexpr const Vec3T<T>& column(const Mat3T<T>& m, int k) {
+  return k == 0 ? m.x : (k == 1 ? m.y : m.z);
+}
 inline constexpr Mat3 kIdentity3{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // Symmetric 3x3.

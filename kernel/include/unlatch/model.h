@@ -398,7 +398,7 @@ struct Action {
   double duration = 0;         // s
 };
 
-// An impulse on a body: a pyrotechnic shock. What rows hold stays held: they answer with impulses of their own.
+// An impulse on a body: a pyrotechnic shock. Rows stay closed: they answer with impulses of their own.
 struct Impulse {
   int body = 0;                                       // index of the body
   Load::Frame frame = Load::Frame::kBody;             // axes of `linear` and `angular`

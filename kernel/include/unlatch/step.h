@@ -23,14 +23,14 @@ enum class StepStatus : std::int32_t {
   kSingular,       // a pivot of the factorisation vanished; `joint` says where
   kTooManyEvents,  // more events at one instant than the plan's bound
 };
+// The status in words.
+const char* get_status_text(StepStatus status) noexcept;
+
 // Size of a load (its number in the model) at the state's tick: law · switch scale · command, N or N m per length of
 // its direction.
 double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, int load) noexcept;
 
-// The status in words.
-const char* get_status_text(StepStatus status) noexcept;
-
-// One event that acted during the step, with the momenta and energy just before and after.
+// One event that acted during the step.
 struct FiredEvent {
   std::int32_t event;  // index into the model's events
   double time;         // s
@@ -76,14 +76,14 @@ struct EventAudit {
   EnergyFlow flow_before, flow_after;
 };
 
-// What the search for events within a step left open because a bound on its work was reached.
+// Parts of the search for events within a step that were left open, because a bound on its work was reached.
 struct OpenSearch {
   std::int32_t unlocated = 0;    // instants of events that are known worse than to the tolerance of the search
   double interval = 0;           // s, that holds the worst known of them
-  std::int32_t guard = kNone;    // it: index into the model's events, then into its contacts
+  std::int32_t guard = kNone;    // it: index into the model's events, then into its contacts, whatever pairs these have
   std::int32_t unseen = 0;       // pairs of shapes that may have touched and parted again
   double depth = 0;              // m: no pair whose distance is convex over time has touched deeper than this
-  std::int32_t contact = kNone;  // the pair that may have been as deep: index into the model's contacts
+  std::int32_t contact = kNone;  // the contact of the pair that may have been as deep: index into the model's contacts
 };
 
 // Report of a step.
