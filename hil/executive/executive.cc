@@ -116,7 +116,7 @@ Executive::Next Executive::wait_realtime() noexcept {
 
 Executive::Next Executive::wait_lockstep() noexcept {
   if (liveness_.get_tick() != simulation_.get_tick()) return Next::kStep;  // no State, no answers
-  std::int64_t sent_ns = liveness_.get_sent_ns();
+  std::int64_t sent_ns = *liveness_.get_sent_ns();
   while (true) {
     receive();
     const std::int64_t now_ns = clock_.get_ns();
@@ -215,7 +215,7 @@ void Executive::publish(const StepReport& report) noexcept {
     return;
   }
   exchange_.publish(is_last ? RunStatus::kDone : RunStatus::kRunning, hash_);
-  if (applied_ns_) timing_.turnaround.record(liveness_.get_sent_ns() - *applied_ns_);
+  if (applied_ns_) timing_.turnaround.record(*liveness_.get_sent_ns() - *applied_ns_);
   applied_ns_.reset();
 }
 

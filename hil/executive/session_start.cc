@@ -88,7 +88,7 @@ std::optional<std::string> SessionStart::exchange_first_state(std::int64_t hash)
              " has introduced itself, but does not answer State 0: does it receive the State and send StepAck?";
     }
     parts_.announcer.announce(now_ns);
-    if (now_ns - parts_.exchange.get_quiet_since_ns(parts_.liveness.get_sent_ns()) >= parts_.resend_ns) {
+    if (now_ns - parts_.exchange.get_quiet_since_ns(*parts_.liveness.get_sent_ns()) >= parts_.resend_ns) {
       parts_.exchange.repeat(RunStatus::kConfigured);
       parts_.liveness.restart_round_trip(now_ns);
     }

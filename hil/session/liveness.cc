@@ -62,7 +62,7 @@ bool Liveness::update(std::int64_t now_ns) noexcept {
     }
   }
   if (!all) return false;
-  if (std::exchange(round_open_, false) && last_ns) round_trip_ns_ = *last_ns - sent_ns_;
+  if (std::exchange(round_open_, false) && last_ns) round_trip_ns_ = *last_ns - *sent_ns_;
   return true;
 }
 

@@ -45,16 +45,16 @@ class Liveness {
 
   [[nodiscard]] Policy get_policy() const noexcept { return policy_; }
   [[nodiscard]] std::int64_t get_tick() const noexcept { return tick_; }
-  // Time of the latest State; 0 before the first.
-  [[nodiscard]] std::int64_t get_sent_ns() const noexcept { return sent_ns_; }
+  // Time of the latest State; none before the first.
+  [[nodiscard]] std::optional<std::int64_t> get_sent_ns() const noexcept { return sent_ns_; }
 
  private:
   Participants& participants_;
   const Policy policy_;
   const std::int64_t timeout_ns_;
-  std::int64_t tick_ = 0;     // of the latest State
-  std::int64_t sent_ns_ = 0;  // its time; set by begin_round()
-  bool round_open_ = false;   // not all have answered yet
+  std::int64_t tick_ = 0;                // of the latest State
+  std::optional<std::int64_t> sent_ns_;  // its time
+  bool round_open_ = false;              // not all have answered yet
   std::optional<std::int64_t> round_trip_ns_;
 };
 

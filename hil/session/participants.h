@@ -22,13 +22,13 @@ struct Participant {
   std::string name;
   bool required = false;
   Standing standing = Standing::kAbsent;
-  bool leaving = false;  // it has announced that it leaves; the policy is due
-  std::int32_t id = 0;   // of its present start
-  StepAckMessage ack;    // the latest; tick -1: none yet
-  std::int64_t ack_arrived_ns = 0;
+  bool leaving = false;                          // it has announced that it leaves; the policy is due
+  std::int32_t id = 0;                           // of its present start
+  StepAckMessage ack;                            // the latest; tick -1: none yet
+  std::int64_t ack_arrived_ns = 0;               // of `ack`, if there is one
   std::optional<std::int64_t> waiting_since_ns;  // time since which it owes an answer, if it owes one
   SeenCommands seen;
-  std::int64_t news_ns = 0;  // arrival of its latest command that had not arrived before
+  std::optional<std::int64_t> news_ns;  // arrival of its latest command that had not arrived before
 
   [[nodiscard]] bool is_present() const noexcept { return standing == Standing::kPresent; }
   // It has answered `tick`, and every command that it announced has arrived.
