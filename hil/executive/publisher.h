@@ -19,7 +19,7 @@ namespace unlatch::hil {
 
 class Publisher {
  public:
-  // `faults`: what distorts sensor values, or null. All must outlive it.
+  // `faults` distort sensor values; null for none. All must outlive it.
   Publisher(const Simulation& simulation, Recorder& recorder, Connection& connection, FaultInjector* faults,
             std::int64_t session);
 
@@ -32,6 +32,8 @@ class Publisher {
   void publish_event(const FiredEvent& fired) noexcept;
   // An event of the session: a participant, a policy, a fault. take_notice() gives it to people as well.
   void publish_notice(std::string_view name, std::string_view subject) noexcept;
+  // Notices of the faults that have begun, ended or hit a message since the last call.
+  void publish_fault_notices() noexcept;
   void publish_overrun(const Overrun& overrun) noexcept;
 
   // Completes the message with session, sequence number, time and States resent.

@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "hil/executive/reception.h"
 #include "hil/executive/state_exchange.h"
-#include "hil/messages/messages.h"
 #include "hil/realtime/clock.h"
 #include "hil/session/announcer.h"
 #include "hil/session/handshake.h"
@@ -30,9 +30,8 @@ class SessionStart {
     const Participants& participants;
     Liveness& liveness;
     StateExchange& exchange;
-    const HelloMessage& other;           // the latest of another simulator; its session is 0 until one is heard
+    Reception& reception;
     const std::atomic<bool>& stop;       // the run shall end
-    std::function<void()> receive;       // handles what has arrived
     std::function<void()> begin_faults;  // of tick 0, before its State
     std::int64_t timeout_ns, resend_ns;  // for introductions, and for answers; between two States without an answer
   };
@@ -50,8 +49,9 @@ class SessionStart {
   [[nodiscard]] bool wait_for_introductions(std::int64_t deadline_ns) const;
   [[nodiscard]] bool gives_way() const noexcept;
   [[nodiscard]] std::string describe_other() const;
+  [[nodiscard]] const HelloMessage& get_other() const noexcept { return parts_.reception.get_other(); }
   [[nodiscard]] bool is_stopped() const noexcept { return parts_.stop.load(std::memory_order_relaxed); }
-  // Takes what has arrived, then sleeps.
+  // Takes in the messages that have arrived, then sleeps.
   void poll() const;
 
   const Parts parts_;

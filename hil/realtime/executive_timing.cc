@@ -1,6 +1,7 @@
 #include "hil/realtime/executive_timing.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -46,6 +47,18 @@ OverrunCause attribute(const Overrun& overrun) noexcept {
   return most == t.input_ns ? OverrunCause::kInputs : OverrunCause::kOutputs;
 }
 
+void Timing::begin_counts() noexcept {
+  thread_.store(gettid(), std::memory_order_relaxed);
+  counted_ = read_thread_counts();
+}
+
+void Timing::watch_counts() {
+  const std::optional<ThreadCounts> now = read_thread_counts(thread_.load(std::memory_order_relaxed));
+  if (!now) return;     // it does not run yet, or no more
+  disregard(watched_);  // not the latest: an overrun may be on its way
+  watched_ = *now;
+}
+
 void Timing::disregard(const ThreadCounts& until) noexcept {
   old_page_faults_.store(until.page_faults, std::memory_order_relaxed);
   old_faults_read_.store(until.faults_read, std::memory_order_relaxed);
@@ -88,6 +101,8 @@ TimingSummary Timing::summarize() const {
   summary.turnaround = turnaround.summarize();
   summary.round_trip = round_trip.summarize();
   summary.overruns = overruns_;
+  summary.slipped_ns = slipped_ns;
+  summary.skipped_outputs = skipped_outputs;
   summary.overrun_causes = causes_;
   summary.worst_overruns.reserve(worst_.size());
   summary.worst_overruns.assign(worst_.begin(), worst_.begin() + static_cast<std::ptrdiff_t>(worst_count_));

@@ -32,23 +32,30 @@ class Timing {
   Histogram turnaround;  // a command's arrival to the State of the step that it went into
   Histogram round_trip;  // State handed to the bridge to the last answer delivered by it
 
+  std::int64_t slipped_ns = 0;       // by which the policy `slip` has put off the ticks
+  std::int64_t skipped_outputs = 0;  // States that the policy `skip_output` has left out
+
   // The cyclic thread, before the first tick.
-  void begin_counts() noexcept { counted_ = read_thread_counts(); }
-  // Any one other thread, whose time does not matter: page faults and preemptions of the cyclic thread until then
-  // explain no later overrun.
+  void begin_counts() noexcept;
+  // One other thread, whose time does not matter, about once a second: page faults and preemptions of the cyclic thread
+  // before the previous call explain no later overrun.
+  void watch_counts();
+  // The same, with counts of the cyclic thread from another source.
   void disregard(const ThreadCounts& until) noexcept;
   // A tick that ended `late_ns` after the next was due: completes its account, keeps it, counts it. Asks the operating
   // system what it knows.
   Overrun account_overrun(const TickTiming& tick, std::int64_t late_ns) noexcept;
 
   [[nodiscard]] std::int64_t get_overruns() const noexcept { return overruns_; }
-  // Counts that others keep (slips, skips, late commands, drops, rejects) are left 0. Allocates.
+  // Counts that others keep (late commands, drops, rejects, resent States) are left 0. Allocates.
   [[nodiscard]] TimingSummary summarize() const;
 
  private:
   void keep_if_among_the_worst(const Overrun& overrun) noexcept;
 
-  ThreadCounts counted_;  // by the last overrun
+  std::atomic<pid_t> thread_{0};  // the cyclic thread; 0 before begin_counts()
+  ThreadCounts counted_;          // by the last overrun
+  ThreadCounts watched_;          // watching thread: of the previous call
   std::atomic<std::int64_t> old_page_faults_{0}, old_faults_read_{0}, old_preemptions_{0};
   std::int64_t overruns_ = 0;
   std::array<std::int64_t, kOverrunCauses> causes_{};

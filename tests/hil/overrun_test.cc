@@ -206,6 +206,13 @@ TEST(Overruns, WhatBefellTheThreadLongAgoExplainsNone) {
   touch_fresh_pages();
   timing.disregard(hil::read_thread_counts());
   EXPECT_LT(timing.account_overrun({}, 1).page_faults, 64) << "a watcher said that it was long ago";
+  touch_fresh_pages();
+  std::jthread([&] { timing.watch_counts(), timing.watch_counts(); }).join();
+  EXPECT_LT(timing.account_overrun({}, 1).page_faults, 64) << "before the previous call";
+  std::jthread([&] { timing.watch_counts(); }).join();
+  touch_fresh_pages();
+  std::jthread([&] { timing.watch_counts(); }).join();
+  EXPECT_GE(timing.account_overrun({}, 1).page_faults, 64) << "after the previous call";
 }
 
 TEST(Overruns, OnlyTheWorstAreKeptAndInOrder) {
