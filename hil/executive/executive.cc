@@ -107,7 +107,8 @@ Executive::Next Executive::await_tick() noexcept {
     return stop(failure.empty() ? "interrupted" : "the tick source has failed: " + failure);
   }
   now_.wakeup_ns = ticks_.get_latency_ns();
-  now_.held_up = ticks_.is_backlogged() ? 1 : warm_up_.has_ended_after(ticks_.get_due_ns()) ? 2 : 0;
+  if (warm_up_.has_ended_after(ticks_.get_due_ns())) now_.held_up_by = HeldUpBy::kWarmUp;
+  if (ticks_.is_backlogged()) now_.held_up_by = HeldUpBy::kTickBefore;
   timing_.wakeup.record(now_.wakeup_ns);
   // The State was sent a period before the instant for which this thread has just been woken.
   const HelloMessage& hello = announcer_.get_hello();

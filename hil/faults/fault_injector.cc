@@ -2,24 +2,18 @@
 
 #include <algorithm>
 
+#include "hil/messages/event_names.h"
+
 namespace unlatch::hil {
 namespace {
 
 using Kind = Fault::Kind;
 
-constexpr std::array<std::string_view, 11> kBegun{"fault.message.drop",
-                                                  "fault.message.delay",
-                                                  "fault.message.duplicate",
-                                                  "fault.message.reorder",
-                                                  "fault.message.corrupt",
-                                                  "fault.freeze",
-                                                  "fault.kill",
-                                                  "fault.stick",
-                                                  "fault.bias",
-                                                  "fault.dead",
-                                                  "fault.jam"};
-constexpr std::array<std::string_view, 11> kEnded{
-    "", "", "", "", "", "fault.freeze.end", "", "fault.stick.end", "fault.bias.end", "fault.dead.end", "fault.jam.end"};
+// Name of the Event when a fault of this kind begins or hits a message.
+std::string make_event_name(const Fault& fault) {
+  const std::string_view prefix = fault.is_of_messages() ? kMessageFaultPrefix : kFaultPrefix;
+  return std::string(prefix) + kFaultNames[static_cast<std::size_t>(fault.kind)];
+}
 
 // splitmix64: the next of a sequence whose members look random.
 std::uint64_t mix(std::uint64_t seed, std::uint64_t value) noexcept {
@@ -70,6 +64,8 @@ FaultInjector::FaultInjector(const FaultScript& script) : seed_(script.seed) {
   for (const Fault& fault : script.faults) {
     Active& active = faults_.emplace_back();
     active.fault = fault;
+    active.name = make_event_name(fault);
+    active.end_name = active.name + ".end";
     active.stuck.resize(fault.values.size());
     active.known.resize(fault.values.size());
   }
@@ -100,7 +96,7 @@ bool FaultInjector::take_notice(FaultNotice& notice) noexcept {
 void FaultInjector::end(Active& active) noexcept {
   active.on = false;
   active.over = true;
-  notify(kEnded[static_cast<std::size_t>(active.fault.kind)], active);
+  notify(active.end_name, active);
 }
 
 bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants& participants) noexcept {
@@ -114,7 +110,7 @@ bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants&
     active.on = true;
     active.since_ns = now_ns;
     if (participant != nullptr && fault.kind == Kind::kKill) active.id = participant->id;
-    notify(kBegun[static_cast<std::size_t>(fault.kind)], active);
+    notify(active.name, active);
   } else if (active.on && tick_ > fault.last_tick && fault.kind != Kind::kKill) {
     end(active);
     return fault.kind == Kind::kFreeze;
@@ -153,7 +149,7 @@ bool FaultInjector::hits(std::size_t index, const Message& message, std::uint64_
   const std::uint64_t bits = mix(mix(seed_, index), draw);
   if (static_cast<double>(bits >> 11) * kUnit >= fault.probability) return false;
   ++active.hit_count;
-  notify(kBegun[static_cast<std::size_t>(fault.kind)], active);
+  notify(active.name, active);
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -70,6 +71,7 @@ class FaultInjector {
  private:
   struct Active {
     Fault fault;
+    std::string name, end_name;  // of its Events
     bool on = false, over = false;
     std::int64_t since_ns = 0;
     std::int64_t hit_count = 0;    // messages

@@ -33,14 +33,26 @@ std::optional<ThreadCounts> read_thread_counts(pid_t thread) {
   return counts;
 }
 
+namespace {
+
+OverrunCause attribute_late_wakeup(HeldUpBy held_up_by) noexcept {
+  switch (held_up_by) {
+    case HeldUpBy::kNothing:
+      return OverrunCause::kLateWakeup;
+    case HeldUpBy::kTickBefore:
+      return OverrunCause::kBacklog;
+    case HeldUpBy::kWarmUp:
+      return OverrunCause::kWarmUp;
+  }
+  return OverrunCause::kLateWakeup;
+}
+
+}  // namespace
+
 OverrunCause attribute(const Overrun& overrun) noexcept {
   const TickTiming& t = overrun.timing;
   const std::int64_t most = std::max({t.wakeup_ns, t.input_ns, t.step_ns, t.output_ns});
-  if (most == t.wakeup_ns) {
-    static constexpr OverrunCause kWhyLate[] = {OverrunCause::kLateWakeup, OverrunCause::kBacklog,
-                                                OverrunCause::kWarmUp};
-    return kWhyLate[t.held_up];
-  }
+  if (most == t.wakeup_ns) return attribute_late_wakeup(t.held_up_by);
   if (overrun.faults_read > 0) return OverrunCause::kPageFaults;
   if (overrun.preemptions > 0) return OverrunCause::kPreempted;
   if (most == t.step_ns) return t.substeps > 1 ? OverrunCause::kEvents : OverrunCause::kStep;

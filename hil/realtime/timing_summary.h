@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -37,6 +38,9 @@ inline constexpr std::size_t kOverrunCauses = 9;
 inline constexpr std::array<std::string_view, kOverrunCauses> kOverrunCauseNames{
     "backlog", "late_wakeup", "inputs", "step", "events", "outputs", "page_faults", "preempted", "rehearsal"};
 
+// The reason why a tick began late, if it was not the operating system.
+enum class HeldUpBy : std::int32_t { kNothing = 0, kTickBefore, kWarmUp };
+
 // One tick's account, ns.
 struct TickTiming {
   std::int64_t tick = 0;
@@ -45,7 +49,7 @@ struct TickTiming {
   std::int64_t step_ns = 0;    // the kernel's step
   std::int64_t output_ns = 0;  // hash, states and events published
   std::int32_t substeps = 0;   // integrations of the step, 1 without events
-  std::int32_t held_up = 0;    // by the tick before it: 1; by its own warm-up step: 2
+  HeldUpBy held_up_by = HeldUpBy::kNothing;
 };
 
 struct Overrun {
@@ -76,5 +80,7 @@ struct TimingSummary {
 // Each other's inverse; a summary that is not sane makes `from` incomplete.
 void put(ByteWriter& to, const TimingSummary& timing);
 void get(ByteReader& from, TimingSummary& timing);
+// None if it is no HeldUpBy.
+[[nodiscard]] std::optional<HeldUpBy> to_held_up_by(std::int32_t number) noexcept;
 
 }  // namespace unlatch::hil

@@ -165,8 +165,10 @@ TEST(Overruns, AreAttributedToTheLargestPartAndToWhatInterruptedIt) {
     return hil::attribute(overrun);
   };
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99; }), OverrunCause::kLateWakeup);
-  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 1; }), OverrunCause::kBacklog);
-  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 2; }), OverrunCause::kWarmUp);
+  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up_by = hil::HeldUpBy::kTickBefore; }),
+            OverrunCause::kBacklog);
+  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up_by = hil::HeldUpBy::kWarmUp; }),
+            OverrunCause::kWarmUp);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.preemptions = 1; }), OverrunCause::kLateWakeup);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.input_ns = 99; }), OverrunCause::kInputs);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.step_ns = 99; }), OverrunCause::kStep);
