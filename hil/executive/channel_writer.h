@@ -30,7 +30,7 @@ class ChannelWriter {
   Simulation& simulation_;
   Recorder& recorder_;
   std::optional<ChannelFaults> faults_;
-  std::vector<std::optional<std::int32_t>> commanders_;  // of each channel: the index of its latest command's sender
+  std::vector<std::optional<std::int32_t>> commanders_;  // sender of each channel's latest command, an index
 };
 
 }  // namespace unlatch::hil

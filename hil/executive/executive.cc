@@ -110,7 +110,7 @@ Executive::Next Executive::await_tick() noexcept {
   if (warm_up_.has_ended_after(ticks_.get_due_ns())) now_.held_up_by = HeldUpBy::kWarmUp;
   if (ticks_.is_backlogged()) now_.held_up_by = HeldUpBy::kTickBefore;
   timing_.wakeup.record(now_.wakeup_ns);
-  // The State was sent a period before the instant for which this thread has just been woken.
+  // The State was sent a period before this tick was due.
   const HelloMessage& hello = announcer_.get_hello();
   reception_.set_cutoff(ticks_.get_due_ns() - hello.dt_ns + hello.cutoff_ns);
   return wait_realtime();

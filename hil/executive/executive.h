@@ -5,15 +5,15 @@
 //   lockstep   publish the State → wait until every required participant has answered → apply commands → step → account
 //   fast       step → publish → account
 //
-// In the loop: no allocation, lock, file or logging; it communicates through a Connection and a Recorder alone (in real
+// The loop has no allocation, lock, file or logging; it communicates through a Connection and a Recorder alone (in real
 // time the connection is two rings; in lockstep, which has no deadline to miss, it may lead to the middleware itself).
 // Wall time decides whether a participant is alive, simulated time everything else. When a required participant does
 // not answer within its limit, the scenario's policy is applied and recorded, and the run goes on without it until it
 // comes back (hold, zero, safe) or for good (evict), waits for it (pause) or ends (abort). The protocol:
 // hil/PROTOCOL.md.
 //
-// It is the cycle alone. Its parts, each with a test of its own: Announcer, Handshake, Participants, Liveness and
-// CommandQueue (hil/session), FaultyConnection (hil/faults), SessionStart, Reception, StateExchange, ChannelWriter,
+// Executive is the cycle alone. Its parts, each with a test of its own: Announcer, Handshake, Participants, Liveness
+// and CommandQueue (hil/session), FaultyConnection (hil/faults), SessionStart, Reception, StateExchange, ChannelWriter,
 // Publisher, HealthReporter, Heartbeat and WarmUp (beside it).
 #pragma once
 
@@ -55,38 +55,38 @@ struct ExecutiveOptions : SessionOptions {
   TimingOptions timing;
   FaultInjector* faults = nullptr;                 // deliberate faults; null for none
   TickSource* ticks = nullptr;                     // real time: the source of ticks; null for the clock
-  const Clock* clock = &kMonotonicClock;           // of all times of the session
-  std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
-  std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
+  const Clock* clock = &kMonotonicClock;           // clock of all times of the session
+  std::int64_t start_timeout_ns = 20'000'000'000;  // limit for the introductions of all required participants
+  std::int64_t resend_ns = 20'000'000;             // lockstep: interval of States without an answer
   std::int64_t announce_ns = 10'000'000;           // Announcer: one message of Hello and the catalog, one of the source
 };
 
 class Executive {
  public:
-  // All must outlive the executive. `scenario` is the name that participants get.
+  // All arguments but `options` must outlive the executive. `scenario` is the name that participants get.
   Executive(Simulation& simulation, Connection& connection, Recorder& recorder, const std::string& scenario,
             const ExecutiveOptions& options);
 
-  // From the introductions to the end, on the calling thread.
+  // Runs from the introductions to the end, on the calling thread.
   [[nodiscard]] LogEnd run();
 
-  // From any thread, or a signal handler: the run ends, as aborted, within a tick or some milliseconds.
+  // Ends the run, as aborted, within a tick or some milliseconds. Any thread, or a signal handler.
   void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
-  // For one watching thread.
+  // One watching thread.
   [[nodiscard]] std::int64_t get_tick() const noexcept { return heartbeat_.get_tick(); }
   [[nodiscard]] bool take_notice(EventMessage& event) noexcept { return publisher_.take_notice(event); }
   // Call about once a second from the watching thread. Counts before the previous call are ignored: page faults and
   // preemptions until then explain no later overrun. The cyclic thread makes no system calls for it.
   void watch_counts() { timing_.watch_counts(); }
-  // For a watchdog.
+  // Sign of life, for a watchdog.
   [[nodiscard]] const std::atomic<std::int64_t>& get_beats() const noexcept { return heartbeat_.get_beats(); }
   [[nodiscard]] std::string describe_place() const { return heartbeat_.describe_place(); }
 
  private:
   enum class Next { kStep, kStop };
 
-  // The beginning: the reason why the run cannot start, none if its clock has.
+  // Reason why the run cannot start, none if its clock has.
   std::optional<std::string> begin();
 
   // The cycle.
@@ -133,8 +133,8 @@ class Executive {
   const std::unique_ptr<TickSource> own_ticks_;
   TickSource& ticks_;
   WarmUp warm_up_;
-  TickTiming now_;                          // the tick that is being made
-  std::int64_t hash_ = 0;                   // of the present state
+  TickTiming now_;                          // account of the present tick
+  std::int64_t hash_ = 0;                   // hash of the present state
   std::optional<std::int64_t> applied_ns_;  // arrival of the latest command that was applied, until the next State
   StepReport last_report_;                  // report of the latest step
   bool overrun_ends_ = false;               // the run stops because of an overrun

@@ -16,7 +16,7 @@ namespace unlatch::hil {
 
 class HealthReporter {
  public:
-  // The parts of a session that count; all must outlive it.
+  // Parts of a session that count; all must outlive the reporter.
   struct Sources {
     const Timing& timing;
     const Participants& participants;
@@ -26,9 +26,9 @@ class HealthReporter {
   };
   HealthReporter(const Sources& sources, Publisher& publisher) : sources_(sources), publisher_(publisher) {}
 
-  // The clock of the run starts.
+  // Starts the clock of the run.
   void begin_run(std::int64_t now_ns) noexcept { started_ns_ = health_ns_ = now_ns; }
-  // The messages that are due by now.
+  // Sends the messages that are due by now.
   void publish_due(std::int64_t now_ns) noexcept;
   void publish_health(std::int64_t now_ns) noexcept;
   void publish_reactions(std::int64_t now_ns) noexcept;
@@ -42,7 +42,7 @@ class HealthReporter {
   const Sources sources_;
   Publisher& publisher_;
   std::optional<std::int64_t> started_ns_;                // time of the first tick's State
-  std::optional<std::int64_t> health_ns_, reactions_ns_;  // time of the latest
+  std::optional<std::int64_t> health_ns_, reactions_ns_;  // times of the latest
 };
 
 }  // namespace unlatch::hil

@@ -5,7 +5,7 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr int kMaxArrivals = 512;  // of one call of receive(): bounds the work of a tick
+constexpr int kMaxArrivals = 512;  // limit of one call of receive(): bounds the work of a tick
 
 }  // namespace
 

@@ -22,7 +22,7 @@ namespace unlatch::hil {
 
 class Reception {
  public:
-  // References to the parts that it works with; all must outlive it.
+  // Parts of the session; all must outlive the reception.
   struct Parts {
     Connection& connection;
     const Simulation& simulation;
@@ -41,15 +41,15 @@ class Reception {
 
   // Takes in the messages that have arrived, a bounded number of them. Without a cut-off it may wait.
   void receive() noexcept UNLATCH_NONBLOCKING;
-  // Real time: commands that arrive later are for the next tick. Before the first call, and at other paces, every
+  // Commands that arrive later are for the next tick: real time. Before the first call, and at other paces, every
   // command is in time.
   void set_cutoff(std::int64_t cutoff_ns) noexcept { cutoff_ns_ = cutoff_ns; }
-  // A lost participant is back, if it was lost.
+  // Readmits the participant if it was lost.
   void resume(Participant& participant) noexcept;
 
   // Arrival of the latest command.
   [[nodiscard]] std::optional<std::int64_t> get_command_ns() const noexcept { return command_ns_; }
-  // The latest Hello of another simulator; its session is 0 until one is heard.
+  // Latest Hello of another simulator; session 0: none yet.
   [[nodiscard]] const HelloMessage& get_other() const noexcept { return other_; }
 
  private:
@@ -63,7 +63,7 @@ class Reception {
   Arrival arrival_;  // scratch
   std::optional<std::int64_t> cutoff_ns_;
   std::optional<std::int64_t> command_ns_;
-  std::int64_t malformed_ = 0;  // of the connection, already counted
+  std::int64_t malformed_ = 0;  // malformed messages of the connection, already counted
   HelloMessage other_;
 };
 

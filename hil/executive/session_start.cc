@@ -29,7 +29,7 @@ std::optional<std::string> SessionStart::listen() const {
   return describe_other();
 }
 
-// Of two that begin at the same time, the one with the larger number.
+// The session with the larger number, of two that begin at the same time.
 bool SessionStart::gives_way() const noexcept {
   if (get_other().session == 0 || parts_.options.beside_others) return false;
   return get_other().status != static_cast<std::int32_t>(RunStatus::kDiscover) ||
@@ -71,8 +71,8 @@ bool SessionStart::wait_for_introductions(std::int64_t deadline_ns) const {
 
 // --- State 0 is answered --------------------------------------------------------------------------------------------
 
-// It is sent until all required participants have answered it, so that each topic is known to work in both directions
-// before the clock starts.
+// State 0 is sent until all required participants have answered it, so that each topic is known to work in both
+// directions before the clock starts.
 std::optional<std::string> SessionStart::exchange_first_state(std::int64_t hash) const {
   const std::int64_t give_up_ns = parts_.clock.get_ns() + parts_.timeout_ns;
   parts_.begin_faults();

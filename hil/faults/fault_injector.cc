@@ -15,7 +15,7 @@ std::string make_event_name(const Fault& fault) {
   return std::string(prefix) + kFaultNames[static_cast<std::size_t>(fault.kind)];
 }
 
-// splitmix64: the next of a sequence whose members look random.
+// splitmix64: next number of a pseudo-random sequence.
 std::uint64_t mix(std::uint64_t seed, std::uint64_t value) noexcept {
   std::uint64_t bits = seed + 0x9e3779b97f4a7c15U * (value + 1);
   bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9U;
@@ -39,7 +39,7 @@ std::int32_t get_id(const Message& message) noexcept {
   }
 }
 
-// The identity of a message, which its repetitions share: kind, sender, number. Not the number that a participant draws
+// Identity of a message, which its repetitions share: kind, sender, number. Not the number that a participant draws
 // at random when it starts.
 std::uint64_t calc_identity(const Message& message, std::string_view from) noexcept {
   std::uint64_t identity = mix(mix(0, static_cast<std::uint64_t>(message.kind)), from);
@@ -120,7 +120,7 @@ bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants&
 
 // --- Messages -------------------------------------------------------------------------------------------------------
 
-// Nothing is received from a participant that is frozen, or from the start of one that was killed.
+// True for messages of a participant that is frozen, or of a start that was killed.
 bool FaultInjector::is_muted(const Message& message, std::string_view from) const noexcept {
   return std::any_of(faults_.begin(), faults_.end(), [&](const Active& active) {
     if (!active.on || active.fault.participant != from) return false;
@@ -128,7 +128,7 @@ bool FaultInjector::is_muted(const Message& message, std::string_view from) cons
   });
 }
 
-// The number of times this message was sent before at this tick.
+// Number of times that this message was sent before at this tick.
 std::int32_t FaultInjector::count_attempt(std::uint64_t identity) noexcept {
   for (std::size_t i = 0; i < attempts_.size(); ++i) {
     Attempts& attempts = attempts_[(identity + i) % attempts_.size()];
@@ -153,7 +153,7 @@ bool FaultInjector::hits(std::size_t index, const Message& message, std::uint64_
   return true;
 }
 
-// Flips bits of the encoded message, past the fingerprint as well as in it. False when it cannot be read any more.
+// Flips bits of the encoded message, fingerprint included. False if it cannot be read any more.
 bool FaultInjector::corrupt(Message& message, int bits, std::uint64_t seed) noexcept {
   std::array<std::uint8_t, kMaxWireBytes> bytes;
   const std::size_t length = encode(message, bytes);
@@ -193,7 +193,7 @@ void FaultInjector::offer(Direction direction, const Message& message, std::int6
     held.push_back(next);
   }
   if (next.awaits_another || held.size() == 1) return;
-  // It has overtaken those that were to be reordered.
+  // This message has overtaken those that were to be reordered.
   auto end = held.end();
   for (auto one = held.begin(); one != end;) {
     if (!one->awaits_another) {

@@ -66,7 +66,7 @@ void Timing::begin_counts() noexcept {
 
 void Timing::watch_counts() {
   const std::optional<ThreadCounts> now = read_thread_counts(thread_.load(std::memory_order_relaxed));
-  if (!now) return;     // it does not run yet, or no more
+  if (!now) return;     // the thread does not run yet, or no more
   disregard(watched_);  // not the latest: an overrun may be on its way
   watched_ = *now;
 }

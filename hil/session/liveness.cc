@@ -56,7 +56,7 @@ bool Liveness::update(std::int64_t now_ns) noexcept {
       if (participant.required)
         last_ns = std::max(last_ns.value_or(participant.ack_arrived_ns), participant.ack_arrived_ns);
     } else {
-      // Also one that had answered, and has since announced a command that has not arrived.
+      // A participant that had answered owes again if it has since announced a command that has not arrived.
       if (!participant.waiting_since_ns) participant.waiting_since_ns = now_ns;
       if (participant.required) all = false;
     }
