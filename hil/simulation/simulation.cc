@@ -119,8 +119,9 @@ void Simulation::end_step(const StepReport& report) noexcept {
 }
 
 StepReport Simulation::step() noexcept {
-  const BundleRun run = begin_step();
-  const StepReport report = unlatch::step(plan_, run.inputs, state_, workspace_, run.log);
+  held_.latch(get_tick(), channels_);
+  const StepReport report =
+      unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_, log_memory_ ? &log_ : nullptr);
   end_step(report);
   return report;
 }
