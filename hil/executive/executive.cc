@@ -1,7 +1,5 @@
 #include "hil/executive/executive.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,10 +11,8 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::int64_t kHealthInterval_ns = 1'000'000'000, kReactionsInterval_ns = 100'000'000;
 constexpr std::int64_t kPausePoll_ns = 5'000'000;      // sleep between two calls of receive()
-constexpr std::chrono::milliseconds kLockstepWait(5);  // the longest sleep between two looks at the clock
-constexpr int kMaxArrivals = 512;                      // of one call of receive(): bounds the work of a tick
+constexpr std::chrono::milliseconds kLockstepWait(5);  // longest sleep between two looks at the clock
 constexpr int kFinalStates = 3;                        // the last State, repeated for transports that lose messages
 constexpr std::int64_t kFinalInterval_ns = 5'000'000;
 
@@ -46,10 +42,11 @@ Executive::Executive(Simulation& simulation, Connection& connection, Recorder& r
       simulation_(simulation),
       recorder_(recorder),
       participants_(get_required(options)),
-      faulty_connection_(options.faults == nullptr ? nullptr
-                                                   : std::make_unique<FaultyConnection>(
-                                                         connection, *options.faults, participants_, clock_,
-                                                         [this](Participant& participant) { resume(participant); })),
+      faulty_connection_(options.faults == nullptr
+                             ? nullptr
+                             : std::make_unique<FaultyConnection>(
+                                   connection, *options.faults, participants_, clock_,
+                                   [this](Participant& participant) { reception_.resume(participant); })),
       connection_(faulty_connection_ ? *faulty_connection_ : connection),
       announcer_(build_announcer(simulation, scenario, options, connection_)),
       handshake_(announcer_.get_hello(), participants_),
@@ -63,19 +60,31 @@ Executive::Executive(Simulation& simulation, Connection& connection, Recorder& r
                 participants_, rejects_),
       publisher_(simulation, recorder, connection_, options.faults, options.session),
       exchange_(simulation, clock_, participants_, liveness_, commands_, publisher_, timing_.round_trip),
-      commanders_(simulation.model().channels.size(), nullptr),
+      reception_({.connection = connection_,
+                  .simulation = simulation,
+                  .clock = clock_,
+                  .participants = participants_,
+                  .handshake = handshake_,
+                  .liveness = liveness_,
+                  .commands = commands_,
+                  .rejects = rejects_,
+                  .publisher = publisher_,
+                  .heartbeat = heartbeat_,
+                  .session = options.session}),
+      channels_(simulation, recorder, options.faults),
+      health_({.timing = timing_,
+               .participants = participants_,
+               .commands = commands_,
+               .rejects = rejects_,
+               .connection = connection_},
+              publisher_),
       own_ticks_(std::make_unique<MonotonicTicks>(announcer_.get_hello().dt_ns, std::llround(options.timing.spin * 1e9),
                                                   clock_)),
-      ticks_(options.ticks != nullptr ? *options.ticks : *own_ticks_) {
-  if (options.faults != nullptr) channel_faults_.emplace(*options.faults, simulation.channels());
-}
+      ticks_(options.ticks != nullptr ? *options.ticks : *own_ticks_) {}
 
 LogEnd Executive::run() {
-  thread_.store(gettid(), std::memory_order_relaxed);
   hash_ = simulation_.calc_hash();
   if (auto failure = begin()) return conclude(RunStatus::kAborted, std::move(*failure));
-  timing_.begin_counts();
-  ticks_.restart(*started_ns_);
 
   while (simulation_.get_tick() < options_.last_tick) {
     if (await_tick() == Next::kStop || cycle() == Next::kStop) return conclude_stop();
@@ -87,7 +96,7 @@ LogEnd Executive::run() {
 
 // The only place where the cyclic thread waits between two ticks.
 Executive::Next Executive::await_tick() noexcept {
-  beat(Place::kWaiting);
+  heartbeat_.beat(RunPlace::kWaiting);
   now_ = {.tick = simulation_.get_tick()};
   if (stop_.load(std::memory_order_relaxed)) return stop("interrupted");
   if (options_.pace == Pace::kLockstep) return wait_lockstep();
@@ -98,16 +107,18 @@ Executive::Next Executive::await_tick() noexcept {
     return stop(failure.empty() ? "interrupted" : "the tick source has failed: " + failure);
   }
   now_.wakeup_ns = ticks_.get_latency_ns();
-  now_.held_up = ticks_.is_backlogged() ? 1 : warm_up_.has_ended_after(ticks_.get_due_ns()) ? 2 : 0;
+  if (warm_up_.has_ended_after(ticks_.get_due_ns())) now_.held_up_by = HeldUpBy::kWarmUp;
+  if (ticks_.is_backlogged()) now_.held_up_by = HeldUpBy::kTickBefore;
   timing_.wakeup.record(now_.wakeup_ns);
-  // The State was sent a period before the instant for which this thread has just been woken.
-  cutoff_ns_ = ticks_.get_due_ns() - announcer_.get_hello().dt_ns + announcer_.get_hello().cutoff_ns;
+  // The State was sent a period before this tick was due.
+  const HelloMessage& hello = announcer_.get_hello();
+  reception_.set_cutoff(ticks_.get_due_ns() - hello.dt_ns + hello.cutoff_ns);
   return wait_realtime();
 }
 
 // No step waits for a participant.
 Executive::Next Executive::wait_realtime() noexcept {
-  receive();
+  reception_.receive();
   const std::int64_t now_ns = clock_.get_ns();
   (void)exchange_.is_answered(now_ns);  // for its round trip alone
   Participant* const overdue = liveness_.find_overdue(now_ns);
@@ -116,9 +127,9 @@ Executive::Next Executive::wait_realtime() noexcept {
 
 Executive::Next Executive::wait_lockstep() noexcept {
   if (liveness_.get_tick() != simulation_.get_tick()) return Next::kStep;  // no State, no answers
-  std::int64_t sent_ns = liveness_.get_sent_ns();
+  std::int64_t sent_ns = *liveness_.get_sent_ns();
   while (true) {
-    receive();
+    reception_.receive();
     const std::int64_t now_ns = clock_.get_ns();
     if (exchange_.is_answered(now_ns)) return Next::kStep;
     if (stop_.load(std::memory_order_relaxed)) return stop("interrupted");
@@ -133,6 +144,25 @@ Executive::Next Executive::wait_lockstep() noexcept {
     announcer_.announce(now_ns);
     connection_.wait(kLockstepWait);
   }
+}
+
+// A required participant has not answered in time, or leaves: the policy is applied.
+Executive::Next Executive::lose(Participant& participant) noexcept {
+  const Policy policy = liveness_.get_policy();
+  char name[kNameLength] = {};
+  const std::string_view policy_name = get_text(policy);
+  kPolicyPrefix.copy(name, kPolicyPrefix.size());
+  policy_name.copy(name + kPolicyPrefix.size(), sizeof name - kPolicyPrefix.size() - 1);
+  publisher_.publish_notice(name, participant.name);
+  const bool left = liveness_.lose(participant);
+  if (policy == Policy::kPause) return pause(participant);
+  if (policy == Policy::kAbort) {
+    return stop("the flight software '" + participant.name + "' " + (left ? "has left" : "did not answer in time") +
+                " (policy: abort)");
+  }
+  commands_.remove(participant);
+  channels_.apply_policy(policy, participants_.get_index(participant));
+  return Next::kStep;
 }
 
 // Waits, without stepping, until the participant, or a new start of it, is back.
@@ -153,7 +183,7 @@ Executive::Next Executive::pause(Participant& participant) noexcept {
     }
     announcer_.announce(now_ns);
     clock_.sleep_until_ns(now_ns + kPausePoll_ns);
-    receive();
+    reception_.receive();
   }
   const std::int64_t now_ns = clock_.get_ns();
   ticks_.restart(now_ns);  // the pause is no overrun
@@ -167,7 +197,7 @@ Executive::Next Executive::cycle() noexcept {
   recorder_.tick(simulation_.get_tick(), hash_);
 
   // 2. Step.
-  beat(Place::kStepping);
+  heartbeat_.beat(RunPlace::kStepping);
   const std::int64_t begin_ns = clock_.get_ns();
   const StepReport report = simulation_.step();
   const std::int64_t end_ns = clock_.get_ns();
@@ -179,10 +209,10 @@ Executive::Next Executive::cycle() noexcept {
   if (report.status != StepStatus::kOk) return Next::kStop;
 
   // 3. Publish the result.
-  beat(Place::kPublishing);
+  heartbeat_.beat(RunPlace::kPublishing);
   hash_ = simulation_.calc_hash();
-  tick_.store(simulation_.get_tick(), std::memory_order_relaxed);
-  if (options_.faults != nullptr) begin_faults();
+  heartbeat_.set_tick(simulation_.get_tick());
+  begin_faults();
   publish(report);
 
   // 4. Account for the time.
@@ -191,17 +221,29 @@ Executive::Next Executive::cycle() noexcept {
 
 void Executive::apply_commands() noexcept {
   const MayWait without_deadlines(!is_realtime());
-  if (options_.faults != nullptr) publish_faults();
+  publisher_.publish_fault_notices();
   commands_.take_due(simulation_.get_tick(), [this](const CommandQueue::Pending& pending) {
     const CommandMessage& command = pending.command;
-    commanders_[static_cast<std::size_t>(command.channel)] = pending.sender;
-    applied_ns_ = command_ns_;
-    set_channel({.channel = command.channel,
-                 .cause = pending.late ? ChangeCause::kLateCommand : ChangeCause::kCommand,
-                 .participant = participants_.get_index(*pending.sender),
-                 .sequence = command.sequence,
-                 .value = command.value});
+    applied_ns_ = reception_.get_command_ns();
+    channels_.set({.channel = command.channel,
+                   .cause = pending.late ? ChangeCause::kLateCommand : ChangeCause::kCommand,
+                   .participant = participants_.get_index(*pending.sender),
+                   .sequence = command.sequence,
+                   .value = command.value});
   });
+}
+
+// Before the State of a tick is published.
+void Executive::begin_faults() noexcept {
+  if (options_.faults == nullptr) return;
+  const MayWait without_deadlines(!is_realtime());
+  const auto end_freeze = [this](Participant& participant) {
+    publisher_.publish_fault_notices();
+    reception_.resume(participant);
+  };
+  options_.faults->begin_tick(simulation_.get_tick(), clock_.get_ns(), participants_, end_freeze);
+  publisher_.publish_fault_notices();
+  channels_.update_faults();
 }
 
 void Executive::publish(const StepReport& report) noexcept {
@@ -211,11 +253,11 @@ void Executive::publish(const StepReport& report) noexcept {
   if (!is_last && !simulation_.is_state_due()) return;
   if (!is_last && is_realtime() && options_.timing.overruns.kind == OverrunPolicy::Kind::kSkipOutput &&
       clock_.get_ns() > ticks_.get_next_due_ns()) {
-    ++skipped_outputs_;
+    ++timing_.skipped_outputs;
     return;
   }
   exchange_.publish(is_last ? RunStatus::kDone : RunStatus::kRunning, hash_);
-  if (applied_ns_) timing_.turnaround.record(liveness_.get_sent_ns() - *applied_ns_);
+  if (applied_ns_) timing_.turnaround.record(*liveness_.get_sent_ns() - *applied_ns_);
   applied_ns_.reset();
 }
 
@@ -224,8 +266,7 @@ Executive::Next Executive::account(std::int64_t step_end_ns) noexcept {
   const std::int64_t now_ns = clock_.get_ns();
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
-  if (now_ns - *health_ns_ >= kHealthInterval_ns) publish_health(now_ns);
-  if (!reactions_ns_ || now_ns - *reactions_ns_ >= kReactionsInterval_ns) publish_reactions(now_ns);
+  health_.publish_due(now_ns);
   announcer_.announce(now_ns);
   publisher_.begin_tick();
   if (is_realtime() && now_ns > ticks_.get_next_due_ns()) return account_overrun(now_ns);
@@ -235,177 +276,18 @@ Executive::Next Executive::account(std::int64_t step_end_ns) noexcept {
 Executive::Next Executive::account_overrun(std::int64_t now_ns) noexcept {
   publisher_.publish_overrun(timing_.account_overrun(now_, now_ns - ticks_.get_next_due_ns()));
   const OverrunPolicy& policy = options_.timing.overruns;
-  if (policy.kind == OverrunPolicy::Kind::kSlip) slipped_ns_ += ticks_.slip(now_ns);
+  if (policy.kind == OverrunPolicy::Kind::kSlip) timing_.slipped_ns += ticks_.slip(now_ns);
   overrun_ends_ = policy.kind == OverrunPolicy::Kind::kFail ||
                   (policy.kind == OverrunPolicy::Kind::kCatchUp && ticks_.calc_behind(now_ns) > policy.max_ticks);
   return overrun_ends_ ? Next::kStop : Next::kStep;
 }
 
-// --- Inputs ---------------------------------------------------------------------------------------------------------
-
-void Executive::receive() noexcept {
-  const MayWait without_deadlines(!is_realtime() || !started_ns_);
-  beat(Place::kReceiving);
-  for (int i = 0; i < kMaxArrivals && connection_.receive(arrival_); ++i) {
-    std::visit([this](const auto& message) { handle(message, arrival_.arrived_ns); }, arrival_.message);
-  }
-  const std::int64_t malformed = connection_.get_malformed();
-  if (malformed != malformed_) rejects_.add(Reject::kMalformed, malformed - malformed_);
-  malformed_ = malformed;
-}
-
-void Executive::handle(const HelloAckMessage& answer, std::int64_t) noexcept {
-  const Handshake::Outcome outcome = handshake_.receive(answer, clock_.get_ns());
-  if (outcome.reject) rejects_.add(*outcome.reject);
-  if (outcome.verdict) publisher_.publish_verdict(*outcome.reject, answer.participant, answer.sequence, -1, -1);
-  if (outcome.restarted != nullptr) commands_.remove(*outcome.restarted);
-  if (!outcome.notice.empty()) publisher_.publish_notice(outcome.notice, get_name(answer.name));
-}
-
-void Executive::handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept {
-  Participant* const sender = command.session == options_.session ? participants_.find(command.participant) : nullptr;
-  if (sender != nullptr) resume(*sender);
-  command_ns_ = arrived_ns;
-  const bool in_time = !is_realtime() || !cutoff_ns_ || arrived_ns <= *cutoff_ns_;
-  const std::int64_t tick = simulation_.get_tick();
-  const CommandQueue::Outcome outcome = commands_.add(command, sender, in_time ? tick : tick + 1);
-  if (outcome.repeated) return;
-  if (outcome.reason) {
-    publisher_.publish_verdict(*outcome.reason, command.participant, command.sequence, command.channel,
-                               outcome.applied_tick);
-  }
-  if (outcome.displaced) {
-    publisher_.publish_verdict(Reject::kNoPlace, command.participant, outcome.displaced->sequence,
-                               outcome.displaced->channel, -1);
-  }
-  const bool is_known = outcome.reason == Reject::kDuplicate || outcome.reason == Reject::kJump;
-  if (sender != nullptr && !is_known) sender->news_ns = arrived_ns;
-}
-
-void Executive::handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept {
-  if (ack.session != options_.session) return rejects_.add(Reject::kWrongSession);
-  Participant* const sender = participants_.find(ack.participant);
-  if (sender == nullptr || sender->standing == Participant::Standing::kEvicted) {
-    return rejects_.add(Reject::kUnknownParticipant);
-  }
-  const bool sane = ack.tick >= 0 && ack.tick <= simulation_.get_tick() && ack.last_command >= 0 &&
-                    ack.command_count >= 0 && ack.command_count <= SeenCommands::kWindow;
-  if (!sane) return rejects_.add(Reject::kMalformed);
-  resume(*sender);
-  liveness_.receive(ack, *sender, arrived_ns, clock_.get_ns());
-}
-
-// Another simulator, or our own messages come back.
-void Executive::handle(const HelloMessage& other, std::int64_t) noexcept {
-  const bool is_over = other.status >= static_cast<std::int32_t>(RunStatus::kDone);
-  if (other.session == options_.session || other.session == 0 || is_over) return;
-  const bool is_news = other.session != other_.session;
-  other_ = other;
-  if (is_news) publisher_.publish_notice(kOtherSimulator, get_name(other.scenario));
-}
-
-void Executive::resume(Participant& participant) noexcept {
-  if (liveness_.resume(participant, clock_.get_ns())) publisher_.publish_notice(kResumed, participant.name);
-}
-
-// A required participant has not answered in time, or leaves: the policy is applied.
-Executive::Next Executive::lose(Participant& participant) noexcept {
-  const Policy policy = liveness_.get_policy();
-  char name[kNameLength] = {};
-  const std::string_view policy_name = get_text(policy);
-  kPolicyPrefix.copy(name, kPolicyPrefix.size());
-  policy_name.copy(name + kPolicyPrefix.size(), sizeof name - kPolicyPrefix.size() - 1);
-  publisher_.publish_notice(name, participant.name);
-  const bool left = liveness_.lose(participant);
-  if (policy == Policy::kPause) return pause(participant);
-  if (policy == Policy::kAbort) {
-    return stop("the flight software '" + participant.name + "' " + (left ? "has left" : "did not answer in time") +
-                " (policy: abort)");
-  }
-  commands_.remove(participant);
-  // Concerns the channels that the lost participant has set, and those without a commander.
-  const std::vector<Channel>& channels = simulation_.model().channels;
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (commanders_[i] != &participant && commanders_[i] != nullptr) continue;
-    const std::optional<double> value = calc_policy_value(policy, channels[i]);
-    if (!value) continue;
-    set_channel({.channel = static_cast<std::int32_t>(i),
-                 .cause = ChangeCause::kPolicy,
-                 .participant = participants_.get_index(participant),
-                 .sequence = 0,
-                 .value = *value});
-  }
-  return Next::kStep;
-}
-
-void Executive::set_channel(const LogChange& change) noexcept {
-  const auto channel = static_cast<std::size_t>(change.channel);
-  const bool is_fault = change.cause == ChangeCause::kFault;
-  if (channel_faults_ && !is_fault) {
-    if (!channel_faults_->command(channel, change.value, simulation_.channels()[channel])) return;
-  }
-  if (simulation_.set_channel(channel, change.value)) recorder_.change(change);
-}
-
-// --- Outputs --------------------------------------------------------------------------------------------------------
-
-void Executive::publish_health(std::int64_t now_ns) noexcept {
-  HealthMessage health;
-  health.wall_ns = started_ns_ ? now_ns - *started_ns_ : 0;
-  health.step_p50_ns = timing_.step.calc_percentile(0.5);
-  health.step_max_ns = timing_.step.get_max();
-  health.wakeup_p50_ns = timing_.wakeup.calc_percentile(0.5);
-  health.wakeup_max_ns = timing_.wakeup.get_max();
-  health.overruns = timing_.get_overruns();
-  health.dropped = calc_dropped();
-  health.late = commands_.get_late();
-  health.missing = participants_.count_missing();
-  health.rejected = rejects_.by_reason;
-  publisher_.publish_health(health);
-  health_ns_ = now_ns;
-}
-
-void Executive::publish_reactions(std::int64_t now_ns) noexcept {
-  publisher_.publish_reactions();
-  reactions_ns_ = now_ns;
-}
-
-// At the beginning of each tick, before its State is published.
-void Executive::begin_faults() noexcept {
-  const MayWait without_deadlines(!is_realtime());
-  const auto end_freeze = [this](Participant& participant) {
-    publish_faults();
-    resume(participant);
-  };
-  options_.faults->begin_tick(simulation_.get_tick(), clock_.get_ns(), participants_, end_freeze);
-  publish_faults();
-  for (std::size_t i = 0; i < simulation_.channels().size(); ++i) {
-    set_channel({.channel = static_cast<std::int32_t>(i),
-                 .cause = ChangeCause::kFault,
-                 .participant = -1,
-                 .sequence = 0,
-                 .value = channel_faults_->calc_value(i, simulation_.channels()[i])});
-  }
-}
-
-void Executive::publish_faults() noexcept {
-  FaultNotice notice;
-  while (options_.faults->take_notice(notice)) publisher_.publish_notice(notice.name, notice.fault->subject);
-}
-
-std::int64_t Executive::calc_dropped() const noexcept {
-  return connection_.get_dropped_out() + connection_.get_dropped_in();
-}
-
 // --- The beginning and the end: nothing here is in the cycle --------------------------------------------------------
 
 std::optional<std::string> Executive::begin() {
-  const auto begin_faults_if_any = [this] {
-    if (options_.faults != nullptr) begin_faults();
-  };
   if (options_.pace == Pace::kFast) {
     announcer_.send_all();
-    begin_faults_if_any();
+    begin_faults();
   } else {
     const SessionStart start({.options = options_,
                               .clock = clock_,
@@ -414,10 +296,9 @@ std::optional<std::string> Executive::begin() {
                               .participants = participants_,
                               .liveness = liveness_,
                               .exchange = exchange_,
-                              .other = other_,
+                              .reception = reception_,
                               .stop = stop_,
-                              .receive = [this] { receive(); },
-                              .begin_faults = begin_faults_if_any,
+                              .begin_faults = [this] { begin_faults(); },
                               .timeout_ns = options_.start_timeout_ns,
                               .resend_ns = options_.resend_ns});
     if (auto failure = start.run(hash_)) return failure;
@@ -427,10 +308,13 @@ std::optional<std::string> Executive::begin() {
   }
   announcer_.set_status(RunStatus::kRunning);
   handshake_.begin_run();
-  started_ns_ = health_ns_ = clock_.get_ns();
+  const std::int64_t started_ns = clock_.get_ns();
+  health_.begin_run(started_ns);
   if (options_.pace == Pace::kFast) {
     exchange_.publish(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning, hash_);
   }
+  timing_.begin_counts();
+  ticks_.restart(started_ns);
   return std::nullopt;
 }
 
@@ -459,49 +343,26 @@ LogEnd Executive::conclude_stop() {
 }
 
 LogEnd Executive::conclude(RunStatus status, std::string message) {
-  if (options_.faults != nullptr) publish_faults();
-  beat(Place::kEnding);
+  publisher_.publish_fault_notices();
+  heartbeat_.beat(RunPlace::kEnding);
   announcer_.set_status(status);
   announcer_.send_farewell();
-  while (announcer_.send_unsent_source_part()) beat(Place::kEnding);
+  while (announcer_.send_unsent_source_part()) heartbeat_.beat(RunPlace::kEnding);
   for (int i = 0; i < kFinalStates; ++i) {
     exchange_.resend(status);
     clock_.sleep_until_ns(clock_.get_ns() + kFinalInterval_ns);
   }
   publisher_.set_resent(publisher_.get_resent() - kFinalStates);
-  publish_health(clock_.get_ns());
-  if (status != RunStatus::kFaulted) publish_reactions(clock_.get_ns());
+  health_.publish_health(clock_.get_ns());
+  if (status != RunStatus::kFaulted) health_.publish_reactions(clock_.get_ns());
 
   LogEnd end;
   end.tick = simulation_.get_tick();
   end.hash = hash_;
   end.status = status;
   end.message = std::move(message);
-  end.timing = timing_.summarize();
-  end.timing.slipped_ns = slipped_ns_;
-  end.timing.skipped_outputs = skipped_outputs_;
-  end.timing.late_commands = commands_.get_late();
-  end.timing.rejected = rejects_.by_reason;
-  end.timing.dropped = calc_dropped();
-  end.timing.resent = publisher_.get_resent();
+  end.timing = health_.summarize();
   return end;
-}
-
-// --- The watching thread --------------------------------------------------------------------------------------------
-
-void Executive::watch_counts() {
-  const std::optional<ThreadCounts> now = read_thread_counts(thread_.load(std::memory_order_relaxed));
-  if (!now) return;             // it does not run yet, or no more
-  timing_.disregard(watched_);  // not the latest: an overrun may be on its way
-  watched_ = *now;
-}
-
-std::string Executive::describe_place() const {
-  static constexpr const char* kPlaces[] = {"before the first tick", "waiting for",           "receiving the inputs of",
-                                            "in the step of",        "publishing results of", "at the end, after"};
-  const Place place = place_.load(std::memory_order_relaxed);
-  const std::string text = kPlaces[static_cast<std::size_t>(place)];
-  return place == Place::kBeginning ? text : text + " tick " + std::to_string(get_tick());
 }
 
 }  // namespace unlatch::hil

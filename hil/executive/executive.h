@@ -5,15 +5,16 @@
 //   lockstep   publish the State → wait until every required participant has answered → apply commands → step → account
 //   fast       step → publish → account
 //
-// In the loop: no allocation, lock, file or logging; it communicates through a Connection and a Recorder alone (in real
+// The loop has no allocation, lock, file or logging; it communicates through a Connection and a Recorder alone (in real
 // time the connection is two rings; in lockstep, which has no deadline to miss, it may lead to the middleware itself).
 // Wall time decides whether a participant is alive, simulated time everything else. When a required participant does
 // not answer within its limit, the scenario's policy is applied and recorded, and the run goes on without it until it
 // comes back (hold, zero, safe) or for good (evict), waits for it (pause) or ends (abort). The protocol:
 // hil/PROTOCOL.md.
 //
-// Its parts: Announcer, Handshake, Participants, Liveness and CommandQueue (hil/session), FaultyConnection and
-// ChannelFaults (hil/faults), SessionStart, StateExchange, Publisher and WarmUp (beside it).
+// Executive is the cycle alone. Its parts, each with a test of its own: Announcer, Handshake, Participants, Liveness
+// and CommandQueue (hil/session), FaultyConnection (hil/faults), SessionStart, Reception, StateExchange, ChannelWriter,
+// Publisher, HealthReporter, Heartbeat and WarmUp (beside it).
 #pragma once
 
 #include <atomic>
@@ -21,13 +22,15 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "hil/executive/channel_writer.h"
+#include "hil/executive/health_reporter.h"
+#include "hil/executive/heartbeat.h"
 #include "hil/executive/publisher.h"
+#include "hil/executive/reception.h"
 #include "hil/executive/session_start.h"
 #include "hil/executive/state_exchange.h"
 #include "hil/executive/warm_up.h"
-#include "hil/faults/channel_faults.h"
 #include "hil/faults/fault_injector.h"
 #include "hil/faults/faulty_connection.h"
 #include "hil/realtime/clock.h"
@@ -52,80 +55,59 @@ struct ExecutiveOptions : SessionOptions {
   TimingOptions timing;
   FaultInjector* faults = nullptr;                 // deliberate faults; null for none
   TickSource* ticks = nullptr;                     // real time: the source of ticks; null for the clock
-  const Clock* clock = &kMonotonicClock;           // of all times of the session
-  std::int64_t start_timeout_ns = 20'000'000'000;  // for all required participants to introduce themselves
-  std::int64_t resend_ns = 20'000'000;             // lockstep: a State without an answer is sent again
+  const Clock* clock = &kMonotonicClock;           // clock of all times of the session
+  std::int64_t start_timeout_ns = 20'000'000'000;  // limit for the introductions of all required participants
+  std::int64_t resend_ns = 20'000'000;             // lockstep: interval of States without an answer
   std::int64_t announce_ns = 10'000'000;           // Announcer: one message of Hello and the catalog, one of the source
 };
 
 class Executive {
  public:
-  // All must outlive the executive. `scenario` is the name that participants get.
+  // All arguments but `options` must outlive the executive. `scenario` is the name that participants get.
   Executive(Simulation& simulation, Connection& connection, Recorder& recorder, const std::string& scenario,
             const ExecutiveOptions& options);
 
-  // From the introductions to the end, on the calling thread.
+  // Runs from the introductions to the end, on the calling thread.
   [[nodiscard]] LogEnd run();
 
-  // From any thread, or a signal handler: the run ends, as aborted, within a tick or some milliseconds.
+  // Ends the run, as aborted, within a tick or some milliseconds. Any thread, or a signal handler.
   void request_stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
-  // For one watching thread.
-  [[nodiscard]] std::int64_t get_tick() const noexcept { return tick_.load(std::memory_order_relaxed); }
+  // One watching thread.
+  [[nodiscard]] std::int64_t get_tick() const noexcept { return heartbeat_.get_tick(); }
   [[nodiscard]] bool take_notice(EventMessage& event) noexcept { return publisher_.take_notice(event); }
-  // The watching thread, once a second or so: page faults and preemptions of the cyclic thread before the call before
-  // this one explain no later overrun (without it: before the last overrun). Not for the cyclic thread, which makes no
-  // system calls for it.
-  void watch_counts();
-  // For a watchdog: changes as long as the cyclic thread runs; and its place, "in the step of tick 412".
-  [[nodiscard]] const std::atomic<std::int64_t>& get_beats() const noexcept { return beats_; }
-  [[nodiscard]] std::string describe_place() const;
+  // Call about once a second from the watching thread. Counts before the previous call are ignored: page faults and
+  // preemptions until then explain no later overrun. The cyclic thread makes no system calls for it.
+  void watch_counts() { timing_.watch_counts(); }
+  // Sign of life, for a watchdog.
+  [[nodiscard]] const std::atomic<std::int64_t>& get_beats() const noexcept { return heartbeat_.get_beats(); }
+  [[nodiscard]] std::string describe_place() const { return heartbeat_.describe_place(); }
 
  private:
   enum class Next { kStep, kStop };
-  enum class Place : std::int32_t { kBeginning, kWaiting, kReceiving, kStepping, kPublishing, kEnding };
 
-  // The beginning: the reason why the run cannot start, none if its clock has.
+  // Reason why the run cannot start, none if its clock has.
   std::optional<std::string> begin();
 
   // The cycle.
   Next await_tick() noexcept;
   Next wait_realtime() noexcept;
   Next wait_lockstep() noexcept;
+  Next lose(Participant& participant) noexcept;
   Next pause(Participant& participant) noexcept;
   Next cycle() noexcept UNLATCH_NONBLOCKING;
   void apply_commands() noexcept UNLATCH_NONBLOCKING;
+  void begin_faults() noexcept;
   void publish(const StepReport& report) noexcept UNLATCH_NONBLOCKING;
   Next account(std::int64_t step_end_ns) noexcept UNLATCH_NONBLOCKING;
   Next account_overrun(std::int64_t now_ns) noexcept UNLATCH_NONBLOCKING;
-
-  // Inputs.
-  void receive() noexcept UNLATCH_NONBLOCKING;
-  void handle(const HelloAckMessage& answer, std::int64_t arrived_ns) noexcept;
-  void handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept;
-  void handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept;
-  void handle(const HelloMessage& other, std::int64_t arrived_ns) noexcept;
-  void resume(Participant& participant) noexcept;
-  [[nodiscard]] Next lose(Participant& participant) noexcept;
-  void set_channel(const LogChange& change) noexcept;
-
-  // Outputs.
-  void publish_health(std::int64_t now_ns) noexcept;
-  void publish_reactions(std::int64_t now_ns) noexcept;
-  void begin_faults() noexcept;
-  void publish_faults() noexcept;
 
   // The end.
   LogEnd conclude(RunStatus status, std::string message);
   LogEnd conclude_stop();
 
   [[nodiscard]] bool is_realtime() const noexcept { return options_.pace == Pace::kRealtime; }
-  [[nodiscard]] std::int64_t calc_dropped() const noexcept;
   Next stop(std::string message) noexcept;
-  void beat(Place place) noexcept {
-    place_.store(place, std::memory_order_relaxed);
-    beats_.fetch_add(1, std::memory_order_relaxed);
-  }
 
   const ExecutiveOptions options_;
   const Clock& clock_;
@@ -133,10 +115,10 @@ class Executive {
   Recorder& recorder_;
 
   Timing timing_;
+  Heartbeat heartbeat_;
   Participants participants_;
   RejectCounts rejects_;
   std::unique_ptr<FaultyConnection> faulty_connection_;
-  std::optional<ChannelFaults> channel_faults_;
   Connection& connection_;  // the faulty one, if there is a fault script
   Announcer announcer_;
   Handshake handshake_;
@@ -144,31 +126,20 @@ class Executive {
   CommandQueue commands_;
   Publisher publisher_;
   StateExchange exchange_;
-  HelloMessage other_;                          // the latest of another simulator; its session is 0 until one is heard
-  std::vector<const Participant*> commanders_;  // of each channel: the sender of its latest command, or null
+  Reception reception_;
+  ChannelWriter channels_;
+  HealthReporter health_;
 
   const std::unique_ptr<TickSource> own_ticks_;
   TickSource& ticks_;
   WarmUp warm_up_;
-  TickTiming now_;             // the tick that is being made
-  StepReport last_report_;     // why the run stops, if it was the step
-  bool overrun_ends_ = false;  // why the run stops, if it was an overrun
+  TickTiming now_;                          // account of the present tick
+  std::int64_t hash_ = 0;                   // hash of the present state
+  std::optional<std::int64_t> applied_ns_;  // arrival of the latest command that was applied, until the next State
+  StepReport last_report_;                  // report of the latest step
+  bool overrun_ends_ = false;               // the run stops because of an overrun
   std::string end_message_;
-  std::int64_t slipped_ns_ = 0, skipped_outputs_ = 0;
-  std::int64_t hash_ = 0;
-  std::int64_t malformed_ = 0;                            // of the connection, already counted
-  Arrival arrival_;                                       // scratch
-  std::optional<std::int64_t> started_ns_;                // time of the first tick's State
-  std::optional<std::int64_t> health_ns_, reactions_ns_;  // time of the latest
-  std::optional<std::int64_t> cutoff_ns_;                 // real time: commands that arrive later are for the next tick
-  std::optional<std::int64_t> command_ns_;                // arrival of the latest command
-  std::optional<std::int64_t> applied_ns_;  // arrival of the latest that was applied, until the next State
-
   std::atomic<bool> stop_{false};
-  std::atomic<std::int64_t> tick_{0}, beats_{0};
-  std::atomic<Place> place_{Place::kBeginning};
-  std::atomic<pid_t> thread_{0};  // that runs
-  ThreadCounts watched_;          // watching thread
 };
 
 }  // namespace unlatch::hil

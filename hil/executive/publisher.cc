@@ -64,6 +64,12 @@ void Publisher::publish_notice(std::string_view name, std::string_view subject) 
   if (is_notice(event)) notices_.try_enqueue(event);
 }
 
+void Publisher::publish_fault_notices() noexcept {
+  if (faults_ == nullptr) return;
+  FaultNotice notice;
+  while (faults_->take_notice(notice)) publish_notice(notice.name, notice.fault->subject);
+}
+
 // "overrun.step", "1204 us late: woken 3, inputs 2, step 1180, outputs 19 us"; the part that does not fit is left out.
 void Publisher::publish_overrun(const Overrun& overrun) noexcept {
   char text[160], name[kNameLength];

@@ -1,5 +1,5 @@
-// The messages that a run publishes: State, Event, Health, Verdict, Reactions. It numbers them, sends them, and records
-// those that belong into a recording. Fixed memory.
+// Messages that a run publishes: State, Event, Health, Verdict, Reactions. The publisher numbers them, sends them, and
+// records those of a recording. Fixed memory.
 #pragma once
 
 #include <readerwriterqueue/readerwritercircularbuffer.h>
@@ -19,24 +19,26 @@ namespace unlatch::hil {
 
 class Publisher {
  public:
-  // `faults`: what distorts sensor values, or null. All must outlive it.
+  // `faults` distort sensor values; null for none. All must outlive it.
   Publisher(const Simulation& simulation, Recorder& recorder, Connection& connection, FaultInjector* faults,
             std::int64_t session);
 
-  // The State of the simulation's tick, all parts; recorded if it is due or the run does not go on.
+  // Sends the State of the simulation's tick, all parts; records it if it is due or the run does not go on.
   void publish_state(RunStatus status, std::int64_t hash) noexcept;
-  // The same once more, with the same sequence number.
+  // Sends the State once more, with the same sequence number.
   void resend_state(RunStatus status) noexcept;
 
   // An event of the model that fired in the step to this tick.
   void publish_event(const FiredEvent& fired) noexcept;
   // An event of the session: a participant, a policy, a fault. take_notice() gives it to people as well.
   void publish_notice(std::string_view name, std::string_view subject) noexcept;
+  // Notices of the faults that have begun, ended or hit a message since the last call.
+  void publish_fault_notices() noexcept;
   void publish_overrun(const Overrun& overrun) noexcept;
 
   // Completes the message with session, sequence number, time and States resent.
   void publish_health(HealthMessage health) noexcept;
-  // Of the last step that was made; all parts of a tick at once.
+  // Sends the reactions of the latest step, all parts at once.
   void publish_reactions() noexcept;
 
   // The answer to a message that was refused, or late. At most kVerdictsPerTick between two calls of begin_tick().
@@ -46,7 +48,7 @@ class Publisher {
   void publish_missing(std::int32_t participant, std::int64_t first, std::int64_t count) noexcept;
   void begin_tick() noexcept { verdicts_left_ = kVerdictsPerTick; }
 
-  // For one other thread.
+  // One other thread.
   [[nodiscard]] bool take_notice(EventMessage& event) noexcept { return notices_.try_dequeue(event); }
 
   [[nodiscard]] std::int64_t get_resent() const noexcept { return resent_; }
@@ -57,7 +59,7 @@ class Publisher {
  private:
   void send_state_part(std::int32_t part, RunStatus status) noexcept;
   void send_verdict(VerdictMessage verdict) noexcept;
-  // `tick`: at whose step it happened.
+  // `tick`: the step in which it happened.
   void publish(EventMessage& event, std::int64_t tick, double time) noexcept;
 
   const Simulation& simulation_;
@@ -65,7 +67,7 @@ class Publisher {
   Connection& connection_;
   FaultInjector* const faults_;
   const std::int64_t session_, dt_ns_;
-  const std::vector<EventMessage> model_events_;  // name and subject of each
+  const std::vector<EventMessage> model_events_;  // name and subject of each event
 
   StateMessage state_;          // scratch
   ReactionsMessage reactions_;  // scratch

@@ -1,7 +1,5 @@
 #include "hil/executive/session_start.h"
 
-#include "hil/messages/event_names.h"
-
 namespace unlatch::hil {
 namespace {
 
@@ -18,7 +16,7 @@ std::optional<std::string> SessionStart::run(std::int64_t hash) const {
 }
 
 void SessionStart::poll() const {
-  parts_.receive();
+  parts_.reception.receive();
   parts_.clock.sleep_until_ns(parts_.clock.get_ns() + kPoll_ns);
 }
 
@@ -26,21 +24,21 @@ void SessionStart::poll() const {
 
 std::optional<std::string> SessionStart::listen() const {
   const std::int64_t end_ns = parts_.clock.get_ns() + parts_.options.listen_ns;
-  while (parts_.clock.get_ns() < end_ns && parts_.other.session == 0 && !is_stopped()) poll();
-  if (parts_.other.session == 0 || parts_.options.beside_others) return std::nullopt;
+  while (parts_.clock.get_ns() < end_ns && get_other().session == 0 && !is_stopped()) poll();
+  if (get_other().session == 0 || parts_.options.beside_others) return std::nullopt;
   return describe_other();
 }
 
-// Of two that begin at the same time, the one with the larger number.
+// The session with the larger number, of two that begin at the same time.
 bool SessionStart::gives_way() const noexcept {
-  if (parts_.other.session == 0 || parts_.options.beside_others) return false;
-  return parts_.other.status != static_cast<std::int32_t>(RunStatus::kDiscover) ||
-         parts_.other.session < parts_.options.session;
+  if (get_other().session == 0 || parts_.options.beside_others) return false;
+  return get_other().status != static_cast<std::int32_t>(RunStatus::kDiscover) ||
+         get_other().session < parts_.options.session;
 }
 
 std::string SessionStart::describe_other() const {
-  return "another simulator is here: scenario '" + std::string(get_name(parts_.other.scenario)) + "', session " +
-         std::to_string(parts_.other.session) +
+  return "another simulator is here: scenario '" + std::string(get_name(get_other().scenario)) + "', session " +
+         std::to_string(get_other().session) +
          "; flight software would not know which of them it belongs to. End it, use another network (--domain; LCM: "
          "the port in --lcm-url), or give this one and its flight software one --session NUMBER";
 }
@@ -73,13 +71,13 @@ bool SessionStart::wait_for_introductions(std::int64_t deadline_ns) const {
 
 // --- State 0 is answered --------------------------------------------------------------------------------------------
 
-// It is sent until all required participants have answered it, so that each topic is known to work in both directions
-// before the clock starts.
+// State 0 is sent until all required participants have answered it, so that each topic is known to work in both
+// directions before the clock starts.
 std::optional<std::string> SessionStart::exchange_first_state(std::int64_t hash) const {
   const std::int64_t give_up_ns = parts_.clock.get_ns() + parts_.timeout_ns;
   parts_.begin_faults();
   parts_.exchange.publish(RunStatus::kConfigured, hash);
-  while (parts_.receive(), !parts_.exchange.is_answered(parts_.clock.get_ns())) {
+  while (parts_.reception.receive(), !parts_.exchange.is_answered(parts_.clock.get_ns())) {
     if (is_stopped()) return kInterrupted;
     const std::int64_t now_ns = parts_.clock.get_ns();
     if (now_ns > give_up_ns || !parts_.participants.is_complete()) {
@@ -88,7 +86,7 @@ std::optional<std::string> SessionStart::exchange_first_state(std::int64_t hash)
              " has introduced itself, but does not answer State 0: does it receive the State and send StepAck?";
     }
     parts_.announcer.announce(now_ns);
-    if (now_ns - parts_.exchange.get_quiet_since_ns(parts_.liveness.get_sent_ns()) >= parts_.resend_ns) {
+    if (now_ns - parts_.exchange.get_quiet_since_ns(*parts_.liveness.get_sent_ns()) >= parts_.resend_ns) {
       parts_.exchange.repeat(RunStatus::kConfigured);
       parts_.liveness.restart_round_trip(now_ns);
     }

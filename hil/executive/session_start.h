@@ -1,5 +1,5 @@
 // The start of a session, before its clock: no other simulator is here, the required flight software introduces itself,
-// and it answers State 0. Nothing of it is in the cycle: it sleeps, allocates and waits.
+// and it answers State 0. The start is not in the cycle: it sleeps, allocates and waits.
 #pragma once
 
 #include <atomic>
@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "hil/executive/reception.h"
 #include "hil/executive/state_exchange.h"
-#include "hil/messages/messages.h"
 #include "hil/realtime/clock.h"
 #include "hil/session/announcer.h"
 #include "hil/session/handshake.h"
@@ -21,7 +21,7 @@ namespace unlatch::hil {
 
 class SessionStart {
  public:
-  // References to the parts that it works with; all must outlive it.
+  // Parts of the session; all must outlive the start.
   struct Parts {
     const SessionOptions& options;
     const Clock& clock;
@@ -30,17 +30,17 @@ class SessionStart {
     const Participants& participants;
     Liveness& liveness;
     StateExchange& exchange;
-    const HelloMessage& other;           // the latest of another simulator; its session is 0 until one is heard
-    const std::atomic<bool>& stop;       // the run shall end
-    std::function<void()> receive;       // handles what has arrived
-    std::function<void()> begin_faults;  // of tick 0, before its State
-    std::int64_t timeout_ns, resend_ns;  // for introductions, and for answers; between two States without an answer
+    Reception& reception;
+    const std::atomic<bool>& stop;       // set: the run ends
+    std::function<void()> begin_faults;  // faults of tick 0, before its State
+    std::int64_t timeout_ns;             // limit for introductions, and for answers
+    std::int64_t resend_ns;              // interval of States without an answer
   };
 
   explicit SessionStart(const Parts& parts) : parts_(parts) {}
 
-  // From listening to the answers to State 0, whose hash is `hash`. Returns the reason why the session cannot start,
-  // none if it can.
+  // Listens, introduces, exchanges State 0, whose hash is `hash`. Returns the reason why the session cannot start, none
+  // if it can.
   [[nodiscard]] std::optional<std::string> run(std::int64_t hash) const;
 
  private:
@@ -50,8 +50,9 @@ class SessionStart {
   [[nodiscard]] bool wait_for_introductions(std::int64_t deadline_ns) const;
   [[nodiscard]] bool gives_way() const noexcept;
   [[nodiscard]] std::string describe_other() const;
+  [[nodiscard]] const HelloMessage& get_other() const noexcept { return parts_.reception.get_other(); }
   [[nodiscard]] bool is_stopped() const noexcept { return parts_.stop.load(std::memory_order_relaxed); }
-  // Takes what has arrived, then sleeps.
+  // Takes in the messages that have arrived, then sleeps.
   void poll() const;
 
   const Parts parts_;

@@ -43,7 +43,8 @@ bool StateExchange::is_answered(std::int64_t now_ns) noexcept {
 std::int64_t StateExchange::get_quiet_since_ns(std::int64_t sent_ns) const noexcept {
   for (const Participant& participant : participants_.all()) {
     if (!participant.required || !participant.is_present()) continue;
-    if (!participant.has_answered(liveness_.get_tick())) sent_ns = std::max(sent_ns, participant.news_ns);
+    if (participant.has_answered(liveness_.get_tick())) continue;
+    sent_ns = std::max(sent_ns, participant.news_ns.value_or(sent_ns));
   }
   return sent_ns;
 }

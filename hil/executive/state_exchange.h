@@ -27,11 +27,11 @@ class StateExchange {
         publisher_(publisher),
         round_trip_(round_trip) {}
 
-  // The State of the simulation's tick, for the first time: from now on each participant owes an answer.
+  // Sends the State of the simulation's tick for the first time: from now on each participant owes an answer.
   void publish(RunStatus status, std::int64_t hash) noexcept;
-  // The same State once more. It asks for nothing.
+  // Sends the State once more. Asks for nothing.
   void resend(RunStatus status) noexcept;
-  // The same State once more, for those that have not answered it; asks them for the commands that are missing.
+  // Sends the State once more, to participants without an answer; asks them for the commands that are missing.
   void repeat(RunStatus status) noexcept;
 
   // True when all required participants that take part have answered.

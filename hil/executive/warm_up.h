@@ -13,11 +13,11 @@ namespace unlatch::hil {
 
 class WarmUp {
  public:
-  // Makes a warm-up step if `left_ns`, the time until the tick, is more than one and a half times what the last one
-  // took.
+  // Makes a warm-up step if `left_ns`, the time until the tick, is more than one and a half times the duration of the
+  // latest.
   void run(Simulation& simulation, const Clock& clock, std::int64_t left_ns) noexcept UNLATCH_NONBLOCKING {
     if (left_ns <= duration_ns_ + duration_ns_ / 2) {
-      duration_ns_ /= 2;  // it may have been longer than usual
+      duration_ns_ /= 2;  // the latest may have been longer than usual
       return;
     }
     const std::int64_t begin_ns = clock.get_ns();
@@ -30,8 +30,8 @@ class WarmUp {
   [[nodiscard]] bool has_ended_after(std::int64_t due_ns) const noexcept { return ended_ns_ && *ended_ns_ > due_ns; }
 
  private:
-  std::int64_t duration_ns_ = 0;          // of the latest
-  std::optional<std::int64_t> ended_ns_;  // time of its end
+  std::int64_t duration_ns_ = 0;          // duration of the latest
+  std::optional<std::int64_t> ended_ns_;  // end of the latest
 };
 
 }  // namespace unlatch::hil

@@ -11,7 +11,7 @@ namespace unlatch::hil {
 
 class ChannelFaults {
  public:
-  // `channels`: the values at the beginning. `faults` must outlive it.
+  // `channels`: values at the beginning. `faults` must outlive it.
   ChannelFaults(FaultInjector& faults, std::span<const double> channels)
       : faults_(faults), commanded_(channels.begin(), channels.end()) {}
 
@@ -20,7 +20,7 @@ class ChannelFaults {
     commanded_[channel] = value;
     return !faults_.get_forced(channel, now);
   }
-  // The value that the channel, at `now`, has from this tick on: the fault's, or the latest commanded.
+  // Value that the channel, at `now`, has from this tick on: the fault's, or the latest commanded.
   [[nodiscard]] double calc_value(std::size_t channel, double now) noexcept {
     return faults_.get_forced(channel, now).value_or(commanded_[channel]);
   }

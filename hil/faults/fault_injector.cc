@@ -2,26 +2,20 @@
 
 #include <algorithm>
 
+#include "hil/messages/event_names.h"
+
 namespace unlatch::hil {
 namespace {
 
 using Kind = Fault::Kind;
 
-constexpr std::array<std::string_view, 11> kBegun{"fault.message.drop",
-                                                  "fault.message.delay",
-                                                  "fault.message.duplicate",
-                                                  "fault.message.reorder",
-                                                  "fault.message.corrupt",
-                                                  "fault.freeze",
-                                                  "fault.kill",
-                                                  "fault.stick",
-                                                  "fault.bias",
-                                                  "fault.dead",
-                                                  "fault.jam"};
-constexpr std::array<std::string_view, 11> kEnded{
-    "", "", "", "", "", "fault.freeze.end", "", "fault.stick.end", "fault.bias.end", "fault.dead.end", "fault.jam.end"};
+// Name of the Event when a fault of this kind begins or hits a message.
+std::string make_event_name(const Fault& fault) {
+  const std::string_view prefix = fault.is_of_messages() ? kMessageFaultPrefix : kFaultPrefix;
+  return std::string(prefix) + kFaultNames[static_cast<std::size_t>(fault.kind)];
+}
 
-// splitmix64: the next of a sequence whose members look random.
+// splitmix64: next number of a pseudo-random sequence.
 std::uint64_t mix(std::uint64_t seed, std::uint64_t value) noexcept {
   std::uint64_t bits = seed + 0x9e3779b97f4a7c15U * (value + 1);
   bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9U;
@@ -45,7 +39,7 @@ std::int32_t get_id(const Message& message) noexcept {
   }
 }
 
-// The identity of a message, which its repetitions share: kind, sender, number. Not the number that a participant draws
+// Identity of a message, which its repetitions share: kind, sender, number. Not the number that a participant draws
 // at random when it starts.
 std::uint64_t calc_identity(const Message& message, std::string_view from) noexcept {
   std::uint64_t identity = mix(mix(0, static_cast<std::uint64_t>(message.kind)), from);
@@ -70,6 +64,8 @@ FaultInjector::FaultInjector(const FaultScript& script) : seed_(script.seed) {
   for (const Fault& fault : script.faults) {
     Active& active = faults_.emplace_back();
     active.fault = fault;
+    active.name = make_event_name(fault);
+    active.end_name = active.name + ".end";
     active.stuck.resize(fault.values.size());
     active.known.resize(fault.values.size());
   }
@@ -100,7 +96,7 @@ bool FaultInjector::take_notice(FaultNotice& notice) noexcept {
 void FaultInjector::end(Active& active) noexcept {
   active.on = false;
   active.over = true;
-  notify(kEnded[static_cast<std::size_t>(active.fault.kind)], active);
+  notify(active.end_name, active);
 }
 
 bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants& participants) noexcept {
@@ -114,7 +110,7 @@ bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants&
     active.on = true;
     active.since_ns = now_ns;
     if (participant != nullptr && fault.kind == Kind::kKill) active.id = participant->id;
-    notify(kBegun[static_cast<std::size_t>(fault.kind)], active);
+    notify(active.name, active);
   } else if (active.on && tick_ > fault.last_tick && fault.kind != Kind::kKill) {
     end(active);
     return fault.kind == Kind::kFreeze;
@@ -124,7 +120,7 @@ bool FaultInjector::update(std::size_t index, std::int64_t now_ns, Participants&
 
 // --- Messages -------------------------------------------------------------------------------------------------------
 
-// Nothing is received from a participant that is frozen, or from the start of one that was killed.
+// True for messages of a participant that is frozen, or of a start that was killed.
 bool FaultInjector::is_muted(const Message& message, std::string_view from) const noexcept {
   return std::any_of(faults_.begin(), faults_.end(), [&](const Active& active) {
     if (!active.on || active.fault.participant != from) return false;
@@ -132,7 +128,7 @@ bool FaultInjector::is_muted(const Message& message, std::string_view from) cons
   });
 }
 
-// The number of times this message was sent before at this tick.
+// Number of times that this message was sent before at this tick.
 std::int32_t FaultInjector::count_attempt(std::uint64_t identity) noexcept {
   for (std::size_t i = 0; i < attempts_.size(); ++i) {
     Attempts& attempts = attempts_[(identity + i) % attempts_.size()];
@@ -153,11 +149,11 @@ bool FaultInjector::hits(std::size_t index, const Message& message, std::uint64_
   const std::uint64_t bits = mix(mix(seed_, index), draw);
   if (static_cast<double>(bits >> 11) * kUnit >= fault.probability) return false;
   ++active.hit_count;
-  notify(kBegun[static_cast<std::size_t>(fault.kind)], active);
+  notify(active.name, active);
   return true;
 }
 
-// Flips bits of the encoded message, past the fingerprint as well as in it. False when it cannot be read any more.
+// Flips bits of the encoded message, fingerprint included. False if it cannot be read any more.
 bool FaultInjector::corrupt(Message& message, int bits, std::uint64_t seed) noexcept {
   std::array<std::uint8_t, kMaxWireBytes> bytes;
   const std::size_t length = encode(message, bytes);
@@ -197,7 +193,7 @@ void FaultInjector::offer(Direction direction, const Message& message, std::int6
     held.push_back(next);
   }
   if (next.awaits_another || held.size() == 1) return;
-  // It has overtaken those that were to be reordered.
+  // This message has overtaken those that were to be reordered.
   auto end = held.end();
   for (auto one = held.begin(); one != end;) {
     if (!one->awaits_another) {

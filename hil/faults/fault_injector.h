@@ -1,10 +1,11 @@
-// Makes the faults of a script happen. They depend on the seed, the tick and the message alone, never on wall time or
-// on the order of arrival. Fixed memory after construction; used by the cyclic thread.
+// Faults of a script in action. They depend on the seed, the tick and the message alone, never on wall time or on the
+// order of arrival. Fixed memory after construction; used by the cyclic thread.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace unlatch::hil {
 
 enum class Direction { kIn, kOut };
 
-// A fault began, ended, or hit a message; to be published as an Event.
+// Notice that a fault began, ended, or hit a message; to be published as an Event.
 struct FaultNotice {
   std::string_view name;  // "fault.freeze", "fault.freeze.end", "fault.message.drop"
   const Fault* fault = nullptr;
@@ -25,7 +26,7 @@ class FaultInjector {
  public:
   explicit FaultInjector(const FaultScript& script);
 
-  // A tick begins: faults begin and end. `resume(participant)` is called for one whose freeze is over.
+  // Begins a tick: faults begin and end. `resume(participant)` is called for one whose freeze is over.
   template <class Resume>
   void begin_tick(std::int64_t tick, std::int64_t now_ns, Participants& participants, Resume&& resume) noexcept {
     tick_ = tick;
@@ -34,7 +35,7 @@ class FaultInjector {
       if (update(i, now_ns, participants)) resume(*participants.find(std::string_view(faults_[i].fault.participant)));
     }
   }
-  // Freezes that are limited in wall time: they may end within a tick.
+  // Ends freezes that are limited in wall time, also within a tick.
   template <class Resume>
   void end_timed_freezes(std::int64_t now_ns, Participants& participants, Resume&& resume) noexcept {
     for (Active& active : faults_) {
@@ -45,15 +46,15 @@ class FaultInjector {
     }
   }
 
-  // A message on its way; `from`: the participant that sends it. take() gives what comes of it: the message, now or
+  // Takes a message on its way; `from`: the participant that sends it. take() gives its result: the message, now or
   // later, once or several times, or nothing.
   void offer(Direction direction, const Message& message, std::int64_t arrived_ns, std::int64_t now_ns,
              std::string_view from) noexcept;
   bool take(Direction direction, std::int64_t now_ns, Message& message, std::int64_t& arrived_ns) noexcept;
 
-  // Sensors that stick or are biased, in a State that is about to be sent.
+  // Distorts sensors that stick or are biased, in a State that is about to be sent.
   void distort(StateMessage& state) noexcept;
-  // The value at which a fault holds a channel, if one does; `value`: its present value, at which it may jam.
+  // Value at which a fault holds a channel; none without a fault. `value`: its present value, at which it may jam.
   [[nodiscard]] std::optional<double> get_forced(std::size_t channel, double value) noexcept;
 
   bool take_notice(FaultNotice& notice) noexcept;
@@ -70,10 +71,11 @@ class FaultInjector {
  private:
   struct Active {
     Fault fault;
+    std::string name, end_name;  // names of its Events
     bool on = false, over = false;
     std::int64_t since_ns = 0;
     std::int64_t hit_count = 0;    // messages
-    std::int32_t id = 0;           // kill: of the start that was killed
+    std::int32_t id = 0;           // kill: number of the start that was killed
     std::vector<double> stuck;     // stick: the values, in the order of fault.values
     std::vector<bool> known;       // the value has been seen
     std::optional<double> jammed;  // jam: the value
@@ -90,7 +92,7 @@ class FaultInjector {
   };
   static constexpr std::size_t kCapacity = 512;
 
-  // True when a freeze has just ended.
+  // True if a freeze has just ended.
   bool update(std::size_t index, std::int64_t now_ns, Participants& participants) noexcept;
   void end(Active& active) noexcept;
   void notify(std::string_view name, const Active& active) noexcept;
@@ -103,10 +105,10 @@ class FaultInjector {
   const std::uint64_t seed_;
   std::vector<Active> faults_;
   std::int64_t tick_ = 0;
-  std::array<std::vector<Held>, 2> held_;  // by direction
+  std::array<std::vector<Held>, 2> held_;  // messages of each Direction
   std::array<Attempts, kCapacity> attempts_{};
   std::vector<FaultNotice> notices_;
-  std::size_t taken_ = 0;  // of these
+  std::size_t taken_ = 0;  // notices already taken
   std::int64_t malformed_ = 0, dropped_ = 0;
 };
 

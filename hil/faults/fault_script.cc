@@ -69,7 +69,7 @@ class FaultReader {
     return fault;
   }
 
-  // True for a single tick.
+  // Ticks of a fault. True for a single tick.
   bool read_ticks(const YamlNode& node, Fault& fault) {
     const auto tick = [&](const YamlNode& item) {
       const double number = read_number(item, "", 0, mistakes_);
@@ -128,7 +128,7 @@ class FaultReader {
       fault.subject = fault.participant = participant->text;
   }
 
-  // A sensor by its name: all its values; or one of them.
+  // Values of a sensor by its name, or one of them.
   void read_sensor(const YamlNode& node, Fault& fault) {
     for (std::size_t i = 0; i < values_.size(); ++i) {
       if (values_[i] == node.text || values_[i].starts_with(node.text + "."))

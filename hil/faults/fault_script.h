@@ -1,5 +1,5 @@
-// Faults on purpose: what a test engineer wants to go wrong, when, and how often, read from a YAML file. The language
-// is described in hil/scenarios/FAULTS.md.
+// Fault injection script, read from a YAML file: kinds, ticks and numbers of deliberate faults. The language is
+// described in hil/scenarios/FAULTS.md.
 #pragma once
 
 #include <cstdint>
@@ -14,33 +14,37 @@ namespace unlatch::hil {
 
 struct Fault {
   enum class Kind {
+    // Messages.
     kDrop,
     kDelay,
     kDuplicate,
     kReorder,
-    kCorrupt,  // of messages
+    kCorrupt,
+    // Participants.
     kFreeze,
-    kKill,  // of a participant
+    kKill,
+    // Sensor values, as published in State.
     kStick,
-    kBias,  // of a sensor value, as published in State
+    kBias,
+    // Actuators: command channels.
     kDead,
-    kJam,  // of an actuator, a command channel
+    kJam,
   };
   Kind kind = Kind::kDrop;
   std::int64_t first_tick = 0;
   std::int64_t last_tick = std::numeric_limits<std::int64_t>::max();  // inclusive
-  double probability = 1;                                             // of each message
-  std::int64_t count = std::numeric_limits<std::int64_t>::max();      // messages at most
+  double probability = 1;                                             // probability of each message
+  std::int64_t count = std::numeric_limits<std::int64_t>::max();      // largest number of messages
   MessageKind message = MessageKind::kState;
-  std::string participant;  // freeze, kill; of messages: the sender; empty: any
+  std::string participant;  // freeze, kill; messages: the sender; empty: any
   std::vector<int> values;  // sensor values, by their index in the catalog
   int channel = -1;
   std::int64_t delay_ticks = 0;  // delay
-  std::int64_t time_ns = 0;      // of wall time: delay; freeze, at most, 0 for no limit
-  int copies = 1;                // duplicate: beyond the one
-  int bits = 1;                  // corrupt: flipped
+  std::int64_t time_ns = 0;      // wall time: delay; limit of a freeze, 0 for none
+  int copies = 1;                // duplicate: additional copies
+  int bits = 1;                  // corrupt: flipped bits
   double offset = 0;             // bias, in the sensor's unit
-  std::string subject;           // for people: "Command fsw", "gyro.x", "nozzle1"
+  std::string subject;           // text for people: "Command fsw", "gyro.x", "nozzle1"
 
   [[nodiscard]] bool is_of_messages() const { return kind <= Kind::kCorrupt; }
   [[nodiscard]] bool is_at(std::int64_t tick) const { return tick >= first_tick && tick <= last_tick; }
@@ -52,7 +56,7 @@ struct FaultScript {
   std::vector<Fault> faults;
 };
 
-// Both throw ScenarioError with every mistake and its place. Names are those of the scenario.
+// Loaders; they throw ScenarioError with every mistake and its place. Names are those of the scenario.
 FaultScript load_faults(const std::string& path, const Scenario& scenario);
 FaultScript load_faults_text(const std::string& text, const std::string& file, const Scenario& scenario);
 

@@ -1,5 +1,5 @@
-// A connection on which the message faults of a script happen: it stands between the executive and the real one, where
-// every transport is alike.
+// Connection with the message faults of a script: it stands between the executive and the real connection, above all
+// transports.
 #pragma once
 
 #include <cstdint>
@@ -44,9 +44,9 @@ class FaultyConnection final : public Connection {
   Participants& participants_;
   const Clock& clock_;
   const std::function<void(Participant&)> resume_;
-  bool is_collected_ = false;  // arrivals have been passed to the injector; receive() hands out what comes of them
+  bool is_collected_ = false;  // arrivals have been passed to the injector; receive() gives its results
   std::int64_t collected_ns_ = 0;
-  std::optional<Arrival> other_simulator_;  // its latest Hello
+  std::optional<Arrival> other_simulator_;  // latest Hello of another simulator
   Message in_, out_;                        // scratch
   Arrival arrival_;                         // scratch
 };

@@ -1,6 +1,7 @@
 #include "hil/realtime/executive_timing.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -32,18 +33,42 @@ std::optional<ThreadCounts> read_thread_counts(pid_t thread) {
   return counts;
 }
 
+namespace {
+
+OverrunCause attribute_late_wakeup(HeldUpBy held_up_by) noexcept {
+  switch (held_up_by) {
+    case HeldUpBy::kNothing:
+      return OverrunCause::kLateWakeup;
+    case HeldUpBy::kTickBefore:
+      return OverrunCause::kBacklog;
+    case HeldUpBy::kWarmUp:
+      return OverrunCause::kWarmUp;
+  }
+  return OverrunCause::kLateWakeup;
+}
+
+}  // namespace
+
 OverrunCause attribute(const Overrun& overrun) noexcept {
   const TickTiming& t = overrun.timing;
   const std::int64_t most = std::max({t.wakeup_ns, t.input_ns, t.step_ns, t.output_ns});
-  if (most == t.wakeup_ns) {
-    static constexpr OverrunCause kWhyLate[] = {OverrunCause::kLateWakeup, OverrunCause::kBacklog,
-                                                OverrunCause::kWarmUp};
-    return kWhyLate[t.held_up];
-  }
+  if (most == t.wakeup_ns) return attribute_late_wakeup(t.held_up_by);
   if (overrun.faults_read > 0) return OverrunCause::kPageFaults;
   if (overrun.preemptions > 0) return OverrunCause::kPreempted;
   if (most == t.step_ns) return t.substeps > 1 ? OverrunCause::kEvents : OverrunCause::kStep;
   return most == t.input_ns ? OverrunCause::kInputs : OverrunCause::kOutputs;
+}
+
+void Timing::begin_counts() noexcept {
+  thread_.store(gettid(), std::memory_order_relaxed);
+  counted_ = read_thread_counts();
+}
+
+void Timing::watch_counts() {
+  const std::optional<ThreadCounts> now = read_thread_counts(thread_.load(std::memory_order_relaxed));
+  if (!now) return;     // the thread does not run yet, or no more
+  disregard(watched_);  // not the latest: an overrun may be on its way
+  watched_ = *now;
 }
 
 void Timing::disregard(const ThreadCounts& until) noexcept {
@@ -88,6 +113,8 @@ TimingSummary Timing::summarize() const {
   summary.turnaround = turnaround.summarize();
   summary.round_trip = round_trip.summarize();
   summary.overruns = overruns_;
+  summary.slipped_ns = slipped_ns;
+  summary.skipped_outputs = skipped_outputs;
   summary.overrun_causes = causes_;
   summary.worst_overruns.reserve(worst_.size());
   summary.worst_overruns.assign(worst_.begin(), worst_.begin() + static_cast<std::ptrdiff_t>(worst_count_));

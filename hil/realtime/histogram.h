@@ -24,7 +24,7 @@ class Histogram {
   [[nodiscard]] std::int64_t get_min() const noexcept { return count_ == 0 ? 0 : min_; }
   [[nodiscard]] std::int64_t get_max() const noexcept { return max_; }
 
-  // Its usual percentiles, and its buckets that are not empty. Allocates.
+  // Usual percentiles, and the buckets that are not empty. Allocates.
   [[nodiscard]] DurationSummary summarize() const;
 
  private:

@@ -1,6 +1,6 @@
-// Marks what the cyclic thread runs between two deadlines: no allocation, lock, or system call that may wait. Built
-// with clang's RealtimeSanitizer (preset `rtsan`) anything beneath a function so marked that breaks the promise ends
-// the program with a stack trace; other compilers see nothing. It stands after `noexcept`.
+// Mark of functions that the cyclic thread runs between two deadlines: no allocation, lock, or system call that may
+// wait. Built with clang's RealtimeSanitizer (preset `rtsan`) a call beneath such a function that breaks the promise
+// ends the program with a stack trace; other compilers ignore the mark. It stands after `noexcept`.
 #pragma once
 
 #if defined(__clang__) && __clang_major__ >= 20
@@ -20,8 +20,8 @@
 
 namespace unlatch::hil {
 
-// While one lives this thread may wait, although it is beneath a function marked so: at paces other than real time, for
-// space in the recorder's ring, or for the middleware.
+// Permission for this thread to wait beneath a marked function, as long as the object lives: at paces other than real
+// time, for space in the recorder's ring, or for the middleware.
 class MayWait {
  public:
   explicit MayWait([[maybe_unused]] bool may = true) noexcept {

@@ -14,10 +14,10 @@ using Verdict = PreflightCheck::Verdict;
 
 constexpr std::int64_t kCoarse_ns = 1000;          // a high-resolution timer has 1 ns
 constexpr std::int64_t kEnoughLocked = 512 << 20;  // bytes: a session over DDS maps some 300 MB
-constexpr std::int64_t kPriority = 81;             // of the watchdog, above the cyclic thread's 80
+constexpr std::int64_t kPriority = 81;             // priority of the watchdog, above the cyclic thread's 80
 constexpr std::int64_t kDeepIdle_us = 10;
-constexpr double kAlone = 1.3;            // times its least: what fills a core, when it has the core to itself
-constexpr double kFewInterruptions = 10;  // a second: one in 10,000 steps of 10 us
+constexpr double kAlone = 1.3;            // core_stretch of a core without another user
+constexpr double kFewInterruptions = 10;  // interruptions per second: one in 10,000 steps of 10 us
 
 Check good(std::string name, std::string found) { return {std::move(name), Verdict::kGood, std::move(found), "", ""}; }
 

@@ -1,5 +1,5 @@
-// This machine's fitness for hard real time: facts read from the operating system, or found out by trying, and what
-// each costs. Nothing is changed.
+// Fitness of this machine for hard real time: facts read from the operating system, or measured, and the cost of each.
+// Nothing is changed.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace unlatch::hil {
 
-// As found; empty texts and absent numbers: not to be found out.
+// Facts as found; empty texts and absent numbers: unknown.
 struct MachineFacts {
   std::string kernel;           // "6.1.0-rt7 #1 SMP PREEMPT_RT …": release and version
   std::string preemption_mode;  // PREEMPT_DYNAMIC: none, voluntary, full or lazy
@@ -25,16 +25,16 @@ struct MachineFacts {
   std::optional<std::int64_t> rt_runtime_us, rt_period_us;  // -1 us: no throttling
   std::string huge_pages;                                   // always, madvise, never
   std::optional<std::int64_t> swap_kb;
-  std::optional<std::int64_t> idle_exit_us;  // of the deepest idle state that is not disabled
-  bool may_forbid_idle = false;              // to write /dev/cpu_dma_latency, as a run in real time does
+  std::optional<std::int64_t> idle_exit_us;  // exit time of the deepest idle state that is not disabled
+  bool may_forbid_idle = false;              // may write /dev/cpu_dma_latency, as a run in real time does
   std::optional<bool> smt;
   bool virtual_machine = false;
   std::optional<std::int64_t> stolen_ms;  // CPU time that the host has taken since boot
   std::optional<std::int64_t> smi_count;  // system management interrupts since boot
 
-  // Found out by trying, on one CPU.
-  std::optional<double> core_stretch;  // what fills a core takes up to so many times its least, nine times of ten
-  std::optional<double> interruptions_per_s;  // of more than kInterruption_ns
+  // Measurements on one CPU.
+  std::optional<double> core_stretch;         // 90th percentile of run time over its minimum
+  std::optional<double> interruptions_per_s;  // rate of interruptions above kInterruption_ns
   std::optional<std::int64_t> longest_interruption_ns;
 };
 constexpr std::int64_t kInterruption_ns = 5000;
@@ -42,17 +42,17 @@ constexpr std::int64_t kInterruption_ns = 5000;
 // `root` stands before /proc and /sys; limits, capabilities and clocks are this process's.
 MachineFacts read_machine_facts(const std::string& root = "");
 
-// Works for `seconds` on `cpu` (-1: any), in a thread like the cyclic one, and notes what got in between. Returns what
-// that thread was refused.
+// Works for `seconds` on `cpu` (-1: any), in a thread like the cyclic one, and notes interruptions. Returns the
+// requests that were refused to that thread.
 std::vector<std::string> try_machine(MachineFacts& facts, int cpu = -1, double seconds = 0.5);
 
 struct PreflightCheck {
   enum class Verdict { kGood, kCosts, kMissing, kUnknown };
   std::string name;
   Verdict verdict = Verdict::kGood;
-  std::string found;  // what is there
-  std::string cost;   // what that costs; empty if nothing
-  std::string mend;   // how to get better; empty if there is no need
+  std::string found;  // fact as found
+  std::string cost;   // its cost; empty if none
+  std::string mend;   // remedy; empty if there is no need
 };
 extern const char* const kVerdictNames[4];  // good, costs, missing, unknown
 

@@ -1,4 +1,4 @@
-// Reads what preflight judges.
+// Facts for preflight, from /proc, /sys and limits.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/utsname.h>

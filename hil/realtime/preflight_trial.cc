@@ -42,13 +42,13 @@ std::vector<std::string> try_machine(MachineFacts& facts, int cpu, double second
     } while (get_monotonic_ns() < end_ns && sums.size() < capacity);
   }).join();
 
-  // A slower clock stretches both alike, a neighbour only what fills the core.
+  // A slower clock stretches both alike, a neighbour only the sums, which fill the core.
   facts.core_stretch = calc_stretch(sums) / calc_stretch(multiplications);
   std::int64_t interruptions = 0, longest_ns = 0, total_ns = 0;
   for (const auto* times : {&sums, &multiplications}) {
     const std::int64_t least_ns = *std::min_element(times->begin(), times->end());
     for (const std::int64_t ns : *times) {
-      const std::int64_t more_ns = ns - 2 * least_ns;  // twice as long is a neighbour's doing
+      const std::int64_t more_ns = ns - 2 * least_ns;  // a neighbour makes it twice as long at most
       if (more_ns > kInterruption_ns) ++interruptions;
       longest_ns = std::max(longest_ns, more_ns);
       total_ns += ns;

@@ -14,10 +14,10 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::size_t kStackBytes = 256 * 1024;  // many times what the cyclic thread has been seen to use
+constexpr std::size_t kStackBytes = 256 * 1024;  // many times the use of the cyclic thread, as observed
 constexpr std::size_t kPageBytes = 4096;
 
-// Not inlined, so that the array is on the stack below everything that the caller will call.
+// Array on the stack below all later calls of the caller, hence not inlined.
 [[gnu::noinline]] void touch_stack() noexcept {
   std::byte stack[kStackBytes];
   for (std::size_t i = 0; i < kStackBytes; i += kPageBytes) *const_cast<volatile std::byte*>(stack + i) = std::byte{0};

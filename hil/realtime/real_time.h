@@ -8,16 +8,17 @@
 namespace unlatch::hil {
 
 struct RealTimeOptions {
-  int priority = 80;  // of SCHED_FIFO, 1 to 99: above the kernel's interrupt threads (50), below its watchdogs (99)
-  int cpu = -1;       // the only one to run on; -1: any
+  int priority =
+      80;        // priority of SCHED_FIFO, 1 to 99: above the kernel's interrupt threads (50), below its watchdogs (99)
+  int cpu = -1;  // only CPU to run on; -1: any
 };
 
-// For the calling thread: its CPU, its stack met before it is needed, all memory of the process locked, now and later,
-// SCHED_FIFO. The result lists refused requests, whose settings stay as they were; empty when all was granted.
+// Requests for the calling thread: its CPU, its stack touched in advance, all memory of the process locked, now and
+// later, SCHED_FIFO. The result lists refused requests, whose settings stay as they were; empty when all was granted.
 [[nodiscard]] std::vector<std::string> request_real_time(const RealTimeOptions& options = {});
 
-// While it lives, no CPU of this machine idles more deeply than by polling, so that waking one takes no longer than it
-// must: 0 us asked for through /dev/cpu_dma_latency, which the kernel forgets when the process ends, however it ends.
+// Request that no CPU of this machine idles more deeply than by polling, so that wake-ups are short: 0 us asked for
+// through /dev/cpu_dma_latency. It ends with the object, or with the process.
 class ShallowIdle {
  public:
   ShallowIdle();
@@ -25,7 +26,7 @@ class ShallowIdle {
   ShallowIdle(const ShallowIdle&) = delete;
   ShallowIdle& operator=(const ShallowIdle&) = delete;
 
-  // The refusal; empty if there was none.
+  // Refusal; empty if there was none.
   [[nodiscard]] const std::string& get_refusal() const noexcept { return refusal_; }
 
  private:
@@ -33,7 +34,7 @@ class ShallowIdle {
   std::string refusal_;
 };
 
-// SCHED_FIFO for a thread that only needs to come before others. Returns what was refused, or an empty text.
+// SCHED_FIFO for a thread that only needs to come before others. Returns the refusal, empty if there was none.
 [[nodiscard]] std::string request_priority(int priority);
 
 }  // namespace unlatch::hil

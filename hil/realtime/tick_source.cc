@@ -15,7 +15,7 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::int64_t kStopLook_ns = 100'000'000;  // how often a silent descriptor's thread looks whether to stop
+constexpr std::int64_t kStopLook_ns = 100'000'000;  // interval of looks for a stop, at a silent descriptor
 
 void relax() noexcept {
 #if defined(__x86_64__)

@@ -1,5 +1,5 @@
-// The source of ticks for the cyclic thread: the monotonic clock, or a descriptor that something
-// outside makes readable once a tick.
+// Source of ticks for the cyclic thread: the monotonic clock, or a descriptor that another program or the system makes
+// readable once a tick.
 #pragma once
 
 #include <atomic>
@@ -16,25 +16,25 @@ class TickSource {
   TickSource(const TickSource&) = delete;
   TickSource& operator=(const TickSource&) = delete;
 
-  // The time base begins anew: the next tick is due a period from `now_ns`, or with the next one from outside.
+  // Restarts the time base: the next tick is due a period from `now_ns`, or with the next one from outside.
   virtual void restart(std::int64_t now_ns) noexcept = 0;
   // Sleeps until shortly before the next tick, and returns the time left until it is due, ns; 0 if there may be none.
   virtual std::int64_t doze() noexcept { return 0; }
-  // Waits until the next tick is due. False if it will never be: `stop` was set, or see get_failure().
+  // Waits until the next tick is due. False if there is none any more: `stop` was set, or see get_failure().
   [[nodiscard]] virtual bool wait(const std::atomic<bool>& stop) noexcept = 0;
-  // Restarts it for a tick that ended late, and returns by how much that postpones the ticks, ns.
+  // Restarts the time base for a tick that ended late, and returns the delay of the ticks, ns.
   virtual std::int64_t slip(std::int64_t now_ns) noexcept = 0;
-  // Ticks that are due by `now_ns` and were not waited for yet, as far as the source knows without asking.
+  // Ticks that are due by `now_ns` and were not waited for yet, to the source's knowledge.
   [[nodiscard]] virtual std::int64_t calc_behind(std::int64_t now_ns) const noexcept = 0;
   [[nodiscard]] virtual const char* get_failure() const noexcept { return ""; }
 
-  // Of the tick waited for last. All ns of the clock.
+  // Times of the latest tick, ns of the clock.
   [[nodiscard]] std::int64_t get_due_ns() const noexcept { return due_ns_; }
   [[nodiscard]] std::int64_t get_next_due_ns() const noexcept { return due_ns_ + period_ns_; }
   [[nodiscard]] std::int64_t get_awake_ns() const noexcept { return awake_ns_; }
-  // From due to begun.
+  // Due to begun.
   [[nodiscard]] std::int64_t get_latency_ns() const noexcept { return latency_ns_; }
-  // It was due before it was waited for.
+  // True if the latest tick was due before it was waited for.
   [[nodiscard]] bool is_backlogged() const noexcept { return backlogged_; }
 
  protected:
@@ -61,7 +61,7 @@ class MonotonicTicks final : public TickSource {
  private:
   const Clock& clock_;
   const std::int64_t spin_ns_;
-  bool dozed_ = false;  // since the latest tick
+  bool dozed_ = false;  // doze() was called since the latest tick
 };
 
 // Ticks from outside: a timerfd or eventfd (a read gives how many), or a pipe, socket or character device (each byte is
@@ -80,14 +80,14 @@ class DescriptorTicks final : public TickSource {
   const char* get_failure() const noexcept override { return failure_; }
 
  private:
-  // Ticks that are there; 0 if none, -1 if there will be none.
+  // Ticks available; -1 after a failure.
   std::int64_t read_ticks() noexcept;
   bool wait_for_ticks(const std::atomic<bool>& stop) noexcept;
 
   const int descriptor_;
-  const bool counts_;  // a read gives a count of 8 bytes
+  const bool counts_;  // true if a read gives a count of 8 bytes
   const std::int64_t patience_ns_;
-  std::int64_t pending_ = 0;  // due and not waited for
+  std::int64_t pending_ = 0;  // ticks that are due and not waited for
   const char* failure_ = "";
 };
 

@@ -49,6 +49,11 @@ void get(ByteReader& in, DurationSummary& summary) {
 
 }  // namespace
 
+std::optional<HeldUpBy> to_held_up_by(std::int32_t number) noexcept {
+  if (number < 0 || number > static_cast<std::int32_t>(HeldUpBy::kWarmUp)) return std::nullopt;
+  return static_cast<HeldUpBy>(number);
+}
+
 void put(ByteWriter& out, const TimingSummary& timing) {
   for (const DurationSummary* summary : {&timing.step, &timing.wakeup, &timing.turnaround, &timing.round_trip}) {
     put(out, *summary);
@@ -58,7 +63,7 @@ void put(ByteWriter& out, const TimingSummary& timing) {
   for (const Overrun& overrun : timing.worst_overruns) {
     pass_overrun(overrun, [&out](std::int64_t value) { out.put_i64(value); });
     out.put_i32(overrun.timing.substeps);
-    out.put_i32(overrun.timing.held_up);
+    out.put_i32(static_cast<std::int32_t>(overrun.timing.held_up_by));
     out.put_i32(static_cast<std::int32_t>(overrun.cause));
   }
 }
@@ -74,7 +79,7 @@ void get(ByteReader& in, TimingSummary& timing) {
     Overrun& overrun = timing.worst_overruns.emplace_back();
     pass_overrun(overrun, [&in](std::int64_t& value) { value = in.get_i64(); });
     overrun.timing.substeps = in.get_i32();
-    overrun.timing.held_up = in.get_i32();
+    overrun.timing.held_up_by = to_held_up_by(in.get_i32()).value_or(HeldUpBy::kNothing);
     const std::int32_t cause = in.get_i32();
     const bool known = cause >= 0 && cause < static_cast<std::int32_t>(kOverrunCauses);
     overrun.cause = known ? static_cast<OverrunCause>(cause) : OverrunCause::kStep;

@@ -8,8 +8,8 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::int64_t kLooks = 8;                     // looks a limit
-constexpr std::int64_t kLongestSleep_ns = 50'000'000;  // how long the end of a run may wait for us
+constexpr std::int64_t kLooks = 8;                     // looks within a limit
+constexpr std::int64_t kLongestSleep_ns = 50'000'000;  // longest delay of a run's end
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// Reports a cyclic thread that shows no sign of life: a thread of its own, of a priority above it, that looks now and
-// then whether a counter has changed.
+// Report of a cyclic thread that shows no sign of life, by a thread of higher priority that compares a counter now and
+// then.
 #pragma once
 
 #include <atomic>

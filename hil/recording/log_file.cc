@@ -12,12 +12,12 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::uint32_t kSync = 0xEDA1DA01;  // of LCM's event logs
+constexpr std::uint32_t kSync = 0xEDA1DA01;  // sync word of LCM's event logs
 constexpr std::size_t kHeadBytes = 4 + 8 + 8 + 4 + 4;
 constexpr std::size_t kCrcBytes = 8;
-constexpr std::size_t kWriteBytes = 64 << 10;  // what goes to the file at once
+constexpr std::size_t kWriteBytes = 64 << 10;  // size of one write
 constexpr std::uint32_t kMaxChannel = 63;      // LCM's own limit
-constexpr std::uint32_t kMaxData = 16 << 20;   // far beyond any record of ours; bounds what a damaged length allocates
+constexpr std::uint32_t kMaxData = 16 << 20;   // far beyond any record of ours; bounds the memory for a damaged length
 
 constexpr std::array<std::uint64_t, 256> build_table() {
   std::array<std::uint64_t, 256> table{};

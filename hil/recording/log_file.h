@@ -1,5 +1,5 @@
-// An LCM event log as a file: LCM's own tools read what is written here. Written and read by our own hand for two
-// reasons: every byte is covered by a checksum, and a reader of damaged files must bound what it believes.
+// LCM event log as a file, readable by LCM's own tools. LCM's library is not used, for two reasons: every byte is
+// covered by a checksum, and a reader of damaged files must bound their lengths.
 //
 //   event   = sync word, number, timestamp in microseconds, lengths, channel, data; big-endian
 //   sealed  = an event on a channel that begins with kSealPrefix; its data ends in a CRC-64 of every byte of the file
@@ -19,12 +19,12 @@ namespace unlatch::hil {
 
 inline constexpr std::string_view kSealPrefix = "UNLATCH_LOG_";
 
-// A log cannot be opened, written, or is not what it should be; what() has the file, the place and the remedy.
+// Error: a log cannot be opened or written, or is none; what() has the file, the place and the remedy.
 class LogError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-// A log cannot be created or written: the environment's fault, not the log's.
+// Error of the environment, not of the log: it cannot be created or written.
 class LogWriteError : public LogError {
  public:
   using LogError::LogError;
@@ -35,26 +35,26 @@ class LogWriteError : public LogError {
 
 class LogFileWriter {
  public:
-  // Creates or replaces the file; an empty path means one without a name that vanishes with the writer. `name`: what
-  // messages call it, if not by its path. Throws LogWriteError.
+  // Creates or replaces the file; an empty path means one without a name that vanishes with the writer. `name`: its
+  // name in messages, if not the path. Throws LogWriteError.
   explicit LogFileWriter(const std::string& path, const std::string& name = "");
   ~LogFileWriter() { flush(); }
   LogFileWriter(const LogFileWriter&) = delete;
   LogFileWriter& operator=(const LogFileWriter&) = delete;
 
-  // Appends an event; sealed if its channel says so. It goes to the file with others, whole events at a time. False
-  // once anything could not be written (disk full): nothing more is, so that the log has an early end and no gap, and
-  // get_error() says why.
+  // Appends an event; sealed if its channel begins with kSealPrefix. It goes to the file with others, whole events at a
+  // time. False after a failed write (disk full): nothing more is written, so that the log has an early end and no gap,
+  // and get_error() has the reason.
   bool append(std::int64_t timestamp_us, std::string_view channel, std::span<const std::uint8_t> data);
   // Writes the first event's data anew, once it has been flushed: as many bytes, and it is not sealed.
   bool amend_first(std::span<const std::uint8_t> data);
-  // Hands what was appended to the operating system: from then on it survives the process.
+  // Hands the appended events to the operating system: from then on they survive the process.
   bool flush();
-  // Hands it to the disk: from then on it survives the machine.
+  // Hands them to the disk: from then on they survive the machine.
   bool sync();
   [[nodiscard]] const std::string& get_error() const { return error_; }
 
-  // For reading a nameless file back: the stream, rewound. Nothing may be appended afterwards.
+  // Stream of a nameless file, rewound, to read it back. Nothing may be appended afterwards.
   [[nodiscard]] std::FILE* rewind();
 
  private:
@@ -68,7 +68,7 @@ class LogFileWriter {
   std::vector<std::uint8_t> pending_;  // appended, not yet written
   std::uint64_t crc_ = 0;
   std::int64_t number_ = 0;
-  std::size_t first_data_ = 0;  // its place in the file
+  std::size_t first_data_ = 0;  // place of the first event's data in the file
   std::string error_;
 };
 
@@ -89,9 +89,9 @@ class LogFileReader {
     kEvent,
     kEnd,        // the file ends between two events
     kTruncated,  // the file ends inside an event: its writer was killed, or a length is damaged
-    kDamaged,    // what stands there is no event, or a checksum does not agree
+    kDamaged,    // invalid event or checksum mismatch
   };
-  // Reuses the memory of `event`. After any result but kEvent, get_offset() says where it came to.
+  // Reads into the memory of `event`. After any result but kEvent, get_offset() is the place of the failure or the end.
   [[nodiscard]] Result next(LogEvent& event);
   [[nodiscard]] std::int64_t get_offset() const { return offset_; }
   [[nodiscard]] const std::string& get_name() const { return name_; }
@@ -104,7 +104,7 @@ class LogFileReader {
   std::FILE* file_;
   std::string name_;
   std::uint64_t crc_ = 0;
-  std::int64_t offset_ = 0;  // of the next event
+  std::int64_t offset_ = 0;  // place of the next event
 };
 
 }  // namespace unlatch::hil

@@ -100,7 +100,7 @@ void encode(const TickTiming& record, std::vector<std::uint8_t>& to) {
     out.put_i64(value);
   }
   out.put_i32(record.substeps);
-  out.put_i32(record.held_up);
+  out.put_i32(static_cast<std::int32_t>(record.held_up_by));
 }
 
 bool decode(std::span<const std::uint8_t> from, TickTiming& record) {
@@ -109,8 +109,9 @@ bool decode(std::span<const std::uint8_t> from, TickTiming& record) {
     *value = in.get_i64();
   }
   record.substeps = in.get_i32();
-  record.held_up = in.get_i32();
-  return in.is_complete();
+  const std::optional<HeldUpBy> held_up_by = to_held_up_by(in.get_i32());
+  record.held_up_by = held_up_by.value_or(HeldUpBy::kNothing);
+  return in.is_complete() && held_up_by;
 }
 
 void encode(const LogEnd& record, std::vector<std::uint8_t>& to) {

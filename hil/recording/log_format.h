@@ -1,21 +1,20 @@
-// The records of a recording, events in an LCM event log (hil/recording/log_file.h) whose time stamps are
+// Records of a recording, events in an LCM event log (hil/recording/log_file.h) whose time stamps are
 // simulated microseconds:
 //
 //   UNLATCH_LOG_HEADER   once, first: everything to build the same simulation again, at the state where it began
 //   UNLATCH_STATE        State messages, every few ticks, for LCM's tools and for people; a replay does not need them
-//   UNLATCH_EVENT        Event messages: what the model's events and the flight-software policy did
+//   UNLATCH_EVENT        Event messages: events of the model and of the session
 //   UNLATCH_LOG_TICK     every tick: the state's hash before its step, and which channels changed before it. Written
-//                        when the step has been decided, so a recording cut short ends with a tick whose inputs are
-//                        known
-//   UNLATCH_LOG_TIMING   every tick, if asked: where its time went (TickTiming); a replay does not need it
-//   UNLATCH_LOG_END      once, last: how it ended, and what was lost on the way
+//                        before the step, so a recording cut short ends with a tick whose inputs are known
+//   UNLATCH_LOG_TIMING   every tick, if asked: account of its time (TickTiming); a replay does not need it
+//   UNLATCH_LOG_END      once, last: the end of the run, and counts of losses
 //
-// So a replay is exact: apply the changes of tick k, compare the hash, step. Why a channel changed (a command, or a
-// policy such as hold, zero or safe) is in the record, but wall time is nowhere in what is compared.
+// So a replay is exact: apply the changes of tick k, compare the hash, step. The cause of a change (a command, or a
+// policy such as hold, zero or safe) is in the record; wall time is in nothing that is compared.
 //
 // A checkpoint (hil/run/checkpoint.h) is one event in the same kind of file:
 //
-//   UNLATCH_LOG_CHECKPOINT   what the header of a recording beginning there would be
+//   UNLATCH_LOG_CHECKPOINT   the header of a recording that begins there
 #pragma once
 
 #include <array>
@@ -41,13 +40,13 @@ struct LogHeader {
   Pace pace = Pace::kFast;
   std::int64_t session = 0;
   std::int64_t schema_hash = kSchemaHash;
-  std::int64_t model_hash = 0;  // of everything in the scenario that decides a state, dt included
+  std::int64_t model_hash = 0;  // hash of everything in the scenario that decides a state, dt included
   std::int64_t first_tick = 0, last_tick = 0;
   double dt = 0;         // s
   std::string program;   // "unlatch 0.1.0"
   std::string compiler;  // "g++ 12.2.0"
   std::string scenario_name;
-  std::string scenario_path;  // where the text came from; for people
+  std::string scenario_path;  // source of the text; for people
   std::string scenario_text;
   std::vector<std::string> overrides;  // PATH=VALUE, in order
   std::vector<std::uint64_t> start;    // Simulation::save() at first_tick; empty: the model's initial state
@@ -56,18 +55,18 @@ struct LogHeader {
 enum class ChangeCause : std::int32_t { kCommand = 0, kPolicy = 1, kFault = 2, kLateCommand = 3 };
 inline constexpr std::array<const char*, 4> kChangeCauseNames{"command", "policy", "fault", "late command"};
 
-// One channel's value from this tick on.
+// Value of a channel from this tick on.
 struct LogChange {
   std::int32_t channel = 0;
   ChangeCause cause = ChangeCause::kCommand;
-  std::int32_t participant = 0;  // whose command, or whom the policy was for: required ones from 0, then guests
-  std::int64_t sequence = 0;     // of the command
+  std::int32_t participant = 0;  // sender of the command, or subject of the policy: required ones from 0, then guests
+  std::int64_t sequence = 0;     // number of the command
   double value = 0;
 };
 
 struct LogTick {
   std::int64_t tick = 0;
-  std::int64_t hash = 0;        // of the state at this tick
+  std::int64_t hash = 0;        // hash of the state at this tick
   std::int64_t unrecorded = 0;  // items lost so far, see LogEnd
   std::vector<LogChange> changes;
 };
@@ -76,16 +75,15 @@ struct LogEnd {
   std::int64_t tick = 0;
   std::int64_t hash = 0;
   RunStatus status = RunStatus::kDone;
-  std::int32_t step_status = 0;        // StepStatus of the step that failed
-  std::int32_t joint = -1;             // that it failed at, if it did at one
+  std::int32_t step_status = 0;        // StepStatus of the failed step
+  std::int32_t joint = -1;             // joint of the failure; -1: none
   std::int64_t unrecorded = 0;         // items that found the recorder's ring full: not 0, and there is no replay
   std::int64_t states_unrecorded = 0;  // State messages lost in the same way; a replay does not need them
-  std::string message;                 // for people: why it ended, if not as planned
+  std::string message;                 // reason of an unplanned end, for people
   TimingSummary timing;
 };
 
-// Each pair is each other's inverse; decode is false, and its result worthless, for bytes that are not exactly one
-// record.
+// Inverses of each other; decode is false, and its result worthless, for bytes that are not exactly one record.
 void encode(const LogHeader& record, std::vector<std::uint8_t>& to);
 void encode(const LogTick& record, std::vector<std::uint8_t>& to);
 void encode(const TickTiming& record, std::vector<std::uint8_t>& to);

@@ -14,8 +14,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLook = 5ms;              // how often the rings are emptied
-constexpr auto kFlush = 100ms;           // what a killed process loses at most
+constexpr auto kLook = 5ms;              // interval of emptying the rings
+constexpr auto kFlush = 100ms;           // greatest loss of a killed process
 constexpr double kStateInterval = 0.01;  // s of simulated time between recorded State messages
 constexpr auto kWaitForRoom = std::chrono::microseconds(50);
 
@@ -70,7 +70,7 @@ void Recorder::tick(std::int64_t tick, std::int64_t hash) noexcept {
 }
 
 void Recorder::run(const std::stop_token& stopping) {
-  std::mutex mutex;  // of the wait between two looks, which a stop ends
+  std::mutex mutex;  // mutex of the wait between two looks, which a stop ends
   std::condition_variable_any stop;
   std::unique_lock lock(mutex);
   auto flushed = std::chrono::steady_clock::now();
@@ -134,7 +134,7 @@ void Recorder::close(LogEnd& end) {
   end.unrecorded = items_lost_;
   end.states_unrecorded = states_lost_;
   StateMessage part;
-  while (states_.try_dequeue(part)) write_message(part);  // those of the last tick, after which no step was made
+  while (states_.try_dequeue(part)) write_message(part);  // parts of the last tick, without a step after it
   encode(end, buffer_);
   writer_.append(std::llround(static_cast<double>(end.tick) * us_per_tick_), kEndChannel, buffer_);
   writer_.flush();

@@ -1,6 +1,6 @@
-// Writes a recording (hil/recording/log_format.h) from a thread of its own. The cyclic thread pushes into rings and
-// never waits for the disk; in real time what finds a ring full is counted, and the recording is then not replayable;
-// at other paces the cyclic thread waits for space in a ring.
+// Writer of a recording (hil/recording/log_format.h), with a thread of its own. The cyclic thread pushes into rings and
+// never waits for the disk. In real time items that find a ring full are counted, and the recording is then not
+// replayable; at other paces the cyclic thread waits for space in a ring.
 #pragma once
 
 #include <readerwriterqueue/readerwritercircularbuffer.h>
@@ -34,13 +34,13 @@ class Recorder {
   void timing(const TickTiming& timing) noexcept { push(timing); }
   void tick(std::int64_t tick, std::int64_t hash) noexcept;  // seals what came before
 
-  // After the cyclic thread is done, from any one thread: writes what is left and the end, completes `end.unrecorded`.
+  // Writes the rest and the end, completes `end.unrecorded`. Any one thread, after the cyclic thread is done.
   void close(LogEnd& end);
-  // From any thread: nothing has been recorded since something went wrong with the file.
+  // True if nothing is recorded any more after an error of the file. Any thread.
   [[nodiscard]] bool has_failed() const noexcept { return failed_.load(std::memory_order_relaxed); }
-  // The error of the file; empty if there was none. After close().
+  // Error of the file; empty if there was none. After close().
   [[nodiscard]] const std::string& get_error() const { return writer_.get_error(); }
-  // A nameless recording, to be read while the recorder lives. After close().
+  // Stream of a nameless recording, to be read while the recorder lives. After close().
   [[nodiscard]] std::FILE* rewind() { return writer_.rewind(); }
 
  private:
@@ -67,7 +67,7 @@ class Recorder {
   moodycamel::BlockingReaderWriterCircularBuffer<StateMessage> states_{kStateCapacity};
   std::int32_t states_of_tick_ = 0;  // cyclic thread
   std::int64_t items_lost_ = 0;      // cyclic thread, until close()
-  std::int64_t states_lost_ = 0;     // the same; reported, but a replay does not need them
+  std::int64_t states_lost_ = 0;     // cyclic thread, until close(); a replay does not need them
   std::atomic<bool> failed_{false};
 
   LogFileWriter writer_;

@@ -1,4 +1,4 @@
-// Reads a recording tick by tick, in bounded memory, and refuses what is none.
+// Reader of a recording, tick by tick, in bounded memory; refuses other files.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace unlatch::hil {
 
-// The header of a recording, or of a checkpoint: what stands first in the file, on `channel`. Throws LogError: not a
-// log, neither of the two, the other of the two, another version or schema.
+// Header of a recording, or of a checkpoint: the first event of the file, on `channel`. Throws LogError: not a log,
+// neither of the two, the other of the two, another version or schema.
 LogHeader read_header(LogFileReader& file, std::string_view channel);
 
 class RecordingReader {
@@ -18,8 +18,8 @@ class RecordingReader {
   // Reads the header. Throws LogError, see read_header.
   explicit RecordingReader(LogFileReader file);
 
-  // The next tick's record; false when there is none. Then `end` is the end of the run, or `shortfall` says in a
-  // sentence why the recording does not reach its end.
+  // Reads the next tick's record; false if there is none. Then `end` is the end of the run, or `shortfall` is a
+  // sentence with the reason why the recording does not reach its end.
   [[nodiscard]] bool next(LogTick& tick);
 
   [[nodiscard]] const std::string& get_name() const { return file_.get_name(); }
@@ -28,8 +28,8 @@ class RecordingReader {
   std::optional<LogEnd> end;
   std::string shortfall;
   bool damaged = false;               // the shortfall is damage, not a writer that was killed
-  std::vector<EventMessage> notices;  // of participants, policies and faults, up to here
-  bool keeps_states = false;          // whether next() fills
+  std::vector<EventMessage> notices;  // notices of participants, policies and faults so far
+  bool keeps_states = false;          // true: next() fills `states`
   std::vector<StateMessage>
       states;  // the State messages recorded for the tick that next() gave, or, at the end, for the end
 

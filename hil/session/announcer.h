@@ -1,5 +1,5 @@
-// The messages that describe a session: Hello, the catalog, the scenario's source. All of Hello and the catalog at the
-// beginning; while it runs one message at a time, for participants and observers that come later.
+// Messages that describe a session: Hello, the catalog, the scenario's source. Hello and the whole catalog are sent at
+// the beginning; during the run one message at a time, for participants and observers that come later.
 #pragma once
 
 #include <cstddef>
@@ -32,15 +32,15 @@ class Announcer {
   [[nodiscard]] const HelloMessage& get_hello() const noexcept { return hello_; }
   void set_status(RunStatus status) noexcept { hello_.status = static_cast<std::int32_t>(status); }
 
-  // Hello and the whole catalog; waits while the connection is full. Not for the cycle.
+  // Sends Hello and the whole catalog; waits while the connection is full. Not for the cycle.
   void send_all();
-  // Once in an interval: one message of Hello and the catalog in turn, Hello a tenth of a second after the latest
-  // however long the catalog is; and one part of the source.
+  // Sends once in an interval one message of Hello and the catalog in turn, Hello a tenth of a second after the latest
+  // for any length of the catalog; and one part of the source.
   void announce(std::int64_t now_ns) noexcept;
-  // Hello with the session's last status: who comes later and finds it kept knows that the session is over.
+  // Sends Hello with the session's last status: a late joiner that finds it kept knows that the session is over.
   void send_farewell() { (void)send_when_possible(hello_); }
-  // The next part of the source that has not been sent yet: a run may end before each part has had its turn. False when
-  // there is none, or the connection stays full. Not for the cycle.
+  // Sends the next part of the source that has not been sent yet: a run may end before each part has had its turn.
+  // False if there is none, or the connection stays full. Not for the cycle.
   bool send_unsent_source_part();
 
  private:
@@ -52,8 +52,8 @@ class Announcer {
   Connection& connection_;
   const Clock& clock_;
   const std::int64_t interval_ns_;
-  std::optional<std::int64_t> announced_ns_;  // the latest
-  std::optional<std::int64_t> hello_ns_;      // of the latest Hello
+  std::optional<std::int64_t> announced_ns_;  // time of the latest message
+  std::optional<std::int64_t> hello_ns_;      // time of the latest Hello
   std::size_t next_ = 0;                      // 0: Hello, then the catalog
   std::size_t next_source_ = 0;
   std::int64_t catalog_sequence_ = 0, source_sequence_ = 0;

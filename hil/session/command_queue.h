@@ -1,4 +1,4 @@
-// The commands of a session: checked on arrival, kept until their tick, applied in an order that does not depend on the
+// Commands of a session: checked on arrival, kept until their tick, applied in an order that does not depend on the
 // order of arrival. Each participant has places of its own; when they are taken, the command that is due last gives
 // way, so that far-off commands never crowd out near ones. Fixed memory; a command costs the logarithm of those that
 // wait.
@@ -22,10 +22,10 @@ namespace unlatch::hil {
 
 struct CommandQueueOptions {
   std::int64_t session = 0;
-  std::int64_t delay_ticks = 0;  // a command that names tick k is due at k + delay_ticks
+  std::int64_t delay_ticks = 0;  // a command of tick k is due at k + delay_ticks
   bool accept_late = false;      // real time: a command that missed its tick acts at the next; else it is refused
   std::int64_t horizon_ticks = std::int64_t{1} << 53;  // a command due later than this from the present is refused
-  std::size_t places = 4096;                           // of each required participant
+  std::size_t places = 4096;                           // places of each required participant
 };
 
 class CommandQueue {
@@ -33,19 +33,19 @@ class CommandQueue {
   struct Pending {
     CommandMessage command;
     const Participant* sender = nullptr;
-    std::int64_t due_tick = 0;  // acts before the step of this tick
-    bool late = false;          // later than it was due
+    std::int64_t due_tick = 0;  // tick before whose step it acts
+    bool late = false;          // acts later than it was due
   };
-  // No reason: accepted. kLate: accepted, acts at `applied_tick`. Any other: refused.
+  // Result of add(). No reason: accepted. kLate: accepted, acts at `applied_tick`. Any other: refused.
   struct Outcome {
     std::optional<Reject> reason;
     std::int64_t applied_tick = -1;
-    bool repeated = false;  // arrived before, and its State was sent again: no refusal
-    // An earlier command of the same participant that gave way, and is refused as kNoPlace.
+    bool repeated = false;  // known, and its State was sent again: no refusal
+    // Command removed to free a place: an earlier one of the same participant, refused as kNoPlace.
     std::optional<CommandMessage> displaced = {};
   };
 
-  // A guest has this part of a required participant's places.
+  // Places of a required participant over those of a guest.
   static constexpr std::size_t kGuestShare = 16;
 
   // `channels`, `participants` and `rejects` must outlive the queue.
@@ -55,7 +55,7 @@ class CommandQueue {
   // Adds a command that can act at `earliest_tick` at the earliest; counts it if it is refused or late. `sender`: null
   // if unknown.
   Outcome add(const CommandMessage& command, Participant* sender, std::int64_t earliest_tick) noexcept;
-  // The State of `tick` was sent again, and its commands come again: those that are known are no duplicates.
+  // Repetitions of commands of `tick` are no duplicates from now on: its State was sent again.
   void expect_repeats(std::int64_t tick) noexcept { repeated_tick_ = tick; }
   // Removes all commands of a participant.
   void remove(const Participant& sender) noexcept;
@@ -89,7 +89,7 @@ class CommandQueue {
   const Participants& participants_;
   RejectCounts& rejects_;
   CommandPool pool_;
-  std::vector<Waiting> waiting_;  // by the participants' index
+  std::vector<Waiting> waiting_;  // one for each participant, by index
   std::int64_t late_ = 0;
   std::int64_t repeated_tick_ = -1;
 };

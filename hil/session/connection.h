@@ -1,5 +1,5 @@
-// The executive's connection to the participants: it sends, receives without waiting, and in lockstep waits for
-// messages. Implementations: RingConnection (real time), bridge::DirectConnection (lockstep), FaultyConnection.
+// Connection of the executive to the participants: sends, receives without waiting, and in lockstep waits for messages.
+// Implementations: RingConnection (real time), bridge::DirectConnection (lockstep), FaultyConnection.
 #pragma once
 
 #include <chrono>
@@ -11,16 +11,16 @@
 
 namespace unlatch::hil {
 
-// A message that a simulator receives: from a participant, or another simulator's Hello. A tenth of the size of
+// Message that a simulator receives: from a participant, or another simulator's Hello. A tenth of the size of
 // Message, which has space for a State as well.
 using ParticipantMessage = std::variant<HelloAckMessage, CommandMessage, StepAckMessage, HelloMessage>;
 
 struct Arrival {
   ParticipantMessage message;
-  std::int64_t arrived_ns = 0;  // by the session's clock
+  std::int64_t arrived_ns = 0;  // time of arrival, of the session's clock
 };
 
-// None for a message that no simulator receives.
+// Empty if a simulator does not receive this kind.
 [[nodiscard]] inline std::optional<ParticipantMessage> to_participant_message(const Message& message) noexcept {
   switch (message.kind) {
     case MessageKind::kHelloAck:
@@ -36,16 +36,16 @@ struct Arrival {
   }
 }
 
-// Used by the cyclic thread alone, except for the counts.
+// Interface for the cyclic thread alone, except for the counts.
 class Connection {
  public:
   virtual ~Connection() = default;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  // False when it could not be sent, which is counted.
+  // False if the message could not be sent, which is counted.
   virtual bool send(const Message& message) noexcept = 0;
-  // False when no message has arrived.
+  // False if no message has arrived.
   virtual bool receive(Arrival& arrival) noexcept = 0;
   // Sleeps until a message has arrived, at most for `limit`. Never called in real time.
   virtual void wait(std::chrono::nanoseconds limit) noexcept = 0;

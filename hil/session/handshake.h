@@ -1,4 +1,4 @@
-// The answers to Hello: admits participants, refuses those that do not agree with the session, and lets them leave.
+// Answers to Hello: admission of participants, refusal of those that do not agree with the session, departures.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ namespace unlatch::hil {
 
 class Handshake {
  public:
-  // The result of one HelloAck, for the executive to count and publish.
+  // Result of one HelloAck, to be counted and published.
   struct Outcome {
     std::optional<Reject> reject = {};
     bool verdict = false;                    // the refusal is answered with a Verdict
     std::string_view notice = {};            // name of the Event to publish; empty: none
-    const Participant* restarted = nullptr;  // earlier commands of this participant are void
+    const Participant* restarted = nullptr;  // participant whose earlier commands are discarded
   };
 
   // `hello`: the terms of the session. `participants` must outlive it.
@@ -27,9 +27,9 @@ class Handshake {
 
   Outcome receive(const HelloAckMessage& answer, std::int64_t now_ns) noexcept;
 
-  // The run begins: from now on a refusal is no reason not to start.
+  // Begins the run: from now on a refusal is no reason not to start.
   void begin_run() noexcept { begun_ = true; }
-  // Before that: the reason why a required participant does not take part; empty if none refused.
+  // Reason why a required participant does not take part, before the run; empty if none refused.
   [[nodiscard]] const std::string& get_refusal() const noexcept { return refusal_; }
 
  private:
@@ -40,7 +40,7 @@ class Handshake {
   Participants& participants_;
   bool begun_ = false;
   std::string refusal_;
-  std::optional<std::int32_t> refused_id_;  // of the latest HelloAck that was refused: each start has one notice
+  std::optional<std::int32_t> refused_id_;  // participant of the latest refusal: each start has one notice
 };
 
 }  // namespace unlatch::hil

@@ -56,13 +56,13 @@ bool Liveness::update(std::int64_t now_ns) noexcept {
       if (participant.required)
         last_ns = std::max(last_ns.value_or(participant.ack_arrived_ns), participant.ack_arrived_ns);
     } else {
-      // Also one that had answered, and has since announced a command that has not arrived.
+      // A participant that had answered owes again if it has since announced a command that has not arrived.
       if (!participant.waiting_since_ns) participant.waiting_since_ns = now_ns;
       if (participant.required) all = false;
     }
   }
   if (!all) return false;
-  if (std::exchange(round_open_, false) && last_ns) round_trip_ns_ = *last_ns - sent_ns_;
+  if (std::exchange(round_open_, false) && last_ns) round_trip_ns_ = *last_ns - *sent_ns_;
   return true;
 }
 

@@ -43,6 +43,7 @@ Admission Participants::begin(Participant& participant, const HelloAckMessage& h
   participant.ack.tick = -1;
   participant.waiting_since_ns.reset();
   participant.seen = SeenCommands{};
+  participant.news_ns.reset();
   return how;
 }
 

@@ -1,4 +1,4 @@
-// The connection in real time: two bounded rings without locks, system calls or allocation, one out (states, events)
+// Connection in real time: two bounded rings without locks, system calls or allocation, one out (states, events)
 // and one in (commands, acknowledgements). Exactly one thread may call send, receive and wait, exactly one take, and
 // exactly one deliver (the last two may be the same thread).
 #pragma once
@@ -57,8 +57,8 @@ class RingConnection : public Connection {
   }
 
  private:
-  // Of this queue only the try_ calls are used, except in wait(): two atomic counters and a copy. Its semaphores make a
-  // system call only to wake a thread that waits in them; the transport's threads never do.
+  // Queue of which only the try_ calls are used, except in wait(): two atomic counters and a copy. Its semaphores make
+  // a system call only to wake a thread that waits in them; the transport's threads never do.
   template <class T>
   using Ring = moodycamel::BlockingReaderWriterCircularBuffer<T>;
 
@@ -69,7 +69,7 @@ class RingConnection : public Connection {
     return false;
   }
 
-  // The cyclic thread then never causes a page fault in a ring.
+  // Touches all pages, so that the cyclic thread never causes a page fault in a ring.
   template <class T>
   static void touch(Ring<T>& ring, std::size_t capacity, T item) {
     for (std::size_t i = 0; i < capacity; ++i) ring.try_enqueue(item);

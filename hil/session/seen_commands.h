@@ -1,4 +1,4 @@
-// The command numbers of a participant that have arrived, in any order: exact for the latest kWindow of them.
+// Numbers of a participant's commands that have arrived, in any order: exact for the latest kWindow of them.
 #pragma once
 
 #include <array>
@@ -15,19 +15,19 @@ class SeenCommands {
 
   enum class Arrival {
     kNew,
-    kSeen,    // arrived before, or lies kWindow or more behind the largest, where nothing is known any more
+    kSeen,    // arrived before, or kWindow or more behind the largest, where nothing is known any more
     kTooFar,  // more than kWindow ahead of the largest: not taken
   };
 
   // `sequence` counts from 1.
   Arrival insert(std::int64_t sequence) noexcept;
-  // The participant was away, and may have sent any number of commands meanwhile: the next number is taken, however
-  // far.
+  // Accepts the next number at any distance: the participant was away, and may have sent any number of commands
+  // meanwhile.
   void allow_jump() noexcept { any_step_ = true; }
   struct Gap {
     std::int64_t first = 0, count = 0;
   };
-  // The first run of numbers that are missing among the `count` up to `last`, from `from` on; none if all have arrived.
+  // First run of numbers that are missing among the `count` up to `last`, from `from` on; none if all have arrived.
   // Numbers older than the window count as arrived.
   [[nodiscard]] std::optional<Gap> find_gap(std::int64_t last, std::int64_t count,
                                             std::int64_t from = 1) const noexcept;
@@ -44,7 +44,7 @@ class SeenCommands {
     bits_[static_cast<std::size_t>(place / kBits)] |= std::uint64_t{1} << (place % kBits);
   }
   void clear(std::int64_t first, std::int64_t last) noexcept;
-  // The first number from `sequence` to `last` whose state is `seen`; last + 1 if there is none.
+  // First number from `sequence` to `last` whose state is `seen`; last + 1 if there is none.
   [[nodiscard]] std::int64_t find(bool seen, std::int64_t sequence, std::int64_t last) const noexcept;
 
   std::array<std::uint64_t, kWindow / kBits>

@@ -1,4 +1,4 @@
-// The session as the participants see it.
+// Session as the participants see it.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace unlatch::hil {
 struct SessionOptions {
   Pace pace = Pace::kLockstep;
   std::int64_t session = 0;    // number of this run
-  std::int64_t last_tick = 0;  // the run ends there
+  std::int64_t last_tick = 0;  // last tick of the run
   FlightSoftware flight_software;
-  // Before the first Hello: listens for so long whether another simulator is there.
+  // Time of listening for another simulator before the first Hello.
   std::int64_t listen_ns = 0;
-  bool beside_others = false;              // starts although another simulator is heard; else it does not
+  bool beside_others = false;              // starts also if another simulator is heard
   std::vector<SourceMessage> source = {};  // the scenario, for observers; empty: not published
 };
 

@@ -12,7 +12,7 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr std::align_val_t kAlignment{64};  // a cache line; the workspace asks for it
+constexpr std::align_val_t kAlignment{64};  // cache line; the workspace needs it
 
 std::string join(const std::vector<ModelError>& errors) {
   std::string text;
@@ -29,7 +29,7 @@ Plan compile_or_throw(const Model& model, const PlanOptions& options) {
   return *std::move(result.plan);
 }
 
-// The number of `total` items in part `part`, of `capacity` items each.
+// Number of `total` items in part `part`, of `capacity` items each.
 std::int32_t calc_share(std::size_t total, std::int32_t part, std::size_t capacity) {
   const std::size_t first = static_cast<std::size_t>(part) * capacity;
   return total <= first ? 0 : static_cast<std::int32_t>(std::min(total - first, capacity));
@@ -66,7 +66,7 @@ void Simulation::Free::operator()(std::byte* memory) const noexcept { ::operator
 
 Simulation::Memory Simulation::allocate(std::size_t bytes) {
   Memory memory(static_cast<std::byte*>(::operator new(bytes, kAlignment)));
-  std::memset(memory.get(), 0, bytes);  // no page is met for the first time while stepping
+  std::memset(memory.get(), 0, bytes);  // touches all pages before stepping
   return memory;
 }
 
@@ -119,8 +119,9 @@ void Simulation::end_step(const StepReport& report) noexcept {
 }
 
 StepReport Simulation::step() noexcept {
-  const BundleRun run = begin_step();
-  const StepReport report = unlatch::step(plan_, run.inputs, state_, workspace_, run.log);
+  held_.latch(get_tick(), channels_);
+  const StepReport report =
+      unlatch::step(plan_, Inputs{held_.get_channels()}, state_, workspace_, log_memory_ ? &log_ : nullptr);
   end_step(report);
   return report;
 }
@@ -128,7 +129,7 @@ StepReport Simulation::step() noexcept {
 void Simulation::warm_up() noexcept {
   std::memcpy(warm_up_state_.get_bytes().data(), state_.get_bytes().data(), state_.get_bytes().size());
   (void)unlatch::step(plan_, Inputs{held_.get_channels()}, warm_up_state_, workspace_);
-  (void)update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_);  // it had outputs before
+  (void)update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_);  // succeeded at this state before
 }
 
 std::vector<std::uint64_t> Simulation::save() const {
@@ -147,14 +148,14 @@ bool Simulation::restore(std::span<const std::uint64_t> saved) {
   if (saved.size() != words + inputs + held_.get_sensors().size()) return false;
   std::vector<std::uint64_t> copy(saved.begin(), saved.end());  // a State is a view of memory that may be written
   if (!is_possible(State(plan_, {reinterpret_cast<std::byte*>(copy.data()), block}))) return false;
-  // Every word of the state but its header: modes and phases are small by now, and as numbers finite as well.
+  // Every word of the state but its header: modes and phases, checked above, are small numbers and finite as doubles.
   const auto is_finite = [](std::uint64_t word) { return std::isfinite(std::bit_cast<double>(word)); };
   constexpr std::size_t kHeader = sizeof(StateHeader) / sizeof(std::uint64_t);
   if (!std::ranges::all_of(saved.subspan(kHeader, words - kHeader + inputs), is_finite)) return false;
 
   const std::vector<std::uint64_t> before = save();
   if (take(saved)) return true;
-  (void)take(before);  // it had outputs before
+  (void)take(before);  // succeeded before
   return false;
 }
 
@@ -171,9 +172,9 @@ bool Simulation::take(std::span<const std::uint64_t> saved) {
   return update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_) == StepStatus::kOk;
 }
 
-// The state's numbers are in their ranges, so that they may be used as indices.
+// True if the state's numbers are in their ranges, so that they may be used as indices.
 bool Simulation::is_possible(const State& state) const noexcept {
-  constexpr std::int64_t kMaxTick = std::int64_t{1} << 53;  // beyond it a time in seconds does not tell two ticks apart
+  constexpr std::int64_t kMaxTick = std::int64_t{1} << 53;  // limit: beyond it two ticks may have one time in seconds
   if (state.header->plan_hash != plan_.get_hash() || state.header->tick < 0 || state.header->tick > kMaxTick)
     return false;
   for (std::size_t i = 0; i < state.joints.size(); ++i) {

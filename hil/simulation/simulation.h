@@ -1,5 +1,5 @@
-// One run of a model: the plan, the memory that the kernel steps in, and the channels' values. The constructor
-// allocates, nothing after it does.
+// Run of a model: the plan, the memory that the kernel steps in, and the channels' values. Only the constructor
+// allocates, and the functions that say so.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@
 
 namespace unlatch::hil {
 
-// The model does not compile; what() has one line an error.
+// Error: the model does not compile; what() has one line an error.
 class SimulationError : public std::runtime_error {
  public:
   explicit SimulationError(std::vector<ModelError> errors_in);
@@ -34,44 +34,44 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // One tick with the channels' present values, those that are latched now (hil/scenario/rates.h). On any status but
-  // kOk nothing has changed but what is latched.
+  // Makes one tick with the channels' present values, those that are latched now (hil/scenario/rates.h). On any status
+  // but kOk nothing has changed but the latched values.
   StepReport step() noexcept UNLATCH_NONBLOCKING;
-  // The same in two halves, for a step beside those of other simulations (unlatch/bundle.h): the inputs are latched;
-  // then, with what the bundle reports, the sensors are sampled.
+  // Two halves of step(), for a step beside those of other simulations (unlatch/bundle.h): the inputs are latched;
+  // then, with the bundle's report, the sensors are sampled.
   BundleRun begin_step() noexcept;
   void end_step(const StepReport& report) noexcept;
 
-  // From now on each step leaves the knots of its motion; allocates. For the analysis of a run, off the cyclic thread.
+  // Keeps the knots of the motion of each step from now on; allocates. For the analysis of a run, off the cyclic
+  // thread.
   void keep_motion();
-  // Of the latest step; empty before it, and without keep_motion().
+  // Knots of the latest step; empty before it, and without keep_motion().
   std::span<const MotionKnot> get_motion() const noexcept { return log_.get_knots(); }
 
   // A warm-up step: the same step, thrown away. Code and data remain in the processor's caches.
   void warm_up() noexcept UNLATCH_NONBLOCKING;
 
-  // All that decides how the run goes on, as 8-byte words: the state block; the channels' values, commanded and held;
-  // the sensor values held.
+  // All data that decide the rest of the run, as 8-byte words: the state block; the channels' values, commanded and
+  // held; the sensor values held. Allocates.
   [[nodiscard]] std::vector<std::uint64_t> save() const;
-  // Goes back, or on, to what save() gave. False, and nothing changed, if it is not of this plan.
+  // Restores the result of save(). False, and nothing changed, if it is not of this plan. Allocates.
   [[nodiscard]] bool restore(std::span<const std::uint64_t> saved);
 
   // Sets the commanded value of a channel, which must exist. True if it changes, to the bit.
   bool set_channel(std::size_t channel, double value) noexcept;
-  // The commanded value of each channel: the next step reads it, unless the channel is in a group that is not latched
-  // then.
+  // Commanded value of each channel: the next step reads it, unless the channel is in a group that is not latched then.
   std::span<double> channels() noexcept { return channels_; }
   std::span<const double> channels() const noexcept { return channels_; }
 
-  // The value of each channel that the last step read, and the next reads unless it latches another.
+  // Value of each channel in the last step, and in the next unless it latches another.
   std::span<const double> get_inputs() const noexcept { return held_.get_channels(); }
-  // The value of each sensor component as last sampled, in the order of the model's sensors.
+  // Value of each sensor component as last sampled, in the order of the model's sensors.
   std::span<const double> get_sensors() const noexcept { return held_.get_sensors(); }
 
-  // h·ω and so on of the springs at the present state; overwrites the workspace.
+  // Frequencies (h·ω and so on) of the springs at the present state; overwrites the workspace.
   std::vector<ElementFrequency> calc_frequencies() { return unlatch::calc_frequencies(plan_, state_, workspace_); }
 
-  // Of everything that decides a state, but the inputs (hil/scenario/rates.h).
+  // Hash of everything that decides a state, but the inputs (hil/scenario/rates.h).
   std::int64_t get_model_hash() const noexcept { return model_hash_; }
   const Model& model() const noexcept { return model_; }
   const Plan& plan() const noexcept { return plan_; }
@@ -82,7 +82,7 @@ class Simulation {
   double get_time() const noexcept { return static_cast<double>(get_tick()) * plan_.get_options().dt; }  // s
   std::int64_t calc_hash() const noexcept { return static_cast<std::int64_t>(unlatch::calc_hash(state_)); }
 
-  // The State of this tick is to be sent.
+  // True if the State of this tick is to be sent.
   bool is_state_due() const noexcept { return held_.is_state_due(get_tick()); }
   // State messages that one tick takes.
   std::int32_t get_part_count() const noexcept;
@@ -96,7 +96,7 @@ class Simulation {
   };
   using Memory = std::unique_ptr<std::byte, Free>;
   static Memory allocate(std::size_t bytes);
-  std::span<const double> begin();  // the initial state; gives its sensor values
+  std::span<const double> begin();  // sets the initial state; gives its sensor values
   [[nodiscard]] bool is_possible(const State& state) const noexcept;
   [[nodiscard]] bool take(std::span<const std::uint64_t> saved);
 
@@ -107,13 +107,13 @@ class Simulation {
   State state_, warm_up_state_;
   Workspace workspace_;
   std::vector<double> channels_;
-  SampleAndHold held_;  // after all these: it begins with the channels and sensors of the initial state
+  SampleAndHold held_;  // last of these: it begins with the channels and sensors of the initial state
   const std::int64_t model_hash_;
 };
 
-// One message per body, joint, channel, sensor value and signal; session is left 0.
+// Messages, one per body, joint, channel, sensor value and signal; session is left 0.
 std::vector<CatalogMessage> build_catalog(const Model& model);
-// For each event of the model its message, with name and subject alone.
+// Messages of the model's events, with name and subject alone.
 std::vector<EventMessage> build_event_messages(const Model& model);
 
 }  // namespace unlatch::hil

@@ -1,4 +1,4 @@
-// A scenario as Source messages, so that an observer can build it without a file: its text and each --set, a NUL behind
+// Scenario as Source messages, so that an observer can build it without a file: its text and each --set, a NUL behind
 // each, cut into parts.
 #pragma once
 
@@ -10,21 +10,21 @@
 
 namespace unlatch::hil {
 
-// Of at least one part; sequence is left 0. `text` and `overrides` have no NUL in them: the loader sees to that.
+// Parts, at least one; sequence is left 0. `text` and `overrides` have no NUL in them: the loader refuses it.
 std::vector<SourceMessage> build_source(const std::string& text, const std::vector<std::string>& overrides,
                                         std::int64_t session);
 
-// Puts together the parts of one session, in whatever order they come.
+// Text put together from the parts of one session, in any order.
 class SourceText {
  public:
-  // Parts of another session, or of another size than the first one, are left out.
+  // Adds a part; parts of another session, or of another size than the first one, are left out.
   void add(const SourceMessage& part);
 
-  [[nodiscard]] std::size_t get_parts() const { return parts_.size(); }  // 0: none was received yet
+  [[nodiscard]] std::size_t get_parts() const { return parts_.size(); }  // 0: none received yet
   [[nodiscard]] std::size_t get_missing() const { return missing_; }
   [[nodiscard]] bool is_complete() const { return !parts_.empty() && missing_ == 0; }
 
-  // Of a complete one: the text, then the overrides. Empty if it does not end in a NUL.
+  // Text and overrides, in this order, once complete. Empty if it does not end in a NUL.
   [[nodiscard]] std::vector<std::string> split() const;
 
  private:

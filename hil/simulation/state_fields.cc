@@ -54,7 +54,7 @@ struct Section {
   const std::byte* begin;
   std::size_t count;
   std::span<const char* const> fields;
-  std::size_t integers;  // so many of the fields, from the first, are integers
+  std::size_t integers;  // number of integer fields, the first ones
   std::function<std::string(std::size_t)> name;
 };
 
@@ -91,7 +91,7 @@ std::vector<Section> build_sections(const Model& model, const State& state) {
   };
 }
 
-// A word of the block, `offset` bytes from its beginning, with the name of what it is.
+// Word of the block, `offset` bytes from its beginning, with the name of its field.
 FieldDifference name_word(const std::vector<Section>& sections, const std::byte* block, std::size_t offset) {
   for (const Section& section : sections) {
     const std::size_t width = section.fields.size();
@@ -99,7 +99,7 @@ FieldDifference name_word(const std::vector<Section>& sections, const std::byte*
     if (block + offset < section.begin || word >= section.count * width) continue;
     return {section.name(word / width), section.fields[word % width], word % width >= section.integers};
   }
-  return {"state", "word " + std::to_string(offset / 8)};  // of a kind that has no names here
+  return {"state", "word " + std::to_string(offset / 8)};  // a kind without names here
 }
 
 std::uint64_t get_word(const std::byte* from) {
@@ -160,7 +160,7 @@ std::vector<FieldDifference> compare_states(const Model& model, const StateMessa
   for (const CatalogMessage& item : build_catalog(model)) {
     if (item.kind != static_cast<std::int32_t>(CatalogKind::kSensor)) continue;
     const std::size_t i = static_cast<std::size_t>(item.index) - first * kSensorsPerPart;
-    if (i >= static_cast<std::size_t>(std::min(a.sensor_count, b.sensor_count))) continue;  // of another part
+    if (i >= static_cast<std::size_t>(std::min(a.sensor_count, b.sensor_count))) continue;  // another part
     compare(quote("sensor", std::string(get_name(item.name))), "value", a.sensors[i], b.sensors[i], differences);
   }
   return differences;

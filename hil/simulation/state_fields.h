@@ -20,7 +20,7 @@ struct FieldDifference {
   std::uint64_t a = 0, b = 0;  // the bits
   [[nodiscard]] double get_a() const { return get(a); }
   [[nodiscard]] double get_b() const { return get(b); }
-  // Numbers of a double that lie between the two, plus one; absent for integers, and where one is no number.
+  // Doubles between the two, plus one; absent for integers, and if one is no number.
   [[nodiscard]] std::optional<std::uint64_t> calc_ulps() const;
 
  private:
@@ -29,10 +29,10 @@ struct FieldDifference {
   }
 };
 
-// Every field whose bits differ, in the order of the block: bodies, joints, elements, events, signals. Both states must
-// be of `model`'s plan.
+// Fields whose bits differ, in the order of the block: bodies, joints, elements, events, signals. Both states must be
+// of `model`'s plan.
 std::vector<FieldDifference> compare_states(const Model& model, const State& a, const State& b);
-// The same of what State messages carry: bodies, sensor values, joint modes. Both must be the same part of a tick.
+// Fields of State messages whose bits differ: bodies, sensor values, joint modes. Both must be the same part of a tick.
 std::vector<FieldDifference> compare_states(const Model& model, const StateMessage& a, const StateMessage& b);
 
 }  // namespace unlatch::hil

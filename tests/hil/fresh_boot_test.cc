@@ -54,7 +54,8 @@ class ScriptedTicks final : public hil::TickSource {
   std::int64_t next_ = 0;
 };
 
-// The parameter: the clock's reading at the beginning; sessions last longer than 30 ms.
+// The parameter: the clock's reading at the beginning: an hour before 0, near it (sessions last longer than 30 ms),
+// behind it.
 class FreshBoot : public ::testing::TestWithParam<std::int64_t> {
  protected:
   const ShiftedClock clock_{GetParam()};
@@ -96,7 +97,17 @@ TEST_P(FreshBoot, ASilentParticipantMeetsThePolicyAndAPauseEnds) {
   EXPECT_THAT(result.notices, testing::Contains("policy.pause"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Readings, FreshBoot, testing::Values(-20 * kMs, -1, 0, 1, 20 * kMs));
+// It has sent no command before, so that nothing was heard of it since the State.
+TEST_P(FreshBoot, ADroppedStateIsSentAgain) {
+  FakeParticipant::Habits habits;
+  habits.deaf_at = 0;
+  habits.deaf_times = 3;
+  const SessionResult result = run_session(Pace::kLockstep, habits, "", {kPatient}, true, nullptr, nullptr, clock_);
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_EQ(result.end.tick, 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(Readings, FreshBoot, testing::Values(-3'600'000 * kMs, -20 * kMs, -1, 0, 1, 20 * kMs));
 
 }  // namespace
 }  // namespace unlatch::test

@@ -165,8 +165,10 @@ TEST(Overruns, AreAttributedToTheLargestPartAndToWhatInterruptedIt) {
     return hil::attribute(overrun);
   };
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99; }), OverrunCause::kLateWakeup);
-  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 1; }), OverrunCause::kBacklog);
-  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up = 2; }), OverrunCause::kWarmUp);
+  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up_by = hil::HeldUpBy::kTickBefore; }),
+            OverrunCause::kBacklog);
+  EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.timing.held_up_by = hil::HeldUpBy::kWarmUp; }),
+            OverrunCause::kWarmUp);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.wakeup_ns = 99, o.preemptions = 1; }), OverrunCause::kLateWakeup);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.input_ns = 99; }), OverrunCause::kInputs);
   EXPECT_EQ(attribute([](Overrun& o) { o.timing.step_ns = 99; }), OverrunCause::kStep);
@@ -206,6 +208,13 @@ TEST(Overruns, WhatBefellTheThreadLongAgoExplainsNone) {
   touch_fresh_pages();
   timing.disregard(hil::read_thread_counts());
   EXPECT_LT(timing.account_overrun({}, 1).page_faults, 64) << "a watcher said that it was long ago";
+  touch_fresh_pages();
+  std::jthread([&] { timing.watch_counts(), timing.watch_counts(); }).join();
+  EXPECT_LT(timing.account_overrun({}, 1).page_faults, 64) << "before the previous call";
+  std::jthread([&] { timing.watch_counts(); }).join();
+  touch_fresh_pages();
+  std::jthread([&] { timing.watch_counts(); }).join();
+  EXPECT_GE(timing.account_overrun({}, 1).page_faults, 64) << "after the previous call";
 }
 
 TEST(Overruns, OnlyTheWorstAreKeptAndInOrder) {

@@ -47,6 +47,10 @@ class IncludesTest(unittest.TestCase):
     def test_folders_of_hil_include_only_what_is_below_them(self):
         self.check_folders("hil", HIL)
 
+    def test_the_table_of_hil_lists_its_folders_from_below(self):
+        table = re.findall(r"^\| \[(\w+)\]\(\1/README\.md\)", (ROOT / "hil/README.md").read_text(encoding="utf-8"), re.M)
+        self.assertEqual(tuple(table), HIL)
+
     def test_folders_of_the_library_include_only_what_is_below_them(self):
         self.check_folders("library", LIBRARY)
 
