@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "tools/command_line.h"
 
 namespace unlatch::tools {

@@ -10,8 +10,8 @@
 #include <optional>
 #include <thread>
 
-#include "bridge/direct_connection.h"
-#include "bridge/threaded_connection.h"
+#include "bridge/core/direct_connection.h"
+#include "bridge/core/threaded_connection.h"
 #include "hil/executive/executive.h"
 #include "hil/messages/event_names.h"
 #include "hil/realtime/real_time.h"

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "hil/scenario/scenario.h"
 #include "tools/fsw/participant.h"
 

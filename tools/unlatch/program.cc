@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "hil/modules/module.h"
 #include "hil/recording/log_file.h"
 #include "hil/simulation/simulation.h"

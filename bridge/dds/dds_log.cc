@@ -1,4 +1,4 @@
-#include "bridge/dds_log.h"
+#include "bridge/dds/dds_log.h"
 
 #include <dds/ddsrt/log.h>
 #include <poll.h>

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 
 namespace unlatch::bridge {
 

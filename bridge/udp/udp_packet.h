@@ -16,7 +16,7 @@
 #include <optional>
 #include <span>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 
 namespace unlatch::bridge {
 

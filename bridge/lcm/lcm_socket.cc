@@ -1,4 +1,4 @@
-#include "bridge/lcm_socket.h"
+#include "bridge/lcm/lcm_socket.h"
 
 #include <arpa/inet.h>
 #include <net/if.h>

@@ -2,7 +2,7 @@
 // times its offset: it writes outside the buffer, for any sender of such bytes (found by tests/fuzz/dds_fuzz.cc).
 // Its calls to its own exported function go through the dynamic linker, which prefers ours: samples of the other
 // byte order are refused, and counted as what cannot be read; the rest is Cyclone's.
-#include "bridge/dds_byte_order.h"
+#include "bridge/dds/dds_byte_order.h"
 
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_cdrstream.h>

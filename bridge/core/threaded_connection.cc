@@ -1,4 +1,4 @@
-#include "bridge/threaded_connection.h"
+#include "bridge/core/threaded_connection.h"
 
 #include <sys/prctl.h>
 

@@ -1,4 +1,4 @@
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "bridge/udp_packet.h"
+#include "bridge/udp/udp_packet.h"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "bridge/dds_domain.h"
+#include "bridge/dds/dds_domain.h"
 
 #include <algorithm>
 #include <cctype>
@@ -6,8 +6,8 @@
 #include <map>
 #include <mutex>
 
-#include "bridge/dds_byte_order.h"
-#include "bridge/dds_log.h"
+#include "bridge/dds/dds_byte_order.h"
+#include "bridge/dds/dds_log.h"
 
 namespace unlatch::bridge {
 namespace {

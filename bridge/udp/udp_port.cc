@@ -12,10 +12,10 @@
 #include <random>
 #include <string_view>
 
-#include "bridge/datagram_receiver.h"
-#include "bridge/message_ring.h"
-#include "bridge/port.h"
-#include "bridge/udp_packet.h"
+#include "bridge/core/datagram_receiver.h"
+#include "bridge/core/message_ring.h"
+#include "bridge/core/port.h"
+#include "bridge/udp/udp_packet.h"
 
 namespace unlatch::bridge {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "bridge/dds_domain.h"
-#include "bridge/dds_log.h"
-#include "bridge/dds_security.h"
-#include "bridge/port.h"
+#include "bridge/core/port.h"
+#include "bridge/dds/dds_domain.h"
+#include "bridge/dds/dds_log.h"
+#include "bridge/dds/dds_security.h"
 #include "bridge/schema/dds_layout.h"
 #include "unlatch.h"
 

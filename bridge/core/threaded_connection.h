@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "hil/session/ring_connection.h"
 
 namespace unlatch::bridge {

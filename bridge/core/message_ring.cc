@@ -1,4 +1,4 @@
-#include "bridge/message_ring.h"
+#include "bridge/core/message_ring.h"
 
 #include <algorithm>
 #include <cstring>

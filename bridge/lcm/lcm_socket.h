@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cstdint>
 
-#include "bridge/datagram_receiver.h"
-#include "bridge/lcm_packets.h"
-#include "bridge/lcm_route.h"
-#include "bridge/message_ring.h"
-#include "bridge/port.h"
+#include "bridge/core/datagram_receiver.h"
+#include "bridge/core/message_ring.h"
+#include "bridge/core/port.h"
+#include "bridge/lcm/lcm_packets.h"
+#include "bridge/lcm/lcm_route.h"
 
 namespace unlatch::bridge {
 

@@ -1,4 +1,4 @@
-// Authentication, access control and encryption by the plugins that come with Cyclone DDS; see SECURITY.md.
+// Authentication, access control and encryption by the plugins that come with Cyclone DDS; see bridge/SECURITY.md.
 #pragma once
 
 #include <dds/dds.h>

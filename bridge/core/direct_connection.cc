@@ -1,4 +1,4 @@
-#include "bridge/direct_connection.h"
+#include "bridge/core/direct_connection.h"
 
 #include <utility>
 

@@ -1,10 +1,10 @@
-#include "bridge/dds_security.h"
+#include "bridge/dds/dds_security.h"
 
 #include <array>
 #include <filesystem>
 #include <fstream>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 
 namespace unlatch::bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "bridge/lcm_packets.h"
+#include "bridge/lcm/lcm_packets.h"
 
 #include <algorithm>
 #include <cstring>

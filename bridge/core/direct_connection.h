@@ -2,7 +2,7 @@
 // wake-up per tick. In lockstep the simulation waits for the answer anyway.
 #pragma once
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "hil/realtime/clock.h"
 #include "hil/session/connection.h"
 

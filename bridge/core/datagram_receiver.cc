@@ -1,4 +1,4 @@
-#include "bridge/datagram_receiver.h"
+#include "bridge/core/datagram_receiver.h"
 
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 
 namespace unlatch::bridge {
 namespace {

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <vector>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 
 namespace unlatch::bridge {
 namespace {

@@ -1,4 +1,4 @@
-#include "bridge/lcm_route.h"
+#include "bridge/lcm/lcm_route.h"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>

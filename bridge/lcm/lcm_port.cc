@@ -7,9 +7,9 @@
 #include <optional>
 #include <string_view>
 
-#include "bridge/lcm_route.h"
-#include "bridge/lcm_socket.h"
-#include "bridge/port.h"
+#include "bridge/core/port.h"
+#include "bridge/lcm/lcm_route.h"
+#include "bridge/lcm/lcm_socket.h"
 
 namespace unlatch::bridge {
 namespace {
