@@ -13,6 +13,9 @@ KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dyn
 HIL = ("modules", "messages", "language", "flexible", "meshes", "scenario", "realtime", "simulation", "recording", "motion", "notices",
        "separations", "analysis", "outputs", "run", "evaluation", "sampling", "statistics", "campaign", "synthesis", "session", "faults", "executive")  # from below
 LIBRARY = ("include", "c", "python", "fmi")  # from below
+TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "synthesis",
+         "unlatch/options", "unlatch/results", "unlatch/studies", "unlatch/check", "unlatch/run", "unlatch/recordings", "unlatch/files",
+         "unlatch", "mpi")  # from below
 BRIDGE = ("schema", "participant", "core", "udp", "lcm", "dds")  # from below
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
@@ -61,8 +64,11 @@ class IncludesTest(unittest.TestCase):
     def test_folders_of_the_bridge_include_only_what_is_below_them(self):
         self.check_folders("bridge", BRIDGE)
 
-    def test_folders_of_bridge_have_a_readme(self):
-        for module in ("bridge",):
+    def test_folders_of_the_tools_include_only_what_is_below_them(self):
+        self.check_folders("tools", TOOLS)
+
+    def test_folders_of_bridge_and_tools_have_a_readme(self):
+        for module in ("bridge", "tools"):
             for folder in (ROOT / module).iterdir():
                 if folder.is_dir() and folder.name != "__pycache__":
                     self.assertTrue((folder / "README.md").is_file(), f"{folder.relative_to(ROOT)} has no README.md")
