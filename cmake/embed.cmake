@@ -1,4 +1,4 @@
-# cmake -DOUT=FILE -DSTARTERS=FILE;… -DSCHEMA=FILE -P embed.cmake: texts as C++ (tools/unlatch/starters.h). A literal has at most 64 KiB
+# cmake -DOUT=FILE -DSTARTERS=FILE;… -DSCHEMA=FILE -P embed.cmake: texts as C++ (tools/unlatch/files/starters.h). A literal has at most 64 KiB
 # in some compilers, so texts are cut.
 function(to_literal out file)
   file(READ ${file} text)
@@ -13,7 +13,7 @@ function(to_literal out file)
   set(${out} "${literals}" PARENT_SCOPE)
 endfunction()
 
-set(code "#include \"tools/unlatch/starters.h\"\n\nnamespace unlatch::tools {\n\nconst std::vector<Starter>& get_starters() {\n  static const std::vector<Starter> starters{\n")
+set(code "#include \"tools/unlatch/files/starters.h\"\n\nnamespace unlatch::tools {\n\nconst std::vector<Starter>& get_starters() {\n  static const std::vector<Starter> starters{\n")
 foreach(file IN LISTS STARTERS)
   get_filename_component(name ${file} NAME_WE)
   to_literal(text ${file})

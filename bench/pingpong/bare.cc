@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "bench/pingpong/pingpong.h"
-#include "bridge/dds_domain.h"
+#include "bridge/dds/dds_domain.h"
 
 namespace unlatch::bench {
 namespace {

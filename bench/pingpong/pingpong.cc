@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <thread>
 
-#include "bridge/direct_connection.h"
-#include "bridge/port.h"
-#include "bridge/threaded_connection.h"
+#include "bridge/core/direct_connection.h"
+#include "bridge/core/port.h"
+#include "bridge/core/threaded_connection.h"
 
 namespace unlatch::bench {
 namespace {

@@ -28,11 +28,16 @@ std::map<void*, std::unique_ptr<Instance>>& get_table() {
 std::unique_ptr<Instance> Instance::create(const std::string& resources, const char* token, Log log) {
   std::unique_ptr<Instance> made(new Instance(std::move(log)));
   made->text_ = read_file(resources + "/scenario.yaml");
-  if (made->text_.empty()) return made->refuse(resources + "/scenario.yaml cannot be read"), nullptr;
+  if (made->text_.empty()) {
+    made->refuse(resources + "/scenario.yaml cannot be read");
+    return nullptr;
+  }
   std::istringstream lines(read_file(resources + "/overrides.txt"));
   for (std::string line; std::getline(lines, line);) made->overrides_.push_back(line);
-  if (token == nullptr || calc_token(made->text_, made->overrides_) != token)
-    return made->refuse("the instantiation token is not that of this FMU's description"), nullptr;
+  if (token == nullptr || calc_token(made->text_, made->overrides_) != token) {
+    made->refuse("the instantiation token is not that of this FMU's description");
+    return nullptr;
+  }
   if (!made->load({})) return nullptr;
   for (const Variable& variable : made->variables_)
     if (variable.causality == Variable::Causality::kParameter) made->starts_.push_back(variable.start);
@@ -72,7 +77,10 @@ bool Instance::load(const std::vector<double>& parameters) {
   for (const auto& [reference, value] : inputs_set_)
     if (good && unlatch_set_channel(made, reference - 1, value) != UNLATCH_OK)
       good = refuse_of_library("setting an input again");
-  if (!good) return (void)unlatch_close(made), false;
+  if (!good) {
+    (void)unlatch_close(made);
+    return false;
+  }
   if (simulation_ != nullptr) (void)unlatch_close(simulation_);
   simulation_ = made;
   variables_ = std::move(variables);

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 
 namespace unlatch::test {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <thread>
 
-#include "bridge/threaded_connection.h"
+#include "bridge/core/threaded_connection.h"
 #include "tests/support/malloc_guard.h"
 
 namespace unlatch::test {

@@ -23,9 +23,9 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/datagram_receiver.h"
-#include "bridge/port.h"
-#include "bridge/udp_packet.h"
+#include "bridge/core/datagram_receiver.h"
+#include "bridge/core/port.h"
+#include "bridge/udp/udp_packet.h"
 #include "unlatch.h"
 
 namespace {

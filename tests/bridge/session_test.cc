@@ -9,8 +9,8 @@
 #include <optional>
 #include <set>
 
-#include "bridge/direct_connection.h"
-#include "bridge/threaded_connection.h"
+#include "bridge/core/direct_connection.h"
+#include "bridge/core/threaded_connection.h"
 #include "hil/recording/replay_reader.h"
 #include "tests/bridge/computer.h"
 #include "tests/hil/session_support.h"

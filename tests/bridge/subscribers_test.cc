@@ -13,8 +13,8 @@
 #include <list>
 #include <thread>
 
-#include "bridge/port.h"
-#include "bridge/threaded_connection.h"
+#include "bridge/core/port.h"
+#include "bridge/core/threaded_connection.h"
 #include "hil/realtime/clock.h"
 #include "hil/realtime/histogram.h"
 #include "hil/realtime/real_time.h"

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/lcm_packets.h"
-#include "bridge/port.h"
+#include "bridge/core/port.h"
+#include "bridge/lcm/lcm_packets.h"
 #include "tests/bridge/random_messages.h"
 #include "unlatch.h"
 

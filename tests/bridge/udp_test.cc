@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "bridge/datagram_receiver.h"
-#include "bridge/udp_packet.h"
+#include "bridge/core/datagram_receiver.h"
+#include "bridge/udp/udp_packet.h"
 
 namespace unlatch::test {
 namespace {

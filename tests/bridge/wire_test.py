@@ -18,7 +18,7 @@ import unittest
 from processes import BOOSTERS, FSW, PATIENT, UNLATCH, ProcessTest, run_tests
 
 GROUP = ("239.255.76.67", 7667)
-LINES_PER_SECOND = 10   # limit for the middleware's log: bridge/dds_log.h
+LINES_PER_SECOND = 10   # limit for the middleware's log: bridge/dds/dds_log.h
 FIRST_RTPS_PORT = 7410  # first port of participants in domain 0: every second port from here on
 # An RTPS header and a DATA submessage whose length points behind the packet.
 BAD_RTPS = b"RTPS\x02\x01\x01\x10" + bytes(12) + b"\x15\x05\xff\x7f" + bytes(20)

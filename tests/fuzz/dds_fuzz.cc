@@ -1,11 +1,11 @@
 // Decoders of all messages in the form of DDS: the first byte chooses the kind, the rest is a serialised sample as in a
-// datagram, encapsulation included. Cyclone's own decoder makes the struct of it, as in bridge/dds_port.cc.
+// datagram, encapsulation included. Cyclone's own decoder makes the struct of it, as in bridge/dds/dds_port.cc.
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
 
 #include <array>
 
-#include "bridge/dds_domain.h"
+#include "bridge/dds/dds_domain.h"
 #include "tests/fuzz/fuzz.h"
 #include "unlatch.h"
 
@@ -60,7 +60,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const ddsrt_iovec_t bytes{const_cast<std::uint8_t*>(data) + 1, size - 1};
   ddsi_serdata* const serdata = ddsi_serdata_from_ser_iov(types.get(kind), SDK_DATA, 1, &bytes, size - 1);
   if (serdata == nullptr) return 0;
-  fuzz::require((data[2] & 1) != 0, "a big-endian sample was read");  // bridge/dds_byte_order.cc
+  fuzz::require((data[2] & 1) != 0, "a big-endian sample was read");  // bridge/dds/dds_byte_order.cc
   // Guards on both sides: Cyclone is not compiled with a sanitizer.
   constexpr std::size_t kGuard = 64;
   constexpr std::uint8_t kUntouched = 0xA5;

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <memory>
 
-#include "bridge/lcm_packets.h"
-#include "bridge/message_ring.h"
+#include "bridge/core/message_ring.h"
+#include "bridge/lcm/lcm_packets.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bridge/udp_packet.h"
+#include "bridge/udp/udp_packet.h"
 #include "hil/flexible/flexible_body.h"
 #include "hil/flexible/modes_file.h"
 #include "hil/run/checkpoint.h"

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <memory>
 
-#include "bridge/message_ring.h"
-#include "bridge/udp_packet.h"
+#include "bridge/core/message_ring.h"
+#include "bridge/udp/udp_packet.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

@@ -34,7 +34,7 @@ def is_scenario(path):
 
 
 def list_files():
-    folders = ["hil/scenarios", "hil/language", "tools/unlatch/starters", "bridge/examples"]
+    folders = ["hil/scenarios", "hil/language", "tools/unlatch/files/starters", "bridge/examples"]
     return sorted(p for folder in folders for p in (SOURCE / folder).rglob("*.yaml") if is_scenario(p))
 
 

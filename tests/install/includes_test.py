@@ -13,6 +13,10 @@ KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "dyn
 HIL = ("modules", "messages", "language", "flexible", "meshes", "scenario", "realtime", "simulation", "recording", "motion", "notices",
        "separations", "analysis", "outputs", "run", "evaluation", "sampling", "statistics", "campaign", "synthesis", "session", "faults", "executive")  # lowest first
 LIBRARY = ("include", "c", "python", "fmi")  # lowest first
+TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "synthesis",
+         "unlatch/options", "unlatch/results", "unlatch/studies", "unlatch/check", "unlatch/run", "unlatch/recordings", "unlatch/files",
+         "unlatch", "mpi")  # lowest first
+BRIDGE = ("schema", "participant", "core", "udp", "lcm", "dds")  # lowest first
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.M)
 
 
@@ -21,6 +25,13 @@ def list_includes(module):
         if path.suffix in (".h", ".cc") and "examples" not in path.parts:
             for ours, foreign in INCLUDE.findall(path.read_text(encoding="utf-8")):
                 yield path.relative_to(ROOT), ours, foreign
+
+
+def find_layer(path, folders):
+    """The innermost of the folders that the file is in."""
+    parts = path.parts[1:-1]
+    names = ("/".join(parts[:n]) for n in range(len(parts), 0, -1))
+    return next((name for name in names if name in folders), None)
 
 
 class IncludesTest(unittest.TestCase):
@@ -34,10 +45,10 @@ class IncludesTest(unittest.TestCase):
 
     def check_folders(self, module, folders):
         for path, ours, _ in list_includes(module):
-            folder, parts = path.parts[1], ours.split("/")
-            self.assertIn(folder, folders, f"{path}: a folder without a layer")
-            if parts[0] == module:
-                self.assertIn(parts[1], folders[:folders.index(folder) + 1], f"{path} includes {ours}")
+            folder = find_layer(path, folders)
+            self.assertIsNotNone(folder, f"{path}: a folder without a layer")
+            if ours.startswith(module + "/"):
+                self.assertIn(find_layer(Path(ours), folders), folders[:folders.index(folder) + 1], f"{path} includes {ours}")
         for folder in folders:
             self.assertTrue((ROOT / module / folder / "README.md").is_file(), f"{module}/{folder} has no README.md")
 
@@ -53,6 +64,18 @@ class IncludesTest(unittest.TestCase):
 
     def test_folders_of_the_library_include_only_what_is_below_them(self):
         self.check_folders("library", LIBRARY)
+
+    def test_folders_of_the_bridge_include_only_what_is_below_them(self):
+        self.check_folders("bridge", BRIDGE)
+
+    def test_folders_of_the_tools_include_only_what_is_below_them(self):
+        self.check_folders("tools", TOOLS)
+
+    def test_folders_of_bridge_and_tools_have_a_readme(self):
+        for module in ("bridge", "tools"):
+            for folder in (ROOT / module).iterdir():
+                if folder.is_dir() and folder.name != "__pycache__":
+                    self.assertTrue((folder / "README.md").is_file(), f"{folder.relative_to(ROOT)} has no README.md")
 
     def test_one_folder_knows_mpi(self):
         users = {path.parent.as_posix() for module in MODULES for path, _, foreign in list_includes(module) if foreign == "mpi.h"}

@@ -94,7 +94,10 @@ int fmi2SetupExperiment(void* c, int t, double tolerance, double start, int s, d
   return kOk;
 }
 int fmi2EnterInitializationMode(void* c) { return c == NULL ? kError : kOk; }
-int fmi2ExitInitializationMode(void* c) { return update(c), kOk; }
+int fmi2ExitInitializationMode(void* c) {
+  update(c);
+  return kOk;
+}
 int fmi2Terminate(void* c) { return c == NULL ? kError : kOk; }
 int fmi2GetReal(void* c, const uint32_t* r, size_t n, double* values) { return access_values(c, r, n, values, NULL); }
 int fmi2SetReal(void* c, const uint32_t* r, size_t n, const double* values) { return access_values(c, r, n, NULL, values); }
@@ -134,7 +137,10 @@ int fmi3EnterInitializationMode(void* c, bool t, double tolerance, double start,
   (void)t, (void)tolerance, (void)start, (void)s, (void)stop;
   return c == NULL ? kError : kOk;
 }
-int fmi3ExitInitializationMode(void* c) { return update(c), kOk; }
+int fmi3ExitInitializationMode(void* c) {
+  update(c);
+  return kOk;
+}
 int fmi3Terminate(void* c) { return c == NULL ? kError : kOk; }
 int fmi3GetFloat64(void* c, const uint32_t* r, size_t n, double* values, size_t m) {
   return n == m ? access_values(c, r, n, values, NULL) : kError;

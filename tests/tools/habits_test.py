@@ -40,9 +40,9 @@ class HabitsTest(ProcessTest):
         path.write_text("#pragma once\nint  badly_formatted( );\n")
         self.git("add", path)
         self.assertIn("hil/realtime/new.h:2", self.git("commit", "-qm", "format", code=1))
-        path.write_text('#pragma once\n#include "tools/exit_codes.h"\n')
+        path.write_text('#pragma once\n#include "tools/program/exit_codes.h"\n')
         self.git("add", path)
-        self.assertIn("hil/realtime/new.h includes tools/exit_codes.h", self.git("commit", "-qm", "includes", code=1))
+        self.assertIn("hil/realtime/new.h includes tools/program/exit_codes.h", self.git("commit", "-qm", "includes", code=1))
         path.write_text("#pragma once\n")
         reference = self.folder / "hil/scenarios/REFERENCE.md"
         reference.write_text(reference.read_text() + "more\n")

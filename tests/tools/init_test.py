@@ -9,7 +9,7 @@ import xml.etree.ElementTree as ElementTree
 
 from processes import BOOSTERS, REFERENCE, SOURCE, UNLATCH, ProcessTest, call, main
 
-KINDS = sorted(path.stem for path in (SOURCE / "tools/unlatch/starters").glob("*.yaml"))
+KINDS = sorted(path.stem for path in (SOURCE / "tools/unlatch/files/starters").glob("*.yaml"))
 # Events that each starter shows when it is run.
 HAPPENS = {"separation": ["release"], "boosters": ["release", "contact", "liftoff"], "array": ["latch"],
            "capsule": ["release", "ignition"], "fairing": ["release"], "antenna": ["release", "taut", "latch", "slack"],

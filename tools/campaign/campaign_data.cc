@@ -7,9 +7,10 @@
 #include <stdexcept>
 
 #include "hil/language/setting.h"
+#include "tools/common/output.h"
+#include "tools/common/text.h"
+#include "tools/common/unfinished_file.h"
 #include "tools/export/node_writer.h"
-#include "tools/unfinished_file.h"
-#include "tools/unlatch/report.h"
 
 namespace unlatch::tools {
 namespace {
@@ -27,13 +28,6 @@ const char* get_kind_name(Kind kind) {
 Json to_limit(double limit) { return std::isfinite(limit) ? Json(limit) : Json(nullptr); }
 
 std::string to_cell(double value) { return std::isnan(value) ? "" : hil::to_text(value); }
-
-std::string quote(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 Json write_failure(const hil::RareFailure& failure) {
   return {{"column", failure.column}, {"unit", failure.unit},     {"column_index", failure.column_index},
@@ -59,8 +53,6 @@ class File {
 };
 
 }  // namespace
-
-std::string to_hex(std::uint64_t hash) { return to_hex(static_cast<std::int64_t>(hash)); }
 
 std::string get_manifest_path(const std::string& folder) { return (fs::path(folder) / "manifest.json").string(); }
 std::string get_results_path(const std::string& folder) { return (fs::path(folder) / "results.bin").string(); }
@@ -223,7 +215,7 @@ void write_csv(const CampaignData& data, const std::string& path) {
   for (const char* part : {"inputs", "columns"})
     for (const Json& column : data.manifest.at(part)) {
       const std::string unit = column.at("unit");
-      line += "," + quote(column.at("name").get<std::string>() + (unit.empty() ? "" : " [" + unit + "]"));
+      line += "," + quote_cell(column.at("name").get<std::string>() + (unit.empty() ? "" : " [" + unit + "]"));
     }
   file.write(line + ",message\r\n");
   for (const hil::SampleRecord& record : data.records) {
@@ -232,7 +224,7 @@ void write_csv(const CampaignData& data, const std::string& path) {
            "," + std::to_string(result.ticks) + "," + to_hex(result.hash) + "," + to_hex(result.model_hash);
     for (const auto* values : {&record.inputs, &result.values})
       for (const double value : *values) line += "," + to_cell(value);
-    file.write(line + "," + quote(result.message) + "\r\n");
+    file.write(line + "," + quote_cell(result.message) + "\r\n");
   }
   file.finish();
 }

@@ -49,6 +49,4 @@ void write_csv(const CampaignData& data, const std::string& path);
 // False, and a note on standard error, if Node.js is missing.
 bool write_parquet(const CampaignData& data, const std::string& path);
 
-std::string to_hex(std::uint64_t hash);
-
 }  // namespace unlatch::tools

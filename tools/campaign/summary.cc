@@ -7,7 +7,8 @@
 #include "hil/language/setting.h"
 #include "hil/sampling/sampling.h"
 #include "hil/statistics/statistics.h"
-#include "tools/unlatch/terminal.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
 
 namespace unlatch::tools {
 namespace {

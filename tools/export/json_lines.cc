@@ -2,9 +2,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tools/common/shape_json.h"
+#include "tools/common/text.h"
 #include "tools/export/output_json.h"
 #include "tools/export/sink.h"
-#include "tools/shape_json.h"
 
 namespace unlatch::tools {
 namespace {
@@ -20,12 +21,6 @@ Json build_body(const hil::Scenario& scenario, std::size_t body) {
     shapes.push_back(std::move(json));
   }
   return {{"name", scenario.model.bodies[body].name}, {"mass", scenario.model.bodies[body].mass}, {"shapes", shapes}};
-}
-
-std::string to_hex(std::int64_t hash) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
 }
 
 class JsonSink final : public Sink {

@@ -1,9 +1,9 @@
 // A run as a tidy table: one row for each tick, one column for each number, written as CSV or as arrays of JSON.
-#include <array>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "hil/language/setting.h"
+#include "tools/common/text.h"
 #include "tools/export/sink.h"
 
 namespace unlatch::tools {
@@ -65,25 +65,11 @@ class Table {
   std::vector<Column> columns_;
 };
 
-// The shortest text that is read back as the same number.
-std::string to_text(double value) {
-  std::array<char, 32> text;
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), result.ptr};
-}
-
-std::string quote(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 class CsvLine {
  public:
-  void number(double value) { add(to_text(value)); }
+  void number(double value) { add(hil::to_text(value)); }
   void integer(std::int64_t value) { add(std::to_string(value)); }
-  void text(const std::string& value) { add(quote(value)); }
+  void text(const std::string& value) { add(quote_cell(value)); }
   void nothing() { add({}); }
   void put(std::FILE* file) {
     line_ += "\r\n";

@@ -33,6 +33,11 @@ void Binary::require_all() const {
   throw FmuError(file_ + " lacks " + names);
 }
 
+void Binary::check_version(const char* version, const std::string& major) const {
+  if (version != nullptr && std::string(version).starts_with(major)) return;
+  throw FmuError(prefix_ + "GetVersion returned " + (version == nullptr ? "null" : version));
+}
+
 void Binary::check(int status, const std::string& call) {
   static constexpr const char* kNames[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
   worst_ = std::max(worst_, status == kFmiDiscard || status < 0 || status > kFmiFatal ? int{kFmiError} : status);

@@ -24,6 +24,8 @@ class Binary {
   // Throws FmuError with all functions that are missing.
   void require_all() const;
 
+  // Throws FmuError unless the version is `major`: "2.".
+  void check_version(const char* version, const std::string& major) const;
   // Throws FmuError unless the status is OK or a warning. After an error only freeing is allowed, after a fatal one
   // nothing.
   void check(int status, const std::string& call);

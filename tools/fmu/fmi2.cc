@@ -48,9 +48,7 @@ class Fmi2 final : public CoSimulation {
     binary_.find(set_boolean_, "SetBoolean");
     binary_.find(step_, "DoStep");
     binary_.require_all();
-    const char* const version = get_version_();
-    if (version == nullptr || std::string(version).substr(0, 2) != "2.")
-      throw FmuError(std::string("fmi2GetVersion returned ") + (version == nullptr ? "null" : version));
+    binary_.check_version(get_version_(), "2.");
     constexpr int kCoSimulation = 1;
     instance_ = instantiate_("unlatch", kCoSimulation, description.token.c_str(), ("file://" + resources).c_str(),
                              &callbacks_, 0, 1);

@@ -33,9 +33,7 @@ class Fmi3 final : public CoSimulation {
     binary_.find(set_boolean_, "SetBoolean");
     binary_.find(step_, "DoStep");
     binary_.require_all();
-    const char* const version = get_version_();
-    if (version == nullptr || std::string(version).substr(0, 2) != "3.")
-      throw FmuError(std::string("fmi3GetVersion returned ") + (version == nullptr ? "null" : version));
+    binary_.check_version(get_version_(), "3.");
     instance_ = instantiate_("unlatch", description.token.c_str(), (resources + "/").c_str(), false, true, false, false,
                              nullptr, 0, &binary_, &log, nullptr);
     if (instance_ == nullptr)

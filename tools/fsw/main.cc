@@ -2,13 +2,13 @@
 #include <cstdio>
 #include <fstream>
 
-#include "tools/command_line.h"
-#include "tools/exit_codes.h"
 #include "tools/fsw/participant.h"
 #include "tools/fsw/separation_sequence.h"
-#include "tools/interrupt.h"
-#include "tools/transport.h"
-#include "tools/unlatch/manual.h"
+#include "tools/program/command_line.h"
+#include "tools/program/exit_codes.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/manual.h"
+#include "tools/program/transport.h"
 
 int main(int argc, char** argv) {
   using namespace unlatch;

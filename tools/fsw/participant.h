@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "tools/fsw/control_law.h"
 #include "tools/fsw/vehicle.h"
 

@@ -11,7 +11,7 @@
 #include <functional>
 
 #include "tools/mpi/mailbox.h"
-#include "tools/unlatch/campaign_host.h"
+#include "tools/unlatch/studies/campaign_host.h"
 
 namespace unlatch::tools {
 

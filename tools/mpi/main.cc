@@ -4,11 +4,11 @@
 #include <cstring>
 #include <fstream>
 
-#include "tools/exit_codes.h"
-#include "tools/interrupt.h"
 #include "tools/mpi/exchange.h"
 #include "tools/mpi/ranks.h"
-#include "tools/unlatch/manual.h"
+#include "tools/program/exit_codes.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/manual.h"
 #include "tools/unlatch/program.h"
 
 namespace unlatch::tools {

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tools/exit_codes.h"
+#include "tools/program/exit_codes.h"
 
 namespace unlatch::tools {
 namespace {

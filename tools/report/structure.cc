@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "tools/shape_json.h"
+#include "tools/common/shape_json.h"
 #include "unlatch/cords.h"
 #include "unlatch/inertia.h"
 
@@ -12,11 +12,11 @@ namespace unlatch::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using tools::to_json;
 
 constexpr std::size_t kMostPairs = 40;  // the nearest ones; a page with hundreds of curves shows none
 
 Json to_json(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
-Json to_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
 template <class Q>
 Json to_json_attitude(const Q& q) {
   return Json::array({q.w(), q.x(), q.y(), q.z()});

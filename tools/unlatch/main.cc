@@ -3,9 +3,13 @@
 #include <cstdio>
 #include <cstring>
 
-#include "tools/exit_codes.h"
-#include "tools/unlatch/commands.h"
+#include "tools/program/exit_codes.h"
+#include "tools/unlatch/check/verbs.h"
+#include "tools/unlatch/files/verbs.h"
 #include "tools/unlatch/program.h"
+#include "tools/unlatch/recordings/verbs.h"
+#include "tools/unlatch/run/verbs.h"
+#include "tools/unlatch/studies/verbs.h"
 
 namespace unlatch::tools {
 namespace {

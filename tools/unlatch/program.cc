@@ -4,16 +4,15 @@
 #include <cstdio>
 #include <cstring>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "hil/modules/module.h"
 #include "hil/recording/log_file.h"
 #include "hil/simulation/simulation.h"
 #include "hil/synthesis/evaluations.h"
-#include "tools/exit_codes.h"
+#include "tools/common/output.h"
 #include "tools/modes/calculix.h"
-#include "tools/unlatch/commands.h"
-#include "tools/unlatch/graph.h"
-#include "tools/unlatch/report.h"
+#include "tools/program/exit_codes.h"
+#include "tools/unlatch/check/graph.h"
 
 namespace unlatch::tools {
 namespace {

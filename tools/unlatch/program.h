@@ -1,7 +1,7 @@
 // The run of a program with verbs: what they throw becomes a message on standard error and an exit code.
 #pragma once
 
-#include "tools/command_line.h"
+#include "tools/program/command_line.h"
 
 namespace unlatch::tools {
 

@@ -6,6 +6,7 @@
 
 #include "hil/messages/event_names.h"
 #include "hil/run/run.h"
+#include "tools/common/text.h"
 
 namespace unlatch::tools {
 namespace {
@@ -22,11 +23,7 @@ double to_seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-std::string to_hex(std::int64_t number) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%llx", static_cast<unsigned long long>(number));
-  return text;
-}
+std::string name_session(std::int64_t session) { return format("%llx", static_cast<unsigned long long>(session)); }
 
 // Hello says how many there are of what these speak of; but between topics there is no order.
 bool depends_on_hello(MessageKind kind) {
@@ -115,7 +112,7 @@ bool Observation::follow(const hil::Message& message, Time now) {
   if (session == 0 || !is_from_simulator(message.kind)) return false;
   const bool is_free = view_.session == 0 || has_ended(view_.status) || to_seconds(now - heard_) > kSilent_s;
   if (!is_free) {
-    if (stranger_ != session) tell("another simulator sends here too, session " + to_hex(session), true);
+    if (stranger_ != session) tell("another simulator sends here too, session " + name_session(session), true);
     stranger_ = session;
     return false;
   }
@@ -128,7 +125,7 @@ void Observation::begin(std::int64_t session) {
   std::deque<WatchedNotice> notices = std::move(view_.notices);
   const bool is_second = view_.session != 0;
   const bool had_ended = has_ended(view_.status);
-  const std::string before = to_hex(view_.session);
+  const std::string before = name_session(view_.session);
   view_ = View{};
   view_.session = session;
   view_.notices = std::move(notices);
@@ -146,7 +143,7 @@ void Observation::begin(std::int64_t session) {
   told_silence_ = false;
   if (is_second) {
     tell("session " + before + (had_ended ? " has ended" : " has stopped sending") + "; now follows session " +
-             to_hex(session),
+             name_session(session),
          !had_ended);
   }
 }

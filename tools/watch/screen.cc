@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tools/unlatch/terminal.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
 #include "unlatch/model.h"
 
 namespace unlatch::tools {
@@ -15,10 +16,6 @@ using hil::RunStatus;
 
 constexpr std::size_t kBar = 24;  // characters
 constexpr double kNsPerUs = 1000;
-
-std::size_t count_characters(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
-}
 
 // The first `columns` characters.
 std::string cut(const std::string& text, std::size_t columns) {

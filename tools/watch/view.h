@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/port.h"
+#include "bridge/core/port.h"
 #include "hil/messages/messages.h"
 #include "hil/motion/clearance.h"
 

@@ -1,0 +1,95 @@
+// The LCM transport: one channel per message, UNLATCH_STATE and so on. Messages go out through liblcm, from a buffer
+// that the codec of hil/messages fills, so that nothing allocates on our side; they come in through LcmSocket.
+#include <lcm/lcm.h>
+
+#include <array>
+#include <atomic>
+#include <optional>
+#include <string_view>
+
+#include "bridge/core/port.h"
+#include "bridge/lcm/lcm_route.h"
+#include "bridge/lcm/lcm_socket.h"
+
+namespace unlatch::bridge {
+namespace {
+
+constexpr std::string_view kUdpScheme = "udpm://";
+
+class LcmPort final : public Port {
+ public:
+  LcmPort(Role role, const LcmOptions& options) : Port(role), is_simulator_(role == Role::kSimulator) {
+    if (!options.url.starts_with(kUdpScheme)) {
+      throw PortError("LCM: '" + options.url + "' is not a UDP multicast address; write it like " + LcmOptions{}.url);
+    }
+    const LcmRoute route = find_lcm_route(options.url);
+    if (!route.interface.empty() && route.interface != options.interface) {
+      throw PortError(explain_route(options, route.interface));
+    }
+    lcm_.reset(lcm_create(options.url.c_str()));
+    if (!lcm_) throw PortError(explain(options));
+    socket_.emplace(role, route, options.interface);
+  }
+
+ private:
+  struct Close {
+    void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
+  };
+
+  static std::string explain(const LcmOptions& options) {
+    return "LCM cannot open " + options.url +
+           ". Most often the machine has no route for multicast: as root, `ip link set lo multicast on && ip route add "
+           "224.0.0.0/4 dev lo` keeps it on the loopback interface.";
+  }
+
+  static std::string explain_route(const LcmOptions& options, const std::string& interface) {
+    return "LCM: this machine's route for " + options.url + " leads through the interface '" + interface + "', not '" +
+           options.interface + "'. Anyone on '" + interface +
+           "' could command the simulator: ask for it by that name, or route it elsewhere, as root, with `ip route "
+           "replace 224.0.0.0/4 dev " +
+           options.interface + "`.";
+  }
+
+  bool send(const Message& message) override {
+    if (message.kind == MessageKind::kHello) own_session_.store(message.hello.session, std::memory_order_relaxed);
+    const std::size_t length = hil::encode(message, buffer_);
+    return length > 0 && lcm_publish(lcm_.get(), hil::get_channel(message.kind).data(), buffer_.data(),
+                                     static_cast<unsigned int>(length)) == 0;
+  }
+
+  Received receive(Message& message, std::chrono::nanoseconds wait) override {
+    bool readable = false;
+    if (!socket_->pop(message, readable, wait)) return Received::kNothing;
+    if (!readable) return Received::kMalformed;
+    // The group brings back what we send; of that a simulator receives its Hello.
+    const bool is_own = is_simulator_ && message.kind == MessageKind::kHello &&
+                        message.hello.session == own_session_.load(std::memory_order_relaxed);
+    return is_own ? Received::kOther : Received::kMessage;
+  }
+
+  [[nodiscard]] Losses get_losses() const override { return {.lost = socket_->get_lost()}; }
+  [[nodiscard]] std::int64_t get_unreadable() const noexcept override { return socket_->get_malformed(); }
+
+  const bool is_simulator_;
+  std::array<std::uint8_t, hil::kMaxWireBytes> buffer_{};  // of the thread that publishes
+  std::atomic<std::int64_t> own_session_{0};               // of the Hello that we send
+  std::unique_ptr<lcm_t, Close> lcm_;
+  std::optional<LcmSocket> socket_;
+};
+
+}  // namespace
+
+std::string describe(const LcmOptions& options) {
+  const std::string text = "LCM, " + options.url + " on the interface '" + options.interface + "': ";
+  if (options.interface == "lo") return text + "this machine only; every process on it may listen and command";
+  return text +
+         (find_lcm_route(options.url).ttl > 0 ? "everyone there may listen and command"
+                                              : "nothing leaves this machine, but everyone there may command") +
+         "; LCM has no access control";
+}
+
+std::unique_ptr<Port> open_lcm_port(Role role, const LcmOptions& options) {
+  return std::make_unique<LcmPort>(role, options);
+}
+
+}  // namespace unlatch::bridge

@@ -1,0 +1,49 @@
+#include "tools/common/text.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+
+namespace unlatch::tools {
+
+std::string format(const char* pattern, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+std::string to_short_text(double value) { return format("%.6g", value); }
+
+std::string count(std::size_t number, const std::string& noun) {
+  const bool ends_in_y = noun.ends_with('y');
+  const std::string plural = ends_in_y ? noun.substr(0, noun.size() - 1) + "ies" : noun + "s";
+  return std::to_string(number) + " " + (number == 1 ? noun : plural);
+}
+
+std::size_t count_characters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+std::string to_hex(std::int64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+std::string to_hex(std::uint64_t hash) { return to_hex(static_cast<std::int64_t>(hash)); }
+
+std::string quote_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string get_body_name(const Model& model, int body, const char* ground) {
+  return body == kGround ? ground : model.bodies[static_cast<std::size_t>(body)].name;
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,78 @@
+#include "tools/unlatch/check/check_findings.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/common/alike.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const hil::SourceMark* find_mark(const hil::Scenario& scenario, const std::string& where) {
+  const auto mark = scenario.marks.find(where);
+  return mark == scenario.marks.end() ? nullptr : &mark->second;
+}
+
+}  // namespace
+
+std::string get_place(const hil::Scenario& scenario, const std::string& where) {
+  const hil::SourceMark* const mark = find_mark(scenario, where);
+  if (mark == nullptr) return "";
+  return scenario.files.at(static_cast<std::size_t>(mark->file)) + ":" + std::to_string(mark->line) + ":" +
+         std::to_string(mark->column);
+}
+
+void print_springs(std::FILE* to, const std::vector<hil::SpringStart>& springs) {
+  if (springs.empty()) return;
+  print_heading(to, "Springs at the start (m, N, J; of rotations rad, N m)");
+  std::fprintf(to, "  %-20s %-13s %12s %12s %12s %12s\n", "", "", "length", "force", "energy", "stroke");
+  FoldedList list;
+  for (const hil::SpringStart& spring : springs)
+    list.add(spring.name, format("%-13s %12.6g %12.6g %12.6g %12.6g%s", spring.kind.c_str(), spring.length,
+                                 spring.force, spring.energy, spring.stroke, spring.on ? "" : "  not enabled yet"));
+  list.print(to, 20);
+}
+
+void print_findings(std::FILE* to, const hil::Scenario& scenario, const std::vector<hil::Finding>& findings) {
+  if (findings.empty()) return;
+  print_heading(to, "Warnings");
+  for (const hil::Finding& finding : findings) {
+    const std::string place = get_place(scenario, finding.where);
+    const std::string text = finding.where + (finding.where.empty() ? "" : " ") + finding.text;
+    std::fprintf(to, "  %s%s%s\n", place.c_str(), place.empty() ? "" : ": ", paint(to, Colour::kYellow, text).c_str());
+  }
+}
+
+Json build_springs_json(const std::vector<hil::SpringStart>& springs) {
+  Json list = Json::array();
+  for (const hil::SpringStart& spring : springs) {
+    list.push_back({{"name", spring.name},
+                    {"kind", spring.kind},
+                    {"enabled", spring.on},
+                    {"angular", spring.angular},
+                    {"length", spring.length},
+                    {"force", spring.force},
+                    {"energy", spring.energy},
+                    {"stroke", spring.stroke}});
+  }
+  return list;
+}
+
+Json build_findings_json(const hil::Scenario& scenario, const std::vector<hil::Finding>& findings) {
+  Json list = Json::array();
+  for (const hil::Finding& finding : findings) {
+    Json item = {{"name", finding.name}, {"where", finding.where}, {"text", finding.text}};
+    if (const hil::SourceMark* const mark = find_mark(scenario, finding.where)) {
+      item["file"] = scenario.files.at(static_cast<std::size_t>(mark->file));
+      item["line"] = mark->line;
+      item["column"] = mark->column;
+    }
+    list.push_back(item);
+  }
+  return list;
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,240 @@
+// unlatch check: validates a scenario and prints its plan.
+#include <cmath>
+#include <cstdarg>
+#include <nlohmann/json.hpp>
+
+#include "hil/campaign/campaign.h"
+#include "hil/run/run.h"
+#include "hil/sampling/philox.h"
+#include "tools/common/alike.h"
+#include "tools/common/output.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
+#include "tools/program/exit_codes.h"
+#include "tools/unlatch/check/check_findings.h"
+#include "tools/unlatch/check/check_json.h"
+#include "tools/unlatch/check/graph.h"
+#include "tools/unlatch/check/verbs.h"
+#include "tools/unlatch/options/campaign_sample.h"
+#include "tools/unlatch/options/scenario_notes.h"
+#include "tools/unlatch/options/scenario_options.h"
+#include "tools/unlatch/results/redundancy.h"
+#include "tools/unlatch/studies/optimize_report.h"
+
+namespace unlatch::tools {
+namespace {
+
+void print_bodies(const Model& model) {
+  print_heading(stdout, "Bodies");
+  FoldedList list;
+  for (const Body& body : model.bodies) {
+    list.add(body.name, format("mass %.6g kg, inertia %.6g %.6g %.6g kg m2", body.mass, body.inertia(0, 0),
+                               body.inertia(1, 1), body.inertia(2, 2)));
+  }
+  list.print(stdout, 16);
+}
+
+void print_joints(const Model& model) {
+  if (model.joints.empty()) return;
+  print_heading(stdout, "Joints, their modes and rows (* initial)");
+  FoldedList list;
+  for (const Joint& joint : model.joints) {
+    std::string text = ": " + FoldedList::mark(get_body_name(model, joint.base)) + " – " +
+                       FoldedList::mark(get_body_name(model, joint.follower));
+    for (std::size_t mode = 0; mode < joint.modes.size(); ++mode) {
+      const int count = __builtin_popcount(joint.modes[mode].rows);
+      text += format("\n    %c %-14s %d %s: %s", static_cast<int>(mode) == joint.mode ? '*' : ' ',
+                     joint.modes[mode].name.c_str(), count, count == 1 ? "row" : "rows",
+                     list_rows(joint.modes[mode].rows, "none").c_str());
+    }
+    list.add(joint.name, text);
+  }
+  list.print(stdout);
+}
+
+// Leaves to root, as the factorisation goes: the reverse of the plan's nodes.
+void print_elimination(const Model& model, const Plan& plan) {
+  print_heading(stdout, "Elimination order, leaves to root");
+  const std::span<const TreeNode> tree = plan.get_tree();
+  FoldedList list;
+  for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
+    const std::string& body = model.bodies[static_cast<std::size_t>(node->body)].name;
+    const std::string joint =
+        node->joint == kNone ? "" : FoldedList::mark(model.joints[static_cast<std::size_t>(node->joint)].name);
+    if (node->parent != kNone) {
+      const auto& parent = tree[static_cast<std::size_t>(node->parent)];
+      const std::string through =  // a flexible body and its markers have no joint between them
+          joint.empty() ? "" : "through " + joint + " ";
+      list.add(body, through + "into " + FoldedList::mark(model.bodies[static_cast<std::size_t>(parent.body)].name));
+    } else {
+      list.add(body, joint.empty() ? "root" : "root, held to the ground by " + joint);
+    }
+  }
+  list.print(stdout, 16);
+  FoldedList loops;
+  for (const std::int32_t loop : plan.get_loops())
+    loops.add(model.joints[static_cast<std::size_t>(loop)].name, "closes a loop");
+  loops.print(stdout, 0);
+}
+
+void print_redundant(const Model& model, const std::vector<RedundantRows>& redundant) {
+  if (redundant.empty()) return;
+  print_heading(stdout, "Redundant rows at the start");
+  for (const RedundantRows& rows : redundant) std::printf("  %s\n", describe(model, rows).c_str());
+}
+
+// Of a list in words the first three; the JSON has all.
+std::string shorten(const std::string& list) {
+  std::size_t end = 0, more = 0;
+  for (std::size_t comma = list.find(", "), k = 1; comma != std::string::npos;
+       comma = list.find(", ", comma + 2), ++k) {
+    if (k == 3) end = comma;
+    if (k >= 3) ++more;
+  }
+  return end == 0 ? list : list.substr(0, end) + " and " + std::to_string(more) + " more";
+}
+
+void print_elements(const Model& model, const hil::Simulation& simulation) {
+  const Plan& plan = simulation.plan();
+  const std::vector<hil::SpringResolution> springs = hil::calc_resolutions(simulation);
+  if (springs.empty()) return;
+  print_heading(stdout, "Elastic elements, h = step; the largest of all modes that events can set");
+  FoldedList list;
+  for (const hil::SpringResolution& spring : springs) {
+    const double h_omega = plan.get_options().dt * spring.largest_omega;
+    const double h_decay = plan.get_options().dt * spring.largest_decay;
+    const double worst = std::max(h_omega, h_decay);
+    std::string verdict = "resolved";
+    if (spring.implicit)
+      verdict = worst > kAccurate ? "implicit: second order, damps what the step does not resolve" : "implicit";
+    else if (worst > kStable)
+      verdict = paint(stdout, Colour::kRed, "unstable: make the step smaller, or the element softer");
+    else if (worst > kAccurate)
+      verdict = paint(stdout, Colour::kYellow, "stable, but not resolved accurately");
+    const std::string where = spring.where.empty() ? "" : " (with " + shorten(spring.where) + ")";
+    list.add(model.element_name(spring.element),
+             format("h*omega %-10.4g h*decay %-10.4g ", h_omega, h_decay) + verdict + where);
+  }
+  list.print(stdout, 20);
+}
+
+void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
+                const std::vector<RedundantRows>& redundant) {
+  const Plan& plan = simulation.plan();
+  std::printf("%s: %s\n", paint(stdout, Colour::kBold, scenario.name).c_str(), scenario.title.c_str());
+  std::printf(
+      "  step %g s, %s to %g s; %s, %s, %s, %s\n", scenario.dt,
+      count(static_cast<std::size_t>(calc_last_tick(scenario)), "tick").c_str(), scenario.until,
+      count(scenario.model.channels.size(), "channel").c_str(), count(plan.get_sensor_count(), "sensor value").c_str(),
+      count(scenario.model.signals.size(), "signal").c_str(), count(scenario.model.events.size(), "event").c_str());
+  print_bodies(scenario.model);
+  print_joints(scenario.model);
+  print_elimination(scenario.model, plan);
+  print_redundant(scenario.model, redundant);
+  print_elements(scenario.model, simulation);
+  print_requirement_checks(scenario);
+  print_springs(stdout, hil::list_springs(scenario));
+  print_findings(stdout, scenario, hil::find_surprises(scenario, simulation));
+  print_heading(stdout, "Memory");
+  std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
+  std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
+}
+
+// Parameters with their paths and quantiles; what may be drawn has been tried.
+int check_campaign(const ScenarioOptions& options, const std::string& json) {
+  const hil::Campaign campaign = hil::load_campaign(options.path, options.overrides);
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::FILE* const to = get_people_stream(json);
+  std::fprintf(to, "%s: %s%lld samples, %s, seed %llu, of %s\n", campaign.name.c_str(),
+               campaign.failure ? "at most " : "", static_cast<long long>(campaign.plan.samples),
+               hil::kSamplingNames[static_cast<std::size_t>(campaign.plan.sampling)].c_str(),
+               static_cast<unsigned long long>(campaign.plan.seed), campaign.scenario.c_str());
+  if (campaign.failure)
+    std::fprintf(to, "  of %s %s %s %s; levels of %lld samples, at most %d, %lld chains\n",
+                 campaign.failure->column.c_str(), campaign.failure->above ? "above" : "below",
+                 hil::to_text(campaign.failure->limit).c_str(), campaign.failure->unit.c_str(),
+                 static_cast<long long>(campaign.failure->samples), campaign.failure->levels,
+                 static_cast<long long>(campaign.failure->chains));
+  if (campaign.plan.sampling != hil::Sampling::kCsv)
+    std::fprintf(to, "  %-24s %12s %12s %12s\n", "", "least", "median", "greatest");
+  for (const hil::CampaignParameter& parameter : campaign.parameters) {
+    std::string paths;
+    for (const std::string& path : parameter.paths) paths += (paths.empty() ? "" : ", ") + path;
+    const auto at = [&](double p) { return parameter.distribution.calc_quantile(p); };
+    const double tail = hil::kLeastUnit;  // what the generator can give
+    const char* const unit = parameter.distribution.is_cone() ? "rad from its axis" : parameter.unit.c_str();
+    if (parameter.drawn)
+      std::fprintf(to, "  %-24s %12.6g %12.6g %12.6g %s: %s\n", parameter.name.c_str(), at(tail), at(0.5), at(1 - tail),
+                   unit, paths.c_str());
+    else
+      std::fprintf(to, "  %-24s from the table: %s\n", parameter.name.c_str(), paths.c_str());
+    list.push_back({{"name", parameter.name}, {"paths", parameter.paths}, {"unit", parameter.unit}});
+  }
+  std::fprintf(to, "%s is valid\n", campaign.file.c_str());
+  if (!json.empty())
+    write_json(
+        nlohmann::ordered_json{
+            {"schema", 1}, {"campaign", campaign.name}, {"samples", campaign.plan.samples}, {"parameters", list}},
+        json);
+  return kExitDone;
+}
+
+// With JSON on standard output the text is left out.
+void print_outputs(const hil::Scenario& scenario) {
+  std::printf("%-44s %-11s %s\n", "outputs", "frame", "columns");
+  for (const hil::Output& output : hil::list_outputs(scenario)) {
+    std::printf("  %-42s %-11s", output.name.c_str(), output.frame.c_str());
+    for (const hil::Output::Column& column : output.columns)
+      std::printf(" %s [%s]", column.name.c_str(), column.unit.c_str());
+    std::printf("\n");
+  }
+}
+
+int run(const ScenarioOptions& options, const std::string& graph, const std::string& json, bool outputs) {
+  check_output(json);
+  try {
+    if (is_campaign(options)) return check_campaign(options, json);
+    if (!hil::is_standard_input(options.path) &&
+        hil::is_design_problem(hil::read_text_file(options.path, "scenario"))) {
+      const hil::DesignProblem problem = hil::load_design_problem(options.path);
+      print_problem(get_people_stream(json), problem);
+      if (!json.empty()) write_problem_json(problem, json);
+      return kExitDone;
+    }
+    const hil::Scenario scenario = load(options);
+    const auto simulation = hil::build_simulation(scenario);
+    if (!graph.empty()) {
+      const std::string& title = scenario.title.empty() ? scenario.name : scenario.title;
+      draw_graph(describe_graph(scenario.model, simulation->plan(), title), graph);
+    }
+    const std::vector<RedundantRows> redundant =
+        list_redundant_rows(simulation->plan(), simulation->state(), simulation->workspace());
+    if (json != "-") print_plan(scenario, *simulation, redundant);
+    if (json != "-" && outputs) print_outputs(scenario);
+    if (!json.empty()) write_plan_json(scenario, *simulation, redundant, json);
+  } catch (const hil::ScenarioError& error) {
+    if (!json.empty()) write_mistakes_json(error, json);
+    throw;
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_check(Command app, int& exit_code) {
+  auto options = std::make_shared<ScenarioOptions>();
+  auto graph = std::make_shared<std::string>();
+  auto outputs = std::make_shared<bool>(false);
+  auto json = std::make_shared<std::string>();
+  Command command =
+      app.add_verb("check", "Validates a scenario and prints its plan, or every mistake with file, line and column.",
+                   "unlatch check hil/scenarios/boosters/scenario.yaml --graph boosters.svg");
+  add_scenario_options(command, *options);
+  command.add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
+      .type_name("FILE");
+  command.add_flag("--outputs", *outputs, "lists the quantities that runs can write: names, frames, columns, units");
+  command.add_json_option(*json, "for an invalid scenario its mistakes");
+  command.callback([options, graph, json, outputs, &exit_code] { exit_code = run(*options, *graph, *json, *outputs); });
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,50 @@
+// unlatch replay: runs a recording again and says whether every bit agrees.
+#include "tools/common/output.h"
+#include "tools/common/terminal.h"
+#include "tools/program/exit_codes.h"
+#include "tools/unlatch/options/output_options.h"
+#include "tools/unlatch/recordings/replayed_log.h"
+#include "tools/unlatch/recordings/verbs.h"
+#include "tools/unlatch/results/accuracy_report.h"
+#include "tools/unlatch/results/report.h"
+#include "tools/unlatch/results/verdict_report.h"
+
+namespace unlatch::tools {
+namespace {
+
+struct ReplayOptions {
+  std::string log, json, junit, outputs;
+};
+
+int run(const ReplayOptions& options) {
+  check_output(options.json);
+  ReplayedLog log(options.log, options.outputs);
+  Progress progress(log.opened.recording.header.dt, log.opened.recording.header.last_tick);
+  log.replay([&](const StepReport&) { progress.show(log.opened.simulation->get_tick()); });
+  progress.clear();
+  RunReport report = log.build_report();
+  const bool unresolved = tell_unresolved(log.analysis, report.status, report.message);
+  print_report(get_people_stream(options.json), report);
+  write_json(report, options.json);
+  write_junit(report, options.junit);
+  return log.is_sound() && !unresolved && is_met(report) ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void add_replay(Command app, int& exit_code) {
+  auto options = std::make_shared<ReplayOptions>();
+  Command command = app.add_verb(
+      "replay",
+      "Runs a recording again, compares the hash of the state at every tick, and reports the first difference (exit "
+      "code 1). A truncated recording replays up to its end, with status 'truncated' and exit code 0. Exit code 1 if "
+      "a requirement is not met.",
+      "unlatch replay run.log --json replay.json");
+  command.add_option("LOG", options->log, "recording made by --log").required();
+  command.add_json_option(options->json);
+  add_junit_option(command, options->junit);
+  add_outputs_option(command, options->outputs);
+  command.callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace unlatch::tools

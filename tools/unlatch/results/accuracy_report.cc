@@ -1,0 +1,181 @@
+#include "tools/unlatch/results/accuracy_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "hil/run/run.h"
+#include "tools/common/terminal.h"
+#include "tools/program/interrupt.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A run of the same scenario over the same time, at another step.
+struct Comparison {
+  hil::Scenario scenario;
+  std::unique_ptr<hil::Simulation> simulation;
+  std::vector<hil::NamedValue> values;
+  std::string failure;  // empty if it ended well
+};
+
+Comparison run_at(const ScenarioOptions& options, double dt, double until) {
+  ScenarioOptions other = options;
+  other.dt = dt;
+  other.until = until;
+  Comparison run{load(other), nullptr, {}, ""};
+  run.simulation = hil::build_simulation(run.scenario);
+  hil::RunAnalysis analysis(run.scenario, *run.simulation);
+  const hil::LogEnd end =
+      hil::run_fast(*run.simulation, analysis, nullptr, calc_last_tick(run.scenario), catch_interrupts(), [] {});
+  if (end.status != hil::RunStatus::kDone) run.failure = end.message;
+  run.values = hil::list_values(run.scenario, *run.simulation, analysis);
+  return run;
+}
+
+constexpr double kNano = 1e9;
+
+// The longest step up to `most` of which a whole number makes the run, in whole nanoseconds as scenarios want them.
+double find_whole_step(double most, double until) {
+  const auto total = std::llround(until * kNano);
+  const auto fewest = static_cast<std::int64_t>(std::ceil(until / most * (1 - 1e-9)));
+  for (std::int64_t count = std::max<std::int64_t>(fewest, 1); count <= 2 * fewest + 1; ++count)
+    if (total % count == 0) return static_cast<double>(total / count) / kNano;
+  return 0;
+}
+
+// The largest step that meets the tolerance, tried: from the estimate down by a quarter each time.
+void find_step(const ScenarioOptions& options, double dt, double until, hil::AccuracyReport& accuracy) {
+  constexpr double kMostGrowth = 16, kLongest = 1, kShortest = 1e-6, kShrink = 0.75;  // of dt; s; s
+  constexpr double kMostTicks = 1000;  // times those of the run: nobody would wait for more
+  constexpr int kTrials = 6;
+  auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, std::min(kMostGrowth * dt, kLongest));
+  accuracy.limit = limit;
+  for (int trial = 0; trial < kTrials; ++trial, step *= kShrink) {
+    const double whole = find_whole_step(std::min(step, until), until);
+    if (whole < std::max(kShortest, dt / kMostTicks)) return;
+    const Comparison run = run_at(options, whole, until);
+    if (!run.failure.empty() || hil::calc_largest_error(accuracy, run.values) > accuracy.tolerance) continue;
+    accuracy.step = whole;
+    return;
+  }
+}
+
+}  // namespace
+
+std::string get_full_name(const hil::RunNotice& notice) { return "accuracy." + notice.name; }
+
+hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::Scenario& scenario,
+                                     const hil::Simulation& simulation, const hil::RunAnalysis& analysis,
+                                     double tolerance) {
+  const double dt = simulation.plan().get_options().dt, until = simulation.get_time();
+  if (std::llround(dt * kNano) % 4 != 0)
+    refuse_option("--accuracy", "the step is halved twice, and steps are whole nanoseconds: use --dt");
+  const Comparison half = run_at(options, 0.5 * dt, until), quarter = run_at(options, 0.25 * dt, until);
+  hil::AccuracyReport accuracy = hil::compare_steps(
+      scenario, simulation, hil::list_values(scenario, simulation, analysis), half.values, quarter.values);
+  if (!half.failure.empty()) accuracy.mismatch = "the run at half the step failed: " + half.failure;
+  if (!quarter.failure.empty()) accuracy.mismatch = "the run at a quarter of the step failed: " + quarter.failure;
+  accuracy.tolerance = tolerance;
+  if (accuracy.mismatch.empty()) find_step(options, dt, until, accuracy);
+  return accuracy;
+}
+
+bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message) {
+  const std::string failure = analysis.accuracy().describe_failure();
+  if (failure.empty() || status != "ok") return false;
+  status = "unresolved";
+  message += (message.empty() ? "" : "; ") + failure;
+  return true;
+}
+
+void print_accuracy_notices(std::FILE* to, const RunReport& report) {
+  const std::vector<hil::RunNotice>& notices = report.analysis.accuracy().get();
+  if (notices.empty()) return;
+  print_heading(to, "Not resolved by the step (first time of each)");
+  for (const hil::RunNotice& notice : notices) {
+    std::fprintf(to, "  %12.6f s  %s\n", notice.time,
+                 paint(to, Colour::kYellow,
+                       notice.name + (notice.subject.empty() ? "" : " " + notice.subject) + ": " + notice.text)
+                     .c_str());
+  }
+}
+
+void print_energy(std::FILE* to, const hil::EnergyBalance& energy) {
+  print_heading(to, "Energy, J (seen from the centre of mass)");
+  std::fprintf(to, "  motion gained %.6g: springs and modes gave %.6g, impulses %.6g", energy.kinetic, energy.strain,
+               energy.impulses);
+  for (std::size_t i = 0; i < energy.work.size(); ++i)
+    if (energy.work[i] != 0) std::fprintf(to, ", %s %.6g", kPowerSourceNames[i], energy.work[i]);
+  if (energy.contacts != 0) std::fprintf(to, ", contacts %.6g", energy.contacts);
+  if (energy.numerical != 0) std::fprintf(to, ", damping of the implicit method %.3g", energy.numerical);
+  std::fprintf(to, "\n  unexplained %.3g, at most %.3g at %.6g s; largest energy %.6g\n", energy.unexplained,
+               energy.largest, energy.largest_time, energy.scale);
+}
+
+void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double dt) {
+  std::fprintf(
+      to, "\n%s\n",
+      paint(to, Colour::kBold, "Accuracy: errors at the scenario's step, from runs at its half and its quarter")
+          .c_str());
+  std::fprintf(to, "  %-58s %18s %10s %6s\n", "what", "value", "error", "order");
+  for (const hil::AccuracyEntry& entry : accuracy.entries) {
+    char order[16] = "–";
+    if (entry.order) std::snprintf(order, sizeof order, "%.1f", *entry.order);
+    std::fprintf(to, "  %-58s %18.12g %10.2g %6s %s\n", entry.value.what.c_str(), entry.value.value, entry.error, order,
+                 entry.value.unit.c_str());
+  }
+  const bool all =
+      std::all_of(accuracy.entries.begin(), accuracy.entries.end(), [](const auto& e) { return e.settles; });
+  if (!all) print_heading(to, "Not at the expected order, and the likely reason");
+  for (const hil::AccuracyEntry& entry : accuracy.entries)
+    if (!entry.settles) std::fprintf(to, "  %s: %s\n", entry.value.what.c_str(), entry.reason.c_str());
+  if (!accuracy.mismatch.empty()) {
+    std::fprintf(to, "\n  %s\n", paint(to, Colour::kRed, "the runs differ: " + accuracy.mismatch).c_str());
+  } else if (accuracy.step) {
+    std::fprintf(to, "\n  largest step that meets %.3g of each value's size: %.6g s (here %.6g s)%s%s\n",
+                 accuracy.tolerance, *accuracy.step, dt, accuracy.limit.empty() ? "" : ", limited by ",
+                 accuracy.limit.c_str());
+  } else {
+    std::fprintf(to, "\n  no step was found that meets %.3g of each value's size; %s does not\n", accuracy.tolerance,
+                 accuracy.limit.c_str());
+  }
+}
+
+Json build_energy_json(const hil::EnergyBalance& energy) {
+  Json work = Json::object();
+  for (std::size_t i = 0; i < energy.work.size(); ++i) work[kPowerSourceNames[i]] = energy.work[i];
+  return {{"gained", energy.kinetic},           {"work", work},
+          {"springs_and_modes", energy.strain}, {"impulses", energy.impulses},
+          {"contacts", energy.contacts},        {"implicit_damping", energy.numerical},
+          {"unexplained", energy.unexplained},  {"largest_unexplained", energy.largest},
+          {"t", energy.largest_time},           {"scale", energy.scale}};
+}
+
+Json build_accuracy_json(const hil::AccuracyReport& accuracy) {
+  Json entries = Json::array();
+  for (const hil::AccuracyEntry& entry : accuracy.entries) {
+    Json item = {{"what", entry.value.what}, {"value", entry.value.value}, {"error", entry.error}};
+    item["order"] = entry.order ? Json(*entry.order) : Json(nullptr);
+    item["unit"] = entry.value.unit;
+    item["settles"] = entry.settles;
+    if (!entry.settles) item["reason"] = entry.reason;
+    item["half"] = entry.half;
+    item["quarter"] = entry.quarter;
+    entries.push_back(item);
+  }
+  return entries;
+}
+
+Json build_step_json(const hil::AccuracyReport& accuracy) {
+  Json json = {{"tolerance", accuracy.tolerance},
+               {"largest_step", accuracy.step ? Json(*accuracy.step) : Json(nullptr)},
+               {"limited_by", accuracy.limit}};
+  if (!accuracy.mismatch.empty()) json["mismatch"] = accuracy.mismatch;
+  return json;
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,35 @@
+// Trustworthiness of a run, as tables and as JSON: notices, energy, the comparison of three steps.
+#pragma once
+
+#include <cstdio>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "tools/unlatch/options/scenario_options.h"
+#include "tools/unlatch/results/report.h"
+
+namespace unlatch::tools {
+
+// Name of a notice in the timeline: "accuracy.spring".
+std::string get_full_name(const hil::RunNotice& notice);
+
+void print_accuracy_notices(std::FILE* to, const RunReport& report);
+void print_energy(std::FILE* to, const hil::EnergyBalance& energy);
+void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double dt);
+
+nlohmann::ordered_json build_energy_json(const hil::EnergyBalance& energy);
+// [{"what": "…", "value": 0.0, "error": 1e-9, "order": 4.0, …}]
+nlohmann::ordered_json build_accuracy_json(const hil::AccuracyReport& accuracy);
+// Tolerance, largest step, what limits it.
+nlohmann::ordered_json build_step_json(const hil::AccuracyReport& accuracy);
+
+// The status and its message of a run that ended well, but is not resolved: "unresolved". True if so.
+bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message);
+
+// Runs the scenario at dt/2 and dt/4, and then at the largest step that meets `tolerance`, and compares. `simulation`
+// and `analysis`: of the run at dt, at its end.
+hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::Scenario& scenario,
+                                     const hil::Simulation& simulation, const hil::RunAnalysis& analysis,
+                                     double tolerance);
+
+}  // namespace unlatch::tools

@@ -1,0 +1,154 @@
+#include "tools/unlatch/results/verdict_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hil/language/xml_text.h"
+#include "tools/common/output.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
+
+namespace unlatch::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const hil::Requirement& get(const RunReport& report, const hil::Verdict& verdict) {
+  return report.scenario.requirements[verdict.requirement];
+}
+
+// "at least 0.1 m", "between 1 and 2 s"
+std::string describe_limit(const hil::Requirement& requirement) {
+  const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
+  if (std::isinf(requirement.most)) return "at least " + to_short_text(requirement.least) + unit;
+  if (std::isinf(requirement.least)) return "at most " + to_short_text(requirement.most) + unit;
+  return "between " + to_short_text(requirement.least) + " and " + to_short_text(requirement.most) + unit;
+}
+
+// "0.29 m at 1.3 s, at least 0.1 m, margin 0.19 m"
+std::string describe_value(const hil::Requirement& requirement, const hil::Verdict& verdict) {
+  if (!verdict.evaluated) return verdict.why;
+  const std::string unit = requirement.unit.empty() ? "" : " " + requirement.unit;
+  return to_short_text(verdict.value) + unit + " at " + to_short_text(verdict.time) + " s, " +
+         describe_limit(requirement) + ", margin " + to_short_text(verdict.margin) + unit;
+}
+
+// For plots: the kind of quantity, its row or "size", and the body that it is relative to.
+Json build_subject(const hil::Requirement& requirement, const Model& model) {
+  using Measure = hil::Requirement::Measure;
+  using Take = hil::Requirement::Take;
+  const std::string kind = hil::get_quantity_name(requirement.quantity);
+  const bool of_joint = requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kDisplacement ||
+                        requirement.quantity == Measure::kAngle || requirement.quantity == Measure::kSpeed;
+  std::string row = requirement.direction.isZero(0) ? "size" : "along";
+  if (of_joint && requirement.axis >= 0) row = kRowNames[requirement.axis];
+  if (of_joint && requirement.axis < 0) row = requirement.axis == hil::Requirement::kForce ? "force" : "moment";
+  static constexpr const char* kTakes[] = {"minimum", "maximum", "peak", "final", "both"};
+  Json json = {
+      {"kind", kind}, {"row", row}, {"take", kTakes[static_cast<std::size_t>(static_cast<Take>(requirement.take))]}};
+  if (requirement.quantity == Measure::kClearance || requirement.quantity == Measure::kRate ||
+      requirement.quantity == Measure::kVelocity || requirement.quantity == Measure::kPosition)
+    json["relative_to"] = get_body_name(model, requirement.b);
+  return json;
+}
+
+const char* get_word(const hil::Verdict& verdict) {
+  return verdict.is_met() ? "met" : verdict.evaluated ? "not met" : "not evaluated";
+}
+
+// Lengths of columns are those of characters, not of UTF-8's bytes.
+std::string pad(const std::string& text, std::size_t width) {
+  const std::size_t length = count_characters(text);
+  return text + std::string(width > length ? width - length : 0, ' ');
+}
+
+}  // namespace
+
+bool is_met(const RunReport& report) {
+  const std::vector<hil::Verdict> verdicts = report.analysis.judge();
+  return std::all_of(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) { return verdict.is_met(); });
+}
+
+void print_requirements(std::FILE* to, const RunReport& report) {
+  const std::vector<hil::Verdict> verdicts = report.analysis.judge();
+  if (verdicts.empty()) return;
+  std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, "Requirements").c_str());
+  std::size_t width = 0;
+  for (const hil::Verdict& verdict : verdicts) width = std::max(width, get(report, verdict).id.size());
+  std::size_t missed = 0;
+  for (const hil::Verdict& verdict : verdicts) {
+    const hil::Requirement& requirement = get(report, verdict);
+    missed += !verdict.is_met();
+    const std::string word = paint(to, verdict.is_met() ? Colour::kGreen : Colour::kRed, pad(get_word(verdict), 13));
+    std::fprintf(to, "  %s  %s  %s\n", pad(requirement.id, width).c_str(), word.c_str(),
+                 describe_value(requirement, verdict).c_str());
+    const std::string what = hil::describe_quantity(requirement, report.scenario.model);
+    std::fprintf(to, "  %s                 %s\n", std::string(width, ' ').c_str(),
+                 (requirement.text.empty() ? what : requirement.text + " (" + what + ")").c_str());
+  }
+  const std::string count =
+      missed == 0 ? "all requirements are met"
+                  : std::to_string(missed) + " of " + std::to_string(verdicts.size()) + " requirements are not met";
+  std::fprintf(to, "  %s\n", paint(to, missed == 0 ? Colour::kGreen : Colour::kRed, count).c_str());
+}
+
+nlohmann::ordered_json build_requirements_json(const RunReport& report) {
+  Json list = Json::array();
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  for (const hil::Verdict& verdict : report.analysis.judge()) {
+    const hil::Requirement& requirement = get(report, verdict);
+    Json entry = {{"id", requirement.id},
+                  {"text", requirement.text},
+                  {"quantity", hil::describe_quantity(requirement, report.scenario.model)},
+                  {"unit", requirement.unit},
+                  {"met", verdict.is_met()},
+                  {"evaluated", verdict.evaluated}};
+    if (verdict.evaluated) {
+      entry["value"] = verdict.value;
+      entry["limit"] = verdict.limit;
+      entry["margin"] = verdict.margin;
+      entry["t"] = verdict.time;
+    } else {
+      entry["why"] = verdict.why;
+    }
+    entry["of"] = build_subject(requirement, report.scenario.model);
+    entry["at_least"] = number(requirement.least);
+    entry["at_most"] = number(requirement.most);
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+void write_junit(const RunReport& report, const std::string& target) {
+  if (target.empty()) return;
+  const std::vector<hil::Verdict> verdicts = report.analysis.judge();
+  const auto failed = static_cast<std::size_t>(
+      std::count_if(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) { return !verdict.is_met(); }));
+  const bool ok = report.status == "ok";
+  const std::string name = hil::escape_xml(report.scenario.name);
+  const std::string counts = "tests=\"" + std::to_string(verdicts.size() + 1) + "\" failures=\"" +
+                             std::to_string(failed) + "\" errors=\"" + std::to_string(ok ? 0 : 1) + "\"";
+  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites " + counts + ">\n <testsuite name=\"" +
+                    name + "\" " + counts + " skipped=\"0\" time=\"0\">\n  <testcase classname=\"" + name +
+                    "\" name=\"run\" time=\"0\">\n";
+  if (!ok)
+    xml += "   <error type=\"" + hil::escape_xml(report.status) + "\" message=\"" + hil::escape_xml(report.message) +
+           "\"/>\n";
+  xml += "  </testcase>\n";
+  for (const hil::Verdict& verdict : verdicts) {
+    const hil::Requirement& requirement = get(report, verdict);
+    const std::string value = hil::escape_xml(describe_value(requirement, verdict));
+    const std::string what = hil::describe_quantity(requirement, report.scenario.model);
+    xml += "  <testcase classname=\"" + name + "\" name=\"" + hil::escape_xml(requirement.id) + "\" time=\"0\">\n";
+    if (!verdict.is_met()) {
+      xml += "   <failure type=\"" + std::string(verdict.evaluated ? "not met" : "not evaluated") + "\" message=\"" +
+             value + "\"/>\n";
+    }
+    xml += "   <system-out>" + hil::escape_xml(requirement.text.empty() ? what : requirement.text + " (" + what + ")") +
+           ": " + value + "</system-out>\n  </testcase>\n";
+  }
+  write_text(xml + " </testsuite>\n</testsuites>\n", target);
+}
+
+}  // namespace unlatch::tools

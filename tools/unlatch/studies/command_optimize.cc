@@ -1,0 +1,205 @@
+// unlatch optimize: values of a scenario that are best for an objective and meet its requirements.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "hil/run/run.h"
+#include "tools/common/output.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
+#include "tools/program/exit_codes.h"
+#include "tools/program/interrupt.h"
+#include "tools/synthesis/page.h"
+#include "tools/unlatch/options/scenario_options.h"
+#include "tools/unlatch/studies/optimize_report.h"
+#include "tools/unlatch/studies/verbs.h"
+
+namespace unlatch::tools {
+namespace {
+
+struct OptimizeOptions {
+  std::string file, out, json;
+  int jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  bool resume = false;
+};
+
+DesignVerification verify(const hil::DesignProblem& problem, const std::string& patch,
+                          const hil::DesignSample& sample) {
+  const hil::Scenario scenario = hil::load_scenario(patch);
+  const auto simulation = hil::build_simulation(scenario);
+  hil::RunAnalysis analysis(scenario, *simulation);
+  const hil::LogEnd end =
+      hil::run_fast(*simulation, analysis, nullptr, calc_last_tick(scenario), catch_interrupts(), [] {});
+  DesignVerification verification{end.status == hil::RunStatus::kDone, end.hash == sample.hash, end.hash};
+  const std::vector<hil::Verdict> verdicts = analysis.judge();
+  for (const hil::DesignConstraint& constraint : problem.constraints)
+    for (const hil::Verdict& verdict : verdicts)
+      if (!(constraint.probability > 0) && verdict.requirement == constraint.requirement && !verdict.is_met())
+        verification.met = false;
+  return verification;
+}
+
+// All that decides the samples, in full, and its fingerprint, by which --resume knows the problem.
+nlohmann::ordered_json build_manifest(const hil::DesignProblem& problem) {
+  nlohmann::ordered_json manifest{{"schema", 1},
+                                  {"synthesis", problem.name},
+                                  {"program", "unlatch " UNLATCH_VERSION},
+                                  {"fingerprint", to_hex(static_cast<std::int64_t>(calc_fingerprint(problem)))},
+                                  {"problem_text", problem.text},
+                                  {"scenario_text", problem.tree->get_nominal().text},
+                                  {"overrides", problem.overrides}};
+  if (problem.campaign) manifest["campaign_text"] = problem.campaign->text;
+  return manifest;
+}
+
+// Names the part of the problem that differs from that of the folder.
+std::string describe_difference(const nlohmann::ordered_json& had, const nlohmann::ordered_json& has) {
+  const std::pair<const char*, const char*> parts[] = {{"program", "version of unlatch"},
+                                                       {"problem_text", "problem"},
+                                                       {"overrides", "values in `set`"},
+                                                       {"scenario_text", "scenario"},
+                                                       {"campaign_text", "campaign"}};
+  for (const auto& [key, name] : parts)
+    if (had.value(key, nlohmann::ordered_json()) != has.value(key, nlohmann::ordered_json())) return name;
+  return "file that the scenario names";
+}
+
+// The journal of an earlier search, if it is this problem's. Without one the folder gets this problem's manifest.
+void open_folder(const OptimizeOptions& options, const hil::DesignProblem& problem) {
+  namespace fs = std::filesystem;
+  const fs::path out(options.out), manifest = out / "manifest.json", journal = out / "history.csv";
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw OutputError(options.out + ": " + error.message());
+  const nlohmann::ordered_json now = build_manifest(problem);
+  if (fs::exists(journal)) {
+    if (!options.resume)
+      refuse_option("--out", options.out + " has a history.csv: give --resume to go on with it, or another folder");
+    std::ifstream file(manifest);
+    const auto had = nlohmann::ordered_json::parse(file, nullptr, false);
+    if (!had.is_object())
+      refuse_option("--resume", manifest.string() + " is missing or damaged; choose another folder");
+    if (had.value("fingerprint", "") != now.at("fingerprint"))
+      refuse_option("--resume", options.out + " is of another problem: its " + describe_difference(had, now) +
+                                    " differs; choose another folder");
+  } else {
+    write_text(now.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", manifest.string());
+  }
+}
+
+// Runs, the best so far, and time left at most: on a terminal one line that is overwritten, elsewhere a line each
+// tenth of the budget.
+class OptimizeProgress {
+ public:
+  explicit OptimizeProgress(const hil::DesignProblem& problem) : problem_(problem) {}
+
+  void show(const hil::DesignEvaluations& evaluations) {
+    const std::vector<hil::DesignSample>& samples = evaluations.get_samples();
+    if (!merit_) merit_.emplace(problem_, &samples.front());
+    for (; seen_ < samples.size(); ++seen_)
+      if (merit_->is_better(samples[seen_], samples[best_])) best_ = seen_;
+    const auto runs = static_cast<std::int64_t>(samples.size());
+    const std::int64_t tenth = 10 * runs / problem_.budget.runs;
+    if (!terminal_ && tenth == shown_) return;
+    shown_ = tenth;
+    const double violation = merit_->calc_violation(samples[best_]).size;
+    const std::string best =
+        violation > 0 ? format("least violation %.3g of its limit", violation)
+                      : format("best %.6g %s", samples[best_].objectives[0], problem_.objectives[0].unit.c_str());
+    const double spent = std::chrono::duration<double>(Clock::now() - begin_).count();
+    const auto made = static_cast<double>(std::max<std::int64_t>(1, runs - evaluations.get_taken()));
+    double left = spent / made * static_cast<double>(problem_.budget.runs - runs);
+    if (problem_.budget.seconds > 0) left = std::min(left, std::max(0.0, problem_.budget.seconds - spent));
+    std::fprintf(stderr, "%s%lld of at most %lld runs, %s (run %zu), at most %.0f s left%s",
+                 terminal_ ? "\r\033[K" : "", static_cast<long long>(runs),
+                 static_cast<long long>(problem_.budget.runs), best.c_str(), best_ + 1, left, terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+  void clear() const {
+    if (terminal_) std::fputs("\r\033[K", stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const hil::DesignProblem& problem_;
+  std::optional<hil::DesignMerit> merit_;
+  const bool terminal_ = is_terminal(stderr);
+  const Clock::time_point begin_ = Clock::now();
+  std::size_t seen_ = 0, best_ = 0;
+  std::int64_t shown_ = 0;
+};
+
+int optimize(const OptimizeOptions& options) {
+  namespace fs = std::filesystem;
+  check_output(options.json);
+  const hil::DesignProblem problem = hil::load_design_problem(options.file);
+  const fs::path out(options.out);
+  const std::string journal = (out / "history.csv").string();
+  open_folder(options, problem);
+  const hil::DesignEvaluations* known = nullptr;
+  OptimizeProgress progress(problem);
+  hil::DesignEvaluations evaluations(problem, {journal, options.resume, options.jobs}, catch_interrupts(),
+                                     [&] { progress.show(*known); });
+  known = &evaluations;
+  const hil::DesignResult result = hil::search_design(problem, evaluations);
+  progress.clear();
+
+  DesignReport report{problem, evaluations, result, std::nullopt};
+  std::string patch_text;
+  if (!evaluations.get_samples().empty()) {
+    const hil::DesignSample& best = evaluations.get_samples()[result.best];
+    const std::string patch = (out / "patch.yaml").string();
+    patch_text = write_patch(problem, best.point);
+    write_text(patch_text, patch);
+    if (best.status != hil::SampleStatus::kInvalid && !evaluations.was_stopped())
+      report.verification = verify(problem, patch, best);
+    if (report.verification && result.feasible)
+      if (auto failures = evaluations.check_dispersed(best.point)) report.verification->failures = std::move(*failures);
+    if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());
+  }
+  const nlohmann::ordered_json json = build_design_json(report);
+  write_json(json, (out / "result.json").string());
+  if (!options.json.empty()) write_json(json, options.json);
+  if (!evaluations.get_samples().empty()) {
+    hil::DesignPoint start;
+    for (const hil::DesignVariable& variable : problem.variables) start.push_back(variable.start);
+    const hil::DesignPoint& best = evaluations.get_samples()[result.best].point;
+    write_text(build_design_page({problem, evaluations, result, json, build_manifest(problem), patch_text,
+                                  fly_design(problem, start, catch_interrupts()),
+                                  fly_design(problem, best, catch_interrupts())}),
+               (out / "report.html").string());
+  }
+  print_design(get_people_stream(options.json), report);
+  const bool verified = report.verification && report.verification->met && report.verification->same_bits;
+  return result.feasible && verified ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void add_optimize(Command app, int& exit_code) {
+  auto options = std::make_shared<OptimizeOptions>();
+  Command command = app.add_verb(
+      "optimize",
+      "Finds values of a scenario that are best for an objective and meet its requirements. Exit code 1 if none meet "
+      "them.",
+      "unlatch optimize hil/scenarios/boosters/synthesis.yaml --out design\nunlatch run design/patch.yaml");
+  command.add_option("FILE", options->file, "problem of synthesis (.yaml)").required();
+  command.add_option("--out", options->out, "folder for patch.yaml, report.html, result.json, history.csv, front.csv")
+      .type_name("DIR")
+      .required();
+  command
+      .add_option("--jobs", options->jobs,
+                  "threads; the result does not depend on them (default: one for each processor)")
+      .type_name("N")
+      .within(1, 256);
+  command.add_flag("--resume", options->resume, "goes on after an end at any moment, with the same result");
+  command.add_json_option(options->json, "the same as DIR/result.json");
+  command.callback([options, &exit_code] { exit_code = optimize(*options); });
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,305 @@
+#include "tools/unlatch/studies/optimize_report.h"
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "hil/statistics/statistics.h"
+#include "tools/common/output.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
+
+namespace unlatch::tools {
+namespace {
+
+using hil::DesignConstraint;
+using hil::DesignProblem;
+using hil::DesignResult;
+using hil::DesignSample;
+using hil::DesignVariable;
+using hil::Objective;
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+const char* get_sense(const Objective& objective) { return objective.maximise ? "maximise" : "minimise"; }
+
+std::string get_status(const DesignResult& result) {
+  if (result.end == DesignResult::End::kStopped) return "interrupted";
+  if (!result.feasible) return "infeasible";
+  return result.end == DesignResult::End::kBudget ? "budget" : "optimal";
+}
+
+std::string describe_constraint(const DesignConstraint& constraint) {
+  if (constraint.both) return "within its two limits";
+  const std::string text =
+      format("%s %.6g %s", constraint.at_least ? "at least" : "at most", constraint.limit, constraint.unit.c_str());
+  return constraint.probability > 0 ? text + format(" with probability %g", constraint.probability) : text;
+}
+
+bool is_at_bound(const DesignVariable& variable, double value) {
+  constexpr double kAt = 1e-6;  // of the range
+  const double range = variable.upper - variable.lower;
+  return value - variable.lower <= kAt * range || variable.upper - value <= kAt * range;
+}
+
+Json build_variables(const DesignProblem& problem, const hil::DesignPoint& point) {
+  Json all = Json::object();
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const DesignVariable& variable = problem.variables[i];
+    Json& one = all[variable.name];
+    one["paths"] = variable.paths;
+    if (variable.is_catalogue()) {
+      one["entry"] = static_cast<std::int64_t>(point[i]);
+      one["value"] = variable.numbers.empty() ? Json(hil::write_value(variable, point[i]))
+                                              : Json(variable.numbers[static_cast<std::size_t>(point[i])]);
+    } else {
+      one["value"] = point[i];
+      one["at_bound"] = is_at_bound(variable, point[i]);
+    }
+    one["unit"] = variable.unit;
+  }
+  return all;
+}
+
+Json build_sensitivities(const DesignReport& report) {
+  Json all = Json::object();
+  for (std::size_t i = 0; i < report.result.sensitivities.size(); ++i) {
+    const std::vector<double>& row = report.result.sensitivities[i];
+    if (row.empty()) continue;
+    Json& one = all[report.problem.variables[i].name];
+    std::size_t at = 0;
+    for (const Objective& objective : report.problem.objectives) one[objective.text] = number(row[at++]);
+    for (const DesignConstraint& constraint : report.problem.constraints) one[constraint.name] = number(row[at++]);
+  }
+  return all;
+}
+
+Json build_constraints(const DesignReport& report, const DesignSample& best) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < report.problem.constraints.size(); ++i) {
+    const DesignConstraint& constraint = report.problem.constraints[i];
+    Json one{{"id", constraint.name},     {"unit", constraint.unit},           {"value", number(best.values[i])},
+             {"limit", constraint.limit}, {"margin", number(best.margins[i])}, {"met", best.margins[i] >= 0}};
+    if (!report.result.constraints.empty()) {
+      const hil::ConstraintStudy& study = report.result.constraints[i];
+      one["active"] = study.active;
+      if (study.shadow) one["shadow"] = number(*study.shadow);
+    }
+    if (constraint.probability > 0) one["probability"] = constraint.probability;
+    all.push_back(one);
+  }
+  return all;
+}
+
+Json build_slices(const DesignReport& report) {
+  Json all = Json::object();
+  for (std::size_t i = 0; i < report.result.slices.size(); ++i)
+    for (const std::size_t k : report.result.slices[i]) {
+      const DesignSample& sample = report.evaluations.get_samples()[k];
+      Json one{{"value", number(sample.point[i])}};
+      for (const double value : sample.objectives) one["objectives"].push_back(number(value));
+      one["margins"] = Json::array();
+      for (const double value : sample.margins) one["margins"].push_back(number(value));
+      all[report.problem.variables[i].name].push_back(one);
+    }
+  return all;
+}
+
+Json build_verification(const DesignReport& report) {
+  const DesignVerification& verification = *report.verification;
+  Json json{{"runs", 1},
+            {"met", verification.met},
+            {"same_bits", verification.same_bits},
+            {"hash", to_hex(verification.hash)}};
+  for (std::size_t i = 0; i < verification.failures.size(); ++i) {
+    const DesignConstraint& constraint = report.problem.constraints[i];
+    if (!(constraint.probability > 0)) continue;
+    const std::int64_t checks = report.problem.campaign->checks;
+    const hil::Interval bounds = hil::calc_clopper_pearson(verification.failures[i], checks);
+    json["dispersed"].push_back({{"id", constraint.name},
+                                 {"samples", checks},
+                                 {"failed", verification.failures[i]},
+                                 {"probability", {bounds.low, bounds.high}}});
+  }
+  return json;
+}
+
+// Values of the violated constraint, and the limit that this point would meet; or what no run gives.
+std::string describe_violation(const DesignReport& report) {
+  const hil::Violation& violation = report.result.violation;
+  const DesignSample& best = report.evaluations.get_samples()[report.result.best];
+  if (violation.objective && best.status == hil::SampleStatus::kDone)
+    return "no run that meets all constraints has a value of " + report.problem.objectives[*violation.objective].text;
+  if (!violation.constraint || best.status != hil::SampleStatus::kDone)
+    return "no run gives all of the results that the problem asks for: the nearest ended '" +
+           hil::kSampleStatusNames[static_cast<std::size_t>(best.status)] + "'";
+  const DesignConstraint& constraint = report.problem.constraints[*violation.constraint];
+  const double value = best.values[*violation.constraint];
+  std::string text = constraint.name + " must be " + describe_constraint(constraint) + "; ";
+  text += std::isfinite(value) ? format("the best that was found is %.6g %s", value, constraint.unit.c_str())
+                               : "no run has a value of it";
+  for (const std::size_t i : report.result.against)
+    if (i != violation.constraint) text += ", against " + report.problem.constraints[i].name;
+  std::string bounds;
+  for (std::size_t i = 0; i < report.problem.variables.size(); ++i)
+    if (!report.problem.variables[i].is_catalogue() && is_at_bound(report.problem.variables[i], best.point[i]))
+      bounds += (bounds.empty() ? "" : ", ") + report.problem.variables[i].name;
+  return bounds.empty() ? text : text + "; at their bounds: " + bounds;
+}
+
+}  // namespace
+
+void print_problem(std::FILE* to, const DesignProblem& problem) {
+  std::fprintf(to, "%s: %s\n  scenario %s, method %s, seed %u, at most %lld runs\n", problem.name.c_str(),
+               problem.title.c_str(), problem.scenario.c_str(),
+               hil::kSearchMethodNames[static_cast<std::size_t>(problem.method)].c_str(), problem.seed,
+               static_cast<long long>(problem.budget.runs));
+  print_heading(to, "Variables");
+  for (const DesignVariable& variable : problem.variables) {
+    const std::string range = variable.is_catalogue() ? std::to_string(variable.catalogue.size()) + " values"
+                                                      : hil::write_value(variable, variable.lower) + " to " +
+                                                            hil::write_value(variable, variable.upper);
+    std::string paths;
+    for (const std::string& path : variable.paths) paths += (paths.empty() ? "" : ", ") + path;
+    std::fprintf(to, "  %-16s %s, from %s: %s\n", variable.name.c_str(), range.c_str(),
+                 hil::write_value(variable, variable.start).c_str(), paths.c_str());
+  }
+  print_heading(to, "Objectives");
+  for (const Objective& objective : problem.objectives)
+    std::fprintf(to, "  %s %s%s\n", get_sense(objective), objective.text.c_str(),
+                 objective.unit.empty() ? "" : (", " + objective.unit).c_str());
+  if (!problem.constraints.empty()) print_heading(to, "Constraints");
+  for (const DesignConstraint& constraint : problem.constraints)
+    std::fprintf(to, "  %-16s %s\n", constraint.name.c_str(), describe_constraint(constraint).c_str());
+  std::fprintf(to, "\n%s is valid\n", problem.file.c_str());
+}
+
+void write_problem_json(const DesignProblem& problem, const std::string& target) {
+  Json json{{"schema", 1}, {"synthesis", problem.name}, {"scenario", problem.scenario}, {"status", "ok"}};
+  hil::DesignPoint start;
+  for (const DesignVariable& variable : problem.variables) start.push_back(variable.start);
+  json["variables"] = build_variables(problem, start);
+  for (const Objective& objective : problem.objectives)
+    json["objectives"].push_back({{"sense", get_sense(objective)}, {"of", objective.text}, {"unit", objective.unit}});
+  json["constraints"] = Json::array();
+  for (const DesignConstraint& constraint : problem.constraints) json["constraints"].push_back(constraint.name);
+  write_json(json, target);
+}
+
+Json build_design_json(const DesignReport& report) {
+  const auto& [problem, evaluations, result, verification] = report;
+  Json json{{"schema", 1},
+            {"synthesis", problem.name},
+            {"scenario", problem.scenario},
+            {"status", get_status(result)},
+            {"method", hil::kSearchMethodNames[static_cast<std::size_t>(result.method)]},
+            {"exhaustive", result.exhaustive},
+            {"seed", problem.seed},
+            {"runs", result.search_runs},
+            {"study_runs", evaluations.get_runs() - result.search_runs}};
+  if (evaluations.get_samples().empty()) return json;
+  const DesignSample& best = evaluations.get_samples()[result.best];
+  json["feasible"] = result.feasible;
+  json["run"] = result.best + 1;
+  json["variables"] = build_variables(problem, best.point);
+  for (std::size_t i = 0; i < problem.objectives.size(); ++i)
+    json["objectives"].push_back({{"sense", get_sense(problem.objectives[i])},
+                                  {"of", problem.objectives[i].text},
+                                  {"value", number(best.objectives[i])},
+                                  {"unit", problem.objectives[i].unit}});
+  json["constraints"] = build_constraints(report, best);
+  if (!result.feasible) {
+    json["violation"] = {{"size", result.violation.size}, {"text", describe_violation(report)}};
+    if (result.violation.constraint)
+      json["violation"]["constraint"] = problem.constraints[*result.violation.constraint].name;
+    if (result.violation.objective)
+      json["violation"]["objective"] = problem.objectives[*result.violation.objective].text;
+    for (const std::size_t i : result.against) json["violation"]["against"].push_back(problem.constraints[i].name);
+  }
+  json["sensitivities"] = build_sensitivities(report);
+  for (const std::size_t i : result.front)
+    json["front"].push_back({{"run", i + 1},
+                             {"point", evaluations.get_samples()[i].point},
+                             {"objectives", evaluations.get_samples()[i].objectives}});
+  json["slices"] = build_slices(report);
+  if (verification) json["verification"] = build_verification(report);
+  return json;
+}
+
+void print_design(std::FILE* to, const DesignReport& report) {
+  const auto& [problem, evaluations, result, verification] = report;
+  std::fprintf(
+      to, "%s: %s, method %s, %lld runs and %lld around the result\n", problem.name.c_str(), get_status(result).c_str(),
+      result.exhaustive ? "all combinations" : hil::kSearchMethodNames[static_cast<std::size_t>(result.method)].c_str(),
+      static_cast<long long>(result.search_runs), static_cast<long long>(evaluations.get_runs() - result.search_runs));
+  if (evaluations.get_samples().empty()) return;
+  const DesignSample& best = evaluations.get_samples()[result.best];
+  if (!result.feasible)
+    std::fprintf(to, "  no point meets all constraints; least violation: %s\n", describe_violation(report).c_str());
+  for (std::size_t i = 0; i < problem.variables.size(); ++i)
+    std::fprintf(to, "  %-16s %s%s\n", problem.variables[i].name.c_str(),
+                 hil::write_value(problem.variables[i], best.point[i]).c_str(),
+                 !problem.variables[i].is_catalogue() && is_at_bound(problem.variables[i], best.point[i])
+                     ? " (at its bound)"
+                     : "");
+  for (std::size_t i = 0; i < problem.objectives.size(); ++i)
+    std::fprintf(to, "  %s %s: %s\n", get_sense(problem.objectives[i]), problem.objectives[i].text.c_str(),
+                 std::isfinite(best.objectives[i])
+                     ? format("%.9g %s", best.objectives[i], problem.objectives[i].unit.c_str()).c_str()
+                     : "no value");
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
+    const bool active = !result.constraints.empty() && result.constraints[i].active;
+    if (!active && best.margins[i] >= 0) continue;
+    std::fprintf(to, "  %-16s %.6g %s, %s", problem.constraints[i].name.c_str(), best.values[i],
+                 problem.constraints[i].unit.c_str(), describe_constraint(problem.constraints[i]).c_str());
+    if (active && result.constraints[i].shadow)
+      std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
+    std::fprintf(to, "%s\n", active ? "" : ": not met");
+  }
+  if (!result.front.empty()) std::fprintf(to, "  Pareto front: %zu points in front.csv\n", result.front.size());
+  if (!verification) return;
+  std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
+               verification->met ? "all constraints met" : "not all constraints met",
+               verification->same_bits ? "same bits" : "OTHER BITS than in the search");
+  for (std::size_t i = 0; i < verification->failures.size(); ++i) {
+    if (!(problem.constraints[i].probability > 0)) continue;
+    const std::int64_t checks = problem.campaign->checks;
+    const hil::Interval bounds = hil::calc_clopper_pearson(verification->failures[i], checks);
+    std::fprintf(to, "  %-16s %lld of %lld other samples fail: probability of failure %.4f to %.4f (95 %%)\n",
+                 problem.constraints[i].name.c_str(), static_cast<long long>(verification->failures[i]),
+                 static_cast<long long>(checks), bounds.low, bounds.high);
+  }
+}
+
+std::string write_patch(const DesignProblem& problem, const hil::DesignPoint& point) {
+  const std::string file = std::filesystem::path(problem.scenario).filename().string();
+  std::string text =
+      "# Written by unlatch optimize: the scenario with the values that it found. It runs as it is.\nunlatch: "
+      "1\ninclude: " +
+      file + "\nname: " + problem.name + "\nset:\n";
+  const auto add = [&](const std::string& setting) {
+    const std::size_t at = setting.find('=');
+    text += "  \"" + setting.substr(0, at) + "\": " + setting.substr(at + 1) + "\n";
+  };
+  for (const std::string& setting : problem.overrides) add(setting);
+  for (const hil::Setting& setting : hil::make_settings(problem, point)) add(to_text(setting));
+  return text + "--- # included: " + file + "\n" + problem.tree->get_nominal().text;
+}
+
+std::string write_front(const DesignProblem& problem, const hil::DesignEvaluations& evaluations,
+                        const DesignResult& result) {
+  std::string text = "run";
+  for (const DesignVariable& variable : problem.variables) text += "," + variable.name;
+  for (const Objective& objective : problem.objectives) text += ",\"" + objective.text + "\"";
+  text += "\n";
+  for (const std::size_t i : result.front) {
+    const DesignSample& sample = evaluations.get_samples()[i];
+    text += std::to_string(i + 1);
+    for (const double value : sample.point) text += "," + hil::to_text(value);
+    for (const double value : sample.objectives) text += "," + hil::to_text(value);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace unlatch::tools
