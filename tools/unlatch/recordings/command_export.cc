@@ -29,7 +29,7 @@ struct ExportOptions {
 
 bool needs_node(const std::string& format) { return format == "mcap" || format == "parquet"; }
 
-void check_output(const ExportOptions& options) {
+void check_destination(const ExportOptions& options) {
   std::error_code error;
   if (std::filesystem::equivalent(options.log, options.out, error)) {
     refuse_option("--out", options.out + " is the recording; what is exported needs a file of its own");
@@ -119,7 +119,7 @@ int run(const ExportOptions& options) {
   if (!options.overrides.empty()) refuse_option("--set", "a recording has its own; --set is for --fmu");
   if (options.format.empty()) refuse_option("--format", "is missing: csv, json, mcap or parquet");
   if (options.out.empty()) refuse_option("--out", "is missing: the file to write");
-  check_output(options);
+  check_destination(options);
   OpenedLog opened(options.log);
   hil::RecordingReader& recording = opened.recording;
   hil::Simulation& simulation = *opened.simulation;
