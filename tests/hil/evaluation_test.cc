@@ -79,11 +79,13 @@ std::vector<std::uint64_t> to_bits(const std::vector<double>& values) {
   return bits;
 }
 
+constexpr const char* kCampaigns[] = {"antenna/campaign.yaml", "array/campaign.yaml",   "boosters/campaign.yaml",
+                                      "capsule/landing.yaml",  "fairing/campaign.yaml", "interstage/campaign.yaml"};
+
 // A sample's analysis leaves out parts that its columns do not need; `unlatch run` requests all.
 TEST(SampleEvaluator, GivesTheValuesOfAnAnalysisOfEverythingInEveryShippedCampaign) {
-  for (const char* name : {"antenna", "array", "boosters", "capsule", "fairing"}) {
-    const hil::Campaign campaign =
-        hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name + "/campaign.yaml");
+  for (const char* name : kCampaigns) {
+    const hil::Campaign campaign = hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name);
     const SampleEvaluator evaluator(*campaign.tree);
     const std::vector<Setting> settings = make_settings(campaign, draw_inputs(campaign, 1));
     const hil::Scenario scenario = campaign.tree->read(settings);
@@ -99,9 +101,8 @@ TEST(SampleEvaluator, GivesTheValuesOfAnAnalysisOfEverythingInEveryShippedCampai
 
 // Some end early, one is no valid scenario; the shipped campaigns with loops or flexible bodies run one by one.
 TEST(SampleEvaluator, GivesSamplesSideBySideTheBitsOfEachAlone) {
-  for (const char* name : {"antenna", "array", "boosters", "capsule", "fairing"}) {
-    const hil::Campaign campaign =
-        hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name + "/campaign.yaml");
+  for (const char* name : kCampaigns) {
+    const hil::Campaign campaign = hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name);
     const SampleEvaluator evaluator(*campaign.tree);
     std::vector<hil::SampleTask> tasks;
     for (int i = 0; i < 5; ++i) tasks.push_back({make_settings(campaign, draw_inputs(campaign, i))});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 #include "hil/language/setting.h"
@@ -21,7 +22,8 @@ using Kind = hil::ResultColumn::Kind;
 
 const char* get_kind_name(Kind kind) {
   static const char* const kNames[] = {"requirement", "margin",  "event",      "clearance", "clearance_time",
-                                       "released",    "tip_off", "separation", "peak"};
+                                       "released",    "tip_off", "separation", "peak",      "contact"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kContact) + 1);
   return kNames[static_cast<std::size_t>(kind)];
 }
 
