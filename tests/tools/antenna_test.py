@@ -71,10 +71,10 @@ class AntennaTest(ProcessTest):
         self.assertEqual(report["notices"], [])
         return report
 
-    def compare(self, name, times_of, states_of):
-        """Compares events and states with those of the reference; returns the report."""
+    def compare(self, scenario, name, times_of, states_of):
+        """Compares events and states with those of the reference of this name; returns the report."""
         reference = REFERENCE[name]
-        report = self.fly(f"{name}.yaml", sorted(map(float, reference["samples"])))
+        report = self.fly(scenario, sorted(map(float, reference["samples"])))
         worst_time = 0
         for event, time in reference["events"].items():
             found = get_times(report, event)
@@ -103,7 +103,7 @@ class AntennaTest(ProcessTest):
                 yield sample["sensors"][f"angle{i}"][0], wanted[0]
             yield sample["bodies"]["hub"]["p"][2], wanted[2]
 
-        report = self.compare("ribs", {"taut": RIBS, "latch": RIBS}, list_states)
+        report = self.compare("scenario.yaml", "ribs", {"taut": RIBS, "latch": RIBS}, list_states)
         for i in range(1, RIBS + 1):
             self.compare_shock(report, f"hinge{i}", REFERENCE["ribs"]["shock"])
 
@@ -150,13 +150,13 @@ class AntennaTest(ProcessTest):
             yield found - start, change
 
     def test_a_ring_of_scissors_opens_and_locks_as_one_equation_says(self):
-        report = self.compare("ring", {"lock": CELLS}, self.ring_states)
+        report = self.compare("ring.yaml", "ring", {"lock": CELLS}, self.ring_states)
         lost = sum(audit["energy_jump"] for audit in report["audit"])
         self.assertAlmostEqual(lost, -REFERENCE["ring"]["energy at the lock"], delta=1e-9)
         self.assertTrue(all(verdict["met"] for verdict in report["verdict"]))
 
     def test_elastic_locks_ring_as_one_equation_says(self):
-        report = self.compare("ring-elastic", {"lock": CELLS}, self.ring_states)
+        report = self.compare("ring-elastic.yaml", "ring-elastic", {"lock": CELLS}, self.ring_states)
         self.compare_shock(report, "shock", REFERENCE["ring-elastic"]["shock"])
 
     def test_the_ring_keeps_its_momenta_across_the_locks(self):
