@@ -146,7 +146,7 @@ class UdpHub final : public UdpPort {
     if (!packet) return add_malformed();
     const std::scoped_lock lock(mutex_);
     Peer* const peer = packet->kind ? find(from) : find_or_add(from);
-    if (peer == nullptr) return;  // has not joined, or there is no place
+    if (peer == nullptr) return add_malformed();  // has not joined, or there is no place
     const std::int64_t lost = peer->received.get_lost();
     if (!peer->received.accept(packet->header)) return;
     add_lost(peer->received.get_lost() - lost);

@@ -1,7 +1,7 @@
 // The cyclic executive: steps a simulation at its pace, with flight software in the loop, and accounts for every tick.
 //
 //   real time  wait for the tick → receive → apply commands → step → publish → account for the time
-//              (with a spin before each tick: sleep → warm-up step → wait awake)
+//              (with a spin before each tick: sleep → warm-up step → busy-wait)
 //   lockstep   publish the State → wait until every required participant has answered → apply commands → step → account
 //   fast       step → publish → account
 //

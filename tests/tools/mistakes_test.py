@@ -38,7 +38,7 @@ class MistakesTest(ProcessTest):
         log = self.folder / "run.log"
         self.run_ok(UNLATCH, "run", self.first, "--until", "0.1", "--log", log)
         for arguments in (["check", self.first], ["run", self.first, "--until", "0.1"], ["diff", log, log],
-                          ["replay", log], ["check", self.first, "--json", "-"]):
+                          ["replay", log], ["check", self.first, "--json", "-"], ["--version"]):
             with open(FULL, "w") as full:
                 done = subprocess.run([UNLATCH, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True,
                                       timeout=HANG)
@@ -65,10 +65,14 @@ class MistakesTest(ProcessTest):
 
     def test_outputs_that_cannot_be_made_are_told_before_the_run(self):
         log = self.folder / "run.log"
-        for option in ("--json", "--log"):
+        for option in ("--json", "--log", "--junit"):
             said = self.refuse("run", REFERENCE, "--until", "100000", option, self.folder / "none/x", code=3)
             self.assertIn("none/x: cannot be created: No such file or directory", said)
         self.refuse("hil", self.first, "--transport", "inproc", "--pace", "fast", "--json", self.folder / "none/x", code=3)
+        for option in ("--json", "--junit"):
+            self.refuse("hil", REFERENCE, "--until", "100000", "--transport", "inproc", "--pace", "fast", option, self.folder / "none/x", code=3)
+        said = self.refuse("log", "--transport", "lcm", "--out", log, "--json", self.folder / "none/x", code=3)
+        self.assertIn("none/x: cannot be created", said)
         said = self.refuse("run", REFERENCE, "--until", "100000", "--checkpoint", "1", self.folder / "none/x", code=3)
         self.assertIn("none/x: cannot be created", said)
         self.run_ok(UNLATCH, "run", self.first, "--until", "0.1", "--log", log)

@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
   constexpr const char* kVersion = "unlatch " UNLATCH_VERSION;
   if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
     std::puts(kVersion);
-    return tools::kExitDone;
+    return tools::flush_output(tools::kExitDone);
   }
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), to be told like a full disk
   tools::CommandLine command_line(

@@ -22,19 +22,18 @@ int fail(const char* what, int code) {
   return code;
 }
 
-// A device that is full takes what is printed in silence, until now.
-int finish(int code) {
+}  // namespace
+
+int flush_output(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fprintf(stderr, "standard output cannot be written: %s\n", std::strerror(errno));
   return code == kExitDone ? kExitEnvironment : code;
 }
 
-}  // namespace
-
 int run_program(CommandLine& command_line, int argc, char** argv, int& exit_code) {
   try {
     command_line.parse(argc, argv, exit_code);
-    return finish(exit_code);
+    return flush_output(exit_code);
   } catch (const hil::ScenarioError& error) {
     return fail(error.what(), kExitUsage);
   } catch (const hil::SimulationError& error) {

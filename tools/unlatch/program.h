@@ -9,4 +9,8 @@ namespace unlatch::tools {
 // the exit code of the program.
 int run_program(CommandLine& command_line, int argc, char** argv, int& exit_code);
 
+// Flushes standard output, which a full device fails only now. Returns `code`, or that of the environment after a
+// message.
+int flush_output(int code);
+
 }  // namespace unlatch::tools

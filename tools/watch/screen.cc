@@ -251,9 +251,9 @@ class Screen {
                                                             : one.status == hil::AckStatus::kRefused ? "refuses"
                                                                                                      : "is missing");
       if (one.tick >= 0) {
-        line.add(format(", answered tick %lld, %lld behind; %lld commands", static_cast<long long>(one.tick),
+        line.add(format(", answered tick %lld, %lld behind; %s", static_cast<long long>(one.tick),
                         static_cast<long long>(std::max<std::int64_t>(0, view_.tick - one.tick)),
-                        static_cast<long long>(one.commands)));
+                        count(static_cast<std::size_t>(one.commands), "command").c_str()));
       }
       add(line);
     }

@@ -33,7 +33,7 @@ function describeDifference(diff, clock) {
   const more = difference.fields.length - fields.length;
   return el('div', { class: 'banner bad' },
     el('strong', {}, `A and B first differ at tick ${difference.tick}, `), jump(clock, difference.t), ' ',
-    fields.join('; ') + (more > 0 ? `; and ${more} fields more.` : '.'),
+    fields.join('; ') + (more > 0 ? `; and ${more} more ${more === 1 ? 'field' : 'fields'}.` : '.'),
     input ? [` First other input: ${input.channel}, ${digits(input.a)} / ${digits(input.b)}, at tick ${input.tick}.`] : null);
 }
 

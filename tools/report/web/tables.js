@@ -127,7 +127,7 @@ export function buildTables(data, runs, clock) {
     add('Peak reactions', 'located inside the step, signed, on the follower; click to go there', runs.some((run) => run.joints.length) ? buildPeaks(runs, clock) : null),
     add('Contacts', 'those that touch; located inside the step', buildContacts(runs, clock)),
     add('Reactions that are not unique', 'rows of these joints are redundant; split by equal stiffnesses, or as `share` says', buildRedundant(runs, clock)),
-    add('Audit of momentum and energy', 'changes by events beyond the allowed ones', buildAudit(runs, clock)),
+    add('Audit of momentum and energy', 'largest unexplained changes by events', buildAudit(runs, clock)),
     section('Where this comes from', '', buildProvenance(data, runs), buildTexts(runs)),
   ].filter(Boolean));
 }

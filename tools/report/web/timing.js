@@ -86,7 +86,7 @@ function buildCounts(run, two) {
 function buildOverruns(run, two) {
   const worst = run.timing.worst_overruns;
   if (worst.length === 0) return null;
-  return el('details', {}, el('summary', {}, `${two ? `${run.label}: ` : ''}the ${worst.length} worst overruns`),
+  return el('details', {}, el('summary', {}, `${two ? `${run.label}: ` : ''}${worst.length === 1 ? 'the worst overrun' : `the ${worst.length} worst overruns`}`),
     table(['tick', 'cause', 'late, µs', 'woken', 'inputs', 'step', 'outputs', 'page faults', 'preemptions'], worst.map((overrun) => [
       String(overrun.tick), overrun.cause, micro(overrun.late_ns), micro(overrun.wakeup_ns), micro(overrun.input_ns), micro(overrun.step_ns),
       micro(overrun.output_ns), String(overrun.page_faults), String(overrun.preemptions)])));

@@ -160,7 +160,7 @@ void add_export(Command app, int& exit_code) {
   auto options = std::make_shared<ExportOptions>();
   Command command = app.add_verb(
       "export",
-      "Replays a recording and converts it. csv: a table, one line for each time, units in the header; cells of "
+      "Replays a recording and converts it. csv: a table, one row per tick, units in the header; cells of "
       "outputs "
       "that are not due are empty. json: one object on each line: the run, its ticks and events. mcap: for Foxglove, "
       "with the 3D scene, transforms, reactions, elements, sensors, events. parquet: the table of csv. mcap and "

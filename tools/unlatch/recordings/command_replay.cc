@@ -18,6 +18,7 @@ struct ReplayOptions {
 
 int run(const ReplayOptions& options) {
   check_output(options.json);
+  check_output(options.junit);
   ReplayedLog log(options.log, options.outputs);
   Progress progress(log.opened.recording.header.dt, log.opened.recording.header.last_tick);
   log.replay([&](const StepReport&) { progress.show(log.opened.simulation->get_tick()); });

@@ -162,7 +162,7 @@ void print_audit(std::FILE* to, const std::vector<EventAudit>& audits) {
     entitled = std::max(entitled, std::abs(audit.allowed.kinetic));
   }
   print_heading(to, "Audit of momentum and energy");
-  std::fprintf(to, "  at %s of events, largest change beyond the allowed: %.3g kg m/s, %.3g kg m2/s, %.3g J\n",
+  std::fprintf(to, "  at %s of events, largest unexplained change: %.3g kg m/s, %.3g kg m2/s, %.3g J\n",
                count(audits.size(), "instant").c_str(), momentum, angular, energy);
   std::fprintf(to, "  largest allowed change of kinetic energy by an event: %.6g J\n", entitled);
 }
@@ -198,15 +198,15 @@ void print_overruns(std::FILE* to, const hil::TimingSummary& timing) {
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, timing.worst_overruns.size()); ++i) {
     const hil::Overrun& overrun = timing.worst_overruns[i];
-    std::fprintf(
-        to,
-        "    tick %lld, %.1f us late, %s: woken %.1f, inputs %.1f, step %.1f (%d integrations), outputs %.1f us; "
-        "since the one before: page faults %lld, preemptions %lld\n",
-        static_cast<long long>(overrun.timing.tick), to_us(overrun.late_ns),
-        hil::kOverrunCauseNames[static_cast<std::size_t>(overrun.cause)].data(), to_us(overrun.timing.wakeup_ns),
-        to_us(overrun.timing.input_ns), to_us(overrun.timing.step_ns), overrun.timing.substeps,
-        to_us(overrun.timing.output_ns), static_cast<long long>(overrun.page_faults),
-        static_cast<long long>(overrun.preemptions));
+    std::fprintf(to,
+                 "    tick %lld, %.1f us late, %s: woken %.1f, inputs %.1f, step %.1f (%s), outputs %.1f us; "
+                 "since the one before: page faults %lld, preemptions %lld\n",
+                 static_cast<long long>(overrun.timing.tick), to_us(overrun.late_ns),
+                 hil::kOverrunCauseNames[static_cast<std::size_t>(overrun.cause)].data(),
+                 to_us(overrun.timing.wakeup_ns), to_us(overrun.timing.input_ns), to_us(overrun.timing.step_ns),
+                 count(static_cast<std::size_t>(overrun.timing.substeps), "integration").c_str(),
+                 to_us(overrun.timing.output_ns), static_cast<long long>(overrun.page_faults),
+                 static_cast<long long>(overrun.preemptions));
   }
 }
 

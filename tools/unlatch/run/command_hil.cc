@@ -79,7 +79,7 @@ class Session {
  public:
   Session(const HilOptions& options)
       : options_(options),
-        scenario_((check_output(options.output.json), load(options.scenario))),
+        scenario_(load(options.scenario)),
         simulation_(hil::build_simulation(scenario_)),
         last_tick_(calc_last_tick(scenario_)),
         session_(options.session != 0 ? options.session : hil::draw_session()),
@@ -317,6 +317,8 @@ void add_hil(Command app, int& exit_code) {
       refuse_option("--fmu", "an FMU is stepped in this process and in lockstep: --transport inproc --pace lockstep");
     never_wait_for_stderr();
     options->pacing.add_overrides(options->scenario.overrides);
+    check_output(options->output.json);
+    check_output(options->output.junit);
     exit_code = Session(*options).run();
   });
 }

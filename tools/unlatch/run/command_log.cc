@@ -84,10 +84,11 @@ class Listener {
       std::fprintf(to, "  %-10s %8lld\n", std::string(hil::get_kind_name(static_cast<hil::MessageKind>(i))).c_str(),
                    static_cast<long long>(counts_[i]));
     }
-    std::fprintf(
-        to, "  states up to tick %lld, t = %.3f s; %lld missing in %lld gaps, %lld repeated; %lld malformed messages\n",
-        static_cast<long long>(tick_), static_cast<double>(time_us_) * 1e-6, static_cast<long long>(missing_),
-        static_cast<long long>(gaps_), static_cast<long long>(repeated_), static_cast<long long>(port.malformed));
+    std::fprintf(to,
+                 "  states up to tick %lld, t = %.3f s; %lld missing in %s, %lld repeated; %lld malformed messages\n",
+                 static_cast<long long>(tick_), static_cast<double>(time_us_) * 1e-6, static_cast<long long>(missing_),
+                 count(static_cast<std::size_t>(gaps_), "gap").c_str(), static_cast<long long>(repeated_),
+                 static_cast<long long>(port.malformed));
   }
 
  private:
@@ -165,6 +166,7 @@ class Listener {
 int run(const LogOptions& options) {
   never_wait_for_stderr();
   const std::atomic<bool>& stop = catch_interrupts();
+  check_output(options.json);
   const auto port = open_port(options.transport, bridge::Role::kObserver);
   Listener listener(options.out, options.transport.name);
   std::fprintf(stderr, "unlatch log: waits for a session on %s\n", options.transport.name.c_str());

@@ -148,6 +148,7 @@ int run(const RunOptions& given) {
   if (compares && !options.resume.empty())
     refuse_option("--accuracy", "a checkpoint is of one step; runs at its half and its quarter begin at the start");
   check_output(options.output.json);
+  check_output(options.output.junit);
   for (const auto& [time, path] : options.checkpoints) check_output(path);
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);

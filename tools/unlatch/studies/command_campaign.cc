@@ -162,7 +162,7 @@ int run(const CampaignOptions& options, const CampaignHost& host) {
   hil::ResultFile results = open_results(options, get_shape(campaign, evaluator), build_manifest(campaign, evaluator));
   std::int64_t done = 0;
   for (const std::int64_t sample : results.samples()) done += sample >= first && sample < last ? 1 : 0;
-  if (done > 0) std::fprintf(stderr, "%lld samples are there already\n", static_cast<long long>(done));
+  if (done > 0) std::fprintf(stderr, "%s already there\n", count(static_cast<std::size_t>(done), "sample").c_str());
   CampaignProgress progress(done, last - first, campaign.failure.has_value());
   host.run(task, results, [&] { progress.add_one(); });
   progress.clear();

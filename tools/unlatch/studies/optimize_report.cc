@@ -256,7 +256,8 @@ void print_design(std::FILE* to, const DesignReport& report) {
       std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
     std::fprintf(to, "%s\n", active ? "" : ": not met");
   }
-  if (!result.front.empty()) std::fprintf(to, "  Pareto front: %zu points in front.csv\n", result.front.size());
+  if (!result.front.empty())
+    std::fprintf(to, "  Pareto front: %s in front.csv\n", count(result.front.size(), "point").c_str());
   if (!verification) return;
   std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
                verification->met ? "all constraints met" : "not all constraints met",
