@@ -1,6 +1,7 @@
 #include "hil/evaluation/evaluation.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -16,8 +17,12 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 const std::vector<std::string> kSampleStatusNames{"done", "faulted", "invalid", "interrupted"};
 
-SampleEvaluator::SampleEvaluator(const ScenarioTree& tree)
-    : tree_(tree), columns_(list_columns(tree.get_nominal())), request_(list_needs(columns_)) {}
+SampleEvaluator::SampleEvaluator(const ScenarioTree& tree, ChosenOutputs chosen)
+    : tree_(tree),
+      chosen_(std::move(chosen)),
+      own_columns_(list_columns(tree.get_nominal())),
+      columns_(list_columns(tree.get_nominal(), chosen_)),
+      request_(list_needs(own_columns_)) {}
 
 std::optional<std::size_t> SampleEvaluator::find(const std::string& column) const {
   for (std::size_t i = 0; i < columns_.size(); ++i)
@@ -25,14 +30,15 @@ std::optional<std::size_t> SampleEvaluator::find(const std::string& column) cons
   return std::nullopt;
 }
 
-// Collects the results. Settings may disable events (enabled: false): then columns are found by their names.
+// Collects the results of every run, without the chosen outputs. Settings may disable events (enabled: false): then
+// columns are found by their names.
 std::vector<double> SampleEvaluator::collect(const Scenario& scenario, const RunAnalysis& analysis) const {
   const std::vector<ResultColumn> own = list_columns(scenario);
   std::vector<double> values = collect_results(own, scenario, analysis);
-  if (own == columns_) return values;
-  std::vector<double> by_name(columns_.size(), kNothing);
+  if (own == own_columns_) return values;
+  std::vector<double> by_name(own_columns_.size(), kNothing);
   for (std::size_t i = 0; i < own.size(); ++i)
-    if (const auto column = find(own[i].name)) by_name[*column] = values[i];
+    if (const auto column = find(own[i].name); column && *column < by_name.size()) by_name[*column] = values[i];
   return by_name;
 }
 
@@ -45,8 +51,10 @@ class SampleEvaluator::Flight {
       scenario_.emplace(evaluator.tree_.read(settings));
       simulation_ = build_simulation(*scenario_);
       if (run.judges) analysis_.emplace(*scenario_, *simulation_, evaluator.request_);
+      if (run.judges && !evaluator.chosen_.is_empty()) chosen_.emplace(evaluator.chosen_, *scenario_, *simulation_);
       const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario_->until, scenario_->dt);
       flight_.emplace(*simulation_, analysis_ ? &*analysis_ : nullptr, nullptr, last, [this](const StepReport& report) {
+        if (chosen_) chosen_->look();
         if (run_.look) run_.look(*scenario_, *simulation_, report);
       });
     });
@@ -83,8 +91,10 @@ class SampleEvaluator::Flight {
       result_.ticks = end.tick;
       result_.hash = end.hash;
       result_.model_hash = simulation_->get_model_hash();
-      result_.values = analysis_ ? evaluator_.collect(*scenario_, *analysis_)
-                                 : std::vector<double>(evaluator_.columns_.size(), kNothing);
+      if (analysis_) result_.values = evaluator_.collect(*scenario_, *analysis_);
+      if (chosen_)
+        std::ranges::copy(chosen_->finish(end.status == RunStatus::kDone), std::back_inserter(result_.values));
+      result_.values.resize(evaluator_.columns_.size(), kNothing);
     });
     return std::move(result_);
   }
@@ -106,6 +116,7 @@ class SampleEvaluator::Flight {
   std::optional<Scenario> scenario_;
   std::unique_ptr<Simulation> simulation_;
   std::optional<RunAnalysis> analysis_;
+  std::optional<OutputTracker> chosen_;
   std::optional<FastRun> flight_;
   SampleResult result_;
 };
