@@ -20,7 +20,8 @@ constexpr int kSamples = 8;
 
 // A campaign with its first samples; loaded once for all of its benchmarks.
 struct Flown {
-  explicit Flown(const std::string& file) : campaign(hil::load_campaign(file)), evaluator(*campaign.tree) {
+  explicit Flown(const std::string& file)
+      : campaign(hil::load_campaign(file)), evaluator(*campaign.tree, campaign.chosen) {
     for (int i = 0; i < kSamples; ++i) samples.push_back({make_settings(campaign, draw_inputs(campaign, i))});
   }
   hil::Campaign campaign;

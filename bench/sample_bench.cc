@@ -48,7 +48,7 @@ double measure_side_by_side(const hil::SampleEvaluator& evaluator, std::vector<h
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
   const hil::Campaign campaign = hil::load_campaign(argv[1]);
-  const hil::SampleEvaluator evaluator(*campaign.tree);
+  const hil::SampleEvaluator evaluator(*campaign.tree, campaign.chosen);
   const int count = argc > 2 ? std::atoi(argv[2]) : 24, turns = argc > 3 ? std::atoi(argv[3]) : 7;
   std::vector<hil::SampleTask> samples;
   for (int i = 0; i < count; ++i) samples.push_back({make_settings(campaign, draw_inputs(campaign, i))});

@@ -1,6 +1,7 @@
 #include "hil/campaign/campaign.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -73,10 +74,11 @@ void CampaignReader::read(const YamlNode& root, const std::vector<std::string>& 
     read_parameters(top);
     read_correlations(top);
     finish_plan(top);
+    read_outputs(top);
     read_subset(top);
     read_table(top);
   } else {
-    for (const char* unread : {"parameters", "correlations", "table", "subset"}) top.find(unread);
+    for (const char* unread : {"parameters", "correlations", "table", "subset", "outputs", "curves"}) top.find(unread);
   }
   top.finish();
 }
@@ -125,16 +127,22 @@ void CampaignReader::read_plan(YamlMap& top) {
   if (plan.sampling == Sampling::kSobol && !has_sobol())
     mistakes_.add(top.node().find("sampling")->mark, "this program was built without Boost, which has Sobol's sequence",
                   "install libboost-dev and build again, or write `latin-hypercube`");
-  const auto read_whole = [&](const char* key, double fallback, double least, double most) {
-    const double value = top.number(key, kNoUnit, fallback);
-    if (value >= least && value <= most && value == std::floor(value)) return value;
-    mistakes_.add(top.node().find(key)->mark, std::string("this number of ") + key + " is not usable",
-                  "a whole number from " + to_text(least) + " to " + to_text(most));
-    return fallback;
-  };
-  plan.samples = static_cast<std::int64_t>(read_whole("samples", 0, 0, kMostSamples));
-  plan.seed = static_cast<std::uint64_t>(read_whole("seed", 1, 0, kMostSeed));
-  levels_ = static_cast<int>(read_whole("levels", 3, 2, 10000));
+  plan.samples = static_cast<std::int64_t>(read_whole(top, "samples", 0, 0, kMostSamples));
+  plan.seed = static_cast<std::uint64_t>(read_whole(top, "seed", 1, 0, kMostSeed));
+  levels_ = read_levels(top, 3);
+}
+
+double CampaignReader::read_whole(YamlMap& map, const char* key, double fallback, double least, double most) {
+  const double value = map.number(key, kNoUnit, fallback);
+  if (value >= least && value <= most && value == std::floor(value)) return value;
+  mistakes_.add(map.node().find(key)->mark, std::string("this number of ") + key + " is not usable",
+                "a whole number from " + to_text(least) + " to " + to_text(most));
+  return fallback;
+}
+
+int CampaignReader::read_levels(YamlMap& map, int fallback) {
+  constexpr double kLeastLevels = 2, kMostLevels = 10000;
+  return static_cast<int>(read_whole(map, "levels", fallback, kLeastLevels, kMostLevels));
 }
 
 void CampaignReader::read_parameters(YamlMap& top) {
@@ -194,10 +202,9 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
     one.drawn = read_distribution(map, one, reading);
     if (!reading.dimension) reading.dimension = find_dimension(first_path);
     if (reading.dimension) one.unit = describe_unit(*reading.dimension);
-    one.levels = static_cast<int>(map.number("levels", kNoUnit, levels_));
+    one.levels = read_levels(map, levels_);
     if (one.distribution.kind == Distribution::Kind::kDiscrete)
       one.levels = static_cast<int>(one.distribution.values.size());
-    if (one.levels < 1) mistakes_.add(node.mark, "no levels", "a whole number from 2");
     made.push_back(campaign_.parameters.size());
     campaign_.parameters.push_back(std::move(one));
   };
@@ -254,6 +261,14 @@ void CampaignReader::read_correlations(YamlMap& top) {
       for (const std::size_t k : {a[i], b[i]})
         if (campaign_.parameters[k].distribution.is_cone())
           mistakes_.add(between->mark, "a direction cannot be correlated", "leave it out");
+      const auto same = [&](const Correlation& other) {
+        return (other.a == a[i] && other.b == b[i]) || (other.a == b[i] && other.b == a[i]);
+      };
+      if (std::ranges::any_of(campaign_.correlations, same))
+        mistakes_.add(between->mark,
+                      "the correlation of '" + campaign_.parameters[a[i]].name + "' and '" +
+                          campaign_.parameters[b[i]].name + "' is given twice",
+                      "leave one of the two out");
       campaign_.correlations.push_back({a[i], b[i], rho});
     }
   }
@@ -286,6 +301,11 @@ void CampaignReader::finish_plan(YamlMap& top) {
   else if (plan.samples % block != 0)
     mistakes_.add(mark, "this sampling takes " + std::to_string(block) + " samples a block",
                   "write a multiple: " + std::to_string((plan.samples / block + 1) * block));
+  const auto count = static_cast<std::uint64_t>(plan.samples);
+  if (plan.sampling == Sampling::kSobol && count > 0 && !std::has_single_bit(count))
+    campaign_.remarks.push_back(
+        "sobol spreads samples evenly where their number is a power of two: " + std::to_string(std::bit_floor(count)) +
+        " or " + std::to_string(std::bit_ceil(count)) + ", not " + std::to_string(count));
   if (campaign_.correlations.empty()) return;
   const std::size_t n = plan.dimensions;
   std::vector<double>& l = campaign_.factor;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/evaluation/chosen_outputs.h"
 #include "hil/language/setting.h"
 #include "hil/sampling/distribution.h"
 #include "hil/sampling/sampling.h"
@@ -57,6 +58,8 @@ struct Campaign {
   std::vector<double> factor;              // Cholesky factor of the correlations, by rows; empty: none
   std::vector<std::vector<double>> table;  // rows of sampling `csv`, one for each sample
   std::optional<RareFailure> failure;      // only for sampling `subset`
+  ChosenOutputs chosen;                    // columns besides those of every run; for the SampleEvaluator
+  std::vector<std::string> remarks;        // no mistakes, but worth knowing
   std::shared_ptr<const ScenarioTree> tree;
 };
 

@@ -18,12 +18,20 @@ class CampaignReader {
   void read_scenario(YamlMap& top, const std::vector<std::string>& overrides);
   void read_constants();
   void read_plan(YamlMap& top);
+  double read_whole(YamlMap& map, const char* key, double fallback, double least, double most);
+  int read_levels(YamlMap& map, int fallback);
   void read_parameters(YamlMap& top);
   void read_parameter(const std::string& name, const YamlNode& node);
   [[nodiscard]] std::optional<Dimension> find_dimension(const std::string& path) const;
   void read_correlations(YamlMap& top);
   void read_table(YamlMap& top);
   void finish_plan(YamlMap& top);
+
+  // Defined in chosen_outputs_reader.cc.
+  void read_outputs(YamlMap& top);
+  void read_chosen_value(const YamlNode& node, const std::vector<Output>& outputs);
+  void read_curves(const YamlNode& node, const std::vector<Output>& outputs);
+  std::vector<Output::Column> read_output_names(const YamlNode& node, const std::vector<Output>& outputs);
 
   // Defined in rare_failure.cc.
   void read_subset(YamlMap& top);
@@ -63,8 +71,9 @@ struct NumberTable {
 // Throws YamlError at `mark`.
 NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
 
-// Adds a mistake for each parameter whose extreme values make no valid scenario, with the probability of such values;
-// for joint ones the corners are tried.
+// Adds a mistake for each parameter of which a value makes no valid scenario, with the probability of such values: the
+// ends of a distribution and every discrete value are tried; for values together the corners, and their probability is
+// estimated from draws.
 void check_draws(const Campaign& campaign, Mistakes& mistakes);
 
 }  // namespace unlatch::hil

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostMet = 500;
+constexpr std::size_t kMostMet = 500, kMostTableBytes = std::size_t{256} << 20;
 
 std::vector<std::string> split(const std::string& line, char separator) {
   std::vector<std::string> cells(1);
@@ -87,9 +87,12 @@ std::vector<std::pair<std::string, std::string>> expand_path(const std::string& 
 NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark) {
   std::string text;
   try {
-    text = read_text_file((fs::path(folder) / name).string(), "table");
+    text = read_text_file((fs::path(folder) / name).string(), "table", kMostTableBytes);
   } catch (const ScenarioError& error) {
-    throw YamlError(mark, "table '" + name + "': " + error.mistakes.at(0).what, "a path from this file to a CSV file");
+    const ScenarioMistake& why = error.mistakes.at(0);
+    const bool too_long = why.what.starts_with("it has ");
+    throw YamlError(mark, "table '" + name + "': " + why.what,
+                    too_long ? why.mend : "a path from this file to a CSV file");
   }
   NumberTable table;
   std::size_t number = 0;

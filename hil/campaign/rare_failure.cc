@@ -26,7 +26,7 @@ void CampaignReader::read_failure(YamlMap& map, RareFailure& to) {
   if (below != nullptr && above != nullptr)
     mistakes_.add(above->mark, "below and above", "one limit: the other failure is a campaign of its own");
   const std::string name = read_text(*of, mistakes_);
-  const std::vector<ResultColumn> columns = list_columns(campaign_.tree->get_nominal());
+  const std::vector<ResultColumn> columns = list_columns(campaign_.tree->get_nominal(), campaign_.chosen);
   const bool own_limit = below == nullptr && above == nullptr;
   to.column = name + (own_limit ? ".margin" : "");
   const auto at = std::find_if(columns.begin(), columns.end(),

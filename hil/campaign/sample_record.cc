@@ -1,6 +1,7 @@
 #include "hil/campaign/sample_record.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -35,6 +36,17 @@ class Digest {
   std::uint64_t state_ = 0x243F6A8885A308D3u;  // pi
 };
 
+// Hash of the state after the first steps of the scenario as it is: a program with other physics has another one, even
+// of the same version.
+std::int64_t calc_physics(const SampleEvaluator& evaluator) {
+  constexpr int kSteps = 8;
+  SampleRun run;
+  run.until = kSteps * evaluator.tree().get_nominal().dt;
+  run.judges = false;
+  const std::atomic<bool> never{false};
+  return evaluator.evaluate({}, never, run).hash;
+}
+
 }  // namespace
 
 std::uint64_t calc_checksum(std::span<const char> bytes) {
@@ -53,11 +65,15 @@ std::uint64_t calc_digest(const std::string& text) {
   return hash;
 }
 
-// Shape of the results: the scenario's text and overrides, the campaign's text, the contents of its tables, and the
-// columns.
-ResultShape get_shape(const Campaign& campaign, const SampleEvaluator& evaluator) {
+std::string get_program_version() { return "unlatch " UNLATCH_VERSION; }
+
+// Shape of the results: the program's version and physics, the scenario's text and overrides, the campaign's text, the
+// contents of its tables, and the columns. The texts begin with the versions of their languages.
+ResultShape get_shape(const Campaign& campaign, const SampleEvaluator& evaluator, const std::string& program) {
   Digest digest;
   const Scenario& scenario = campaign.tree->get_nominal();
+  digest.add(calc_digest(program));
+  digest.add(static_cast<std::uint64_t>(calc_physics(evaluator)));
   digest.add(calc_digest(campaign.text));
   digest.add(calc_digest(scenario.text));
   for (const std::string& text : scenario.overrides) digest.add(calc_digest(text));

@@ -13,13 +13,18 @@
 
 namespace unlatch::hil {
 
+// "unlatch 0.1.0"
+std::string get_program_version();
+
 // Numbers in a record, and everything that determines them: files of one shape can be merged.
 struct ResultShape {
   std::uint64_t fingerprint = 0;
   std::uint32_t inputs = 0, values = 0;
   bool operator==(const ResultShape&) const = default;
 };
-ResultShape get_shape(const Campaign& campaign, const SampleEvaluator& evaluator);
+// `program`: name and version of the program that runs the samples.
+ResultShape get_shape(const Campaign& campaign, const SampleEvaluator& evaluator,
+                      const std::string& program = get_program_version());
 
 struct SampleRecord {
   std::int64_t sample = 0;

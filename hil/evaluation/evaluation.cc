@@ -1,6 +1,7 @@
 #include "hil/evaluation/evaluation.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -12,12 +13,33 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
+// Readings of elements are of the workspace of the sample's own step (unlatch/readings.h), which a bundle does not
+// fill.
+bool has_element(const ChosenOutputs& chosen, const Scenario& scenario) {
+  if (chosen.is_empty()) return false;
+  const auto is_chosen = [&](const Output::Column& column) {
+    const auto same = [&](const auto& other) { return other.name == column.name; };
+    return std::ranges::any_of(chosen.values, same) || std::ranges::any_of(chosen.curves, [&](const auto& group) {
+             return std::ranges::any_of(group.curves, same);
+           });
+  };
+  const std::vector<Output> outputs = list_outputs(scenario);
+  return std::ranges::any_of(outputs, [&](const Output& output) {
+    return output.kind >= Output::Kind::kElementForce && output.kind <= Output::Kind::kElementScale &&
+           std::ranges::any_of(output.columns, is_chosen);
+  });
+}
+
 }  // namespace
 
 const std::vector<std::string> kSampleStatusNames{"done", "faulted", "invalid", "interrupted"};
 
-SampleEvaluator::SampleEvaluator(const ScenarioTree& tree)
-    : tree_(tree), columns_(list_columns(tree.get_nominal())), request_(list_needs(columns_)) {}
+SampleEvaluator::SampleEvaluator(const ScenarioTree& tree, ChosenOutputs chosen)
+    : tree_(tree),
+      chosen_(std::move(chosen)),
+      own_columns_(list_columns(tree.get_nominal())),
+      columns_(list_columns(tree.get_nominal(), chosen_)),
+      request_(list_needs(own_columns_)) {}
 
 std::optional<std::size_t> SampleEvaluator::find(const std::string& column) const {
   for (std::size_t i = 0; i < columns_.size(); ++i)
@@ -25,14 +47,15 @@ std::optional<std::size_t> SampleEvaluator::find(const std::string& column) cons
   return std::nullopt;
 }
 
-// Collects the results. Settings may disable events (enabled: false): then columns are found by their names.
+// Collects the results of every run, without the chosen outputs. Settings may disable events (enabled: false): then
+// columns are found by their names.
 std::vector<double> SampleEvaluator::collect(const Scenario& scenario, const RunAnalysis& analysis) const {
   const std::vector<ResultColumn> own = list_columns(scenario);
   std::vector<double> values = collect_results(own, scenario, analysis);
-  if (own == columns_) return values;
-  std::vector<double> by_name(columns_.size(), kNothing);
+  if (own == own_columns_) return values;
+  std::vector<double> by_name(own_columns_.size(), kNothing);
   for (std::size_t i = 0; i < own.size(); ++i)
-    if (const auto column = find(own[i].name)) by_name[*column] = values[i];
+    if (const auto column = find(own[i].name); column && *column < by_name.size()) by_name[*column] = values[i];
   return by_name;
 }
 
@@ -45,8 +68,10 @@ class SampleEvaluator::Flight {
       scenario_.emplace(evaluator.tree_.read(settings));
       simulation_ = build_simulation(*scenario_);
       if (run.judges) analysis_.emplace(*scenario_, *simulation_, evaluator.request_);
+      if (run.judges && !evaluator.chosen_.is_empty()) chosen_.emplace(evaluator.chosen_, *scenario_, *simulation_);
       const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario_->until, scenario_->dt);
       flight_.emplace(*simulation_, analysis_ ? &*analysis_ : nullptr, nullptr, last, [this](const StepReport& report) {
+        if (chosen_) chosen_->look();
         if (run_.look) run_.look(*scenario_, *simulation_, report);
       });
     });
@@ -83,8 +108,10 @@ class SampleEvaluator::Flight {
       result_.ticks = end.tick;
       result_.hash = end.hash;
       result_.model_hash = simulation_->get_model_hash();
-      result_.values = analysis_ ? evaluator_.collect(*scenario_, *analysis_)
-                                 : std::vector<double>(evaluator_.columns_.size(), kNothing);
+      if (analysis_) result_.values = evaluator_.collect(*scenario_, *analysis_);
+      if (chosen_)
+        std::ranges::copy(chosen_->finish(end.status == RunStatus::kDone), std::back_inserter(result_.values));
+      result_.values.resize(evaluator_.columns_.size(), kNothing);
     });
     return std::move(result_);
   }
@@ -106,6 +133,7 @@ class SampleEvaluator::Flight {
   std::optional<Scenario> scenario_;
   std::unique_ptr<Simulation> simulation_;
   std::optional<RunAnalysis> analysis_;
+  std::optional<OutputTracker> chosen_;
   std::optional<FastRun> flight_;
   SampleResult result_;
 };
@@ -156,7 +184,9 @@ std::vector<SampleResult> SampleEvaluator::evaluate(std::span<const SampleTask> 
   std::vector<Flight*> going;
   for (const auto& flight : flights)
     if (flight->goes_on()) going.push_back(flight.get());
-  if (std::optional<Bundle> bundle = build_bundle(going))
+  std::optional<Bundle> bundle;
+  if (!has_element(chosen_, tree_.get_nominal())) bundle = build_bundle(going);
+  if (bundle)
     fly_together(*bundle, going, stop);
   else
     for (Flight* flight : going) fly_alone(*flight, stop);

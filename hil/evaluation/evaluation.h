@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/evaluation/chosen_outputs.h"
 #include "hil/evaluation/results.h"
 #include "hil/language/setting.h"
 #include "hil/messages/messages.h"
@@ -61,10 +62,11 @@ struct SampleTask {
 
 class SampleEvaluator {
  public:
-  // Keeps a reference to the tree.
-  explicit SampleEvaluator(const ScenarioTree& tree);
+  // Keeps a reference to the tree. `chosen`: outputs that are columns too, the last ones.
+  explicit SampleEvaluator(const ScenarioTree& tree, ChosenOutputs chosen = {});
 
   const ScenarioTree& tree() const { return tree_; }
+  const ChosenOutputs& chosen() const { return chosen_; }
   const std::vector<ResultColumn>& columns() const { return columns_; }
   std::optional<std::size_t> find(const std::string& column) const;
 
@@ -85,7 +87,9 @@ class SampleEvaluator {
   std::vector<double> collect(const Scenario& scenario, const RunAnalysis& analysis) const;
 
   const ScenarioTree& tree_;
-  const std::vector<ResultColumn> columns_;
+  const ChosenOutputs chosen_;
+  const std::vector<ResultColumn> own_columns_;  // of every run
+  const std::vector<ResultColumn> columns_;      // and the chosen ones
   const AnalysisRequest request_;
 };
 

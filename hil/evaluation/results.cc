@@ -95,6 +95,9 @@ struct Results {
         return analysis.get_peak(column.index, column.part).value;
       case Kind::kContact:
         return kContactValues[column.part].get(contacts[column.index]);
+      case Kind::kOutput:
+      case Kind::kCurve:
+        break;  // of an OutputTracker
     }
     return kNone;
   }

@@ -18,6 +18,7 @@
 //   contact.NAME.impulse        N s, of the normal force
 //   contact.NAME.dissipated     J
 //   contact.NAME.duration       s, time closed
+//   output.…, curve.…           outputs that a campaign chooses (chosen_outputs.h)
 // clang-format on
 //
 // NaN: the run has no such value, such as the time of an event that did not occur.
@@ -43,12 +44,15 @@ struct ResultColumn {
     kTipOff,
     kSeparation,
     kPeak,
-    kContact
+    kContact,
+    kOutput,
+    kCurve
   };
   Kind kind = Kind::kRequirement;
   std::string name, unit;  // SI
-  std::size_t index = 0;   // index of the requirement, event, clearance, joint or contact
-  std::size_t part = 0;  // separation: 0 along, 1 across, 2 rate; peak: the row; contact: the value, in the order above
+  std::size_t index = 0;   // index of the requirement, event, clearance, joint, contact, chosen value or curve
+  // Separation: 0 along, 1 across, 2 rate; peak: the row; contact: the value, in the order above; curve: the point.
+  std::size_t part = 0;
   bool operator==(const ResultColumn&) const = default;
 };
 

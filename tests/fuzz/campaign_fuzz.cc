@@ -48,6 +48,22 @@ void fly_a_little(const hil::Campaign& campaign, const std::vector<double>& inpu
   }
 }
 
+// Outputs of the first steps: a number for each column.
+void observe_a_little(const hil::Campaign& campaign, const std::vector<double>& inputs) {
+  if (campaign.chosen.is_empty()) return;
+  fuzz::require(campaign.chosen.count() <= hil::kMostChosen, "more columns than a table may have");
+  try {
+    const hil::Scenario scenario = campaign.tree->read(hil::make_settings(campaign, inputs));
+    const auto simulation = hil::build_simulation(scenario);
+    hil::OutputTracker tracker(campaign.chosen, scenario, *simulation);
+    tracker.look();
+    for (int i = 0; i < 3 && simulation->step().status == StepStatus::kOk; ++i) tracker.look();
+    fuzz::require(tracker.finish(true).size() == list_columns(campaign.chosen).size(), "another number of columns");
+  } catch (const hil::ScenarioError& error) {
+    fuzz::require(!error.mistakes.empty(), "a refusal without a mistake");
+  }
+}
+
 void draw_some(const hil::Campaign& campaign) {
   const std::int64_t count = campaign.failure ? campaign.failure->samples : campaign.plan.samples;
   for (const std::int64_t sample : {std::int64_t{0}, count / 2, count - 1}) {
@@ -56,7 +72,10 @@ void draw_some(const hil::Campaign& campaign) {
     fuzz::require(std::all_of(inputs.begin(), inputs.end(), [](double x) { return std::isfinite(x); }),
                   "an input that is not finite");
     fuzz::require(inputs == hil::draw_inputs(campaign, sample), "a sample that is another one the second time");
-    if (sample == count / 2) fly_a_little(campaign, inputs);
+    if (sample == count / 2) {
+      fly_a_little(campaign, inputs);
+      observe_a_little(campaign, inputs);
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "hil/campaign/campaign.h"
+#include "hil/campaign/sample_record.h"
 #include "hil/sampling/normal.h"
 #include "tests/hil/scenario_support.h"
 
@@ -168,6 +169,145 @@ TEST_F(CampaignFileTest, ValuesThatClashTogetherAreAMistake) {
   for (const char* k : {"0", "1", "2"})
     text += std::string("  i") + k + ": {path: 'bodies.core.inertia[" + k + "]', uniform: {min: 12, max: 26}}\n";
   EXPECT_THAT(load_errors(text), HasSubstr("together"));  // 12 + 12 < 26 at a corner: the triangle's inequality
+}
+
+// The first and the last value, and so the median, are valid.
+TEST_F(CampaignFileTest, EveryDiscreteValueIsTriedWithItsWeight) {
+  const std::string errors = load_errors(
+      "samples: 40\nparameters:\n  m: {path: bodies.core.mass, discrete: {values: [1 kg, -5 kg, 2 kg, 3 kg], weights: "
+      "[3, 1, 4, 2]}}\n");
+  EXPECT_THAT(errors, HasSubstr("'m' becomes unusable with a probability of 0.1"));
+  EXPECT_THAT(errors, HasSubstr("leave out what makes no valid scenario: -5"));
+  EXPECT_EQ(load_errors("samples: 40\nparameters:\n  m: {path: bodies.core.mass, discrete: {values: [1 kg, -5 kg, 2 "
+                        "kg], weights: [3, 0, 4]}}\n"),
+            "");  // never drawn
+  const std::string words = load_errors(
+      "samples: 9\nparameters:\n  mode: {path: joints.nose.mode, discrete: {values: [hinge, free, shut]}}\n");
+  EXPECT_THAT(words, HasSubstr("probability of 0.333"));
+  EXPECT_THAT(words, HasSubstr("shut"));
+}
+
+TEST_F(CampaignFileTest, ACorrelatedDiscreteValueIsTriedToo) {
+  EXPECT_THAT(
+      load_errors("samples: 40\nparameters:\n  b: {path: bodies.booster.mass, uniform: {min: 4000, max: 5000}}\n"
+                  "  m: {path: bodies.core.mass, discrete: {values: [1 kg, 2 kg, -5 kg], weights: [45, 45, "
+                  "10]}}\ncorrelations:\n  - {between: [b, m], rho: 0.99}\n"),
+      HasSubstr("probability of 0.1"));
+}
+
+TEST_F(CampaignFileTest, ValuesThatClashInsideAreAMistakeWithAnEstimatedProbability) {
+  std::string text = "samples: 10\nparameters:\n";
+  for (const char* k : {"0", "1", "2"})
+    text += std::string("  i") + k + ": {path: 'bodies.core.inertia[" + k + "]', uniform: {min: 12, max: 26}}\n";
+  const std::string errors = load_errors(text);
+  // P(a + b < c) is 3 times the volume (2/14)^3 / 6: 0.0015, of which 400 draws hardly see one.
+  EXPECT_THAT(errors, testing::ContainsRegex("with a probability (below|of some) 0.00[0-9]+ "));
+  EXPECT_THAT(errors, HasSubstr("of 400 draws)"));
+  const std::string often = load_errors(
+      "samples: 10\nparameters:\n  a: {path: 'bodies.core.inertia[0]', uniform: {min: 6, max: 14}}\n"
+      "  b: {path: 'bodies.core.inertia[1]', uniform: {min: 16, max: 24}}\n");  // a + b < 25: 4.5 / 64
+  EXPECT_THAT(often, HasSubstr("make no valid scenario, with a probability of some 0.0"));
+}
+
+TEST_F(CampaignFileTest, APairIsCorrelatedOnce) {
+  const std::string parameters =
+      "samples: 10\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n"
+      "  v: {path: bodies.booster.mass, uniform: {min: 4000, max: 5000}}\ncorrelations:\n"
+      "  - {between: [m, v], rho: 0.9}\n";
+  EXPECT_EQ(load_errors(parameters), "");
+  EXPECT_THAT(load_errors(parameters + "  - {between: [v, m], rho: -0.9}\n"),
+              HasSubstr("the correlation of 'v' and 'm' is given twice"));
+}
+
+TEST_F(CampaignFileTest, LevelsOfAParameterAreAWholeNumberFromTwo) {
+  for (const char* levels : {"2.5", "1", "1e300", "-3", "0"})
+    EXPECT_THAT(load_errors("sampling: grid\nparameters:\n  m: {path: bodies.core.mass, levels: " +
+                            std::string(levels) + ", uniform: {min: 90, max: 110}}\n"),
+                HasSubstr("this number of levels is not usable"))
+        << levels;
+}
+
+TEST_F(CampaignFileTest, SamplesOfSobolThatAreNoPowerOfTwoAreANote) {
+  if (!hil::has_sobol()) GTEST_SKIP() << "built without Boost";
+  const std::string rest =
+      "sampling: sobol\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n";
+  EXPECT_THAT(load("samples: 100\n" + rest).remarks, ElementsAre(HasSubstr("64 or 128, not 100")));
+  EXPECT_THAT(load("samples: 128\n" + rest).remarks, ElementsAre());
+}
+
+TEST_F(CampaignFileTest, ATableMayBeLargerThanAScenario) {
+  const std::string rest = "sampling: csv\ntable: big.csv\nsamples: 2\nparameters:\n  m: {path: bodies.core.mass}\n";
+  {
+    std::ofstream file(folder_ / "big.csv");
+    file << "m,comment\n101,0\n102,0\n";
+    for (int i = 0; i < 150; ++i) file << "103," << std::string(10'000, '0') << "\n";  // 1.5 MB
+  }
+  EXPECT_EQ(load_errors(rest), "");
+  fs::resize_file(folder_ / "big.csv", (std::uintmax_t{256} << 20) + 1);  // sparse
+  EXPECT_THAT(load_errors(rest), HasSubstr("a table has at most 256 MiB"));
+}
+
+TEST_F(CampaignFileTest, OutputsAndCurvesBecomeColumns) {
+  const Campaign campaign = load(
+      "samples: 3\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n"
+      "outputs:\n  - {of: core.velocity}\n  - {of: [core.vx, \"sensor.gyro\"], take: max}\n"
+      "curves:\n  - {of: nose.angle.y, every: 250 ms}\n  - {of: core.x, every: 0.5}\n");
+  std::vector<std::string> names;
+  for (const hil::ResultColumn& column : list_columns(campaign.chosen))
+    names.push_back(column.name + (column.unit.empty() ? "" : " " + column.unit));
+  EXPECT_THAT(names,
+              ElementsAre("output.core.vx.final m/s", "output.core.vy.final m/s", "output.core.vz.final m/s",
+                          "output.core.vx.max m/s", "output.sensor.gyro.x.max rad/s", "output.sensor.gyro.y.max rad/s",
+                          "output.sensor.gyro.z.max rad/s", "curve.nose.angle.y@0 rad", "curve.nose.angle.y@0.25 rad",
+                          "curve.nose.angle.y@0.5 rad", "curve.nose.angle.y@0.75 rad", "curve.nose.angle.y@1 rad",
+                          "curve.core.x@0 m", "curve.core.x@0.5 m", "curve.core.x@1 m"));
+  EXPECT_EQ(campaign.chosen.count(), names.size());
+}
+
+TEST_F(CampaignFileTest, MistakesOfOutputsAndCurvesAreTold) {
+  const std::string parameters =
+      "samples: 3\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n";
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {"outputs: [{of: core.vq}]", "no output 'core.vq'"},
+           {"outputs: [{of: core.vq}]", "did you mean 'core.vx'"},
+           {"outputs: [{of: core.velocty}]", "did you mean 'core.velocity'"},
+           {"outputs: [{of: \"boster.*\"}]", "no output 'boster.*'"},
+           {"outputs: [{of: core.vx, take: mean}]", "unknown way to take an output 'mean'"},
+           {"outputs: [{of: [core.vx, core.velocity]}]", "'core.vx' is chosen twice"},
+           {"outputs: [{of: []}]", "no outputs are named"},
+           {"outputs: [{take: max}]", "of"},
+           {"outputs: core.vx", "outputs is not a list"},
+           {"curves: {of: core.vx, every: 1 s}", "curves is not a list"},
+           {"curves: [{of: core.vx}]", "every"},
+           {"curves: [{of: core.vx, every: 1.5 ms}]", "not a whole number of steps of 0.001 s"},
+           {"curves: [{of: core.vx, every: 0 s}]", "not a whole number of steps"},
+           {"curves: [{of: core.vx, every: -1 s}]", "not a whole number of steps"},
+           {"curves: [{of: core.vx, every: 1e300}]", "not a whole number of steps"},
+           {"curves: [{of: core.vx, every: 2 s}]", "the run is shorter: it ends at 1 s"},
+           {"curves: [{of: core.vx, every: 1 m}]", "is a length"},
+           {"curves: [{of: core.vx, every: 1 s}, {of: core.velocity, every: 0.5 s}]", "'core.vx' has two curves"},
+           {"curves: [{of: \"*\", every: 1 ms}]", "columns; at most 4096 fit into a table"}})
+    EXPECT_THAT(load_errors(parameters + text + "\n"), HasSubstr(message)) << text;
+}
+
+TEST_F(CampaignFileTest, ARareFailureMayBeOfAnOutput) {
+  const Campaign campaign = load(
+      "sampling: subset\nsamples: 500\nsubset: {of: output.core.vx.max, above: 2 km/s}\noutputs: [{of: core.vx, take: "
+      "max}]\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90 kg, max: 110 kg}}\n");
+  ASSERT_TRUE(campaign.failure);
+  EXPECT_EQ(campaign.failure->limit, 2000);
+  EXPECT_EQ(campaign.failure->column_index, list_columns(campaign.tree->get_nominal()).size());
+}
+
+// Versions and physics are told apart, although all texts are the same: their records must not be mixed.
+TEST_F(CampaignFileTest, ResultsOfAnotherVersionOrPhysicsHaveAnotherShape) {
+  const Campaign campaign =
+      load("samples: 3\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n");
+  const hil::SampleEvaluator evaluator(*campaign.tree);
+  EXPECT_EQ(get_shape(campaign, evaluator), get_shape(campaign, evaluator));
+  EXPECT_NE(get_shape(campaign, evaluator), get_shape(campaign, evaluator, "unlatch 0.0.1"));
+  const hil::ScenarioTree other(campaign.scenario, {"elements.engine.profile=6 kN"});
+  EXPECT_NE(get_shape(campaign, evaluator), get_shape(campaign, hil::SampleEvaluator(other)));
 }
 
 TEST_F(CampaignFileTest, AUnitOfAnotherKindIsAMistake) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "hil/campaign/campaign.h"
+#include "hil/outputs/run_outputs.h"
 #include "hil/run/run.h"
 #include "tests/hil/scenario_support.h"
 
@@ -99,11 +100,106 @@ TEST(SampleEvaluator, GivesTheValuesOfAnAnalysisOfEverythingInEveryShippedCampai
   }
 }
 
+// Every output of the scenario: as a curve, at the end, and its extremes.
+hil::ChosenOutputs choose_all(const hil::Scenario& scenario, int steps, std::size_t points, bool with_elements = true) {
+  hil::ChosenOutputs chosen;
+  hil::ChosenCurves curves{{}, steps * scenario.dt, points};
+  for (const hil::Output& output : list_outputs(scenario)) {
+    if (!with_elements && output.kind >= hil::Output::Kind::kElementForce &&
+        output.kind <= hil::Output::Kind::kElementScale)
+      continue;
+    for (const hil::Output::Column& column : output.columns) {
+      curves.curves.push_back({column.name, column.unit});
+      for (const auto take :
+           {hil::ChosenOutput::Take::kFinal, hil::ChosenOutput::Take::kMin, hil::ChosenOutput::Take::kMax})
+        chosen.values.push_back({column.name, column.unit, take});
+    }
+  }
+  chosen.curves.push_back(std::move(curves));
+  return chosen;
+}
+
+TEST(SampleEvaluator, GivesChosenOutputsAsTheRunWritesThemDown) {
+  constexpr int kSteps = 100;
+  constexpr std::size_t kPoints = 12;
+  const ScenarioTree tree(kBoosters);
+  const SampleEvaluator evaluator(tree, choose_all(tree.get_nominal(), kSteps, kPoints));
+  const std::vector<Setting> settings = vary(2);
+  const hil::Scenario scenario = tree.read(settings);
+  const auto simulation = hil::build_simulation(scenario);
+  std::vector<std::int64_t> every_tick;
+  const std::int64_t last = hil::calc_nearest_tick(scenario.until, scenario.dt);
+  for (std::int64_t tick = 0; tick <= last; ++tick) every_tick.push_back(tick);
+  hil::RunOutputs written(scenario, *simulation, every_tick, {});
+  hil::RunAnalysis analysis(scenario, *simulation);
+  const std::atomic<bool> stop{false};
+  hil::run_fast(*simulation, analysis, nullptr, last, stop, [&] { written.look(); });
+  const auto& samples = written.get_samples();
+  ASSERT_EQ(samples.size(), static_cast<std::size_t>(last) + 1);
+
+  const SampleResult result = evaluator.evaluate(settings);
+  ASSERT_EQ(result.values.size(), evaluator.columns().size());
+  const auto get = [&](const std::string& name) {
+    const auto column = evaluator.find(name);
+    EXPECT_TRUE(column) << name;
+    return column ? result.values[*column] : 0;
+  };
+  std::size_t at = 0;
+  for (const hil::Output& output : written.reader().list())
+    for (const hil::Output::Column& column : output.columns) {
+      double least = samples[0].values[at], greatest = least;
+      for (const auto& sample : samples) {
+        least = std::min(least, sample.values[at]);
+        greatest = std::max(greatest, sample.values[at]);
+      }
+      EXPECT_EQ(get("output." + column.name + ".final"), samples.back().values[at]) << column.name;
+      EXPECT_EQ(get("output." + column.name + ".min"), least) << column.name;
+      EXPECT_EQ(get("output." + column.name + ".max"), greatest) << column.name;
+      EXPECT_EQ(get("curve." + column.name + "@0"), samples[0].values[at]) << column.name;
+      EXPECT_EQ(get("curve." + column.name + "@0.3"), samples[3 * kSteps].values[at]) << column.name;
+      EXPECT_TRUE(std::isnan(get("curve." + column.name + "@1"))) << column.name;  // it ends at 0.9 s
+      ++at;
+    }
+}
+
+TEST(SampleEvaluator, HasNoPointsAfterAFaultAndNoFinalValues) {
+  const ScenarioTree tree = make_tree();
+  hil::ChosenOutputs chosen = choose_all(tree.get_nominal(), 100, 11);
+  const SampleEvaluator evaluator(tree, chosen);
+  // A stiffness that no step resolves: the state overflows.
+  const std::vector<Setting> settings{make_setting("elements.spring.stiffness", 1e12),
+                                      hil::parse_setting("joints.nose.mode=free")};
+  const SampleResult result = evaluator.evaluate(settings);
+  ASSERT_EQ(result.status, SampleStatus::kFaulted) << result.message;
+  const double end = static_cast<double>(result.ticks) * tree.get_nominal().dt;
+  ASSERT_LT(end, 0.9);
+  for (std::size_t i = 0; i < result.values.size(); ++i) {
+    const hil::ResultColumn& column = evaluator.columns()[i];
+    if (column.kind == hil::ResultColumn::Kind::kCurve) {
+      EXPECT_EQ(std::isnan(result.values[i]), 0.1 * static_cast<double>(column.part) > end) << column.name;
+    }
+    if (column.kind == hil::ResultColumn::Kind::kOutput) {
+      EXPECT_EQ(std::isnan(result.values[i]), column.name.ends_with(".final")) << column.name;
+    }
+  }
+}
+
+TEST(SampleEvaluator, KnowsNoOutputThatTheSettingsTakeAway) {
+  const ScenarioTree tree = make_tree();
+  hil::ChosenOutputs chosen;
+  chosen.values = {{"core.x", "m", hil::ChosenOutput::Take::kFinal}, {"gone.x", "m", hil::ChosenOutput::Take::kMax}};
+  const SampleEvaluator evaluator(tree, chosen);
+  const SampleResult result = evaluator.evaluate({});
+  EXPECT_FALSE(std::isnan(result.values[*evaluator.find("output.core.x.final")]));
+  EXPECT_TRUE(std::isnan(result.values[*evaluator.find("output.gone.x.max")]));
+}
+
 // Some end early, one is no valid scenario; the shipped campaigns with loops or flexible bodies run one by one.
 TEST(SampleEvaluator, GivesSamplesSideBySideTheBitsOfEachAlone) {
   for (const char* name : kCampaigns) {
     const hil::Campaign campaign = hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name);
-    const SampleEvaluator evaluator(*campaign.tree);
+    const SampleEvaluator evaluator(
+        *campaign.tree, choose_all(campaign.tree->get_nominal(), 50, 30, std::string(name).starts_with("array")));
     std::vector<hil::SampleTask> tasks;
     for (int i = 0; i < 5; ++i) tasks.push_back({make_settings(campaign, draw_inputs(campaign, i))});
     tasks[1].run.until = 0.7;
@@ -119,7 +215,12 @@ TEST(SampleEvaluator, GivesSamplesSideBySideTheBitsOfEachAlone) {
       EXPECT_EQ(together[i].ticks, alone.ticks) << name << i;
       EXPECT_EQ(together[i].hash, alone.hash) << name << i;
       EXPECT_EQ(together[i].model_hash, alone.model_hash) << name << i;
-      EXPECT_EQ(to_bits(together[i].values), to_bits(alone.values)) << name << i;
+      const std::vector<std::uint64_t> a = to_bits(together[i].values), b = to_bits(alone.values);
+      ASSERT_EQ(a.size(), b.size()) << name << i;
+      for (std::size_t k = 0; k < a.size(); ++k) {
+        EXPECT_EQ(a[k], b[k]) << name << i << " " << evaluator.columns()[k].name << ": " << together[i].values[k]
+                              << " instead of " << alone.values[k];
+      }
     }
   }
 }

@@ -128,6 +128,85 @@ class CampaignTest(ProcessTest):
         self.assertEqual(done.returncode, 2)
         self.assertIn("another campaign", done.stderr)
 
+    CURVED = ("samples: 40\nparameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 1 m/s}}\n"
+              "outputs: [{of: ball.velocity}, {of: ball.vx, take: max}]\ncurves: [{of: [ball.vx, base.vx], every: 20 ms}]\n")
+
+    def test_outputs_and_curves_are_columns_of_the_same_table(self):
+        path = self.write(self.CURVED)
+        summary = self.run_campaign(path, "whole", "--jobs", "3")
+        table = read_table(self.folder / "whole")
+        for row in table:
+            start, step = float(row["v [m/s]"]), 0.02 * -9.81
+            for k, name in enumerate(("0", "0.02", "0.04")):
+                self.assertAlmostEqual(float(row[f"curve.ball.vx@{name} [m/s]"]), start + k * step, delta=1e-12)
+            self.assertAlmostEqual(float(row["output.ball.vx.final [m/s]"]), start + 2.5 * step, delta=1e-12)
+            self.assertEqual(row["output.ball.vx.max [m/s]"], row["curve.ball.vx@0 [m/s]"])
+            self.assertEqual(row["output.ball.vy.final [m/s]"], "0")
+        self.assertNotIn("curve.ball.vx@0.06 [m/s]", table[0])
+        # Parts and resumption give the same table and hash.
+        self.run_campaign(path, "late", "--samples", "15:40", code=0)
+        self.run_campaign(path, "early", "--samples", "0:10")
+        self.run_campaign(path, "early", "--samples", "0:20", "--resume")
+        merged = json.loads(self.run_ok(UNLATCH, "campaign", "merge", self.folder / "late", self.folder / "early", "--out",
+                                        self.folder / "merged", "--json", "-").stdout)
+        self.assertEqual(merged["hash"], summary["hash"])
+        for name in ("samples.csv", "samples.parquet"):
+            if (self.folder / "whole" / name).exists():  # without Node.js there is no Parquet
+                self.assertEqual((self.folder / "whole" / name).read_bytes(), (self.folder / "merged" / name).read_bytes())
+        manifest = json.loads((self.folder / "whole/manifest.json").read_text())
+        kinds = [column["kind"] for column in manifest["columns"]]
+        self.assertEqual((kinds.count("output"), kinds.count("curve")), (4, 6))
+        # Bands of the curve, from the table.
+        curve = summary["curves"][0]
+        self.assertEqual((curve["name"], curve["unit"], curve["times"]), ("ball.vx", "m/s", [0, 0.02, 0.04]))
+        column = sorted(float(row["curve.ball.vx@0.04 [m/s]"]) for row in table)
+        self.assertEqual((curve["count"][2], curve["min"][2], curve["max"][2]), (40, column[0], column[-1]))
+        self.assertAlmostEqual(curve["0.5"][2], statistics.median(column), delta=1e-12)
+        self.assertAlmostEqual(curve["0.05"][2], column[1] + 0.95 * (column[2] - column[1]), delta=1e-12)  # 0.05 * 39 = 1.95
+        self.assertEqual(len(summary["columns"]), len(manifest["columns"]) - 6)
+        # Another choice is another campaign.
+        path.write_text(path.read_text().replace("every: 20 ms", "every: 10 ms"))
+        self.assertEqual(call(UNLATCH, "campaign", path, "--out", self.folder / "early", "--resume").returncode, 2)
+        self.assertIn("outputs and curves: 16 columns", self.run_ok(UNLATCH, "check", path).stdout)
+
+    def test_the_page_shows_curves_as_bands(self):
+        self.run_campaign(self.write(self.CURVED), "out")
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "out", "--out", page)
+        browser = Browser()
+        try:
+            browser.open(page)
+            ask = browser.evaluate
+            self.assertEqual(ask("document.getElementById('curves').hidden"), False)
+            self.assertEqual(ask("document.querySelectorAll('#curve option').length"), 2)
+            self.assertEqual(ask("document.querySelectorAll('#bands .band').length"), 2)
+            self.assertEqual(ask("document.querySelector('#bands .median').getAttribute('points').split(' ').length"), 3)
+            self.assertEqual(ask("[...document.querySelectorAll('#quantity option')].filter((o) => o.textContent.startsWith('curve.')).length"), 0)
+            self.assertEqual(ask("[...document.querySelectorAll('#quantity option')].filter((o) => o.textContent.startsWith('output.')).length"), 4)
+            self.assertEqual(ask("[...document.querySelectorAll('#quantity option')].at(-1).textContent"), "v [m/s]")
+            self.assertEqual(browser.complaints, [])
+        finally:
+            browser.close()
+
+    def test_parts_that_lack_samples_are_incomplete(self):
+        path = self.write("samples: 6\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n")
+        self.run_campaign(path, "some", "--samples", "0:2")
+        done = call(UNLATCH, "campaign", "merge", self.folder / "some", "--out", self.folder / "merged")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("incomplete: 2 of 6 samples", done.stderr)
+        self.run_campaign(path, "rest", "--samples", "2:6")
+        self.run_ok(UNLATCH, "campaign", "merge", self.folder / "some", self.folder / "rest", "--out", self.folder / "all")
+
+    def test_designs_with_a_missing_value_use_their_other_blocks(self):
+        parameters = ("parameters:\n  m: {path: bodies.ball.mass, normal: {mean: 2, sigma: 5 %}}\n"
+                      "  v: {path: 'bodies.ball.velocity[1]', uniform: {min: 0.1 m/s, max: 1 m/s}}\n")
+        for sampling, samples, size in (("morris", 60, 3), ("saltelli", 80, 4)):
+            path = self.write(f"sampling: {sampling}\nsamples: {samples}\n" + parameters, f"{sampling}.yaml")
+            summary = self.run_campaign(path, sampling, "--samples", f"0:{samples - 1}")  # the last block lacks a sample
+            fast = next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]
+            self.assertEqual(fast["blocks"], {"used": samples // size - 1, "left_out": 1})
+            self.assertEqual(len(fast["morris" if sampling == "morris" else "sobol"]), 2)
+
     def test_failures_are_counted_with_their_bounds(self):
         import openturns
         path = self.write("samples: 400\nparameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n")
@@ -294,7 +373,8 @@ class CampaignTest(ProcessTest):
         done = call("bash", "-c", limited)
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertIn("results.bin", done.stderr)
-        merged = self.run_ok(UNLATCH, "campaign", "merge", self.folder / "full", "--out", self.folder / "read", "--json", "-")
+        merged = self.run_ok(UNLATCH, "campaign", "merge", self.folder / "full", "--out", self.folder / "read", "--json", "-", code=1)
+        self.assertIn("incomplete: ", merged.stderr)
         self.assertGreater(json.loads(merged.stdout)["samples"], 10)
 
     def test_the_page_shows_the_campaign_in_a_browser_without_a_network(self):

@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
   if (others[0] != ready) return MPI_Finalize();
 
   const hil::Campaign campaign = hil::load_campaign(argv[2]);
-  const hil::SampleEvaluator evaluator(*campaign.tree);
+  const hil::SampleEvaluator evaluator(*campaign.tree, campaign.chosen);
   const hil::ResultShape shape = get_shape(campaign, evaluator);
   struct {
     std::uint64_t fingerprint, program;

@@ -39,6 +39,8 @@ parameters:
   g: {path: "bodies.block.velocity[2]", empirical: {file: t.csv, column: v}}
 correlations:
   - {between: [a, b], rho: 0.3}
+outputs: [{of: [block.position, block.vx], take: max}]
+curves: [{of: block.velocity, every: 50 ms}]
 """
 PROBLEM = """unlatch_synthesis: 1
 name: all

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "hil/language/setting.h"
+#include "hil/recording/log_format.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/common/unfinished_file.h"
@@ -21,15 +22,31 @@ namespace fs = std::filesystem;
 using Kind = hil::ResultColumn::Kind;
 
 const char* get_kind_name(Kind kind) {
-  static const char* const kNames[] = {"requirement", "margin",  "event",      "clearance", "clearance_time",
-                                       "released",    "tip_off", "separation", "peak",      "contact"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kContact) + 1);
+  static const char* const kNames[] = {"requirement", "margin",     "event", "clearance", "clearance_time", "released",
+                                       "tip_off",     "separation", "peak",  "contact",   "output",         "curve"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kCurve) + 1);
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 Json to_limit(double limit) { return std::isfinite(limit) ? Json(limit) : Json(nullptr); }
 
 std::string to_cell(double value) { return std::isnan(value) ? "" : hil::to_text(value); }
+
+// Curves with their times and the first of their columns, which are the last ones.
+Json write_curves(const hil::SampleEvaluator& evaluator) {
+  const hil::ChosenOutputs& chosen = evaluator.chosen();
+  std::size_t first = evaluator.columns().size() - chosen.count() + chosen.values.size();
+  Json curves = Json::array();
+  for (const hil::ChosenCurves& group : chosen.curves) {
+    Json times = Json::array();
+    for (std::size_t point = 0; point < group.points; ++point) times.push_back(group.get_time(point));
+    for (const hil::ChosenCurves::Curve& curve : group.curves) {
+      curves.push_back({{"name", curve.name}, {"unit", curve.unit}, {"first_column", first}, {"times", times}});
+      first += group.points;
+    }
+  }
+  return curves;
+}
 
 Json write_failure(const hil::RareFailure& failure) {
   return {{"column", failure.column}, {"unit", failure.unit},     {"column_index", failure.column_index},
@@ -65,6 +82,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                    {"campaign", campaign.name},
                    {"title", campaign.title},
                    {"program", "unlatch " UNLATCH_VERSION},
+                   {"compiler", hil::get_compiler()},
                    {"fingerprint", to_hex(get_shape(campaign, evaluator).fingerprint)},
                    {"samples", campaign.plan.samples},
                    {"seed", campaign.plan.seed},
@@ -90,6 +108,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                                       {"axes", parameter.distribution.get_dimensions()}});
   for (const hil::ResultColumn& column : evaluator.columns())
     manifest["columns"].push_back({{"name", column.name}, {"unit", column.unit}, {"kind", get_kind_name(column.kind)}});
+  if (!evaluator.chosen().curves.empty()) manifest["curves"] = write_curves(evaluator);
   for (const hil::Requirement& requirement : scenario.requirements)
     manifest["requirements"].push_back({{"id", requirement.id},
                                         {"text", requirement.text},
@@ -209,6 +228,11 @@ std::size_t CampaignData::find_column(const std::string& name) const {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i].at("name") == name) return i;
   throw std::out_of_range("no column " + name);
+}
+
+std::size_t CampaignData::count_plain_columns() const {
+  if (manifest.contains("curves")) return manifest.at("curves").at(0).at("first_column").get<std::size_t>();
+  return manifest.at("columns").size();
 }
 
 void write_csv(const CampaignData& data, const std::string& path) {

@@ -36,6 +36,8 @@ struct CampaignData {
   [[nodiscard]] std::vector<double> get_input(std::size_t input) const;
   [[nodiscard]] std::vector<double> get_column(std::size_t column) const;
   [[nodiscard]] std::size_t find_column(const std::string& name) const;  // throws std::out_of_range
+  // Columns before the points of curves, which are the last ones.
+  [[nodiscard]] std::size_t count_plain_columns() const;
 };
 
 // Throws hil::ResultError: no such folder, or not a campaign's.

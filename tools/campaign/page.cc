@@ -40,7 +40,7 @@ std::string build_campaign_page(const CampaignData& data, const Json& summary, c
   for (const std::size_t i : places) document["samples"].push_back(data.records[i].sample);
   for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k)
     document["inputs"].push_back(pick(data.get_input(k), places));
-  for (std::size_t k = 0; k < data.manifest.at("columns").size(); ++k)
+  for (std::size_t k = 0; k < data.count_plain_columns(); ++k)
     document["columns"].push_back(pick(data.get_column(k), places));
   return build_page(UNLATCH_EMBEDDED(unlatch_campaign_page), document);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "hil/language/setting.h"
@@ -161,17 +162,33 @@ Json list_orders(const CampaignData& data) {
   return json;
 }
 
-// Complete blocks of a design: one number of each sample of a block, for all blocks. Empty if one is
-// missing.
-std::vector<std::vector<double>> get_blocks(const CampaignData& data, const std::vector<double>& values,
-                                            std::size_t block) {
-  std::vector<std::vector<double>> blocks(block);
-  if (data.records.size() % block != 0) return {};
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (data.records[i].sample != static_cast<std::int64_t>(i) || std::isnan(values[i])) return {};
-    blocks[i % block].push_back(values[i]);
+// Blocks of a design in which every sample has a value.
+struct Blocks {
+  std::vector<std::vector<double>> values;  // [place in the block][block]
+  std::vector<std::int64_t> numbers;        // of these blocks
+  std::int64_t left_out = 0;                // blocks in which one is missing
+};
+
+Blocks get_blocks(const CampaignData& data, const std::vector<double>& values, std::size_t size) {
+  const auto samples = static_cast<std::int64_t>(size);
+  Blocks blocks;
+  blocks.values.resize(size);
+  const std::int64_t planned = data.manifest.at("samples").get<std::int64_t>() / samples;
+  for (std::size_t i = 0; i < values.size();) {
+    const std::int64_t number = data.records[i].sample / samples;
+    std::vector<double> found(size, std::numeric_limits<double>::quiet_NaN());
+    for (; i < values.size() && data.records[i].sample / samples == number; ++i)
+      found[static_cast<std::size_t>(data.records[i].sample % samples)] = values[i];
+    if (std::ranges::any_of(found, [](double x) { return std::isnan(x); })) continue;
+    blocks.numbers.push_back(number);
+    for (std::size_t k = 0; k < size; ++k) blocks.values[k].push_back(found[k]);
   }
+  blocks.left_out = planned - static_cast<std::int64_t>(blocks.numbers.size());
   return blocks;
+}
+
+void describe_blocks(const Blocks& blocks, Json& to) {
+  to["blocks"] = {{"used", blocks.numbers.size()}, {"left_out", blocks.left_out}};
 }
 
 Json describe_sensitivity(const CampaignData& data, const std::vector<std::vector<double>>& inputs,
@@ -191,14 +208,15 @@ Json describe_sensitivity(const CampaignData& data, const std::vector<std::vecto
   }
   const std::uint64_t seed = data.manifest.at("seed");
   if (sampling == "morris") {
-    const auto blocks = get_blocks(data, values, axes + 1);
-    if (blocks.empty()) return json;
+    const Blocks blocks = get_blocks(data, values, axes + 1);
+    describe_blocks(blocks, json);
+    if (blocks.numbers.empty()) return json;
     const hil::SamplingPlan plan{hil::Sampling::kMorris, seed, data.manifest.at("samples"), axes, {}};
     std::vector<std::vector<double>> effects(axes);
-    for (std::size_t row = 0; row < blocks[0].size(); ++row)
+    for (std::size_t i = 0; i < blocks.numbers.size(); ++i)
       for (std::size_t k = 1; k <= axes; ++k) {
-        const hil::MorrisStep step = hil::get_morris_step(plan, static_cast<std::int64_t>(row), k);
-        effects[step.axis].push_back(step.sign * (blocks[k][row] - blocks[k - 1][row]) / hil::kMorrisStep);
+        const hil::MorrisStep step = hil::get_morris_step(plan, blocks.numbers[i], k);
+        effects[step.axis].push_back(step.sign * (blocks.values[k][i] - blocks.values[k - 1][i]) / hil::kMorrisStep);
       }
     for (std::size_t axis = 0; axis < axes; ++axis) {
       const hil::MorrisEffect effect = hil::calc_morris(effects[axis]);
@@ -209,10 +227,12 @@ Json describe_sensitivity(const CampaignData& data, const std::vector<std::vecto
     }
   }
   if (sampling == "saltelli") {
-    const auto blocks = get_blocks(data, values, axes + 2);
-    if (blocks.empty()) return json;
+    const Blocks blocks = get_blocks(data, values, axes + 2);
+    describe_blocks(blocks, json);
+    if (blocks.numbers.empty()) return json;
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      const hil::SobolIndex index = hil::calc_sobol_index(blocks[0], blocks[1], blocks[axis + 2], seed);
+      const hil::SobolIndex index =
+          hil::calc_sobol_index(blocks.values[0], blocks.values[1], blocks.values[axis + 2], seed);
       json["sobol"].push_back(
           {{"parameter", names[axis]},
            {"first", to_json(index.first)},
@@ -220,6 +240,20 @@ Json describe_sensitivity(const CampaignData& data, const std::vector<std::vecto
            {"total", to_json(index.total)},
            {"total_interval", {to_json(index.total_interval.low), to_json(index.total_interval.high)}}});
     }
+  }
+  return json;
+}
+
+// Bands of a curve over the samples at each of its times: null where no sample has a value.
+Json describe_curve(const CampaignData& data, const Json& curve) {
+  Json json = {{"name", curve.at("name")}, {"unit", curve.at("unit")}, {"times", curve.at("times")}};
+  for (const char* key : {"count", "min", "0.05", "0.5", "0.95", "max"}) json[key] = Json::array();
+  const auto first = curve.at("first_column").get<std::size_t>();
+  for (std::size_t point = 0; point < curve.at("times").size(); ++point) {
+    const std::vector<double> sorted = sort_present(data.get_column(first + point));
+    json["count"].push_back(sorted.size());
+    for (const auto& [key, p] : {std::pair{"min", 0.0}, {"0.05", 0.05}, {"0.5", 0.5}, {"0.95", 0.95}, {"max", 1.0}})
+      json[key].push_back(to_json(hil::calc_quantile(sorted, p)));
   }
   return json;
 }
@@ -296,13 +330,15 @@ Json build_summary(const CampaignData& all) {
     inputs.push_back(data.get_input(k));
     summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], inputs.back()));
   }
-  for (std::size_t k = 0; k < data.manifest.at("columns").size(); ++k) {
+  for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
     const std::vector<double> values = data.get_column(k);
     Json column = describe_column(data.manifest.at("columns")[k], values);
     column["kind"] = data.manifest.at("columns")[k].at("kind");
     column["sensitivity"] = describe_sensitivity(data, inputs, values);
     summary["columns"].push_back(std::move(column));
   }
+  if (data.manifest.contains("curves"))
+    for (const Json& curve : data.manifest.at("curves")) summary["curves"].push_back(describe_curve(data, curve));
   return summary;
 }
 

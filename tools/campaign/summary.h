@@ -8,6 +8,7 @@
 namespace unlatch::tools {
 
 // schema, samples, hash, statuses, requirements, worst; columns with their quantiles; sensitivities; orders of events;
+// bands of curves;
 // of subset sampling `rare`: levels, estimate.
 Json build_summary(const CampaignData& data);
 void print_summary(std::FILE* to, const Json& summary);

@@ -64,8 +64,9 @@ def add(figure, tools):
         spins, sizes = (4, 6, 12), []
         for spin, colour in zip(spins, ("#c1121f", "#e09f3e", "#457b9d")):
             folder = bench.folder / f"landing{spin}"
-            subprocess.run([bench.program, "campaign", tools.SCENARIOS / "capsule/landing.yaml", "--out", folder, "--set",
-                            f"constants.spin={spin} rad/s"], check=True, capture_output=True)
+            done = subprocess.run([bench.program, "campaign", tools.SCENARIOS / "capsule/landing.yaml", "--out", folder, "--set",
+                                   f"constants.spin={spin} rad/s"], capture_output=True)
+            assert done.returncode in (0, 1), done.stderr  # 1: some do not keep their direction
             found = landing.land(landing.read_states(folder))
             mean, axes, vectors = landing.calc_ellipse(found)
             sizes.append(axes / 1e3)

@@ -16,7 +16,7 @@ MU, EARTH, ORBIT = 398600.4418e9, 6371e3, 6721e3  # m3/s2, m, m; as in deorbit.y
 DENSITY, SCALE_HEIGHT = 1.225, 7200.0             # kg/m3 at the ground, m
 BALLISTIC = 400 / (1.0 * math.pi * 0.9**2)        # kg/m2: 400 kg, drag coefficient 1, radius 0.9 m
 STEP, LONGEST = 0.25, 7200.0                      # s
-COLUMNS = ("x", "y", "z", "vx", "vy", "vz")
+COLUMNS = [f"output.capsule.{name}.final" for name in ("x", "y", "z", "vx", "vy", "vz")]
 
 
 def calc_rates(states):

@@ -155,6 +155,10 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
                  hil::to_text(campaign.failure->limit).c_str(), campaign.failure->unit.c_str(),
                  static_cast<long long>(campaign.failure->samples), campaign.failure->levels,
                  static_cast<long long>(campaign.failure->chains));
+  if (const std::size_t columns = campaign.chosen.count(); columns > 0)
+    std::fprintf(to, "  outputs and curves: %zu columns of the results\n", columns);
+  for (const std::string& remark : campaign.remarks)
+    std::fprintf(to, "%s\n", paint(to, Colour::kYellow, "note: " + remark).c_str());
   if (campaign.plan.sampling != hil::Sampling::kCsv)
     std::fprintf(to, "  %-24s %12s %12s %12s\n", "", "least", "median", "greatest");
   for (const hil::CampaignParameter& parameter : campaign.parameters) {
@@ -172,10 +176,13 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
   }
   std::fprintf(to, "%s is valid\n", campaign.file.c_str());
   if (!json.empty())
-    write_json(
-        nlohmann::ordered_json{
-            {"schema", 1}, {"campaign", campaign.name}, {"samples", campaign.plan.samples}, {"parameters", list}},
-        json);
+    write_json(nlohmann::ordered_json{{"schema", 1},
+                                      {"campaign", campaign.name},
+                                      {"samples", campaign.plan.samples},
+                                      {"parameters", list},
+                                      {"chosen_columns", campaign.chosen.count()},
+                                      {"remarks", campaign.remarks}},
+               json);
   return kExitDone;
 }
 

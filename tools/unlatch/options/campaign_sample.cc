@@ -17,7 +17,7 @@ std::vector<double> find_inputs(const hil::Campaign& campaign, std::int64_t samp
     return draw_inputs(campaign, sample);
   }
   try {
-    const hil::SampleEvaluator evaluator(*campaign.tree);
+    const hil::SampleEvaluator evaluator(*campaign.tree, campaign.chosen);
     const hil::ResultFile file = hil::ResultFile::open(get_results_path(results), false);
     if (!(file.shape() == get_shape(campaign, evaluator)))
       refuse_option("--results", results + " is of another campaign, scenario or version");

@@ -150,7 +150,8 @@ void run_here(const CampaignTask& task, hil::ResultFile& results, const std::fun
 
 int run(const CampaignOptions& options, const CampaignHost& host) {
   const hil::Campaign campaign = hil::load_campaign(options.arguments[0], options.overrides);
-  const hil::SampleEvaluator evaluator(*campaign.tree);
+  for (const std::string& remark : campaign.remarks) std::fprintf(stderr, "note: %s\n", remark.c_str());
+  const hil::SampleEvaluator evaluator(*campaign.tree, campaign.chosen);
   if (campaign.failure && !options.samples.empty())
     refuse_option("--samples", "the levels of subset sampling follow from one another: run all, with --jobs or mpirun");
   const auto [first, last] = read_range(options.samples, campaign.plan.samples);
@@ -178,7 +179,13 @@ int merge(const CampaignOptions& options) {
   if (fs::exists(get_results_path(options.out)))
     refuse_option("--out", options.out + " has results; choose another folder");
   merge_campaigns(folders, options.out);
-  return judge(finish(options.out, 0, options.json));
+  const Json summary = finish(options.out, 0, options.json);
+  const bool complete = summary.contains("rare") ? summary.at("rare").at("finished").get<bool>()
+                                                 : summary.at("samples") == summary.at("planned");
+  if (complete) return judge(summary);
+  std::fprintf(stderr, "incomplete: %lld of %lld samples; run the missing ones with --resume, and merge again\n",
+               summary.at("samples").get<long long>(), summary.at("planned").get<long long>());
+  return kExitFailed;
 }
 
 int report(const CampaignOptions& options) {
