@@ -14,7 +14,8 @@ endif()
 find_package(Simbody CONFIG QUIET)
 if(Simbody_FOUND)
   # Its headers are ambiguous in C++20, and Debian builds the library without NDEBUG, on which its classes' layout depends.
-  add_library(unlatch_peer_simbody STATIC ${PROJECT_SOURCE_DIR}/tests/support/simbody_system.cc)
+  add_library(unlatch_peer_simbody STATIC ${PROJECT_SOURCE_DIR}/tests/support/simbody_system.cc
+    ${PROJECT_SOURCE_DIR}/tests/support/simbody_blow.cc)
   set_target_properties(unlatch_peer_simbody PROPERTIES CXX_STANDARD 17)
   target_include_directories(unlatch_peer_simbody SYSTEM PRIVATE ${Simbody_INCLUDE_DIR})
   target_compile_options(unlatch_peer_simbody PRIVATE -UNDEBUG)

@@ -24,6 +24,13 @@ bool is_smallest_clearance(const Requirement& r) {
          !r.to.is_named();
 }
 
+// True for the force and the depth of a contact: poses and velocities of the bodies determine them.
+bool is_of_motion(const Requirement& r) {
+  using Value = Requirement::ContactValue;
+  const auto value = static_cast<Value>(r.axis);
+  return r.quantity == Measure::kContact && (value == Value::kForce || value == Value::kDepth);
+}
+
 // Returns the component of a vector along a direction, or its size if the direction is zero.
 double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
   return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
@@ -69,7 +76,7 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Clearance
 
 bool RequirementMonitor::is_sampled(const Requirement& requirement) const {
   return requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kSensor ||
-         requirement.quantity == Measure::kContact;
+         (requirement.quantity == Measure::kContact && !is_of_motion(requirement));
 }
 
 double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& knot) const {
@@ -117,13 +124,19 @@ double RequirementMonitor::calc_of_bodies(const Track& track, const BodyAt& body
 }
 
 double RequirementMonitor::calc_at(const Track& track, const MotionKnot& knot) const {
-  if (is_sampled(*track.requirement)) return calc_sample(track, knot);
+  if (is_sampled(*track.requirement) || is_of_motion(*track.requirement)) return calc_sample(track, knot);
   if (track.pair >= 0) return clearances_.get_now(track.pair);
   return calc_of_bodies(track, [&](int body) { return body < 0 ? get_rest() : knot.state.bodies[at(body)]; });
 }
 
 double RequirementMonitor::calc_within(const Track& track, const MotionWindow& window, double time) const {
-  if (is_sampled(*track.requirement)) return track.curve.calc(time);
+  const Requirement& r = *track.requirement;
+  if (is_sampled(r)) return track.curve.calc(time);
+  if (is_of_motion(r)) {
+    const ContactReading reading = contacts_.calc(window, r.a, time);
+    return static_cast<Requirement::ContactValue>(r.axis) == Requirement::ContactValue::kForce ? reading.normal
+                                                                                               : reading.depth;
+  }
   if (track.pair >= 0) return clearances_.calc(window, track.pair, time);
   return calc_of_bodies(track, [&](int body) { return window.calc_body(body, time); });
 }

@@ -56,6 +56,7 @@ class RequirementMonitor {
     double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
   };
 
+  // True for quantities that are known at knots alone.
   [[nodiscard]] bool is_sampled(const Requirement& requirement) const;
   [[nodiscard]] double calc_sample(const Track& track, const MotionKnot& knot) const;
   template <class BodyAt>

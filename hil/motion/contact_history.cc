@@ -12,10 +12,11 @@ void copy(const State& from, const State& to) {
 
 }  // namespace
 
+ContactHistory::Scratch::Scratch(const Plan& plan)
+    : block(plan.get_state_bytes() / sizeof(std::uint64_t)), state(plan, std::as_writable_bytes(std::span(block))) {}
+
 ContactHistory::ContactHistory(const Scenario& scenario, const Simulation& simulation)
-    : simulation_(simulation),
-      block_(simulation.plan().get_state_bytes() / sizeof(std::uint64_t)),
-      scratch_(simulation.plan(), std::as_writable_bytes(std::span(block_))) {
+    : simulation_(simulation), present_(simulation.plan()), previous_(simulation.plan()) {
   for (const Contact& contact : scenario.model.contacts) tracks_.emplace_back().record.name = contact.name;
 }
 
@@ -70,9 +71,9 @@ double ContactHistory::calc(const State& state, int contact, Requirement::Contac
 }
 
 ContactReading ContactHistory::calc(const MotionWindow& window, int contact, double time) const {
-  for (std::size_t b = 0; b < scratch_.bodies.size(); ++b)
-    scratch_.bodies[b] = window.calc_body(static_cast<int>(b), time);
-  return calc(scratch_, contact);
+  const State& state = (time < window.get_present().from ? previous_ : present_).state;
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) state.bodies[b] = window.calc_body(static_cast<int>(b), time);
+  return calc(state, contact);
 }
 
 void ContactHistory::finish(Track& track, int contact) const {
@@ -82,6 +83,9 @@ void ContactHistory::finish(Track& track, int contact) const {
 }
 
 void ContactHistory::add(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to) {
+  if (tracks_.empty()) return;
+  copy(present_.state, previous_.state);
+  copy(from.state, present_.state);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = tracks_[i];
     track.record.totals = get_contact_totals(simulation_.plan(), to.state, static_cast<int>(i));
@@ -90,7 +94,6 @@ void ContactHistory::add(const MotionWindow& window, const MotionKnot& from, con
     const bool begins = track.fresh || !window.is_smooth();
     if (begins && !track.fresh) finish(track, contact);
     const ContactReading at_from = calc(from.state, contact), at_to = calc(to.state, contact);
-    copy(from.state, scratch_);
     track.force.add(from.time, -at_from.normal, to.time, -at_to.normal, begins,
                     [&](double time) { return -calc(window, contact, time).normal; });
     track.depth.add(from.time, -at_from.depth, to.time, -at_to.depth, begins,
@@ -99,7 +102,6 @@ void ContactHistory::add(const MotionWindow& window, const MotionKnot& from, con
     track.fresh = false;
   }
   window_ = &window;
-  copy(from.state, scratch_);
 }
 
 std::vector<ContactRecord> ContactHistory::list() const {

@@ -37,8 +37,8 @@ class ContactHistory {
   // Records of the run so far, in the order of the model.
   [[nodiscard]] std::vector<ContactRecord> list() const;
 
-  // Contact at a time of the present piece; at its end and its beginning the values are those of the knots. Totals are
-  // those of its beginning.
+  // Contact at a time of the window's two pieces, the later of which was added last. Totals are those of the beginning
+  // of the piece.
   [[nodiscard]] ContactReading calc(const MotionWindow& window, int contact, double time) const;
   [[nodiscard]] ContactReading calc(const State& state, int contact) const;
   [[nodiscard]] double calc(const State& state, int contact, Requirement::ContactValue value) const;
@@ -55,8 +55,13 @@ class ContactHistory {
   const Simulation& simulation_;
   std::vector<Track> tracks_;
   const MotionWindow* window_ = nullptr;
-  mutable std::vector<std::uint64_t> block_;  // scratch: a state of this piece
-  mutable State scratch_;
+  // Scratch: states of the window's pieces, for which pairs are closed in them.
+  struct Scratch {
+    explicit Scratch(const Plan& plan);
+    std::vector<std::uint64_t> block;
+    State state;
+  };
+  mutable Scratch present_, previous_;
 };
 
 }  // namespace unlatch::hil

@@ -45,7 +45,21 @@ ContactRates calc_rates(const Model& model, const State& state, const Contact& c
   return rates;
 }
 
-ContactRates estimate_rates(const Model& model, const Contact& contact) {
+double estimate_speed(const Model& model, const State& state, const Contact& contact) {
+  constexpr double kLeast = 1e-3, kAssumed = 1;  // m/s
+  if (contact.restitution) return contact.speed;
+  const auto get_body = [&](int surface) -> const BodyState* {
+    const int body = model.surfaces[static_cast<std::size_t>(surface)].body;
+    return body == kGround ? nullptr : &state.bodies[static_cast<std::size_t>(body)];
+  };
+  const BodyState *base = get_body(contact.base), *follower = get_body(contact.follower);
+  const Vec3 none{0, 0, 0};
+  const Vec3 gap = (follower ? follower->p : none) - (base ? base->p : none);
+  const Vec3 v = (follower ? follower->v : none) - (base ? base->v : none);
+  return dot(gap, v) < 0 && norm(v) > kLeast ? norm(v) : kAssumed;
+}
+
+ContactRates estimate_rates(const Model& model, const Contact& contact, double speed) {
   const auto get_mobility = [&](int surface) {
     const Body* const body = find_body(model, surface);
     return body == nullptr ? 0 : 1 / body->mass;
@@ -54,7 +68,7 @@ ContactRates estimate_rates(const Model& model, const Contact& contact) {
   double stiffness = contact.stiffness;
   if (contact.exponent > 1) {
     // ½ m v² = k δ^2.5 / 2.5 at the greatest depth of an elastic impact
-    const double energy = contact.speed * contact.speed / (2 * mobility);
+    const double energy = speed * speed / (2 * mobility);
     stiffness *= 1.5 * std::sqrt(std::pow(2.5 * energy / contact.stiffness, 0.4));
   }
   return {std::sqrt(stiffness * mobility), 0};

@@ -17,8 +17,11 @@ struct ContactRates {
 // Rates of a contact in its present state.
 ContactRates calc_rates(const Model& model, const State& state, const Contact& contact, const ContactReading& reading);
 
-// Rates of an impact in the middle of both bodies: n = 1, or n = 1.5 with the speed of its restitution; otherwise 0.
-ContactRates estimate_rates(const Model& model, const Contact& contact);
+// Rates of a blow in the middle of both bodies. For n = 1.5 they depend on its speed.
+ContactRates estimate_rates(const Model& model, const Contact& contact, double speed);
+// Speed of a blow that is still to come: that of its restitution; or that of the two bodies now, if they come nearer at
+// more than 1 mm/s; else 1 m/s.
+double estimate_speed(const Model& model, const State& state, const Contact& contact);
 
 // Reason why a step of h = dt / contact_substeps does not resolve the contact; empty if it does.
 std::string describe_unresolved(const ContactRates& rates, double h);

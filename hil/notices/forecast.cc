@@ -420,10 +420,14 @@ void find_step_surprises(const Scenario& scenario, const Simulation& simulation,
     if (reading.closed)
       findings.push_back(
           {"contact", where, format("is closed at the start, %.4g m deep: that is no touch", reading.depth)});
-    const std::string text = describe_unresolved(
-        reading.closed ? calc_rates(model, simulation.state(), contact, reading) : estimate_rates(model, contact),
-        dt / model.contact_substeps);
-    if (!text.empty()) findings.push_back({"contact", where, text});
+    const double speed = estimate_speed(model, simulation.state(), contact);
+    const std::string text =
+        describe_unresolved(reading.closed ? calc_rates(model, simulation.state(), contact, reading)
+                                           : estimate_rates(model, contact, speed),
+                            dt / model.contact_substeps);
+    const bool of_speed = !reading.closed && contact.exponent > 1;
+    if (!text.empty())
+      findings.push_back({"contact", where, text + (of_speed ? format(" (for a blow of %.3g m/s)", speed) : "")});
   }
   if (has_friction(model)) {
     const std::vector<ElementMobility> mobilities = calc_mobilities(simulation);

@@ -48,6 +48,15 @@ std::vector<const YamlNode*> read_knots(YamlMap& map, const std::string& key, st
   return out;
 }
 
+// Returns a marker with the pose and motion that its flexible body, already placed, gives it at the start.
+Body place_marker(const Model& model, int marker) {
+  Model pair;
+  const Body& body = model.bodies[static_cast<std::size_t>(marker)];
+  pair.bodies = {model.bodies[static_cast<std::size_t>(body.marker->body)], body};
+  pair.bodies[1].marker->body = 0;
+  return place_markers(pair).bodies[1];
+}
+
 }  // namespace
 
 // Reads the mass of a body over time or burnt mass: columns of a table.
@@ -120,7 +129,12 @@ void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
     body.w_WB_B = map.vector("rate", "rad/s", Eigen::Vector3d::Zero());
   }
   Placement placement;
-  placement.relative_to = map.find("relative_to");
+  if (const YamlNode* relative_to = map.find("relative_to"); relative_to && body.marker)
+    mistakes_.add(relative_to->mark, "a marker has its place from its flexible body", "leave `relative_to` out");
+  else
+    placement.relative_to = relative_to;
+  placement.follows = body.marker.has_value();
+  placement.parent = body.marker ? body.marker->body : kNone;
   const YamlNode* shape = map.find("shape");
   scenario_.shapes.push_back(shape ? read_shapes(*shape) : std::vector<BodyShape>());
   map.finish();
@@ -129,7 +143,8 @@ void ScenarioReader::read_body(const std::string& name, const YamlNode& node) {
   placements_.push_back(placement);
 }
 
-// Transforms poses relative to other bodies into the inertial frame, parents first.
+// Transforms poses relative to other bodies into the inertial frame, parents first. A marker's parent is its flexible
+// body; the pose that it has there is for its children only, the model's markers have none of their own.
 void ScenarioReader::place_bodies() {
   for (std::size_t i = 0; i < placements_.size(); ++i)
     if (const YamlNode* parent = placements_[i].relative_to) {
@@ -145,7 +160,9 @@ void ScenarioReader::place_bodies() {
       if (placement.placed || (placement.parent >= 0 && !placements_[parent].placed)) continue;
       placement.placed = progress = true;
       if (placement.parent < 0) continue;
-      const Body& a = model_.bodies[parent];
+      if (is_flawed("body '" + bodies_[parent] + "'")) flawed_.insert("body '" + bodies_[i] + "'");
+      if (placement.follows) continue;
+      const Body a = placements_[parent].follows ? place_marker(model_, placement.parent) : model_.bodies[parent];
       Body& b = model_.bodies[i];
       const Eigen::Matrix3d R_WA = a.q_WB.toRotationMatrix();
       const Eigen::Vector3d arm = R_WA * b.p_WB, w_WA = R_WA * a.w_WB_B;
@@ -153,19 +170,19 @@ void ScenarioReader::place_bodies() {
       b.v_WB = a.v_WB + w_WA.cross(arm) + R_WA * b.v_WB;
       b.p_WB = a.p_WB + arm;
       b.q_WB = (a.q_WB * b.q_WB).normalized();
-      if (is_flawed("body '" + a.name + "'")) flawed_.insert("body '" + b.name + "'");
     }
   }
   report_circles();
 }
 
 // Reports bodies that could not be placed: they are part of a circle of relative_to, or depend on one. Each circle is
-// reported once, at its first body.
+// reported once, at its first body that has a relative_to; a marker depends on its body without one.
 void ScenarioReader::report_circles() {
   std::vector<bool> seen(placements_.size(), false);
   for (std::size_t i = 0; i < placements_.size(); ++i) {
     if (placements_[i].placed) continue;
     flawed_.insert("body '" + bodies_[i] + "'");
+    if (placements_[i].follows) continue;
     std::string chain = bodies_[i];
     std::size_t at = i, steps = 0;
     do {

@@ -77,7 +77,7 @@ std::optional<ShapeSet> ScenarioReader::read_shape_set(const YamlNode& node) {
   return {};
 }
 
-std::optional<ClearancePair> ScenarioReader::read_shape_pair(const YamlNode& node) {
+std::optional<ClearancePair> ScenarioReader::read_two_sets(const YamlNode& node) {
   if (!node.is_sequence() || node.items.size() != 2) {
     mistakes_.add(node.mark, "not a pair of bodies", "write [core, booster1], or [core.skirt, booster1.nozzle]");
     return {};
@@ -88,10 +88,15 @@ std::optional<ClearancePair> ScenarioReader::read_shape_pair(const YamlNode& nod
     mistakes_.add(node.mark, "a body and itself", "name two bodies, or shapes of two bodies");
     return {};
   }
-  ClearancePair pair{.a = *a, .b = *b, .except = {}};
-  if (count_distances(pair) > 0) return pair;
-  mistakes_.add(node.mark, "no distance is defined between " + a->name + " and " + b->name,
-                "two hollow shapes and two half-spaces have none: make one of them solid, or leave the pair out");
+  return ClearancePair{.a = *a, .b = *b, .except = {}};
+}
+
+std::optional<ClearancePair> ScenarioReader::read_shape_pair(const YamlNode& node) {
+  std::optional<ClearancePair> pair = read_two_sets(node);
+  if (!pair || count_distances(*pair) > 0) return pair;
+  mistakes_.add(node.mark, "no distance is defined between " + pair->a.name + " and " + pair->b.name,
+                "two hollow shapes and two half-spaces have none: make one of the two hollow ones solid, as a "
+                "cylinder or a frustum, or leave the pair out");
   return {};
 }
 
@@ -115,7 +120,8 @@ void ScenarioReader::tell_undefined(const ClearancePair& pair) {
                                pair.a.name + " – " + pair.b.name + ": " + std::to_string(count) + " of " +
                                    std::to_string(all) + (all == 1 ? " pair" : " pairs") + " of shapes " +
                                    (count == 1 ? "does" : "do") +
-                                   " not count: two hollow shapes and two half-spaces have no distance",
+                                   " not count: two hollow shapes and two half-spaces have no distance; make one of "
+                                   "the hollow ones solid, or leave the pair out with `except`",
                                "clearance"});
 }
 
@@ -171,7 +177,7 @@ void ScenarioReader::read_exceptions(const YamlNode& node, std::vector<Clearance
   if (!node.is_sequence())
     mistakes_.add(node.mark, "except is not a list of pairs", "write [[core.socket, booster1.nose]]");
   for (const YamlNode& item : node.items) {
-    const std::optional<ClearancePair> out = read_shape_pair(item);
+    const std::optional<ClearancePair> out = read_two_sets(item);
     if (!out || pairs.empty()) continue;
     bool found = false;
     for (ClearancePair& pair : pairs)

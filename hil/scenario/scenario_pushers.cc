@@ -72,6 +72,8 @@ void ScenarioReader::read_cord(YamlMap& map, OneSided force) {
     part.when.kind = Condition::Kind::kOneSidedForce;
     part.when.subject = static_cast<int>(model_.one_sided.size());
     part.when.threshold = map.number("parts_at", "N");
+    if (!(part.when.threshold > 0))
+      mistakes_.add(map.find("parts_at")->mark, "it would part without any load", "a load greater than 0");
     part.then = {{.kind = Action::Kind::kSwitch, .subject = part.when.subject}};  // append_events() numbers it
     cord_events_.push_back(std::move(part));
   }
@@ -148,6 +150,8 @@ void ScenarioReader::read_parting(const YamlNode& node, const Joint& joint, int 
     load.kind = kind;
     load.subject = number;
     load.threshold = map.number(key, unit);
+    if (!(load.threshold > 0))
+      mistakes_.add(map.find(key)->mark, "it would part without any load", "a load greater than 0");
     part.when.parts.push_back(load);
   };
   add("force", Condition::Kind::kForceSize, "N");
@@ -165,6 +169,8 @@ void ScenarioReader::read_parting(const YamlNode& node, const Joint& joint, int 
 
 Action ScenarioReader::read_impulse(YamlMap& map) {
   Impulse impulse;
+  if (!map.find("linear") && !map.find("angular"))
+    mistakes_.add(map.node().mark, "an impulse without a size", "give `linear`, in N s, `angular`, in N m s, or both");
   impulse.body = std::max(map.choice("body", "body", bodies_), 0);
   impulse.frame = map.choice("frame", "frame", {"body", "world"}, 0) == 1 ? Load::Frame::kWorld : Load::Frame::kBody;
   impulse.point = map.vector("point", "m", Eigen::Vector3d::Zero());
@@ -194,8 +200,27 @@ int ScenarioReader::read_one_sided(const YamlNode& node) {
   return std::max(read_choice(node, "pusher, stop or cord", names, mistakes_), 0);
 }
 
+// Reports joints that part into the mode that they never leave.
+void ScenarioReader::report_idle_partings() {
+  for (const Event& part : parting_joints_) {
+    const Action& open = part.then[0];
+    const Joint& joint = model_.joints[static_cast<std::size_t>(open.subject)];
+    const std::string where = "joint '" + joint.name + "'";
+    const auto leaves = [&](const Action& action) {
+      return action.kind == Action::Kind::kSetMode && action.subject == open.subject && action.mode != open.mode;
+    };
+    const bool is_left =
+        std::ranges::any_of(model_.events, [&](const Event& event) { return std::ranges::any_of(event.then, leaves); });
+    if (open.mode != joint.mode || is_left || is_flawed(where)) continue;
+    const YamlNode* const parts = nodes_.at(where)->find("parts");
+    mistakes_.add(parts->find("mode")->mark, where + " parts into the mode in which it already is",
+                  "a mode that holds fewer rows, or another `mode` at the start");
+  }
+}
+
 // Appends the events of joints and elements to those of the scenario.
 void ScenarioReader::append_events() {
+  report_idle_partings();
   const int first = model_.element_count() - static_cast<int>(model_.one_sided.size() + model_.frictions.size());
   for (Event& event : cord_events_)
     for (Action& action : event.then) action.subject += first;

@@ -50,8 +50,8 @@ class ScenarioReader {
   // Bodies.
   struct Placement {
     const YamlNode* relative_to = nullptr;
-    int parent = kNone;
-    bool placed = false;
+    int parent = kNone;  // also the flexible body of a marker, which `follows` it
+    bool placed = false, follows = false;
   };
   void read_body(const std::string& name, const YamlNode& node);
   void read_mass(YamlMap& map, Body& body);
@@ -72,7 +72,8 @@ class ScenarioReader {
   // Pairs of shapes. Functions that return nothing have noted a mistake.
   [[nodiscard]] ShapeSet get_shapes_of(int body) const;
   std::optional<ShapeSet> read_shape_set(const YamlNode& node);
-  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);    // two names, of different bodies
+  std::optional<ClearancePair> read_two_sets(const YamlNode& node);      // two names, of different bodies
+  std::optional<ClearancePair> read_shape_pair(const YamlNode& node);    // likewise, which have a distance
   std::optional<ClearancePair> read_surface_pair(const YamlNode& node);  // likewise, for the step: without meshes
   [[nodiscard]] std::size_t count_distances(const ClearancePair& pair) const;
   void tell_undefined(const ClearancePair& pair);
@@ -99,6 +100,8 @@ class ScenarioReader {
 
   // Contacts.
   void read_contact(const std::string& name, const YamlNode& node);
+  bool is_of_lines(const ClearancePair& pair) const;
+  void report_shared_pairs(const ClearancePair& pair, const YamlNode& node);
   void add_touches();
   int find_surface(const ShapeSet& set);  // index in the model, to which it is added if new
   // Pushers, cords, stops, friction, impulses, and the events that belong to some of them.
@@ -112,6 +115,7 @@ class ScenarioReader {
   Action read_impulse(YamlMap& map);
   int read_one_sided(const YamlNode& node);
   int read_wound_cord(const YamlNode& node);
+  void report_idle_partings();
   void append_events();
 
   // Timing.
@@ -166,8 +170,9 @@ class ScenarioReader {
   std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for disabled ones
   std::vector<Event> parting_joints_, cord_events_;       // see append_events()
   std::vector<Placement> placements_;
-  std::map<std::string, FlexibleStructure> structures_;  // by flexible body
-  std::map<std::string, const YamlNode*> nodes_;         // by ModelError::where
+  std::vector<std::pair<std::string, ClearancePair>> pushing_;  // contacts that act at the start
+  std::map<std::string, FlexibleStructure> structures_;         // by flexible body
+  std::map<std::string, const YamlNode*> nodes_;                // by ModelError::where
   std::set<std::string> flawed_;
   std::vector<std::shared_ptr<const TriangleMesh>> known_meshes_;
 };

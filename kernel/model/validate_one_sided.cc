@@ -60,6 +60,8 @@ void check_law(Check& check, const OneSided& f) {
     check.report("its stroke is 0", "the length over which it pushes", "stroke");
   check.check_not_negative("preload", f.preload);
   check.check_not_negative("stiffness", f.stiffness);
+  if (f.kind == OneSided::Kind::kStop && f.stiffness == 0)
+    check.report("its stiffness is 0, so that it stops nothing", "greater than 0, and finite", "stiffness");
   if (f.kind == OneSided::Kind::kCord && f.stiffness == 0)
     check.report("its stiffness is 0, so that nothing tells where it is taut",
                  "greater than 0: a cord that is to do nothing may have 1e-6 N/m", "stiffness");
@@ -116,6 +118,17 @@ void check_wound_end(Check& check, const OneSided& f) {
                  "a longer cord, or the angle that it is `wound`, which stretches it", "length");
 }
 
+// A stop's joint moves along its axis in one of its modes.
+void check_travel(Check& check, const OneSided& f) {
+  if (f.kind != OneSided::Kind::kStop || !is_index(f.joint, check.model.joints.size()) || !is_index(f.axis, kRows))
+    return;
+  const Joint& joint = check.model.joints[static_cast<std::size_t>(f.joint)];
+  const auto holds = [&](const JointMode& mode) { return has_row(mode.rows, f.axis); };
+  if (!joint.modes.empty() && std::all_of(joint.modes.begin(), joint.modes.end(), holds))
+    check.report("every mode of joint '" + joint.name + "' holds " + kRowNames[f.axis] + ": it never moves there",
+                 "an axis along which or about which the joint moves", "axis");
+}
+
 void check_one_sided(const Model& model, const OneSided& f, ModelErrors& errors) {
   Check check{model, quoted("element", f.name), errors};
   check_law(check, f);
@@ -124,7 +137,7 @@ void check_one_sided(const Model& model, const OneSided& f, ModelErrors& errors)
   if (f.joint != kNone) {
     if (!is_index(f.joint, model.joints.size())) check.report("it is on no joint", "a joint's index", "joint");
     if (!is_index(f.axis, kRows)) check.report("it has no axis", "x … rot_z", "axis");
-    return;
+    return check_travel(check, f);
   }
   check.check_finite("point", f.point_base.allFinite());
   check.check_finite("follower_point", f.point_follower.allFinite());

@@ -1,5 +1,6 @@
 #include "library/fmi/variables.h"
 
+#include <set>
 #include <string_view>
 
 namespace unlatch::fmi {
@@ -7,6 +8,7 @@ namespace {
 
 constexpr const char* kRows[] = {"x", "y", "z", "rot_x", "rot_y", "rot_z"};
 constexpr const char* kQuaternion[] = {"w", "x", "y", "z"};
+constexpr std::string_view kDash = " – ";  // between the names of a watched pair
 
 class Lister {
  public:
@@ -102,10 +104,11 @@ class Lister {
     const unlatch_array values = get_array(UNLATCH_CLEARANCES);
     for (std::size_t i = 0; i < pairs && good_; ++i) {
       const unlatch_item item = describe(UNLATCH_CLEARANCE, i);
-      const auto name = [&](std::int32_t body) {
-        return std::string(describe(UNLATCH_BODY, static_cast<std::size_t>(body)).name);
-      };
-      add("clearances." + name(item.a) + "." + name(item.b), "m", "distance of the two bodies", at(values, i, 0));
+      const std::string pair = item.name;  // "a.skirt – b"
+      const std::size_t dash = pair.find(kDash);
+      if (dash == std::string::npos) continue;
+      add("clearances." + pair.substr(0, dash) + "." + pair.substr(dash + kDash.size()), "m",
+          "signed distance of " + pair + ", negative where they overlap", at(values, i, 0));
     }
   }
   void add_constants() {
@@ -125,12 +128,17 @@ class Lister {
                             item.initial, 0, 0, nullptr});
     }
   }
-  void add(std::string name, std::string unit, const char* description, const double* data) {
-    variables_.push_back({std::move(name), std::move(unit), description, Variable::Causality::kOutput, 0, 0, 0, data});
+  // Adds an output. FMI wants unique names: of the pairs a.skirt – b and a – skirt.b the second gets a number.
+  void add(std::string name, std::string unit, std::string description, const double* data) {
+    std::string unique = name;
+    for (int number = 2; !names_.insert(unique).second; ++number) unique = name + "_" + std::to_string(number);
+    variables_.push_back(
+        {std::move(unique), std::move(unit), std::move(description), Variable::Causality::kOutput, 0, 0, 0, data});
   }
 
   unlatch_simulation* const simulation_;
   std::vector<Variable> variables_;
+  std::set<std::string> names_;  // of the outputs
   bool good_ = true;
 };
 

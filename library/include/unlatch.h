@@ -114,7 +114,7 @@ enum {
   UNLATCH_SIGNAL = 4,
   UNLATCH_EVENT_KIND = 5, /* events that the scenario describes */
   UNLATCH_REQUIREMENT = 6,
-  UNLATCH_CLEARANCE = 7,  /* watched pairs of bodies */
+  UNLATCH_CLEARANCE = 7,  /* watched pairs of bodies or of their shapes */
   UNLATCH_QUANTITY = 8,   /* quantities for requirements: "reaction.nose1.x" */
   UNLATCH_CONSTANT = 9,   /* the scenario's own constants; "constants.NAME=VALUE" overrides one */
   UNLATCH_NUMBER = 10     /* literal numbers of the scenario, by their path; "PATH=VALUE" overrides one. Numbers that
@@ -190,7 +190,7 @@ enum {
   UNLATCH_SENSORS = 7,          /* values × 1, in the units of the sensors; as last sampled */
   UNLATCH_SIGNALS = 8,          /* signals × 1 */
   UNLATCH_CHANNELS = 9,         /* channels × 1: the commanded values */
-  UNLATCH_CLEARANCES = 10       /* pairs × 1, m, 0 where they touch; needs UNLATCH_JUDGE */
+  UNLATCH_CLEARANCES = 10       /* pairs × 1, m, negative: the depth of an overlap; needs UNLATCH_JUDGE */
 };
 enum { UNLATCH_DOUBLE = 0, UNLATCH_INT64 = 1 };
 

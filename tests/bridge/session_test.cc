@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "hil/recording/replay_reader.h"
 #include "tests/bridge/computer.h"
 #include "tests/hil/session_support.h"
+#include "unlatch/contacts.h"
 
 namespace unlatch::test {
 namespace {
@@ -51,7 +53,7 @@ class Sessions : public testing::TestWithParam<std::string> {
   // Runs a session to its end; `meanwhile` runs at the same time, in this thread.
   SessionResult run(const std::vector<std::string>& overrides, Pace pace = Pace::kLockstep, const std::string& log = "",
                     const std::function<void(hil::Executive&)>& meanwhile = nullptr, bool direct = false) {
-    const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml", overrides);
+    const hil::Scenario scenario = hil::load_scenario_text(text_, "session.yaml", overrides);
     const auto simulation = hil::build_simulation(scenario);
     hil::ExecutiveOptions options;
     options.pace = pace;
@@ -79,12 +81,16 @@ class Sessions : public testing::TestWithParam<std::string> {
       result.notices.push_back(std::string(hil::get_name(notice.name)) + " " +
                                std::string(hil::get_name(notice.subject)));
     }
+    if (!scenario.model.contacts.empty())
+      blow_ = get_contact_totals(simulation->plan(), simulation->state(), 0).impulse;
     result.channels.assign(simulation->channels().begin(), simulation->channels().end());
     for (const auto& computer : computers_) computer->stop();
     return result;
   }
 
   static constexpr std::int64_t session_ = 4711;
+  std::string text_ = kSessionScenario;
+  double blow_ = 0;  // N s, impulse of the first contact, if there is one
   bridge::InprocHub hub_;
   std::vector<std::unique_ptr<Computer>> computers_;
 };
@@ -102,6 +108,29 @@ TEST_P(Sessions, GoThroughTheStatesOfTheProtocol) {
   EXPECT_NE(hello.model_hash, 0);
   EXPECT_EQ(hello.dt_ns, 1'000'000);
   EXPECT_EQ(hello.participant_count, 1);
+}
+
+// The pod is pushed off and thrown back by a wall while the throttle changes.
+TEST_P(Sessions, ContactsAndPushersActAndAreReplayed) {
+  const auto insert = [&](const std::string& after, const std::string& what) {
+    text_.insert(text_.find(after) + after.size(), what);
+  };
+  insert("    position: [2, 0, 0]\n", "    shape: [{sphere: {radius: 0.5}}]\n");
+  insert("bodies:\n",
+         "  wall: {mass: 90, inertia: [9, 9, 9], position: [3.52, 0, 0], shape: [{box: {size: [2, 4, 4]}}]}\n");
+  insert("elements:\n",
+         "  pusher: {type: pusher, between: [core, pod], point: [2, 0, 0], guide: [1, 0, 0], stroke: 1 cm, preload: 20 "
+         "kN}\n");
+  text_ += "contacts: {blow: {between: [wall, pod], stiffness: 2 MN/m, friction: 0.2}}\n";
+  const std::string log = make_path("log");
+  start("fsw", {.program = drive});
+  const SessionResult result = run({kPatient, "step.contact_substeps=8"}, Pace::kLockstep, log);
+  EXPECT_EQ(result.end.status, RunStatus::kDone) << result.end.message;
+  EXPECT_GT(blow_, 50) << "N s: the pusher's 200 J give the pod of 5 kg some 9 m/s, and the wall turns it back";
+  const ReplayedLog replayed = replay_log(log);
+  EXPECT_TRUE(replayed.complete);
+  EXPECT_TRUE(replayed.result.agrees()) << replayed.result.mismatch;
+  std::filesystem::remove(log);
 }
 
 // Only missing commands are sent again, so that the time for a tick is linear in the number of its commands.

@@ -7,6 +7,7 @@
 
 #include "hil/recording/replay_reader.h"
 #include "tests/hil/session_support.h"
+#include "unlatch/contacts.h"
 
 namespace unlatch::test {
 namespace {
@@ -143,6 +144,51 @@ TEST(Checkpoint, ARunTakenUpAgainHasTheSameHashAtEveryTick) {
       ASSERT_EQ(again->step().status, StepStatus::kOk);
     }
   }
+}
+
+// A ball that bounces between a wall and a pusher with friction, on a cord: pairs that are closed or open, depths of
+// the latest look, and elements that push or do not, are memory too.
+const char* const kBouncingScenario = R"(unlatch: 1
+name: bouncing
+step: {dt: 1 ms, until: 0.4, contact_substeps: 4}
+bodies:
+  wall: {mass: 50, inertia: [9, 9, 9], shape: [{name: face, box: {size: [2, 10, 10]}}]}
+  ball: {mass: 2, inertia: [0.1, 0.1, 0.1], position: [1.6, 0.1, 0], velocity: [-3, 0.4, 0], rate: [0, 0, 8], shape: [{sphere: {radius: 0.5}}]}
+  plate: {mass: 20, inertia: [3, 3, 3], position: [2.5, 0, 0]}
+contacts:
+  blow: {between: [wall.face, ball], stiffness: 0.2 MN/m, friction: 0.3, restitution: {coefficient: 0.8, speed: 3 m/s}}
+elements:
+  buffer: {type: pusher, between: [plate, ball], guide: [-1, 0, 0], stroke: 0.6, preload: 900 N, stiffness: 1 kN/m, friction: 3 N}
+  leash: {type: cord, between: [wall, ball], length: 1.75, stiffness: 50 kN/m}
+)";
+
+TEST(Checkpoint, WhileContactsAndPushersActItContinuesWithTheSameBits) {
+  const hil::Scenario scenario = hil::load_scenario_text(kBouncingScenario, "bouncing.yaml");
+  const std::int64_t last_tick = get_last_tick(scenario);
+  const auto whole = hil::build_simulation(scenario);
+  const std::string path = make_path("checkpoint");
+  std::vector<std::unique_ptr<hil::Simulation>> taken_up;
+  int closed = 0, pushing = 0, free = 0;
+  while (whole->get_tick() < last_tick) {
+    const bool touches = get_contact_pairs(whole->plan(), whole->state(), 0)[0].closed != 0;
+    const bool pushes = std::ranges::any_of(whole->state().engaged, [](auto flag) { return flag != 0; });
+    closed += touches ? 1 : 0;
+    pushing += pushes ? 1 : 0;
+    free += !touches && !pushes ? 1 : 0;
+    if (touches || pushes || whole->get_tick() % 40 == 0) {
+      hil::write_checkpoint(path, scenario, *whole, last_tick);
+      taken_up.push_back(hil::build_simulation(scenario));
+      hil::read_checkpoint(path, scenario, *taken_up.back());
+    }
+    ASSERT_EQ(whole->step().status, StepStatus::kOk);
+    for (const auto& again : taken_up) {
+      ASSERT_EQ(again->step().status, StepStatus::kOk);
+      ASSERT_EQ(again->calc_hash(), whole->calc_hash()) << "tick " << whole->get_tick();
+      ASSERT_EQ(again->save(), whole->save()) << "tick " << whole->get_tick();
+    }
+  }
+  EXPECT_GT(closed, 3);
+  EXPECT_GT(pushing, 3);
 }
 
 TEST(Checkpoint, ARecordingOfARunTakenUpAgainReplays) {

@@ -30,7 +30,7 @@ NOT_OF_SCENARIOS = {"unlatch_part"}
 
 
 def is_scenario(path):
-    return "faults" not in path.parts and path.name != "language.yaml" and not re.search(r"^(unlatch_(campaign|synthesis)|sections):", path.read_text(), re.M)
+    return "faults" not in path.parts and bool(re.search(r"^unlatch(_part)?:", path.read_text(), re.M))
 
 
 def list_files():

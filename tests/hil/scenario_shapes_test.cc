@@ -197,6 +197,15 @@ INSTANTIATE_TEST_SUITE_P(
                                 "30: ", "watched twice"}),
     [](const auto& at) { return std::string(at.param.name); });
 
+TEST(ScenarioShapes, TwoHollowShapesThatAreLeftOutAreNotToldAgain) {
+  const std::string tube = "{name: skirt, hollow_cylinder: {from: [0, 0, 0], to: [1, 0, 0], radius: 1}}";
+  const std::string text = replaced(replaced(kGoodScenario, kCoreShape, "shape: [{sphere: {radius: 1}}, " + tube + "]"),
+                                    kBoosterShape, "shape: [" + tube + "]");
+  EXPECT_EQ(load(text).remarks.size(), 1U);
+  const std::string except = "clearance: [{between: [core, booster], except: [[core.skirt, booster.skirt]]}]";
+  EXPECT_THAT(load(replaced(text, "clearance: all", except)).remarks, IsEmpty());
+}
+
 TEST(ScenarioShapes, APairWithoutADistanceIsAMistakeAndUnderAllARemark) {
   const std::string tube = "hollow_cylinder: {from: [0, 0, 0], to: [1, 0, 0], radius: 1}";
   const std::string text = replaced(replaced(kGoodScenario, kCoreShape, "shape: [{" + tube + "}]"), kBoosterShape,
@@ -211,6 +220,7 @@ TEST(ScenarioShapes, APairWithoutADistanceIsAMistakeAndUnderAllARemark) {
       load(replaced(text, "shape: [{" + tube + "}]", "shape: [{sphere: {radius: 1}}, {" + tube + "}]"));
   EXPECT_EQ(some.clearance.size(), 1U);
   EXPECT_THAT(some.remarks.at(0).text, HasSubstr("1 of 2 pairs"));
+  EXPECT_THAT(some.remarks.at(0).text, HasSubstr("make one of the hollow ones solid"));
 }
 
 }  // namespace

@@ -163,6 +163,27 @@ class FmuTest(ProcessTest):
             sim.restore(data[:len(data) - 1 - 8 * len(parameters)])
             return sim.hash
 
+    def test_every_pair_of_shapes_has_a_distance_of_its_own_name(self):
+        scenario = self.folder / "pairs.yaml"
+        ball = "mass: 1, inertia: [1, 1, 1]"
+        scenario.write_text(f"""unlatch: 1
+name: pairs
+step: {{dt: 1 ms, until: 0.05}}
+bodies:
+  a: {{{ball}, shape: [{{name: s, sphere: {{radius: 0.5}}}}, {{name: t, sphere: {{centre: [0, 0, 3], radius: 0.5}}}}]}}
+  b: {{{ball}, position: [0.75, 0, 0], shape: [{{sphere: {{radius: 0.5}}}}]}}
+clearance: [[a.s, b], [a.t, b], [a, b]]
+""")
+        for version in (2, 3):
+            fmu = self.open(version, scenario)
+            variables = list(fmu.description.find("ModelVariables"))
+            self.assertEqual(len({v.get("name") for v in variables}), len(variables))
+            self.assertIn("signed distance of a.s – b", {v.get("description") for v in variables if v.get("name") == "clearances.a.s.b"}.pop())
+            self.assertEqual(fmu.begin(), OK)
+            self.assertEqual(fmu.step(0.0, 0.001)[0], OK)
+            self.assertEqual([round(fmu.get(f"clearances.{pair}"), 9) for pair in ("a.s.b", "a.b")], [-0.25, -0.25])
+            self.assertAlmostEqual(fmu.get("clearances.a.t.b"), math.hypot(3, 0.75) - 1)
+
     def separate(self, version):
         session = self.run_json(UNLATCH, "hil", BOOSTERS, "--transport", "inproc", "--pace", "lockstep", "--until", "2", code=None)
         fmu = self.open(version)
