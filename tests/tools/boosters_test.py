@@ -4,6 +4,7 @@
 
     boosters_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
+import csv
 import importlib.util
 import json
 import math
@@ -216,6 +217,28 @@ class BoostersTest(ProcessTest):
         report = self.compare("dispersed", "dispersed.yaml")
         times = sorted(e["t"] for e in report["events"] if e["name"] == "liftoff")
         self.assertGreater(min(b - a for a, b in zip(times, times[1:])), 0.001)
+
+    # tests/support/separations_reference.py: the first samples of campaign.yaml.
+    def test_forty_dispersed_separations_go_as_their_references_do(self):
+        file = SOURCE / "tests/data/boosters_separations.json"
+        references = json.loads(file.read_text())["separations"]
+        self.assertEqual([reference["sample"] for reference in references], list(range(40)))
+        out = self.folder / "out"
+        self.run_ok(UNLATCH, "campaign", BOOSTERS / "campaign.yaml", "--samples", "0:40", "--out", out, code=None)
+        with open(out / "samples.csv", newline="", encoding="utf-8") as table:
+            rows = [{name.split(" [")[0]: value for name, value in row.items()} for row in csv.DictReader(table)]
+        worst, liftoffs = 0, []  # s
+        for reference, row in zip(references, rows, strict=True):
+            self.assertEqual(row["status"], "done")
+            for name, value in reference["inputs"].items():
+                self.assertEqual(float(row[name]), value, f"{file.name} is of other samples: make it again")
+            events = reference["events"]
+            self.assertEqual(len(events), 12)
+            worst = max([worst, *(abs(float(row[f"event.{name}"]) - t) for name, t in events.items())])
+            liftoffs += [events[f"liftoff:booster{k}"] for k in range(1, 5)]
+        print(f"480 events of 40 separations: {worst:.1e} s", file=sys.stderr)
+        self.assertLess(worst, EVENT_TIME)
+        self.assertGreater(max(liftoffs) - min(liftoffs), 0.3)  # the dispersions act
 
     def test_before_the_ties_are_cut_the_rocket_is_one_body(self):
         report = self.run_at("cyclogram.yaml", (0.09, 0.449))

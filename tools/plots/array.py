@@ -1,6 +1,8 @@
 """Figures of the solar array: hinge angles, what hinges bear around the latches, the shock's spectrum, residual rates."""
 import math
 
+from plots import campaign
+
 # Of synthesis.yaml: the array as it is, and the optimum.
 DESIGNS = {
     "before: springs of 0.6 N m,\ncables of 150 N m/rad": {},
@@ -116,6 +118,10 @@ def add(figure, tools):
         right.set_xlabel("panels")
         right.legend()
         return drawn
+
+    @figure("array-campaign")
+    def dispersion(bench):
+        return campaign.draw(bench, tools, "array/campaign.yaml", ["hinge"], "greatest force in the bus' hinge", "N", rows=2)
 
     @figure("array-synthesis")
     def synthesis(bench):

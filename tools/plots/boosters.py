@@ -3,6 +3,8 @@ import cmath
 import importlib.util
 import math
 
+from plots import campaign
+
 COLOURS = ("#c1121f", "#457b9d", "#e09f3e", "#2a9d5c")
 CASES = (("cyclogram.yaml", (), "nominal"), ("late-valve.yaml", (), "valve 1 late"),
          ("cyclogram.yaml", ("--set", "events.nozzle:booster1.enabled=false"), "nozzle 1 dead"),
@@ -267,6 +269,12 @@ def add(figure, tools):
         columns[0].set_ylabel("distance to the core, m")
         columns[0].legend(loc="upper left")
         return drawn
+
+    @figure("boosters-campaign")
+    def dispersion(bench):
+        ids = [f"leaves{k}" for k in range(1, 5)]
+        return campaign.draw(bench, tools, "boosters/campaign.yaml", ids, "boosters lift off", "s", labels=[f"booster {k}" for k in range(1, 5)],
+                             colours=COLOURS, driven="leaves3", events=("release", "contact", "nozzle", "liftoff"), rows=16)
 
     @figure("boosters-rare")
     def rare(bench):

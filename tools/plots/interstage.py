@@ -1,4 +1,5 @@
-"""Figures of two stages that part: forces of pushers and umbilical, the gap between nozzle and skirt; a duct of triangles in the skirt."""
+"""Figures of two stages that part: forces of pushers and umbilical, the gap between nozzle and skirt; a duct of triangles in the skirt; dispersed bolts and pushers."""
+from plots import campaign
 
 
 def add(figure, tools):
@@ -36,6 +37,11 @@ def add(figure, tools):
         right.set_title("Gap while the nozzle leaves the skirt", loc="left")
         right.legend(loc="lower left")
         return drawn
+
+    @figure("interstage-campaign")
+    def dispersion(bench):
+        return campaign.draw(bench, tools, "interstage/campaign.yaml", ["R1"], "least gap of nozzle and skirt", "cm", factor=100,
+                             events=("stroke_end", "taut", "part"), rows=8)
 
     @figure("interstage-duct")
     def duct(bench):
