@@ -66,7 +66,7 @@ class SampleEvaluator::Flight {
       : evaluator_(evaluator), run_(run) {
     guard([&] {
       scenario_.emplace(evaluator.tree_.read(settings));
-      simulation_ = build_simulation(*scenario_);
+      simulation_ = build_simulation(*scenario_, run.instruction_set);
       if (run.judges) analysis_.emplace(*scenario_, *simulation_, evaluator.request_);
       if (run.judges && !evaluator.chosen_.is_empty()) chosen_.emplace(evaluator.chosen_, *scenario_, *simulation_);
       const std::int64_t last = calc_nearest_tick(run.until > 0 ? run.until : scenario_->until, scenario_->dt);

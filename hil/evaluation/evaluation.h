@@ -49,6 +49,8 @@ struct SampleResult {
 struct SampleRun {
   double until = 0;    // s; 0: the scenario's end
   bool judges = true;  // false: no values; the run has the speed of the step alone
+  // For tests: results do not depend on it.
+  InstructionSet instruction_set = InstructionSet::kAuto;
   // Called at every tick, the first included, with the report of its step; and at the end, with the last good state. A
   // ScenarioError from it makes the sample invalid. May be empty.
   std::function<void(const Scenario&, const Simulation&, const StepReport&)> look;

@@ -10,9 +10,10 @@
 
 namespace unlatch::hil {
 
-std::unique_ptr<Simulation> build_simulation(const Scenario& scenario) {
+std::unique_ptr<Simulation> build_simulation(const Scenario& scenario, InstructionSet set) {
   PlanOptions options;
   options.dt = scenario.dt;
+  options.instruction_set = set;
   try {
     return std::make_unique<Simulation>(scenario.model, options, scenario.rates);
   } catch (const SimulationError& error) {

@@ -16,7 +16,8 @@
 namespace unlatch::hil {
 
 // Compiles the scenario for its own step. Throws ScenarioError with the places of the faulty elements.
-std::unique_ptr<Simulation> build_simulation(const Scenario& scenario);
+// `set`: for tests.
+std::unique_ptr<Simulation> build_simulation(const Scenario& scenario, InstructionSet set = InstructionSet::kAuto);
 
 // Returns a random session number, > 0.
 std::int64_t draw_session();

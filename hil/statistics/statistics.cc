@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <tuple>
 
 #include "hil/sampling/philox.h"
 
@@ -72,6 +71,21 @@ double calc_mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+double calc_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const double mean_a = calc_mean(a), mean_b = calc_mean(b);
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean_a) * (a[i] - mean_a);
+    bb += (b[i] - mean_b) * (b[i] - mean_b);
+    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : kNaN;
+}
+
+bool has_gaps(const std::vector<double>& values) {
+  return std::ranges::any_of(values, [](double value) { return std::isnan(value); });
+}
+
 }  // namespace
 
 double calc_quantile(const std::vector<double>& sorted, double p) {
@@ -134,16 +148,27 @@ double calc_spearman(const std::vector<double>& x_in, const std::vector<double>&
     x.push_back(x_in[i]);
     y.push_back(y_in[i]);
   }
-  if (x.size() < 3) return kNaN;
-  const std::vector<double> a = calc_ranks(x), b = calc_ranks(y);
-  const double mean_a = calc_mean(a), mean_b = calc_mean(b);
-  double aa = 0, bb = 0, ab = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    aa += (a[i] - mean_a) * (a[i] - mean_a);
-    bb += (b[i] - mean_b) * (b[i] - mean_b);
-    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  return x.size() < 3 ? kNaN : calc_correlation(calc_ranks(x), calc_ranks(y));
+}
+
+RankedVariables::RankedVariables(const std::vector<std::vector<double>>& variables) : variables_(variables) {
+  for (const std::vector<double>& x : variables_) {
+    std::vector<std::uint32_t>& twice = ranks_.emplace_back();
+    if (has_gaps(x)) continue;
+    for (const double rank : calc_ranks(x)) twice.push_back(static_cast<std::uint32_t>(2 * rank));
   }
-  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : kNaN;
+}
+
+std::vector<double> RankedVariables::calc_spearman(const std::vector<double>& y) const {
+  const bool gaps = y.size() < 3 || has_gaps(y);
+  const std::vector<double> ranks = gaps ? std::vector<double>() : calc_ranks(y);
+  std::vector<double> all, own;
+  for (std::size_t k = 0; k < variables_.size(); ++k) {
+    own.clear();
+    for (const std::uint32_t twice : ranks_[k]) own.push_back(0.5 * twice);
+    all.push_back(gaps || own.empty() ? hil::calc_spearman(variables_[k], y) : calc_correlation(own, ranks));
+  }
+  return all;
 }
 
 MorrisEffect calc_morris(const std::vector<double>& effects) {
@@ -158,39 +183,48 @@ MorrisEffect calc_morris(const std::vector<double>& effects) {
   return effect;
 }
 
-SobolIndex calc_sobol_index(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& ab,
-                            std::uint64_t seed) {
+std::vector<SobolIndex> calc_sobol_indices(const std::vector<double>& a, const std::vector<double>& b,
+                                           std::span<const std::vector<double>> ab, std::uint64_t seed) {
   const std::size_t n = a.size();
-  const auto calc = [&](const std::vector<std::size_t>& rows) {
-    double mean = 0, square = 0, first = 0, total = 0;
+  std::vector<std::vector<double>> firsts(ab.size()), totals(ab.size());
+  const auto add = [&](const std::vector<std::size_t>& rows) {
+    double mean = 0, square = 0;
     const auto count = static_cast<double>(rows.size());
     for (const std::size_t i : rows) mean += (a[i] + b[i]) / (2 * count);
-    for (const std::size_t i : rows) {  // centred: the product of the means would cancel badly
+    for (const std::size_t i : rows)  // centred: the product of the means would cancel badly
       square += ((a[i] - mean) * (a[i] - mean) + (b[i] - mean) * (b[i] - mean)) / (2 * count);
-      first += (b[i] - mean) * (ab[i] - a[i]) / count;
-      total += (a[i] - ab[i]) * (a[i] - ab[i]) / (2 * count);
+    for (std::size_t axis = 0; axis < ab.size(); ++axis) {
+      double first = 0, total = 0;
+      for (const std::size_t i : rows) {
+        first += (b[i] - mean) * (ab[axis][i] - a[i]) / count;
+        total += (a[i] - ab[axis][i]) * (a[i] - ab[axis][i]) / (2 * count);
+      }
+      firsts[axis].push_back(first / square);
+      totals[axis].push_back(total / square);
     }
-    return std::pair{first / square, total / square};
   };
   std::vector<std::size_t> rows(n);
   std::iota(rows.begin(), rows.end(), std::size_t{0});
-  SobolIndex index;
-  std::tie(index.first, index.total) = calc(rows);
+  add(rows);  // the estimate
+  std::vector<SobolIndex> indices;
+  for (std::size_t axis = 0; axis < ab.size(); ++axis) indices.push_back({firsts[axis][0], totals[axis][0], {}, {}});
   constexpr std::uint32_t kResamples = 1000;
-  std::vector<double> firsts, totals;
   for (std::uint32_t k = 0; k < kResamples; ++k) {
     for (std::size_t i = 0; i < n; ++i)
       rows[i] = static_cast<std::size_t>(draw_unit(seed, RandomStream::kResampling, i, k) * static_cast<double>(n));
-    const auto [first, total] = calc(rows);
-    firsts.push_back(first);
-    totals.push_back(total);
+    add(rows);
   }
-  std::sort(firsts.begin(), firsts.end());
-  std::sort(totals.begin(), totals.end());
   constexpr double kTail = 0.5 * (1 - kConfidence);
-  index.first_interval = {calc_quantile(firsts, kTail), calc_quantile(firsts, 1 - kTail)};
-  index.total_interval = {calc_quantile(totals, kTail), calc_quantile(totals, 1 - kTail)};
-  return index;
+  const auto find = [](std::vector<double>& estimates) {  // the first is not a resampled one
+    std::sort(estimates.begin() + 1, estimates.end());
+    const std::vector<double> sorted(estimates.begin() + 1, estimates.end());
+    return Interval{calc_quantile(sorted, kTail), calc_quantile(sorted, 1 - kTail)};
+  };
+  for (std::size_t axis = 0; axis < ab.size(); ++axis) {
+    indices[axis].first_interval = find(firsts[axis]);
+    indices[axis].total_interval = find(totals[axis]);
+  }
+  return indices;
 }
 
 }  // namespace unlatch::hil

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,17 @@ double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p);
 // Rank correlation, ties at their mean rank; pairs with a NaN left out. NaN if one variable is constant.
 double calc_spearman(const std::vector<double>& x, const std::vector<double>& y);
 
+// The same of one variable with each of several, whose ranks are computed once; it keeps a reference to these.
+class RankedVariables {
+ public:
+  explicit RankedVariables(const std::vector<std::vector<double>>& variables);
+  [[nodiscard]] std::vector<double> calc_spearman(const std::vector<double>& y) const;
+
+ private:
+  const std::vector<std::vector<double>>& variables_;
+  std::vector<std::vector<std::uint32_t>> ranks_;  // twice each rank, which is whole; none of a variable with a NaN
+};
+
 // Elementary effects of an axis over trajectories: mean of the sizes, standard deviation (Morris 1991, Campolongo
 // 2007).
 struct MorrisEffect {
@@ -44,12 +56,12 @@ struct MorrisEffect {
 MorrisEffect calc_morris(const std::vector<double>& effects);
 
 // Indices of one axis from outputs at A, B and A with the axis of B: Saltelli 2010 (first order), Jansen 1999 (total),
-// with intervals by resampling of the rows (1,000 times, Philox).
+// with intervals by resampling of the rows (1,000 times, Philox). All axes at once: they share the resampled rows.
 struct SobolIndex {
   double first = 0, total = 0;
   Interval first_interval, total_interval;
 };
-SobolIndex calc_sobol_index(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& ab,
-                            std::uint64_t seed);
+std::vector<SobolIndex> calc_sobol_indices(const std::vector<double>& a, const std::vector<double>& b,
+                                           std::span<const std::vector<double>> ab, std::uint64_t seed);
 
 }  // namespace unlatch::hil

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "hil/sampling/sampling.h"
 
@@ -82,6 +83,12 @@ TEST(Statistics, SpearmanSeesOrderAlone) {
   EXPECT_NEAR(hil::calc_spearman(x, y), 1, 1e-15);
   EXPECT_NEAR(hil::calc_spearman(x, z), -1, 1e-15);
   EXPECT_TRUE(std::isnan(hil::calc_spearman(x, std::vector<double>(20, 2.0))));
+  // Several at once, with gaps on either side: the same.
+  const std::vector<std::vector<double>> several{x, y, z};
+  const hil::RankedVariables ranked(several);
+  for (const std::vector<double>& other : several)
+    for (std::size_t k = 0; k < several.size(); ++k)
+      EXPECT_EQ(ranked.calc_spearman(other)[k], hil::calc_spearman(several[k], other));
 }
 
 // Ishigami's function, whose indices are known in closed form (Ishigami and Homma 1990).
@@ -98,8 +105,10 @@ TEST(Statistics, SobolIndicesOfIshigamisFunctionAreInTheirIntervals) {
   std::vector<std::vector<double>> blocks(5);
   for (std::int64_t i = 0; i < plan.samples; ++i)
     blocks[static_cast<std::size_t>(i % 5)].push_back(f(hil::calc_point(plan, i)));
+  const std::vector<hil::SobolIndex> indices =
+      hil::calc_sobol_indices(blocks[0], blocks[1], std::span(blocks).subspan(2), 1);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const hil::SobolIndex index = hil::calc_sobol_index(blocks[0], blocks[1], blocks[axis + 2], 1);
+    const hil::SobolIndex& index = indices[axis];
     EXPECT_LE(index.first_interval.low, first[axis]) << axis;
     EXPECT_GE(index.first_interval.high, first[axis]) << axis;
     EXPECT_LE(index.total_interval.low, total[axis]) << axis;

@@ -76,7 +76,8 @@ class File {
 std::string get_manifest_path(const std::string& folder) { return (fs::path(folder) / "manifest.json").string(); }
 std::string get_results_path(const std::string& folder) { return (fs::path(folder) / "results.bin").string(); }
 
-Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& evaluator) {
+Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& evaluator,
+                    const std::vector<std::string>& set) {
   const hil::Scenario& scenario = campaign.tree->get_nominal();
   Json manifest = {{"format", 1},
                    {"campaign", campaign.name},
@@ -94,6 +95,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                    {"scenario_file", campaign.scenario},
                    {"scenario_text", scenario.text},
                    {"overrides", scenario.overrides},
+                   {"set", set},
                    {"inputs", Json::array()},
                    {"parameters", Json::array()},
                    {"columns", Json::array()},
@@ -124,7 +126,8 @@ Json read_manifest(const std::string& folder) {
   if (!stream) throw hil::ResultError(path + ": it cannot be opened; a campaign's folder has it");
   try {
     Json manifest = Json::parse(stream);
-    if (manifest.at("format") != 1) throw hil::ResultError(path + ": a format of another version");
+    if (manifest.at("format") != 1 || !manifest.contains("set"))
+      throw hil::ResultError(path + ": a format of another version");
     return manifest;
   } catch (const Json::exception& error) {
     throw hil::ResultError(path + ": not a campaign's manifest: " + error.what());
@@ -260,10 +263,13 @@ bool write_parquet(const CampaignData& data, const std::string& path) try {
   NodeWriter node("parquet", place.path());
   Json columns = {{{"name", "sample"}, {"unit", "1"}, {"type", "integer"}},
                   {{"name", "status"}, {"unit", "1"}, {"type", "text"}},
-                  {{"name", "hash"}, {"unit", "1"}, {"type", "text"}}};
+                  {{"name", "ticks"}, {"unit", "1"}, {"type", "integer"}},
+                  {{"name", "hash"}, {"unit", "1"}, {"type", "text"}},
+                  {{"name", "model_hash"}, {"unit", "1"}, {"type", "text"}}};
   for (const char* part : {"inputs", "columns"})
     for (const Json& column : data.manifest.at(part))
       columns.push_back({{"name", column.at("name")}, {"unit", column.at("unit")}, {"type", "optional"}});
+  columns.push_back({{"name", "message"}, {"unit", "1"}, {"type", "text"}});
   const auto put = [&](const Json& line) {
     const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     std::fwrite(text.data(), 1, text.size(), node.get_stream());
@@ -271,9 +277,10 @@ bool write_parquet(const CampaignData& data, const std::string& path) try {
   put({{"scenario", data.manifest.at("scenario")}, {"columns", columns}});
   for (const hil::SampleRecord& record : data.records) {
     Json line = {record.sample, hil::kSampleStatusNames[static_cast<std::size_t>(record.result.status)],
-                 to_hex(record.result.hash)};
+                 record.result.ticks, to_hex(record.result.hash), to_hex(record.result.model_hash)};
     for (const auto* values : {&record.inputs, &record.result.values})
       for (const double value : *values) line.push_back(std::isnan(value) ? Json(nullptr) : Json(value));
+    line.push_back(record.result.message);
     put(line);
   }
   if (!node.finish() || !place.finish()) throw OutputError(path + ": it cannot be written");

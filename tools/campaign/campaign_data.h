@@ -14,8 +14,10 @@ namespace unlatch::tools {
 
 using Json = nlohmann::ordered_json;
 
-// Of the campaign, for a folder's manifest: texts, versions, columns, requirements.
-Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& evaluator);
+// Of the campaign, for a folder's manifest: texts, versions, columns, requirements. `set`: overrides of the command
+// line, which a sample that runs again needs too.
+Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& evaluator,
+                    const std::vector<std::string>& set);
 
 std::string get_manifest_path(const std::string& folder);
 std::string get_results_path(const std::string& folder);

@@ -12,7 +12,8 @@ UNLATCH_EMBED(unlatch_campaign_page, UNLATCH_CAMPAIGN_PAGE);
 namespace unlatch::tools {
 namespace {
 
-constexpr std::size_t kMostPoints = 20'000;  // of a plot
+constexpr std::size_t kMostPoints = 20'000;          // of a plot
+constexpr std::size_t kMostSteps = 300, kEnds = 20;  // of a distribution: in all; at its ends, of consecutive samples
 
 // Places of the records that plots show: every n-th, and the worst.
 std::vector<std::size_t> choose_records(const CampaignData& data, const Json& worst, std::size_t every) {
@@ -30,18 +31,48 @@ Json pick(const std::vector<double>& values, const std::vector<std::size_t>& pla
   return json;
 }
 
+// Histogram and cumulative distribution of all values: {from, size, counts, steps}. Steps are [value, part of the
+// samples up to it], thinned by rank, but complete at both ends.
+Json describe_distribution(const std::vector<double>& values) {
+  std::vector<double> sorted;
+  for (const double value : values)
+    if (std::isfinite(value)) sorted.push_back(value);
+  if (sorted.empty()) return nullptr;
+  std::sort(sorted.begin(), sorted.end());
+  const auto n = static_cast<double>(sorted.size());
+  const auto bins = static_cast<std::size_t>(std::clamp(std::ceil(2 * std::cbrt(n)), 5.0, 60.0));  // Rice's rule
+  const double from = sorted.front(), spread = sorted.back() - from;
+  const double size = spread > 0 ? spread / static_cast<double>(bins) : 1;
+  std::vector<std::int64_t> counts(bins, 0);
+  for (const double value : sorted)
+    ++counts[std::min(bins - 1, static_cast<std::size_t>(std::max(0.0, (value - from) / size)))];
+  Json steps = Json::array();
+  const std::size_t every = (sorted.size() + kMostSteps - 1) / kMostSteps;
+  for (std::size_t k = 0; k < sorted.size(); ++k)
+    if (k % every == 0 || k < kEnds || k + kEnds >= sorted.size())
+      steps.push_back({sorted[k], static_cast<double>(k + 1) / n});
+  return {{"from", from}, {"size", size}, {"counts", counts}, {"steps", steps}};
+}
+
 }  // namespace
 
-std::string build_campaign_page(const CampaignData& data, const Json& summary, const Json& flights) {
+std::string build_campaign_page(const CampaignData& data, const Json& summary, const std::string& folder,
+                                const Json& flights) {
   const std::size_t every = std::max<std::size_t>(1, (data.records.size() + kMostPoints - 1) / kMostPoints);
   const std::vector<std::size_t> places = choose_records(data, summary.at("worst"), every);
-  Json document = {{"summary", summary}, {"manifest", data.manifest}, {"every", every}, {"flights", flights}};
+  Json document = {
+      {"summary", summary}, {"manifest", data.manifest}, {"every", every}, {"folder", folder}, {"flights", flights}};
   document["samples"] = Json::array();
   for (const std::size_t i : places) document["samples"].push_back(data.records[i].sample);
-  for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k)
+  const CampaignData drawn = data.get_drawn();
+  for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
     document["inputs"].push_back(pick(data.get_input(k), places));
-  for (std::size_t k = 0; k < data.count_plain_columns(); ++k)
+    document["input_distributions"].push_back(describe_distribution(drawn.get_input(k)));
+  }
+  for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
     document["columns"].push_back(pick(data.get_column(k), places));
+    document["column_distributions"].push_back(describe_distribution(drawn.get_column(k)));
+  }
   return build_page(UNLATCH_EMBEDDED(unlatch_campaign_page), document);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 
 #include "hil/language/setting.h"
 #include "hil/sampling/sampling.h"
@@ -191,11 +192,10 @@ void describe_blocks(const Blocks& blocks, Json& to) {
   to["blocks"] = {{"used", blocks.numbers.size()}, {"left_out", blocks.left_out}};
 }
 
-Json describe_sensitivity(const CampaignData& data, const std::vector<std::vector<double>>& inputs,
+Json describe_sensitivity(const CampaignData& data, const hil::RankedVariables& inputs,
                           const std::vector<double>& values) {
   Json json = {{"spearman", Json::array()}};
-  for (const std::vector<double>& input : inputs)
-    json["spearman"].push_back(to_json(hil::calc_spearman(input, values)));
+  for (const double rho : inputs.calc_spearman(values)) json["spearman"].push_back(to_json(rho));
   const std::string sampling = data.manifest.at("sampling");
   std::size_t axes = 0;
   Json names = Json::array();
@@ -230,9 +230,10 @@ Json describe_sensitivity(const CampaignData& data, const std::vector<std::vecto
     const Blocks blocks = get_blocks(data, values, axes + 2);
     describe_blocks(blocks, json);
     if (blocks.numbers.empty()) return json;
+    const std::vector<hil::SobolIndex> indices =
+        hil::calc_sobol_indices(blocks.values[0], blocks.values[1], std::span(blocks.values).subspan(2), seed);
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      const hil::SobolIndex index =
-          hil::calc_sobol_index(blocks.values[0], blocks.values[1], blocks.values[axis + 2], seed);
+      const hil::SobolIndex& index = indices[axis];
       json["sobol"].push_back(
           {{"parameter", names[axis]},
            {"first", to_json(index.first)},
@@ -330,11 +331,12 @@ Json build_summary(const CampaignData& all) {
     inputs.push_back(data.get_input(k));
     summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], inputs.back()));
   }
+  const hil::RankedVariables ranked(inputs);
   for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
     const std::vector<double> values = data.get_column(k);
     Json column = describe_column(data.manifest.at("columns")[k], values);
     column["kind"] = data.manifest.at("columns")[k].at("kind");
-    column["sensitivity"] = describe_sensitivity(data, inputs, values);
+    column["sensitivity"] = describe_sensitivity(data, ranked, values);
     summary["columns"].push_back(std::move(column));
   }
   if (data.manifest.contains("curves"))
@@ -351,6 +353,17 @@ std::string describe_failure(const Json& rare) {
 
 std::string describe_number(const Json& value, const char* form) {
   return value.is_null() ? std::string("–") : format(form, value.get<double>());
+}
+
+// Of each side that has a limit.
+std::string describe_tolerance(const Json& requirement) {
+  const Json& tolerance = requirement.at("tolerance");
+  if (!tolerance.contains("lower")) return format("needs %lld", tolerance.at("samples_needed").get<long long>());
+  std::string text;
+  if (!requirement.at("at_least").is_null()) text = format("≥ %.5g", tolerance.at("lower").get<double>());
+  if (!requirement.at("at_most").is_null())
+    text += (text.empty() ? "" : ", ") + format("≤ %.5g", tolerance.at("upper").get<double>());
+  return text;
 }
 
 void print_rare(std::FILE* to, const Json& rare) {
@@ -395,20 +408,24 @@ void print_summary(std::FILE* to, const Json& summary) {
     if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());
   if (summary.contains("rare")) print_rare(to, summary.at("rare"));
   if (summary.at("requirements").empty()) return;
-  print_heading(to, std::string("Requirements") + (summary.contains("rare") ? ", first level alone" : "") +
-                        ": failures, 95 % bounds of their probability (Clopper-Pearson), quantiles of the value");
-  std::fprintf(to, "  %-16s %8s  %-23s %10s %10s %10s %10s %10s\n", "", "failed", "probability", "1 %", "5 %", "50 %",
-               "95 %", "99 %");
+  print_heading(to,
+                std::string("Requirements") + (summary.contains("rare") ? ", first level alone" : "") +
+                    ": failures, 95 % bounds of their probability (Clopper-Pearson), quantiles of the value, what 99 % "
+                    "of all runs keep to with 95 % confidence (Wilks)");
+  std::fprintf(to, "  %-16s %8s %8s  %-23s %10s %10s %10s %10s %10s  %s\n", "", "failed", "missing", "probability",
+               "1 %", "5 %", "50 %", "95 %", "99 %", "tolerance");
   for (const Json& requirement : summary.at("requirements")) {
     const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
     const bool failed = requirement.at("failed") > 0;
     const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
     std::fprintf(
-        to, "  %-16s %s  %-25s %10s %10s %10s %10s %10s %s\n", requirement.at("id").get<std::string>().c_str(),
+        to, "  %-16s %s %8lld  %-25s %10s %10s %10s %10s %10s  %s %s\n",
+        requirement.at("id").get<std::string>().c_str(),
         paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
             .c_str(),
-        bounds.c_str(), text(q.at("0.01")).c_str(), text(q.at("0.05")).c_str(), text(q.at("0.5")).c_str(),
-        text(q.at("0.95")).c_str(), text(q.at("0.99")).c_str(), requirement.at("unit").get<std::string>().c_str());
+        requirement.at("not_evaluated").get<long long>(), bounds.c_str(), text(q.at("0.01")).c_str(),
+        text(q.at("0.05")).c_str(), text(q.at("0.5")).c_str(), text(q.at("0.95")).c_str(), text(q.at("0.99")).c_str(),
+        describe_tolerance(requirement).c_str(), requirement.at("unit").get<std::string>().c_str());
   }
   std::string worst;
   for (const Json& sample : summary.at("worst"))

@@ -18,7 +18,8 @@ class NodeMissing : public std::runtime_error {
 
 class NodeWriter {
  public:
-  // Starts it; `format`: mcap or parquet. Throws NodeMissing.
+  // Starts it; `format`: mcap or parquet. Throws NodeMissing. It is killed when the calling thread ends, kill -9
+  // included.
   NodeWriter(const std::string& format, const std::string& path);
   // An unfinished process is killed.
   ~NodeWriter();
@@ -30,6 +31,8 @@ class NodeWriter {
   [[nodiscard]] bool finish();
 
  private:
+  int start(int program, int lines, const char* const arguments[]);
+
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };

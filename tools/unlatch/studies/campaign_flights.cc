@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 
@@ -34,17 +35,20 @@ int call(const std::vector<std::string>& arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : kExitFailed;
 }
 
-// Options --set of the campaign's run: the overrides beyond those of its own file.
+// Options --set of the campaign's run.
 std::vector<std::string> list_options(const CampaignData& data) {
-  const std::string file = data.manifest.at("campaign_file");
-  const std::vector<std::string> all = data.manifest.at("overrides");
-  const hil::Campaign campaign = hil::load_campaign(file);
-  const std::size_t own = campaign.tree->get_nominal().overrides.size();
-  if (campaign.text != data.manifest.at("campaign_text").get<std::string>() || own > all.size())
-    throw hil::ResultError(file + " is not the campaign file of these results any more; its samples cannot be flown");
   std::vector<std::string> options;
-  for (std::size_t i = own; i < all.size(); ++i) options.insert(options.end(), {"--set", all[i]});
+  for (const Json& text : data.manifest.at("set")) options.insert(options.end(), {"--set", text.get<std::string>()});
+  const std::string file = data.manifest.at("campaign_file");
+  if (hil::load_campaign(file).text != data.manifest.at("campaign_text").get<std::string>())
+    throw hil::ResultError(file + " is not the campaign file of these results any more; its samples cannot be flown");
   return options;
+}
+
+bool is_valid(const CampaignData& data, std::int64_t sample) {
+  return std::ranges::any_of(data.records, [&](const hil::SampleRecord& record) {
+    return record.sample == sample && record.result.status != hil::SampleStatus::kInvalid;
+  });
 }
 
 }  // namespace
@@ -54,6 +58,7 @@ Json fly_samples(const CampaignData& data, const std::string& folder, const std:
   const std::vector<std::string> options = list_options(data);
   Json pages = Json::object();
   for (const std::int64_t sample : samples) {
+    if (!is_valid(data, sample)) continue;  // nothing to see
     const std::string number = std::to_string(sample);
     fs::path target = page;
     target.replace_filename(target.stem().string() + "-" + number + ".html");

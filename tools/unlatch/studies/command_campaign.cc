@@ -29,7 +29,7 @@ struct CampaignOptions {
   std::vector<std::string> arguments;  // FILE; merge DIR...; report DIR
   std::string out, samples, json;
   std::vector<std::string> overrides;
-  int jobs = 0, flights = 0;
+  int jobs = 0, flights = -1;  // below 0: not said
   bool resume = false;
 };
 
@@ -160,7 +160,8 @@ int run(const CampaignOptions& options, const CampaignHost& host) {
     host.evaluate(task);
     return kExitDone;
   }
-  hil::ResultFile results = open_results(options, get_shape(campaign, evaluator), build_manifest(campaign, evaluator));
+  hil::ResultFile results =
+      open_results(options, get_shape(campaign, evaluator), build_manifest(campaign, evaluator, options.overrides));
   std::int64_t done = 0;
   for (const std::int64_t sample : results.samples()) done += sample >= first && sample < last ? 1 : 0;
   if (done > 0) std::fprintf(stderr, "%s already there\n", count(static_cast<std::size_t>(done), "sample").c_str());
@@ -188,15 +189,28 @@ int merge(const CampaignOptions& options) {
   return kExitFailed;
 }
 
+// Pages of the worst samples' flights. Without --flights a failure is a note, and the page does without them.
+Json fly_worst(const CampaignOptions& options, const CampaignData& data, std::vector<std::int64_t> worst) {
+  constexpr std::size_t kFlights = 10;
+  const bool asked = options.flights >= 0;
+  worst.resize(std::min(worst.size(), asked ? static_cast<std::size_t>(options.flights) : kFlights));
+  if (worst.empty()) return Json::object();
+  try {
+    return fly_samples(data, options.arguments[1], worst, options.out);
+  } catch (const std::runtime_error& error) {  // of the results, the campaign's file, or a flight
+    if (asked) throw;
+    std::fprintf(stderr, "note: no pages of the worst flights: %s\n", error.what());
+    return Json::object();
+  }
+}
+
 int report(const CampaignOptions& options) {
   if (options.arguments.size() != 2) refuse_option("report", "one folder: unlatch campaign report DIR --out page.html");
   check_output(options.out);
   const CampaignData data = read_campaign(options.arguments[1]);
   const Json summary = build_summary(data);
-  std::vector<std::int64_t> worst = summary.at("worst");
-  worst.resize(std::min(worst.size(), static_cast<std::size_t>(options.flights)));
-  const Json flights = worst.empty() ? Json::object() : fly_samples(data, options.arguments[1], worst, options.out);
-  const std::string page = build_campaign_page(data, summary, flights);
+  const std::string page =
+      build_campaign_page(data, summary, options.arguments[1], fly_worst(options, data, summary.at("worst")));
   write_text(page, options.out);
   std::fprintf(stderr, "%s: %.1f MB\n", options.out.c_str(), static_cast<double>(page.size()) * 1e-6);
   return kExitDone;
@@ -269,7 +283,7 @@ void add_campaign(Command app, int& exit_code) {
   command
       .add_option("--flights", options->flights,
                   "of report: flies so many of the worst samples again and writes a page of each beside this one, with "
-                  "the bodies in motion")
+                  "the bodies in motion; 0: none (default: 10)")
       .within(0, 10)
       .type_name("N");
   add_options(command, *options);
