@@ -11,6 +11,10 @@
 // point of the wall is on its rim, where `in` is; where B is in S, a nearest strip has its nearest point on its
 // generator, for turning a strip moves all its other points, and `in` is exact. Overlapping, it is minus the lesser of
 // two depths: the greatest height by which B stands out of the wall, and the way out of the solid. Both are continuous.
+//
+// `in` has as many local minima as B has points that reach towards the wall, near each other or not. The least of them
+// is found by branch and bound over arcs of azimuths (Land and Doig 1960): a lower bound of an arc is exact to the
+// second order of its width (`Widths`), and an arc that may hold less than the least strip so far is halved.
 #include <limits>
 
 #include "kernel/geometry/distance.h"
@@ -21,230 +25,288 @@ namespace unlatch::geometry {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kFullSamples = 48;  // around the wall; every second but for hulls, whose corners are narrow
-constexpr int kHalfSamples = 25;  // the same of a half, edges included
-constexpr int kMostRefinements = 40;
-constexpr double kStationary = 1e-9;  // of the pair's size, per rad: what is left of an interval is less than it
-constexpr double kTurn = 1e-9;        // rad; the distance is stationary there, so that its error is of second order
+constexpr int kFirstArcs = 8;               // of the full circle
+constexpr double kFirstWidth = 0.25 * kPi;  // rad
+constexpr int kMostHalvings = 15;           // to 2.4e-5 rad, where a bound is exact to 1e-10 of B's radius of curvature
+constexpr int kMostArcs = 384;              // that are looked at
+constexpr int kMostStrips = 48;             // that arcs are judged by
+constexpr int kMostSteps = 40;              // of a descent
+constexpr double kStationary = 1e-9;        // of the pair's size, per rad: no descent from there
+constexpr double kTurn = 1e-9;              // rad, an interval whose distance does not change
+constexpr double kLess = 1e-11;             // of the pair's size: a distance that is less by this is worth the search
 
 struct Strip {
   Distance d;
-  double rate = 0;  // m/rad, of the distance by the azimuth
+  double azimuth = 0;  // rad
+  double rate = 0;     // m/rad, of the distance by the azimuth
 };
 
-Strip calc_strip(const Core& solid, const Core& b, double azimuth, double size) {
-  double s, c;
-  elementary::sincos(azimuth, s, c);
-  const Vec3 e = c * solid.R.x + s * solid.R.y, t = c * solid.R.y - s * solid.R.x;
-  Core strip;
-  strip.kind = Core::Kind::kBox;
-  strip.R.z = solid.gr * e + solid.gz * solid.R.z;
-  strip.R.y = t;
-  strip.R.x = solid.gz * e - solid.gr * solid.R.z;  // outwards: (y × z)
-  strip.c = solid.c + (0.5 * (solid.r0 + solid.r1)) * e;
-  double low = -2 * size, high = 2 * size;
-  if (solid.kind == Core::Kind::kHalfFrustum) {
-    const double r = solid.r0 < solid.r1 ? solid.r0 : solid.r1, reach = c > 0 ? r * c : 0.0;
-    if (s > 0 && reach < high * s) high = reach / s;
-    if (s < 0 && reach < low * s) low = reach / s;
-  }
-  strip.c += (0.5 * (low + high)) * t;
-  strip.half = {0, 0.5 * (high - low), 0.5 * solid.length};
-  strip.bound = norm(strip.half);
-  Strip out;
-  const Closest closest = calc_closest(strip, b);
-  if (closest.apart) {
-    out.d = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
-  } else {
-    const Depth depth = calc_depth(strip, b);
-    out.d = {-depth.depth, depth.a, depth.b, depth.n, depth.gap};
-  }
-  out.rate = -dot(out.d.normal, cross(solid.R.z, out.d.on_a - solid.c));
-  return out;
-}
+// Axes of the strip at an azimuth: radial, and along the wall's rims.
+struct Axes {
+  Vec3 e, t;
+  double cosine, sine;
+};
 
-// Between two samples: the root of the rate (Illinois, Dowell and Jarratt 1971), else the best that was seen.
-void refine(const Core& solid, const Core& b, double size, double from, Strip left, double to, Strip right,
-            Strip& best) {
+// Extent of a strip across its generator, m.
+struct Extent {
+  double low, high;
+};
+
+// The wall beside B: its strips, and lower bounds of their distances.
+class Wall {
+ public:
+  Wall(const Core& solid, const Core& b)
+      : solid_(solid),
+        b_(b),
+        size_(calc_pair_size(solid, b)),
+        is_half_(solid.kind == Core::Kind::kHalfFrustum),
+        has_rims_(b.kind == Core::Kind::kFrustum) {}
+
+  double get_size() const { return size_; }
+  bool is_half() const { return is_half_; }
+  double clamp(double azimuth) const {
+    if (!is_half_) return azimuth;
+    return azimuth < -0.5 * kPi ? -0.5 * kPi : (azimuth > 0.5 * kPi ? 0.5 * kPi : azimuth);
+  }
+  double calc_azimuth(const Vec3& point) const {
+    const Vec3 way = point - solid_.c;
+    return elementary::atan2(dot(way, solid_.R.y), dot(way, solid_.R.x));
+  }
+
+  Strip calc_strip(double azimuth) const {
+    const Axes at = calc_axes(azimuth);
+    Core strip;
+    strip.kind = Core::Kind::kBox;
+    strip.R.z = solid_.gr * at.e + solid_.gz * solid_.R.z;
+    strip.R.y = at.t;
+    strip.R.x = solid_.gz * at.e - solid_.gr * solid_.R.z;  // outwards: (y × z)
+    const Extent wide = calc_extent(at);
+    strip.c = solid_.c + (0.5 * (solid_.r0 + solid_.r1)) * at.e + (0.5 * (wide.low + wide.high)) * at.t;
+    strip.half = {0, 0.5 * (wide.high - wide.low), 0.5 * solid_.length};
+    strip.bound = norm(strip.half);
+    Strip out;
+    const Closest closest = calc_closest(strip, b_);
+    if (closest.apart) {
+      out.d = {closest.distance, closest.a, closest.b, closest.n, closest.gap};
+    } else {
+      const Depth depth = calc_depth(strip, b_);
+      out.d = {-depth.depth, depth.a, depth.b, depth.n, depth.gap};
+    }
+    out.azimuth = azimuth;
+    out.rate = -dot(out.d.normal, cross(solid_.R.z, out.d.on_a - solid_.c));
+    return out;
+  }
+
+  // A direction that turns with the azimuth θ: the slab between a strip and B across it is a lower bound of their
+  // distance, also of an overlap.
+  //
+  // The reach H(θ) of B against it has H + H'' ≥ −residue, so that H + residue is below the sinusoid through the ends
+  // of an arc. For a point at the height z over the solid's centre, H + H'' = −u.z z. B is taken as one part, the
+  // residue the greatest of its points, or a frustum as its two rims: a rim of radius r has r (g + g'') more
+  // (`calc_roundness`).
+  struct Direction {
+    double e, t, z;     // unit length, from the strip to B
+    double of_wall;     // m, the strip's extent along e and z
+    double residue[2];  // m, of each part
+  };
+  struct Reach {
+    double of[2];  // m, of each part, with its residue
+  };
+
+  // The direction of a strip's own normal: there the bound is the distance. Of a whole wall without t, in which its
+  // strips have no end.
+  Direction calc_direction(const Strip& strip) const {
+    const Axes at = calc_axes(strip.azimuth);
+    Direction u;
+    u.e = dot(strip.d.normal, at.e), u.t = is_half_ ? dot(strip.d.normal, at.t) : 0.0;
+    u.z = dot(strip.d.normal, solid_.R.z);
+    const double length = std::sqrt((u.e * u.e + u.t * u.t) + u.z * u.z);
+    constexpr double kLeast = 0.1;
+    if (length > kLeast) {
+      u.e *= 1 / length, u.t *= 1 / length, u.z *= 1 / length;
+    } else {
+      u.e = -1, u.t = 0, u.z = 0;
+    }
+    u.of_wall =
+        0.5 * (solid_.r0 + solid_.r1) * u.e + 0.5 * solid_.length * std::fabs(solid_.gr * u.e + solid_.gz * u.z);
+    if (has_rims_) {
+      const double roundness = calc_roundness(u);
+      const double centre = dot(b_.c - solid_.c, solid_.R.z), half = b_.h * dot(b_.R.z, solid_.R.z);
+      u.residue[0] = u.z * (centre - half) - b_.r0 * roundness;
+      u.residue[1] = u.z * (centre + half) - b_.r1 * roundness;
+    } else {
+      u.residue[0] = u.residue[1] = calc_extent_of_b(u.z * solid_.R.z);
+    }
+    return u;
+  }
+
+  Reach calc_reach(const Direction& u, double azimuth) const {
+    const Axes at = calc_axes(azimuth);
+    const Vec3 d = -((u.e * at.e + u.t * at.t) + u.z * solid_.R.z);
+    if (!has_rims_) {
+      const double reach = calc_extent_of_b(d) + u.residue[0];
+      return {{reach, reach}};
+    }
+    const double x = dot(d, b_.R.z), square = 1 - x * x, across = square > 0 ? std::sqrt(square) : 0.0;
+    const double centre = dot(d, b_.c - solid_.c);
+    return {
+        {((centre - b_.h * x) + b_.r0 * across) + u.residue[0], ((centre + b_.h * x) + b_.r1 * across) + u.residue[1]}};
+  }
+
+  // Lower bound of the distance of the strip at an azimuth.
+  double calc_bound(const Direction& u, double azimuth, const Reach& at) const {
+    return calc_bound(u, azimuth, azimuth, at.of[0], at.of[1]);
+  }
+  // The same of all strips of an arc, by the reaches at both ends: between them each part's is below the sinusoid
+  // through both.
+  double calc_bound(const Direction& u, double from, double to, const Reach& at_from, const Reach& at_to) const {
+    double s, c;
+    elementary::sincos(0.5 * (to - from), s, c);
+    const double cosine = 1 - 2 * s * s;  // of the arc
+    const auto calc_most = [&](double x, double y) {
+      if (!(y > x * cosine && x > y * cosine)) return x > y ? x : y;
+      const double half = (y - x) / (2 * s);
+      return std::sqrt(half * half + x * y) / c;
+    };
+    return calc_bound(u, from, to, calc_most(at_from.of[0], at_to.of[0]), calc_most(at_from.of[1], at_to.of[1]));
+  }
+
+ private:
+  Axes calc_axes(double azimuth) const {
+    double s, c;
+    elementary::sincos(azimuth, s, c);
+    return {c * solid_.R.x + s * solid_.R.y, c * solid_.R.y - s * solid_.R.x, c, s};
+  }
+  double calc_extent_of_b(const Vec3& d) const { return dot(d, calc_support(b_, d) - solid_.c); }
+  // A lower bound of g + g'' over all azimuths, 0 at least: g = √(1 − x²) is the reach of a rim of radius 1, x = q + p
+  // cos(θ − θ0) the cosine between the direction and B's axis. g + g'' = (1 + q² − p² − 3 q x + q x³) / g³, and 3 x −
+  // x³ grows.
+  double calc_roundness(const Direction& u) const {
+    const double tilt = dot(b_.R.z, solid_.R.z), sine = norm(cross(b_.R.z, solid_.R.z));
+    const double p = std::sqrt(u.e * u.e + u.t * u.t) * sine, q = std::fabs(u.z * tilt);
+    const double most = p + q < 1 ? p + q : 1.0, least = q > p ? q - p : 0.0;
+    const double left = ((1 - p * p) + q * q) - q * most * (3 - most * most), square = 1 - least * least;
+    return left > 0 && square > 0 ? left / (square * std::sqrt(square)) : 0.0;
+  }
+  double calc_bound(const Direction& u, double from, double to, double most_0, double most_1) const {
+    const double reach_0 = most_0 - u.residue[0], reach_1 = most_1 - u.residue[1];
+    const double bound = -(reach_0 > reach_1 ? reach_0 : reach_1) - u.of_wall;
+    if (u.t > 0) return bound - u.t * calc_extent(calc_axes(from)).high;
+    if (u.t < 0) return bound - u.t * calc_extent(calc_axes(to)).low;
+    return bound;
+  }
+  // Narrower the nearer the generator is to an edge: neither end passes the plane of the edges.
+  Extent calc_extent(const Axes& at) const {
+    Extent out{-2 * size_, 2 * size_};
+    if (!is_half_) return out;
+    const double r = solid_.r0 < solid_.r1 ? solid_.r0 : solid_.r1, reach = at.cosine > 0 ? r * at.cosine : 0.0;
+    if (at.sine > 0 && reach < out.high * at.sine) out.high = reach / at.sine;
+    if (at.sine < 0 && reach < out.low * at.sine) out.low = reach / at.sine;
+    return out;
+  }
+
+  const Core &solid_, &b_;
+  const double size_;
+  const bool is_half_, has_rims_;
+};
+
+// Between two strips whose rates say that a minimum is between them: the root of the rate (Illinois, Dowell and Jarratt
+// 1971), else the least that was seen.
+void descend_between(const Wall& wall, Strip left, Strip right, Strip& best) {
   double weight_left = left.rate, weight_right = right.rate;
-  if (!(weight_left < 0 && weight_right > 0)) return;
   int side = 0;
-  for (int i = 0; i < kMostRefinements && to - from > kTurn; ++i) {
+  for (int i = 0; i < kMostSteps && right.azimuth - left.azimuth > kTurn; ++i) {
     // Every third step halves, so that the interval shrinks whatever the rate does.
-    const double at =
-        i % 3 == 2 ? 0.5 * (from + to) : from + (to - from) * (weight_left / (weight_left - weight_right));
-    const Strip middle = calc_strip(solid, b, at, size);
+    const double share = i % 3 == 2 ? 0.5 : weight_left / (weight_left - weight_right);
+    const Strip middle = wall.calc_strip(left.azimuth + (right.azimuth - left.azimuth) * share);
     if (middle.d.distance < best.d.distance) best = middle;
-    if (std::fabs(middle.rate) <= kStationary * size) return;
+    if (std::fabs(middle.rate) <= kStationary * wall.get_size()) return;
     if (middle.rate < 0) {
-      from = at, weight_left = middle.rate;
+      left = middle, weight_left = middle.rate;
       if (side == -1) weight_right *= 0.5;
       side = -1;
     } else {
-      to = at, weight_right = middle.rate;
+      right = middle, weight_right = middle.rate;
       if (side == 1) weight_left *= 0.5;
       side = 1;
     }
   }
 }
 
-// Azimuths at equal steps, all round or over a half.
-struct Fan {
-  double first, step;
-  int count;  // of samples
-  int arcs;   // between them
-  double get_azimuth(int i) const { return first + step * i; }
-};
-
-Fan build_fan(const Core& solid, const Core& b) {
-  const int thin = b.kind == Core::Kind::kPoints ? 1 : 2;
-  if (solid.kind != Core::Kind::kHalfFrustum) {
-    const int count = kFullSamples / thin;
-    return {0, 2 * kPi / count, count, count};
+// Least strip of the valley in which `at` is.
+Strip descend(const Wall& wall, Strip at) {
+  constexpr double kLeastStep = 1e-7, kMostStep = 0.3;  // rad
+  Strip best = at;
+  // First to the azimuth of B's nearest point, where a corner or a sphere has its minimum; then by the secant.
+  double step = std::fabs(wall.calc_azimuth(at.d.on_b) - at.azimuth);
+  for (int i = 0; i < kMostSteps && std::fabs(at.rate) > kStationary * wall.get_size(); ++i) {
+    step = step < kLeastStep ? kLeastStep : (step > kMostStep ? kMostStep : step);
+    const double to = wall.clamp(at.rate < 0 ? at.azimuth + step : at.azimuth - step);
+    if (to == at.azimuth) break;  // an edge of a half
+    const Strip next = wall.calc_strip(to);
+    if (next.d.distance < best.d.distance) best = next;
+    if (next.rate < 0 && at.rate > 0) {
+      descend_between(wall, next, at, best);
+      break;
+    }
+    if (next.rate > 0 && at.rate < 0) {
+      descend_between(wall, at, next, best);
+      break;
+    }
+    const double change = std::fabs(at.rate) - std::fabs(next.rate);
+    step = change > 0.25 * std::fabs(next.rate) ? step * std::fabs(next.rate) / change : 4 * step;
+    at = next;
   }
-  const int count = (kHalfSamples - 1) / thin + 1;
-  return {-0.5 * kPi, kPi / (count - 1), count, count - 1};
+  return best;
 }
 
-// Lower bounds of the distance from B to the strips of an arc: the width of the slab between B and the strip along a
-// direction that turns with the azimuth, u = −cos φ n ± sin φ z with the strip's normal n outwards; φ leads to a B
-// beyond an open end. Of a B that is not about the axis also along n. Between two azimuths the directions are α u1 + β
-// u2 but for a part (1 − α − β) of what does not turn, 1 ≤ α + β ≤ κ = 1/cos(step/2), and supports are sublinear.
-class ArcBounds {
- public:
-  ArcBounds(const Core& solid, const Core& b, const Fan& fan)
-      : solid_(solid), b_(b), fan_(fan), plane_(solid.gz * (0.5 * (solid.r0 + solid.r1))) {
-    const Vec3 way = b.c - solid.c;
-    along_ = dot(way, solid.R.z);
-    foot_ = solid.c + along_ * solid.R.z;
-    const double off = norm(b.c - foot_);
-    around_ = off < plane_;
-    excess_ = calc_excess(1), close_excess_ = calc_excess(kParts);
-    turn_to_open_end();
-    const double fixed = std::fabs(cosine_ * solid.gr + sine_), slant = std::fabs(solid.gr);
-    rest_ = (fixed > slant ? fixed : slant) * (off + b.bound);
-    double least = std::numeric_limits<double>::infinity(), greatest = -least;
-    for (int i = 0; i <= fan.arcs; ++i) {
-      ends_[i] = measure(i);
-      least = ends_[i].out < least ? ends_[i].out : least;
-      greatest = ends_[i].out > greatest ? ends_[i].out : greatest;
-    }
-    is_even_ = around_ && greatest - least < (close_excess_ - 1) * (std::fabs(greatest) + rest_);
-  }
-
-  // Of an arc; and nearer to the truth by parts of it, unless B is so even about the axis that this would not tell arcs
-  // from one another.
-  double calc(int arc) const { return calc(ends_[arc], ends_[arc + 1], excess_); }
-  double calc_closer(int arc) const {
-    if (is_even_) return calc(arc);
-    double least = std::numeric_limits<double>::infinity();
-    Extent last = ends_[arc];
-    for (int k = 1; k <= kParts; ++k) {
-      const Extent next = k < kParts ? measure(arc + k * (1.0 / kParts)) : ends_[arc + 1];
-      const double bound = calc(last, next, close_excess_);
-      least = bound < least ? bound : least;
-      last = next;
-    }
-    return least;
-  }
-
- private:
-  static constexpr int kParts = 8;
-  // Reach of B along −u and −n, from the foot.
-  struct Extent {
-    double out, in;
-  };
-
-  double calc_excess(int parts) const {  // κ
-    double s, c;
-    elementary::sincos(0.5 * fan_.step / parts, s, c);
-    return 1 / c;
-  }
-  Vec3 calc_normal(double sample) const {
-    double s, c;
-    elementary::sincos(fan_.first + fan_.step * sample, s, c);
-    return solid_.gz * (c * solid_.R.x + s * solid_.R.y) - solid_.gr * solid_.R.z;
-  }
-  double calc_extent_of_b(const Vec3& d) const { return dot(d, calc_support(b_, d) - foot_); }
-
-  // φ by the gaps along the axis and, of the first sample and the one across it, along the normal.
-  void turn_to_open_end() {
-    const double above = (along_ - calc_extent_of_b(-solid_.R.z)) - solid_.h;
-    const double below = (-along_ - calc_extent_of_b(solid_.R.z)) - solid_.h;
-    const double beyond = above > below ? above : below;
-    if (!(around_ && beyond > 0)) return;
-    const double gap = (plane_ + along_ * solid_.gr) -
-                       0.5 * (calc_extent_of_b(calc_normal(0)) + calc_extent_of_b(calc_normal(0.5 * fan_.arcs)));
-    const double width = gap > 0 ? gap : 0.0, axial = above > below ? beyond : -beyond;
-    const double length = std::sqrt((width * width + beyond * beyond) + 2 * width * axial * solid_.gr);  // n · z = −gr
-    if (!(length > 0)) return;
-    cosine_ = width / length;
-    sine_ = axial / length;
-  }
-  Extent measure(double sample) const {
-    const Vec3 n = calc_normal(sample);
-    return {calc_extent_of_b(cosine_ * n - sine_ * solid_.R.z), around_ ? 0.0 : calc_extent_of_b(-n)};
-  }
-  double calc(const Extent& a, const Extent& b, double excess) const {
-    const auto raise = [&](double x, double y) {
-      const double greater = x > y ? x : y;
-      return (greater > 0 ? excess * greater : greater) + (excess - 1) * rest_;
-    };
-    const double wall = (cosine_ * plane_ - std::fabs(sine_) * solid_.h) + along_ * (cosine_ * solid_.gr + sine_);
-    const double along = wall - raise(a.out, b.out);
-    if (around_) return along;
-    const double inwards = (-plane_ - along_ * solid_.gr) - raise(a.in, b.in);
-    return along > inwards ? along : inwards;
-  }
-
-  const Core &solid_, &b_;
-  const Fan& fan_;
-  Vec3 foot_{0, 0, 0};  // of B's centre on the axis
-  double plane_, along_ = 0, rest_ = 0;
-  double cosine_ = 1, sine_ = 0;  // of −n and z in u
-  double excess_, close_excess_;
-  bool around_ = false, is_even_ = false;
-  Extent ends_[kFullSamples + 1];
-};
-
-// Arcs that cannot hold less than `least` are left out, which cannot change a bit of the result. A computed distance is
-// below the true one by rounding where B is apart, by the depth's error (README) where it overlaps.
-bool may_hold(double bound, double least, double size) { return bound - (bound > 0 ? 1e-11 : 1e-4) * size <= least; }
-
 Distance calc_in(const Core& solid, const Core& b) {
-  const Fan fan = build_fan(solid, b);
-  const double size = calc_pair_size(solid, b);
-  const ArcBounds bounds(solid, b, fan);
-  Strip samples[kFullSamples];
-  bool known[kFullSamples] = {}, matters[kFullSamples] = {};
-  double least = std::numeric_limits<double>::infinity();
-  const auto sample = [&](int i) {
-    if (known[i]) return;
-    known[i] = true;
-    samples[i] = calc_strip(solid, b, fan.get_azimuth(i), size);
-    if (samples[i].d.distance < least) least = samples[i].d.distance;
+  struct Arc {
+    double from, to;  // rad
+    Wall::Reach at_from, at_to;
+    double bound;  // m
+    int direction, halvings;
   };
-  int nearest = 0;
-  for (int i = 1; i < fan.arcs; ++i)
-    if (bounds.calc(i) < bounds.calc(nearest)) nearest = i;
-  sample(nearest);
-  for (int i = 0; i < fan.arcs; ++i) {
-    matters[i] = may_hold(bounds.calc(i), least, size) && may_hold(bounds.calc_closer(i), least, size);
-    if (!matters[i]) continue;
-    sample(i);
-    sample((i + 1) % fan.count);
+  const Wall wall(solid, b);
+  const double worth = kLess * wall.get_size();
+  Wall::Direction directions[kMostStrips];
+  Arc arcs[kMostArcs];
+  int strips = 0, count = 0;
+
+  Strip best = descend(wall, wall.calc_strip(wall.clamp(wall.calc_azimuth(b.c))));
+  directions[strips++] = wall.calc_direction(best);
+  const auto is_worth = [&](double bound) { return bound < best.d.distance - worth; };
+  const auto add = [&](double from, double to, const Wall::Reach& at_from, const Wall::Reach& at_to, int direction,
+                       int halvings) {
+    const double bound = wall.calc_bound(directions[direction], from, to, at_from, at_to);
+    if (is_worth(bound) && count < kMostArcs) arcs[count++] = {from, to, at_from, at_to, bound, direction, halvings};
+  };
+
+  const int first_arcs = wall.is_half() ? kFirstArcs / 2 : kFirstArcs;
+  double from = wall.is_half() ? -0.5 * kPi : -kPi;
+  Wall::Reach at_from = wall.calc_reach(directions[0], from);
+  for (int i = 0; i < first_arcs; ++i) {
+    const double to = from + kFirstWidth;
+    const Wall::Reach at_to = wall.calc_reach(directions[0], to);
+    add(from, to, at_from, at_to, 0, 0);
+    from = to, at_from = at_to;
   }
-  Strip best;
-  for (int i = 0; i < fan.count; ++i)
-    if (known[i] && samples[i].d.distance < best.d.distance) best = samples[i];
-  const double coarse = best.d.distance;
-  for (int i = 0; i < fan.arcs; ++i) {
-    if (!matters[i]) continue;
-    const Strip &left = samples[i], &right = samples[(i + 1) % fan.count];
-    // Turning by half a step changes the distance by at most this.
-    const double lesser = left.d.distance < right.d.distance ? left.d.distance : right.d.distance;
-    const double reach = 0.25 * fan.step * (std::fabs(left.rate) + std::fabs(right.rate)) + 1e-12 * size;
-    if (lesser - reach <= coarse) refine(solid, b, size, fan.get_azimuth(i), left, fan.get_azimuth(i + 1), right, best);
+  for (int i = 0; i < count; ++i) {
+    Arc arc = arcs[i];
+    if (!is_worth(arc.bound) || arc.halvings == kMostHalvings) continue;
+    const double middle = 0.5 * (arc.from + arc.to);
+    Wall::Reach at_middle = wall.calc_reach(directions[arc.direction], middle);
+    // The strip itself settles what a bound of it alone leaves open.
+    if (is_worth(wall.calc_bound(directions[arc.direction], middle, at_middle)) && strips < kMostStrips) {
+      const Strip strip = wall.calc_strip(middle);
+      if (strip.d.distance < best.d.distance) best = descend(wall, strip);
+      arc.direction = strips++;
+      const Wall::Direction& u = directions[arc.direction] = wall.calc_direction(strip);
+      arc.at_from = wall.calc_reach(u, arc.from), arc.at_to = wall.calc_reach(u, arc.to);
+      at_middle = wall.calc_reach(u, middle);
+    }
+    add(arc.from, middle, arc.at_from, at_middle, arc.direction, arc.halvings + 1);
+    add(middle, arc.to, at_middle, arc.at_to, arc.direction, arc.halvings + 1);
   }
   return best.d;
 }

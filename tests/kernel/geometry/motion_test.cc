@@ -105,6 +105,69 @@ TEST(GeometryMotion, SecondDifferencesAreThoseOfASmoothFunction) {
   }
 }
 
+// The same for random pairs of every two kinds. A change of features gives a slope another value: its second difference
+// is the change of slope times the step, and few are such. A jump, or noise above rounding, would be in most.
+TEST(GeometryMotion, SecondDifferencesOfEveryPairOfKindsAreThoseOfPiecewiseSmoothFunctions) {
+  constexpr std::uint64_t kSeed = 13;
+  constexpr double kStep = 1e-4;  // s
+  constexpr int kMotions = 40, kInstants = 25;
+  Random random(kSeed);
+  for (int kind_a = 0; kind_a < kKinds; ++kind_a) {
+    for (int kind_b = 0; kind_b < 7; ++kind_b) {
+      int smooth = 0, all = 0;
+      for (int motion = 0; motion < kMotions; ++motion) {
+        const CompiledShape a = compile_shape(draw_any(random, kind_a)), b = compile_shape(draw_any(random, kind_b));
+        const Placement at_a = draw_placement(random, 1), start = draw_placement(random, 1);
+        const Vec3 v = draw_direction(random), w = draw_direction(random);
+        const auto measure = [&](double t) {
+          const Quat q = normalized(Quat{1, 0.5 * t * w.x, 0.5 * t * w.y, 0.5 * t * w.z});
+          return calc_distance(a, at_a, b, {start.p_WB + t * v, rotation_matrix(q) * start.R_WB}).distance;
+        };
+        const double fastest = 1 + (norm(b.p_BS) + b.bound);  // m/s
+        for (int k = 0; k < kInstants; ++k) {
+          const double t = 0.05 * k, d = measure(t);
+          if (std::fabs(d) < 0.05) continue;
+          const double second = std::fabs(measure(t - kStep) - 2 * d + measure(t + kStep));
+          // A point that passes an edge at a distance d: v²/d, and the rotation's.
+          const double bound = fastest * fastest * (1 / std::fabs(d) + 4);
+          ASSERT_LE(second, 2.1 * fastest * kStep) << "seed " << kSeed << ": " << kind_a << " " << kind_b;
+          ++all, smooth += second <= bound * kStep * kStep + 1e-12;
+        }
+      }
+      EXPECT_GT(all, 100);
+      EXPECT_GE(smooth, 0.97 * all) << "seed " << kSeed << ": " << kind_a << " " << kind_b << " of " << all;
+    }
+  }
+}
+
+// Walls and half-spaces: the wall's lowest point is on a rim, a circle or half of one.
+TEST(GeometryMotion, WallsAreAsFarFromHalfSpacesAsTheLowestPointOfTheirRims) {
+  constexpr std::uint64_t kSeed = 14;
+  Random random(kSeed);
+  for (int i = 0; i < 100000; ++i) {
+    const Shape wall = draw_any(random, 8), ground = draw_any(random, 7);
+    const Placement at_wall = draw_placement(random, 2), at_ground = draw_placement(random, 2);
+    const Vec3 n = at_ground.R_WB * ground.normal;
+    const Vec3 axis = (1 / norm(wall.to - wall.from)) * (wall.to - wall.from);
+    const Vec3 z = at_wall.R_WB * axis;
+    double wanted = 1e9;
+    for (const geometry::ProfilePoint& p : wall.profile) {
+      const Vec3 centre = at_wall.p_WB + at_wall.R_WB * (wall.from + p.z * axis);
+      const double height = dot(n, centre - (at_ground.p_WB + at_ground.R_WB * ground.from));
+      const Vec3 across = n - dot(n, z) * z;
+      double reach = norm(across);
+      if (wall.half) {
+        const Vec3 x = at_wall.R_WB * ((1 / norm(wall.side)) * wall.side), y = cross(z, x);
+        // Down along −across where the half has such points, else at one of its edges.
+        if (dot(across, x) > 0) reach = std::fabs(dot(across, y));
+      }
+      wanted = std::min(wanted, height - p.r * reach);
+    }
+    ASSERT_NEAR(calc_distance(compile_shape(wall), at_wall, compile_shape(ground), at_ground).distance, wanted, 1e-12)
+        << "seed " << kSeed << ": pair " << i;
+  }
+}
+
 TEST(GeometryMotion, AllocatesNothing) {
   if (!kCountsAllocations) GTEST_SKIP() << "this build's sanitizer owns malloc";
   Random random(8);

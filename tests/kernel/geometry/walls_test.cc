@@ -1,10 +1,10 @@
-// Distances to thin walls: closed forms, and the least distance to the wall's generators, by a dense search.
+// Distances to thin walls: closed forms, and the least distance to the wall's points, by a dense search.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "tests/kernel/geometry/solids.h"
+#include "tests/kernel/geometry/wall_search.h"
 
 namespace unlatch::test {
 namespace {
@@ -16,7 +16,6 @@ using geometry::Shape;
 using geometry::ShapeKind;
 
 constexpr double kRounding = 1e-13;  // m, of shapes of some metres
-constexpr double kPi = 3.14159265358979323846;
 
 // Builds a hollow shape about z from 0 to the last z.
 Shape hollow(std::vector<geometry::ProfilePoint> profile, bool half = false) {
@@ -26,34 +25,6 @@ Shape sphere(Vec3 centre, double r) { return {.kind = ShapeKind::kSphere, .from 
 
 Distance measure(const Shape& a, const Shape& b) {
   return calc_distance(geometry::compile_shape(a), {}, geometry::compile_shape(b), {});
-}
-
-// Least distance, m, of the body to the wall's generators, each a segment: overlaps count as 0.
-double search_wall(const Shape& wall, const CompiledShape& b, const Placement& at_b) {
-  double least = 1e9;
-  for (std::size_t i = 0; i + 1 < wall.profile.size(); ++i) {
-    const auto &from = wall.profile[i], &to = wall.profile[i + 1];
-    const auto at = [&](double angle) {
-      const double c = std::cos(angle), s = std::sin(angle);
-      const Shape line{
-          .kind = ShapeKind::kCapsule, .from = {from.r * c, from.r * s, from.z}, .to = {to.r * c, to.r * s, to.z}};
-      return std::max(0.0, calc_distance(geometry::compile_shape(line), {}, b, at_b).distance);
-    };
-    constexpr int kAngles = 720;
-    const double span = wall.half ? kPi : 2 * kPi, first = wall.half ? -0.5 * kPi : 0, step = span / kAngles;
-    int best = 0;
-    double coarse = 1e9;
-    for (int k = 0; k <= kAngles; ++k)
-      if (const double d = at(first + k * step); d < coarse) coarse = d, best = k;
-    double low = first + step * (best - 1), high = first + step * (best + 1);
-    if (wall.half) low = std::max(low, first), high = std::min(high, first + span);
-    for (int k = 0; k < 60; ++k) {  // golden section
-      const double a = low + 0.3819660112501051 * (high - low), c = high - 0.3819660112501051 * (high - low);
-      (at(a) < at(c) ? high : low) = at(a) < at(c) ? c : a;
-    }
-    least = std::min({least, coarse, at(0.5 * (low + high))});
-  }
-  return least;
 }
 
 TEST(GeometryWalls, ASphereInATubeIsAsFarAsTheWallIsFromItsSide) {
@@ -118,22 +89,99 @@ TEST(GeometryWalls, APayloadStandsInAFairingAndInEachHalf) {
   EXPECT_NEAR(measure(half, sphere({3, 0, 2}, 1)).distance, std::hypot(3, 2) - 1, 1e-9);
 }
 
-TEST(GeometryWalls, HaveTheDistanceOfTheirGenerators) {
-  Random random(11);
-  int inside = 0, crossing = 0;
-  for (int i = 0; i < 250; ++i) {
+// Draws a body of a size beside the wall's, 0.02 to 2 m, whose points are within some sizes of its origin.
+Shape draw_body(Random& random, ShapeKind kind, double size) {
+  Shape s = draw_shape(random, kind);
+  s.from = size * s.from, s.to = size * s.to;
+  s.radius *= size, s.end_radius *= size, s.size = size * s.size;
+  for (Vec3& p : s.points) p = size * p;
+  return s;
+}
+
+// Draws a size between 0.02 and 2, as often small as large.
+double draw_size(Random& random) { return 0.02 * std::exp(random.uniform(0, std::log(100.0))); }
+
+// Farthest points of a body: a box's corners, a hull's points, a capsule's ends.
+std::vector<Vec3> list_corners(const Shape& s) {
+  if (s.kind == ShapeKind::kHull) return s.points;
+  if (s.kind == ShapeKind::kCapsule) return {s.from, s.to};
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 half{(i & 1 ? 0.5 : -0.5) * s.size.x, (i & 2 ? 0.5 : -0.5) * s.size.y, (i & 4 ? 0.5 : -0.5) * s.size.z};
+    corners.push_back(s.from + rotation_matrix(s.q_BS) * half);
+  }
+  return corners;
+}
+
+// Inside a wall the distance of a point is a concave function of it, so that of a body with corners the nearest point
+// is a corner; all lie where their feet are on the wall, not at its ends.
+void expect_the_distance_of_corners(std::uint64_t seed, int pairs) {
+  Random random(seed);
+  const ShapeKind kinds[] = {ShapeKind::kBox, ShapeKind::kCapsule, ShapeKind::kHull};
+  for (int i = 0; i < pairs; ++i) {
+    const double slope = i % 2 ? random.uniform(-0.4, 0.4) : 0;
+    const CompiledShape wall = compile_shape(hollow({{-4, 1.7 - 4 * slope}, {4, 1.7 + 4 * slope}}));
+    const Shape body = draw_body(random, kinds[i % 3], draw_size(random));
+    const double distance_from_axis = random.uniform(0, 1.6), azimuth = random.uniform(-3.2, 3.2);
+    const Placement at{
+        {distance_from_axis * std::cos(azimuth), distance_from_axis * std::sin(azimuth), random.uniform(-0.3, 0.3)},
+        draw_rotation(random)};
+    double wanted = 1e9;
+    for (const Vec3& corner : list_corners(body)) {
+      const Vec3 p = at.p_WB + at.R_WB * corner;
+      wanted = std::min(wanted, (1.7 + slope * p.z - std::hypot(p.x, p.y)) / std::hypot(1, slope));
+    }
+    if (body.kind == ShapeKind::kCapsule) wanted -= body.radius;
+    if (wanted < 1e-6) continue;
+    ASSERT_NEAR(calc_distance(wall, {}, compile_shape(body), at).distance, wanted, 1e-10)
+        << "seed " << seed << ": pair " << i;
+  }
+}
+
+TEST(GeometryWalls, FromWithinAreAsFarAsTheNearestCorner) { expect_the_distance_of_corners(21, 3000); }
+TEST(GeometryWallsLong, FromWithinAreAsFarAsTheNearestCorner) { expect_the_distance_of_corners(22, 100000); }
+
+// Bodies of all kinds and sizes beside, in and before walls, whole and half, of one piece or two.
+void expect_the_distance_of_their_points(std::uint64_t seed, int pairs) {
+  Random random(seed);
+  int apart = 0, crossing = 0;
+  for (int i = 0; i < pairs; ++i) {
     Shape wall = hollow({{0, 1.5}, {1, 1.3}, {2.5, 0.8}}, i % 2 == 1);
     if (i % 3 == 0) wall.profile = {{0, 1.2}, {2, 1.2}};
-    const CompiledShape a = compile_shape(wall), b = compile_shape(draw_shape(random, kConvexKinds[i % 7]));
-    Placement at = draw_placement(random, 2.5);
-    if (i % 5 == 0) at.p_WB = {0.1, 0, 1.3};
-    const double found = calc_distance(a, {}, b, at).distance, wanted = search_wall(wall, b, at);
-    EXPECT_NEAR(std::max(0.0, found), wanted, 1e-9 * 3) << i;
-    crossing += found<0, inside += found> 0 && std::hypot(at.p_WB.x, at.p_WB.y) < 0.7;
+    const double size = draw_size(random);
+    const Shape body = draw_body(random, kConvexKinds[i % 7], size);
+    Placement at = draw_placement(random, 2);
+    at.p_WB.z += 1;
+    const double found = calc_distance(compile_shape(wall), {}, compile_shape(body), at).distance;
+    const double wanted = search_wall(wall, body, at, 360);
+    ASSERT_NEAR(std::max(0.0, found), wanted, 1e-9 * 3) << "seed " << seed << ": pair " << i;
+    crossing += found<0, apart += found> 0;
   }
-  EXPECT_GT(inside, 5);
-  EXPECT_GT(crossing, 20);
+  EXPECT_GT(apart, pairs / 2);
+  EXPECT_GT(crossing, pairs / 20);
 }
+
+TEST(GeometryWalls, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(11, 420); }
+TEST(GeometryWallsLong, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(23, 4200); }
+
+void expect_the_depth_of_their_strips(std::uint64_t seed, int pairs) {
+  Random random(seed);
+  int crossing = 0;
+  for (int i = 0; crossing < pairs; ++i) {
+    Shape wall = hollow({{0, 1.5}, {2, 1.1}});
+    if (i % 3 == 0) wall.profile = {{0, 1.2}, {2, 1.2}};
+    const Shape body = draw_body(random, kConvexKinds[i % 7], draw_size(random));
+    Placement at = draw_placement(random, 1.6);
+    at.p_WB.z += 1;
+    const double found = calc_distance(compile_shape(wall), {}, compile_shape(body), at).distance;
+    if (!(found < -1e-6)) continue;
+    ++crossing;
+    EXPECT_NEAR(found, search_crossed_wall(wall, body, at), 1e-5 * 3) << "seed " << seed << ": pair " << i;
+  }
+}
+
+TEST(GeometryWalls, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(24, 14); }
+TEST(GeometryWallsLong, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(25, 350); }
 
 TEST(GeometryWalls, AreContinuousThroughTheTouch) {
   Random random(12);
