@@ -22,7 +22,8 @@ using hil::MessageKind;
 
 // The simulator publishes Hello, Catalog, State, Event, Health and so on and receives the rest; a participant (flight
 // software) the reverse, without Reactions and Source, which are for displays; an observer (logger, watch) receives
-// everything and publishes nothing. A simulator receives the Hello of others too, but not its own.
+// everything and publishes nothing. A simulator receives the Hello of others too, also of one with its session number,
+// but not its own.
 enum class Role { kSimulator, kParticipant, kObserver };
 
 [[nodiscard]] bool publishes(Role role, MessageKind kind) noexcept;

@@ -3,7 +3,6 @@
 #include <lcm/lcm.h>
 
 #include <array>
-#include <atomic>
 #include <optional>
 #include <string_view>
 
@@ -18,7 +17,7 @@ constexpr std::string_view kUdpScheme = "udpm://";
 
 class LcmPort final : public Port {
  public:
-  LcmPort(Role role, const LcmOptions& options) : Port(role), is_simulator_(role == Role::kSimulator) {
+  LcmPort(Role role, const LcmOptions& options) : Port(role) {
     if (!options.url.starts_with(kUdpScheme)) {
       throw PortError("LCM: '" + options.url + "' is not a UDP multicast address; write it like " + LcmOptions{}.url);
     }
@@ -51,7 +50,7 @@ class LcmPort final : public Port {
   }
 
   bool send(const Message& message) override {
-    if (message.kind == MessageKind::kHello) own_session_.store(message.hello.session, std::memory_order_relaxed);
+    if (message.kind == MessageKind::kHello) socket_->set_own_session(message.hello.session);
     const std::size_t length = hil::encode(message, buffer_);
     return length > 0 && lcm_publish(lcm_.get(), hil::get_channel(message.kind).data(), buffer_.data(),
                                      static_cast<unsigned int>(length)) == 0;
@@ -60,19 +59,13 @@ class LcmPort final : public Port {
   Received receive(Message& message, std::chrono::nanoseconds wait) override {
     bool readable = false;
     if (!socket_->pop(message, readable, wait)) return Received::kNothing;
-    if (!readable) return Received::kMalformed;
-    // The group brings back what we send; of that a simulator receives its Hello.
-    const bool is_own = is_simulator_ && message.kind == MessageKind::kHello &&
-                        message.hello.session == own_session_.load(std::memory_order_relaxed);
-    return is_own ? Received::kOther : Received::kMessage;
+    return readable ? Received::kMessage : Received::kMalformed;
   }
 
   [[nodiscard]] Losses get_losses() const override { return {.lost = socket_->get_lost()}; }
   [[nodiscard]] std::int64_t get_unreadable() const noexcept override { return socket_->get_malformed(); }
 
-  const bool is_simulator_;
   std::array<std::uint8_t, hil::kMaxWireBytes> buffer_{};  // of the thread that publishes
-  std::atomic<std::int64_t> own_session_{0};               // of the Hello that we send
   std::unique_ptr<lcm_t, Close> lcm_;
   std::optional<LcmSocket> socket_;
 };

@@ -52,10 +52,21 @@ void LcmSocket::accept(const sockaddr_in& from, std::span<const std::uint8_t> da
   LcmPackets::Packet packet;
   const auto result = packets_.accept(sender, datagram, packet);
   if (result == LcmPackets::Result::kMessage) {
-    if (receives(role_, packet.kind)) ring_.push(packet.kind, packet.data);
+    if (receives(role_, packet.kind) && !is_own(sender, packet)) ring_.push(packet.kind, packet.data);
   } else if (result == LcmPackets::Result::kMalformed) {
     malformed_.fetch_add(1, std::memory_order_relaxed);
   }
+}
+
+// liblcm does not tell the address that it sends from: it is that of the first Hello of our session after ours was
+// sent. Of two simulators with one session number each so hears another than the first, whichever that is.
+bool LcmSocket::is_own(std::uint64_t sender, const LcmPackets::Packet& packet) {
+  if (role_ != Role::kSimulator || packet.kind != hil::MessageKind::kHello) return false;
+  if (own_sender_) return sender == *own_sender_;
+  const std::int64_t session = own_session_.load(std::memory_order_relaxed);
+  if (session == kNoSession || !hil::decode(packet.kind, packet.data, hello_)) return false;
+  if (hello_.hello.session == session) own_sender_ = sender;
+  return own_sender_.has_value();
 }
 
 }  // namespace unlatch::bridge

@@ -1,5 +1,7 @@
 #include "hil/executive/reception.h"
 
+#include <algorithm>
+
 #include "hil/messages/event_names.h"
 
 namespace unlatch::hil {
@@ -66,13 +68,15 @@ void Reception::handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexc
   parts_.liveness.receive(ack, *sender, arrived_ns, parts_.clock.get_ns());
 }
 
-// Another simulator, or our own messages come back.
+// A connection never gives back our own Hello. One simulator with our session number counts more than any other.
 void Reception::handle(const HelloMessage& other, std::int64_t) noexcept {
   const bool is_over = other.status >= static_cast<std::int32_t>(RunStatus::kDone);
-  if (other.session == parts_.session || other.session == 0 || is_over) return;
-  const bool is_news = other.session != other_.session;
-  other_ = other;
-  if (is_news) parts_.publisher.publish_notice(kOtherSimulator, get_name(other.scenario));
+  if (other.session == 0 || is_over) return;
+  if (!has_namesake()) other_ = other;
+  const auto end = told_of_.begin() + told_count_;
+  if (told_count_ == kMaxTold || std::find(told_of_.begin(), end, other.session) != end) return;
+  told_of_[static_cast<std::size_t>(told_count_++)] = other.session;
+  parts_.publisher.publish_notice(kOtherSimulator, get_name(other.scenario));
 }
 
 void Reception::resume(Participant& participant) noexcept {

@@ -2,6 +2,7 @@
 // answered with a Verdict. Fixed memory.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -49,10 +50,14 @@ class Reception {
 
   // Arrival of the latest command.
   [[nodiscard]] std::optional<std::int64_t> get_command_ns() const noexcept { return command_ns_; }
-  // Latest Hello of another simulator; session 0: none yet.
+  // Latest Hello of another simulator, or the first of one with our session number; session 0: none yet.
   [[nodiscard]] const HelloMessage& get_other() const noexcept { return other_; }
+  // Another simulator has our session number.
+  [[nodiscard]] bool has_namesake() const noexcept { return other_.session != 0 && other_.session == parts_.session; }
 
  private:
+  static constexpr int kMaxTold = 8;  // other simulators told of: a flood of invented ones ends there
+
   void handle(const HelloAckMessage& answer, std::int64_t arrived_ns) noexcept;
   void handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept;
   void handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept;
@@ -65,6 +70,8 @@ class Reception {
   std::optional<std::int64_t> command_ns_;
   std::int64_t malformed_ = 0;  // malformed messages of the connection, already counted
   HelloMessage other_;
+  std::array<std::int64_t, kMaxTold> told_of_{};  // sessions
+  int told_count_ = 0;
 };
 
 }  // namespace unlatch::hil

@@ -24,23 +24,31 @@ void SessionStart::poll() const {
 
 std::optional<std::string> SessionStart::listen() const {
   const std::int64_t end_ns = parts_.clock.get_ns() + parts_.options.listen_ns;
-  while (parts_.clock.get_ns() < end_ns && get_other().session == 0 && !is_stopped()) poll();
-  if (get_other().session == 0 || parts_.options.beside_others) return std::nullopt;
+  while (parts_.clock.get_ns() < end_ns && !is_disturbed() && !is_stopped()) poll();
+  if (!is_disturbed()) return std::nullopt;
   return describe_other();
 }
 
-// The session with the larger number, of two that begin at the same time.
+// One session number is never for two: their flight software would answer both.
+bool SessionStart::is_disturbed() const noexcept {
+  if (parts_.reception.has_namesake()) return true;
+  return get_other().session != 0 && !parts_.options.beside_others;
+}
+
+// The session with the larger number, of two that begin at the same time; both, if they have one number.
 bool SessionStart::gives_way() const noexcept {
-  if (get_other().session == 0 || parts_.options.beside_others) return false;
-  return get_other().status != static_cast<std::int32_t>(RunStatus::kDiscover) ||
+  if (!is_disturbed()) return false;
+  return parts_.reception.has_namesake() || get_other().status != static_cast<std::int32_t>(RunStatus::kDiscover) ||
          get_other().session < parts_.options.session;
 }
 
 std::string SessionStart::describe_other() const {
   return "another simulator is here: scenario '" + std::string(get_name(get_other().scenario)) + "', session " +
          std::to_string(get_other().session) +
+         (parts_.reception.has_namesake() ? ", which is the number of this one too" : "") +
          "; flight software would not know which of them it belongs to. End it, use another network (--domain; LCM: "
-         "the port in --lcm-url), or give this one and its flight software one --session NUMBER";
+         "the port in --lcm-url), or give this one and its flight software "
+         "a --session NUMBER of their own";
 }
 
 // --- The flight software introduces itself --------------------------------------------------------------------------

@@ -48,6 +48,8 @@ class SessionStart {
   [[nodiscard]] std::optional<std::string> introduce() const;
   [[nodiscard]] std::optional<std::string> exchange_first_state(std::int64_t hash) const;
   [[nodiscard]] bool wait_for_introductions(std::int64_t deadline_ns) const;
+  // Another simulator is here, and this one may not start beside it.
+  [[nodiscard]] bool is_disturbed() const noexcept;
   [[nodiscard]] bool gives_way() const noexcept;
   [[nodiscard]] std::string describe_other() const;
   [[nodiscard]] const HelloMessage& get_other() const noexcept { return parts_.reception.get_other(); }

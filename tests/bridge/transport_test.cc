@@ -170,6 +170,24 @@ TEST_P(Transports, CountsOutOfRangeAreMalformed) {
   EXPECT_EQ(participant_->get_counts().malformed, 1);
 }
 
+// UDP has one simulator to an address.
+TEST_P(Transports, ASimulatorHearsAnotherOfItsSessionNumberButNeverItself) {
+  if (GetParam() == "udp") return;
+  const std::unique_ptr<Port> second = transport_.open(Role::kSimulator);
+  Port* const both[] = {simulator_.get(), second.get()};
+  Message heard;
+  for (std::int32_t round = 0; round < 2; ++round) {
+    for (const int sender : {0, 1}) {
+      hil::HelloMessage hello;
+      hello.session = 4711;
+      hello.body_count = sender;
+      Port& other = *both[1 - sender];
+      greet(*both[sender], other, hello);
+      while (both[sender]->poll(heard, 5 * kRepeatAfter)) EXPECT_NE(heard.hello.body_count, sender);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Transports, testing::Values("inproc", "dds", "lcm", "udp"),
                          [](const auto& test) { return test.param; });
 

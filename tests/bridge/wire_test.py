@@ -153,8 +153,11 @@ class WireTest(ProcessTest):
         self.finish(third)
         self.finish(other)
         self.wait_for(first, "another simulator is heard")
-        first.terminate()
-        first.wait(60)
+        self.end_undisturbed(first, log)
+
+    def end_undisturbed(self, simulator, log):
+        simulator.terminate()
+        simulator.wait(60)
         report = self.run_json(UNLATCH, "replay", log, code=None)
         self.assertTrue(report["replay"]["agrees"])
         self.assertFalse([notice for notice in report["notices"] if notice["name"].startswith("policy")])
@@ -164,6 +167,22 @@ class WireTest(ProcessTest):
 
     def test_two_simulators_on_lcm_notice_each_other(self):
         self.hear_another("lcm")
+
+    def share_a_session_number(self, transport):
+        arguments = ["hil", BOOSTERS, "--transport", transport, "--pace", "realtime", "--until", "100", *PATIENT, "--session", "4711"]
+        log = self.folder / "first.log"
+        self.begin(FSW, "--transport", transport, "--session", "4711")
+        first = self.begin(UNLATCH, *arguments, "--log", log)
+        self.wait_for(first, "takes part")
+        second = self.run_ok(UNLATCH, *arguments, code=1)
+        self.assertIn("session 4711, which is the number of this one too", second.stdout + second.stderr)
+        self.end_undisturbed(first, log)
+
+    def test_two_simulators_of_one_session_number_on_dds_do_not_run_beside_each_other(self):
+        self.share_a_session_number("dds")
+
+    def test_two_simulators_of_one_session_number_on_lcm_do_not_run_beside_each_other(self):
+        self.share_a_session_number("lcm")
 
     def test_flight_software_stays_with_its_session(self):
         fsw = self.begin(FSW, "--transport", "dds")

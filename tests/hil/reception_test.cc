@@ -124,9 +124,6 @@ TEST_P(ReceptionTest, AMessageOfALostParticipantBringsItBack) {
 
 TEST_P(ReceptionTest, AnotherSimulatorIsNoticedUnlessItsSessionIsOver) {
   hil::HelloMessage other;
-  other.session = 4711;
-  arrive(other, at(0));
-  EXPECT_EQ(reception_->get_other().session, 0) << "our own";
   other.session = 4712;
   other.status = static_cast<std::int32_t>(hil::RunStatus::kDone);
   arrive(other, at(0));
@@ -136,6 +133,28 @@ TEST_P(ReceptionTest, AnotherSimulatorIsNoticedUnlessItsSessionIsOver) {
   arrive(other, at(0));
   EXPECT_EQ(reception_->get_other().session, 4712);
   EXPECT_EQ(connection_.sent.size(), 1u) << "told once";
+  EXPECT_FALSE(reception_->has_namesake());
+}
+
+TEST_P(ReceptionTest, AnotherSimulatorWithOurSessionNumberIsNoticedAndCountsMoreThanOthers) {
+  hil::HelloMessage other;
+  other.session = 4711;
+  arrive(other, at(0));
+  other.session = 4712;
+  arrive(other, at(0));
+  EXPECT_TRUE(reception_->has_namesake());
+  EXPECT_EQ(reception_->get_other().session, 4711);
+  EXPECT_EQ(connection_.list_kinds(), (std::vector<MessageKind>{MessageKind::kEvent, MessageKind::kEvent}));
+}
+
+TEST_P(ReceptionTest, EachOtherSimulatorIsToldOnceAndInventedOnesAreNotToldForEver) {
+  hil::HelloMessage other;
+  for (int round = 0; round < 3; ++round) {
+    for (other.session = 1; other.session <= 2; ++other.session) arrive(other, at(0));
+  }
+  EXPECT_EQ(connection_.sent.size(), 2u);
+  for (; other.session <= 1000; ++other.session) arrive(other, at(0));
+  EXPECT_EQ(connection_.sent.size(), 8u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Clocks, ReceptionTest, testing::Values(-1'000'000, -9, 0, 1'000'000));
