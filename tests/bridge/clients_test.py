@@ -13,6 +13,7 @@ import unittest
 from processes import BIN, BOOSTERS, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
 
 EXAMPLES = SOURCE / "bridge/examples"
+SATELLITE = EXAMPLES / "first/satellite.yaml"
 LOSSY = SOURCE / "hil/scenarios/boosters/faults/lossy-line.yaml"
 LISTEN = EXAMPLES / "python/listen.py"
 PYTHON_TYPES = BIN.parent / "bridge/examples/python_types"
@@ -101,13 +102,12 @@ class ClientsTest(ProcessTest):
         self.assertGreater(int(end[2]), 50)  # a slow listener may miss some
 
     def test_python_flies_the_tutorials_satellite_over_lcm_and_udp_to_the_hash_of_cpp(self):
-        satellite = SOURCE / "bridge/examples/first/satellite.yaml"
         hashes = set()
         python = ["/usr/bin/env", "python3"]
         for transport, pilot in (("lcm", [BIN / "example_first"]), ("lcm", [*python, EXAMPLES / "python/fsw.py", PYTHON_TYPES]),
                                  ("udp", [*python, EXAMPLES / "udp/fsw.py", PYTHON_TYPES])):
             process = self.begin(*pilot)
-            report = self.run_json(UNLATCH, "hil", satellite, "--transport", transport, "--pace", "lockstep")
+            report = self.run_json(UNLATCH, "hil", SATELLITE, "--transport", transport, "--pace", "lockstep")
             self.finish(process)
             self.assertEqual(report["status"], "ok")
             self.assertLess(abs(report["samples"][-1]["bodies"]["satellite"]["w"][2]), 1e-4)  # rad/s: it has stopped
@@ -122,6 +122,30 @@ class ClientsTest(ProcessTest):
         self.assertIn("4 contacts", self.finish(process))
         self.assertEqual((report["status"], report["hash"]), ("ok", wanted["hash"]))
         self.assertEqual(sum(report["timing"]["rejected"].values()), 0)
+
+    def hear_another(self, transport, pilot, scenario, seconds):
+        """A second simulator introduces itself while the first flies."""
+        fsw = self.begin(*pilot)
+        common = ["--transport", transport, "--pace", "realtime", "--set", "flight_software.timeout=30"]
+        first = self.begin(UNLATCH, "hil", scenario, *common, "--until", seconds, "--json", self.folder / "first.json")
+        self.wait_for(first, "takes part")
+        second = self.begin(UNLATCH, "hil", scenario, *common, "--session", "4711", "--start-timeout", "60")
+        self.wait_for(fsw, "another simulator is heard")
+        self.finish(first)
+        second.terminate()
+        said = self.finish(fsw)
+        self.assertEqual(said.count("another simulator is heard"), 1)
+        report = json.loads((self.folder / "first.json").read_text())
+        self.assertEqual(report["status"], "ok")
+        self.assertEqual([notice["name"] for notice in report["notices"] if notice["name"].startswith("policy")], [])
+
+    def test_the_example_over_dds_stays_with_its_session(self):
+        self.hear_another("dds", [BIN / "example_pilot_c"], PROBE, 3)
+
+    def test_the_examples_over_lcm_stay_with_their_session(self):
+        self.hear_another("lcm", [BIN / "example_pilot_cpp"], PROBE, 3)
+        for pilot in ([BIN / "example_first"], ["/usr/bin/env", "python3", EXAMPLES / "python/fsw.py", PYTHON_TYPES]):
+            self.hear_another("lcm", pilot, SATELLITE, 3)
 
     def test_lcm_logger_records_and_lcm_logplayer_plays(self):
         recorded, heard = self.folder / "recorded.lcm", self.folder / "heard.lcm"

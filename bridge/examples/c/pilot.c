@@ -11,6 +11,7 @@
 
 enum { kParticipant = 1001, kOpenAt = 100, kShutAt = 300 };
 static const dds_duration_t kPatience = DDS_SECS(30);
+static const dds_duration_t kGone = DDS_SECS(2); /* a simulator that has been silent for so long is gone */
 
 /* Loopback alone, as the simulator's default: there is no multicast, so that each side must know where to look. */
 static const char* const kNetwork =
@@ -25,6 +26,8 @@ static dds_entity_t hellos, catalog, states;         /* received */
 static dds_entity_t hello_acks, commands, step_acks; /* sent */
 
 static int64_t session;   /* 0: none yet */
+static dds_time_t heard;  /* time at which something of it came last */
+static bool told;         /* of another simulator */
 static int throttle = -1; /* the channel's index */
 static unlatch_HelloAck introduction;
 static int64_t answered_tick = -1, last_command;
@@ -92,8 +95,21 @@ static void introduce(void) {
   ++introduction.sequence;
 }
 
+/* Stays with its session, and says so once. */
+static void tell_of_other(const unlatch_Hello* hello) {
+  if (told) return;
+  told = true;
+  fprintf(stderr, "pilot: another simulator is heard, session %lld; stays with session %lld\n",
+          (long long)hello->session, (long long)session);
+}
+
 static void hear_hello(const unlatch_Hello* hello) {
+  if (hello->status >= unlatch_RunStatus_kDone) return; /* kept from a session that is over */
   if (hello->session != session) {
+    if (session != 0 && dds_time() - heard < kGone) {
+      tell_of_other(hello);
+      return;
+    }
     memset(&introduction, 0, sizeof introduction);
     introduction.session = session = hello->session;
     introduction.schema_hash = unlatch_kSchemaHash;
@@ -107,6 +123,7 @@ static void hear_hello(const unlatch_Hello* hello) {
     answered_tick = -1;
     last_command = 0;
   }
+  heard = dds_time();
   introduce();
 }
 
@@ -128,6 +145,7 @@ static bool decide(const unlatch_State* state, double* value) {
 static bool hear_state(const unlatch_State* state) {
   unlatch_StepAck ack;
   if (state->session != session || throttle < 0 || state->part != 0) return true;
+  heard = dds_time();
   if (state->status >= unlatch_RunStatus_kDone) return false;
   if (state->tick < answered_tick) return true;
   if (state->tick > answered_tick) {
@@ -168,13 +186,14 @@ int main(void) {
   step_acks = open_writer("unlatch_StepAck", &unlatch_StepAck_desc, false);
 
   while (dds_waitset_wait(waitset, NULL, 0, kPatience) > 0) {
-    while (take(hellos, &hello)) hear_hello(&hello);
-    while (take(catalog, &item)) hear_catalog(&item);
+    /* States first: they show that our simulator is still there. */
     while (take(states, &state)) {
       if (hear_state(&state)) continue;
       printf("pilot: the session ended at tick %lld, x = %.6f m\n", (long long)state.tick, state.bodies[0].x);
       return leave(state.status == unlatch_RunStatus_kDone ? 0 : 1);
     }
+    while (take(hellos, &hello)) hear_hello(&hello);
+    while (take(catalog, &item)) hear_catalog(&item);
   }
   fprintf(stderr, "pilot: the simulator is silent\n");
   return leave(1);

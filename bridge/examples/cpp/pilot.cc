@@ -16,6 +16,7 @@ namespace {
 constexpr int kParticipant = 1002;
 constexpr std::int64_t kOpenAt = 100, kShutAt = 300;
 constexpr int kPatience_ms = 30'000;
+constexpr std::int64_t kGone_us = 2'000'000;  // a simulator that has been silent for so long is gone
 
 class Pilot {
  public:
@@ -29,8 +30,10 @@ class Pilot {
   const unlatch::State& get_end() const { return end_; }
 
  private:
-  void hear_hello(const lcm::ReceiveBuffer*, const std::string&, const unlatch::Hello* hello) {
+  void hear_hello(const lcm::ReceiveBuffer* buffer, const std::string&, const unlatch::Hello* hello) {
+    if (hello->status >= unlatch::Hello::RunStatus_kDone) return;  // kept from a session that is over
     if (hello->session != session_) {
+      if (session_ != 0 && buffer->recv_utime - heard_us_ < kGone_us) return tell_of_other(*hello);
       session_ = hello->session;
       throttle_ = -1;
       answered_tick_ = -1;
@@ -45,7 +48,16 @@ class Pilot {
       introduction_.status = unlatch::HelloAck::AckStatus_kReady;
       std::memcpy(introduction_.name, "pilot", sizeof "pilot");
     }
+    heard_us_ = buffer->recv_utime;
     introduce();
+  }
+
+  // Stays with its session, and says so once.
+  void tell_of_other(const unlatch::Hello& hello) {
+    if (told_) return;
+    told_ = true;
+    std::fprintf(stderr, "pilot: another simulator is heard, session %lld; stays with session %lld\n",
+                 static_cast<long long>(hello.session), static_cast<long long>(session_));
   }
 
   void hear_catalog(const lcm::ReceiveBuffer*, const std::string&, const unlatch::Catalog* item) {
@@ -63,8 +75,9 @@ class Pilot {
   }
 
   // A State that is resent is answered again, with the same numbers.
-  void hear_state(const lcm::ReceiveBuffer*, const std::string&, const unlatch::State* state) {
+  void hear_state(const lcm::ReceiveBuffer* buffer, const std::string&, const unlatch::State* state) {
     if (state->session != session_ || throttle_ < 0 || state->part != 0 || has_ended()) return;
+    heard_us_ = buffer->recv_utime;
     if (state->status >= unlatch::State::RunStatus_kDone) {
       end_ = *state;
       return;
@@ -96,8 +109,10 @@ class Pilot {
   }
 
   lcm::LCM& lcm_;
-  std::int64_t session_ = 0;  // 0: none yet
-  int throttle_ = -1;         // the channel's index
+  std::int64_t session_ = 0;   // 0: none yet
+  std::int64_t heard_us_ = 0;  // time at which something of it came last
+  bool told_ = false;          // of another simulator
+  int throttle_ = -1;          // the channel's index
   unlatch::HelloAck introduction_{};
   std::int64_t answered_tick_ = -1, last_command_ = 0;
   unlatch::Command answer_{};  // the command of answered_tick_

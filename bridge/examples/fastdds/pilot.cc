@@ -23,10 +23,12 @@
 namespace {
 
 using namespace eprosima::fastdds::dds;
+using Clock = std::chrono::steady_clock;
 
 constexpr int kParticipant = 1003;
 constexpr std::int64_t kOpenAt = 100, kShutAt = 300;
 constexpr auto kPatience = std::chrono::seconds(30);
+constexpr auto kGone = std::chrono::seconds(2);  // a simulator that has been silent for so long is gone
 
 // Loopback alone, as our simulator's default: its participants listen on ports 7410, 7412, …, and there is no
 // multicast.
@@ -109,21 +111,24 @@ class Pilot : public DataReaderListener {
     SampleInfo info;
     unlatch::Hello hello;
     unlatch::Catalog item;
+    // States first: they show that our simulator is still there.
+    while (states_ != nullptr && states_->take_next_sample(&state_, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) hear_state(state_);
+    }
     while (hellos_ != nullptr && hellos_->take_next_sample(&hello, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) hear_hello(hello);
     }
     while (catalog_ != nullptr && catalog_->take_next_sample(&item, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) hear_catalog(item);
     }
-    while (states_ != nullptr && states_->take_next_sample(&state_, &info) == ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) hear_state(state_);
-    }
     ++heard_;
     news_.notify_one();
   }
 
   void hear_hello(const unlatch::Hello& hello) {
+    if (hello.status() >= unlatch::RunStatus_kDone) return;  // kept from a session that is over
     if (hello.session() != session_) {
+      if (session_ != 0 && Clock::now() - heard_at_ < kGone) return tell_of_other(hello);
       session_ = hello.session();
       throttle_ = -1;
       answered_tick_ = -1;
@@ -138,7 +143,16 @@ class Pilot : public DataReaderListener {
       introduction_.status(unlatch::AckStatus_kReady);
       std::memcpy(introduction_.name().data(), "pilot", sizeof "pilot");
     }
+    heard_at_ = Clock::now();
     introduce();
+  }
+
+  // Stays with its session, and says so once.
+  void tell_of_other(const unlatch::Hello& hello) {
+    if (told_) return;
+    told_ = true;
+    std::fprintf(stderr, "pilot: another simulator is heard, session %lld; stays with session %lld\n",
+                 static_cast<long long>(hello.session()), static_cast<long long>(session_));
   }
 
   void hear_catalog(const unlatch::Catalog& item) {
@@ -158,6 +172,7 @@ class Pilot : public DataReaderListener {
   // A State that is resent is answered again, with the same numbers.
   void hear_state(const unlatch::State& state) {
     if (state.session() != session_ || throttle_ < 0 || state.part() != 0 || ended_) return;
+    heard_at_ = Clock::now();
     if (state.status() >= unlatch::RunStatus_kDone) {
       end_ = state;
       ended_ = true;
@@ -198,8 +213,10 @@ class Pilot : public DataReaderListener {
   std::mutex mutex_;
   std::condition_variable news_;
   std::int64_t heard_ = 0;
-  std::int64_t session_ = 0;  // 0: none yet
-  int throttle_ = -1;         // the channel's index
+  std::int64_t session_ = 0;    // 0: none yet
+  Clock::time_point heard_at_;  // time at which something of it came last
+  bool told_ = false;           // of another simulator
+  int throttle_ = -1;           // the channel's index
   unlatch::HelloAck introduction_;
   std::int64_t answered_tick_ = -1, last_command_ = 0;
   unlatch::Command answer_;  // the command of answered_tick_

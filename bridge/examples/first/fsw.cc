@@ -1,4 +1,4 @@
-// Flight software in fifty lines: stops the rotation of satellite.yaml. ../../TUTORIAL.md explains it.
+// Flight software in eighty lines: stops the rotation of satellite.yaml. ../../TUTORIAL.md explains it.
 #include <cstdio>
 #include <cstring>
 #include <lcm/lcm-cpp.hpp>
@@ -17,12 +17,29 @@ struct FlightSoftware {
   HelloAck me{};              // our name, and the terms we agree to
   Command command{};          // the latest
   int gyro = -1, wheel = -1;  // their numbers in the catalog
+  std::int64_t heard_us = 0;  // time at which something of our session came last
+  bool told = false;          // of another simulator
   bool ended = false;
 
   double control(double rate) { return -40 * rate; }  // N m for rad/s. Your algorithm goes here.
 
-  void on_hello(const Buffer*, const std::string&, const Hello* hello) {
-    if (hello->session != me.session) command = Command{};
+  // Our session is the first that we hear, until nothing of it has come for two seconds.
+  bool is_ours(const Hello& hello, std::int64_t now_us) {
+    if (hello.status >= Hello::RunStatus_kDone) return false;  // is over
+    if (hello.session == me.session) return true;
+    if (now_us - heard_us < 2'000'000) {
+      if (!told)
+        std::fprintf(stderr, "fsw: another simulator is heard; stays with session %lld\n", (long long)me.session);
+      told = true;
+      return false;
+    }
+    command = {}, gyro = wheel = -1;
+    return true;
+  }
+
+  void on_hello(const Buffer* buffer, const std::string&, const Hello* hello) {
+    if (!is_ours(*hello, buffer->recv_utime)) return;
+    heard_us = buffer->recv_utime;
     me = {hello->session,
           me.sequence,
           HelloAck::kSchemaHash,
@@ -38,13 +55,16 @@ struct FlightSoftware {
     if (gyro >= 0 && wheel >= 0) lcm.publish("UNLATCH_HELLO_ACK", &me), ++me.sequence;
   }
   void on_catalog(const Buffer*, const std::string&, const Catalog* item) {
+    if (item->session != me.session) return;
     const char* const name = reinterpret_cast<const char*>(item->name);
     if (item->kind == Catalog::CatalogKind_kSensor && !std::strcmp(name, "gyro.z")) gyro = item->index;
     if (item->kind == Catalog::CatalogKind_kChannel && !std::strcmp(name, "wheel")) wheel = item->index;
   }
-  void on_state(const Buffer*, const std::string&, const State* state) {
-    ended = state->status >= State::RunStatus_kDone && state->session == me.session;
-    if (ended || state->session != me.session) return;
+  void on_state(const Buffer* buffer, const std::string&, const State* state) {
+    if (state->session != me.session || gyro < 0 || wheel < 0) return;
+    heard_us = buffer->recv_utime;
+    ended = state->status >= State::RunStatus_kDone;
+    if (ended) return;
     if (state->tick >= command.sequence)  // new; a State that is resent gets the same answer again
       command = {me.session, state->tick + 1, state->tick, -1, control(state->sensors[gyro]), me.participant, wheel};
     const StepAck done{me.session, state->sequence, state->tick, command.sequence, me.participant, 1};
