@@ -6,8 +6,8 @@
 namespace unlatch::tools {
 
 // From now on both signals set the flag that this returns, for as long as the process lives. After SIGTERM the process
-// ends although something hangs: once the main thread has not got on for 0.6 s, with exit code 1. A report that is
-// being computed is finished first.
+// ends within a second although something hangs, with exit code 1. A report that the main thread is computing is
+// finished first; the rule is in interrupt.cc. Called by the main thread.
 const std::atomic<bool>& catch_interrupts();
 
 // The same, but nothing ends a process that hangs: for programs whose starter does, such as mpirun.
