@@ -22,9 +22,8 @@ class LcmPort final : public Port {
       throw PortError("LCM: '" + options.url + "' is not a UDP multicast address; write it like " + LcmOptions{}.url);
     }
     const LcmRoute route = find_lcm_route(options.url);
-    if (!route.interface.empty() && route.interface != options.interface) {
-      throw PortError(explain_route(options, route.interface));
-    }
+    if (route.interface.empty()) throw PortError(explain(options));
+    if (route.interface != options.interface) throw PortError(explain_route(options, route.interface));
     lcm_.reset(lcm_create(options.url.c_str()));
     if (!lcm_) throw PortError(explain(options));
     socket_.emplace(role, route, options.interface);
@@ -35,18 +34,22 @@ class LcmPort final : public Port {
     void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
   };
 
+  // The documents show the same commands, of the interface lo.
+  static std::string describe_remedy(const LcmOptions& options) {
+    return "As root, `ip link set " + options.interface + " multicast on && ip route replace 224.0.0.0/4 dev " +
+           options.interface + "` routes it through '" + options.interface + "'.";
+  }
+
   static std::string explain(const LcmOptions& options) {
-    return "LCM cannot open " + options.url +
-           ". Most often the machine has no route for multicast: as root, `ip link set lo multicast on && ip route add "
-           "224.0.0.0/4 dev lo` keeps it on the loopback interface.";
+    return "LCM cannot open " + options.url + ". Most often the machine has no route for multicast. " +
+           describe_remedy(options);
   }
 
   static std::string explain_route(const LcmOptions& options, const std::string& interface) {
     return "LCM: this machine's route for " + options.url + " leads through the interface '" + interface + "', not '" +
            options.interface + "'. Anyone on '" + interface +
-           "' could command the simulator: ask for it by that name, or route it elsewhere, as root, with `ip route "
-           "replace 224.0.0.0/4 dev " +
-           options.interface + "`.";
+           "' could command the simulator. To allow that, ask for it by name (--interface). " +
+           describe_remedy(options);
   }
 
   bool send(const Message& message) override {

@@ -493,7 +493,7 @@ TEST(PortError, AMachineWithoutANetworkIsExitCode3) {
     }
     EXPECT_EQ(party.close(), 3) << transport;
     const std::string said(party.get_output().begin(), party.get_output().end());
-    EXPECT_NE(said.find(transport == "lcm" ? "ip route add" : "ip link show lo"), std::string::npos) << said;
+    EXPECT_NE(said.find(transport == "lcm" ? "ip route replace" : "ip link show lo"), std::string::npos) << said;
   }
 }
 

@@ -7,6 +7,8 @@ namespace:
 import json
 import math
 import os
+import re
+import shlex
 import signal
 import socket
 import struct
@@ -15,7 +17,7 @@ import threading
 import time
 import unittest
 
-from processes import BOOSTERS, FSW, PATIENT, UNLATCH, ProcessTest, run_tests
+from processes import BOOSTERS, FSW, PATIENT, SOURCE, UNLATCH, ProcessTest, run_tests
 
 GROUP = ("239.255.76.67", 7667)
 LINES_PER_SECOND = 10   # limit for the middleware's log: bridge/dds/dds_log.h
@@ -63,6 +65,24 @@ class WireTest(ProcessTest):
         self.assertEqual(report["status"], "ok")
         self.assertGreater(report["timing"]["rejected"]["malformed"], 0)
         self.finish(logger)
+
+    def test_a_missing_multicast_route_has_one_remedy_here_and_in_the_documents(self):
+        flight = [UNLATCH, "hil", BOOSTERS, "--transport", "lcm", "--pace", "lockstep"]
+        without = self.run_ok("unshare", "-n", *flight, code=3).stderr
+        elsewhere = self.run_ok(*flight, "--interface", "eth1", code=3).stderr
+        commands = re.search("As root, `(.*?)`", without)[1]
+        self.assertIn(f"As root, `{commands.replace(' lo', ' eth1')}`", elsewhere)
+        for document in ("TUTORIAL.md", "SECURITY.md"):
+            self.assertIn(commands, (SOURCE / "bridge" / document).read_text())
+        # On a machine with a network, whose address messages have as their sender also through the loopback interface.
+        network = ("ip link set lo up && ip link add eth1 type veth peer name eth2 && ip addr add 10.77.0.1/24 dev eth1 && "
+                   "ip link set eth1 up && ip link set eth2 up && ip route add default dev eth1")
+        flight = " ".join(map(shlex.quote, [*flight, "--start-timeout", "0.1"]))
+        before = self.run_ok("unshare", "-n", "sh", "-c", f"{network} && {flight}", code=3).stderr
+        self.assertIn("leads through the interface 'eth1', not 'lo'", before)
+        self.assertIn(f"As root, `{commands}`", before)
+        after = self.run_ok("unshare", "-n", "sh", "-c", f"{network} && {commands} && {flight}", code=1).stderr
+        self.assertIn("on the interface 'lo': this machine only", after)
 
     # --- the log of the middleware --------------------------------------------------------------------------------
 
