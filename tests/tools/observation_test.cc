@@ -7,6 +7,7 @@
 #include <random>
 
 #include "hil/simulation/source_text.h"
+#include "tools/common/text.h"
 #include "tools/watch/screen.h"
 
 namespace unlatch::test {
@@ -189,6 +190,54 @@ TEST_F(Watching, ATerminalOf80ColumnsHasEveryColumnAndSaysWhatItsMinimumIsOf) {
   EXPECT_TRUE(has("-3.2e-12"));
   EXPECT_TRUE(has("smallest of the states seen here"));
   EXPECT_TRUE(has("resent 12345; absent 0"));
+}
+
+// Each counter is another number: all of them are on the screen, whole, and so are the newest notice and some joints.
+TEST_F(Watching, ATerminalOf80By24HasEveryCounterHoweverLarge) {
+  tools::View view;
+  view.session = 0x7edcba9876543210;
+  view.has_hello = true;
+  view.hello.dt_ns = 1'000'000;
+  view.scenario = "a-scenario-with-a-long-name";
+  view.reactions_tick = 1;
+  view.joints.resize(20, {"booster1-nose", "retracted", {}});
+  view.clearances.resize(10);
+  view.participants.push_back({"guidance", 1, hil::AckStatus::kReady, 1'234'567, 1'234'568});
+  view.notices.push_back({1.5, "the newest notice", false});
+  std::int64_t next = 1'000'001;
+  std::vector<std::string> expected{"waits for flight software, realtime", "1234568 commands", "the newest notice",
+                                    "booster1-n"};
+  const auto draw_number = [&](std::int64_t& counter, const std::string& name) {
+    counter = next++;
+    expected.push_back(name + " " + std::to_string(counter));
+  };
+  view.health = hil::HealthMessage{};
+  view.health->step_max_ns = view.health->wakeup_max_ns = 123'456'700;
+  expected.insert(expected.end(), {"worst 123456.7 of 1000 us", "worst 123456.7 us"});
+  draw_number(view.health->overruns, "overruns");
+  draw_number(view.health->dropped, "dropped");
+  draw_number(view.health->resent, "resent");
+  draw_number(view.health->late, "late");
+  draw_number(view.health->missing, "absent");
+  draw_number(view.health->rejected[3], "refused");
+  draw_number(view.lost, "lost");
+  draw_number(view.repeated, "repeated");
+  draw_number(view.port.malformed, "malformed");
+  for (const auto& [kind, name] : {std::pair{hil::MessageKind::kState, "State"},
+                                   {hil::MessageKind::kCommand, "Command"},
+                                   {hil::MessageKind::kStepAck, "StepAck"},
+                                   {hil::MessageKind::kEvent, "Event"}}) {
+    view.rates[static_cast<std::size_t>(kind)] = static_cast<double>(++next % 100'000);
+    expected.push_back(std::string(name) + " " + std::to_string(next % 100'000) + "/s");
+  }
+  const auto lines = tools::draw(view, {80, 24, false, "dds"});
+  EXPECT_LE(lines.size(), 24U);
+  std::string screen;
+  for (const std::string& line : lines) {
+    EXPECT_LE(tools::count_characters(line), 80U) << line;
+    screen += line + "\n";
+  }
+  for (const std::string& part : expected) EXPECT_NE(screen.find(part), std::string::npos) << part << "\n" << screen;
 }
 
 TEST(SourceText, IsPutTogetherFromPartsInAnyOrderWithRepetitions) {

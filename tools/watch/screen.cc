@@ -50,7 +50,7 @@ std::string write(double value, std::size_t columns) {
 // A line of pieces, each in a colour of its own, never wider than the screen.
 class Line {
  public:
-  Line(const ScreenOptions& options) : options_(options), left_(options.columns) {}
+  Line(const ScreenOptions& options) : colours_(options.colours), left_(options.columns) {}
   Line& add(const std::string& text) {
     const std::string fit = cut(text, left_);
     left_ -= count_characters(fit);
@@ -60,15 +60,58 @@ class Line {
   Line& add(Colour colour, const std::string& text) {
     const std::string fit = cut(text, left_);
     left_ -= count_characters(fit);
-    text_ += fit.empty() ? "" : paint(options_.colours, colour, fit);
+    text_ += fit.empty() ? "" : paint(colours_, colour, fit);
     return *this;
   }
   [[nodiscard]] const std::string& get() const { return text_; }
+  [[nodiscard]] std::size_t get_left() const { return left_; }
 
  private:
-  const ScreenOptions& options_;
+  bool colours_;
   std::size_t left_;
   std::string text_;
+};
+
+// Pieces behind a heading, each whole: one for which the line has no place begins another, indented line.
+class Flow {
+ public:
+  Flow(const ScreenOptions& options, const std::string& heading) : options_(options), line_(options) {
+    line_.add(Colour::kBold, heading);
+  }
+  Flow& add(const std::string& text) {
+    place(text);
+    line_.add(text);
+    return *this;
+  }
+  // `rest` stands behind the coloured text, on the same line.
+  Flow& add(Colour colour, const std::string& text, const std::string& rest = {}) {
+    place(text + rest);
+    line_.add(colour, text).add(rest);
+    return *this;
+  }
+  [[nodiscard]] std::vector<std::string> get() const {
+    std::vector<std::string> lines = full_;
+    lines.push_back(line_.get());
+    return lines;
+  }
+
+ private:
+  static constexpr std::size_t kIndent = 10;
+
+  // Makes place for a space and the piece.
+  void place(const std::string& piece) {
+    if (line_.get_left() > count_characters(piece)) {
+      line_.add(" ");
+      return;
+    }
+    full_.push_back(line_.get());
+    line_ = Line(options_);
+    line_.add(std::string(std::min(kIndent, options_.columns / 4), ' '));
+  }
+
+  const ScreenOptions& options_;
+  Line line_;
+  std::vector<std::string> full_;
 };
 
 const char* get_status_text(RunStatus status) {
@@ -104,10 +147,17 @@ class Screen {
   Screen(const View& view, const ScreenOptions& options) : view_(view), options_(options) {}
 
   std::vector<std::string> draw() {
+    if (view_.session != 0) {
+      draw_timing();
+      draw_messages();
+      draw_participants();
+    }
+    const std::vector<std::string> below = std::move(lines_);
+    lines_.clear();
     draw_head();
     if (view_.session != 0) {
       // Lists share what the fixed lines leave: joints first, then clearances, and the notices get the rest.
-      const std::size_t fixed = lines_.size() + 7 + std::min<std::size_t>(view_.participants.size(), kMostParticipants);
+      const std::size_t fixed = lines_.size() + below.size() + kHeadings;
       const std::size_t room = options_.rows > fixed + kFewNotices ? options_.rows - fixed - kFewNotices : 2;
       const std::size_t joints =
           std::min(view_.joints.size(),
@@ -115,9 +165,7 @@ class Screen {
                        1, room - std::min(room - 1, std::min<std::size_t>(view_.clearances.size(), room / 3))));
       draw_joints(joints);
       draw_clearances(room > joints ? room - joints : 1);
-      draw_timing();
-      draw_messages();
-      draw_participants();
+      lines_.insert(lines_.end(), below.begin(), below.end());
       draw_notices();
     }
     if (lines_.size() > options_.rows) lines_.resize(options_.rows);
@@ -125,25 +173,30 @@ class Screen {
   }
 
  private:
+  static constexpr std::size_t kHeadings = 3;  // joints, clearances, notices
   static constexpr std::size_t kFewNotices = 4, kMostParticipants = 4;
 
   Line begin() const { return Line(options_); }
   void add(const Line& line) { lines_.push_back(line.get()); }
+  Flow begin_flow(const std::string& heading) const { return {options_, heading}; }
+  void add(const Flow& flow) {
+    for (std::string& line : flow.get()) lines_.push_back(std::move(line));
+  }
 
   void draw_head() {
-    Line line = begin();
-    line.add(Colour::kBold, "unlatch watch").add("  " + options_.transport + "  ");
+    Flow line = begin_flow("unlatch watch");
+    line.add(" " + options_.transport + " ");
     if (view_.session == 0) {
       add(line.add(Colour::kYellow, "waits for a simulator"));
       return;
     }
     line.add(Colour::kBold, view_.scenario.empty() ? "(no Hello yet)" : view_.scenario);
-    line.add(format("  session %llx  ", static_cast<unsigned long long>(view_.session)));
+    line.add(format(" session %llx ", static_cast<unsigned long long>(view_.session)));
     const bool is_silent = view_.silent_s > 1 && view_.status < RunStatus::kDone;
     const std::string status = is_silent ? format("silent for %.0f s", view_.silent_s) : get_status_text(view_.status);
-    line.add(get_status_colour(view_), status);
-    if (view_.has_hello) line.add(", " + std::string(get_text(static_cast<hil::Pace>(view_.hello.pace))));
-    add(line);
+    const std::string pace =
+        view_.has_hello ? ", " + std::string(get_text(static_cast<hil::Pace>(view_.hello.pace))) : "";
+    add(line.add(get_status_colour(view_), status, pace));
 
     Line time = begin();
     time.add(format("t %.3f s", view_.time));
@@ -206,54 +259,52 @@ class Screen {
     const hil::HealthMessage& health = *view_.health;
     const auto us = [](std::int64_t ns) { return static_cast<double>(ns) / kNsPerUs; };
     const double tick_us = us(view_.hello.dt_ns);
-    add(begin()
-            .add(Colour::kBold, "Step      ")
+    add(begin_flow("Step     ")
             .add(build_time_bar(us(health.step_p50_ns), us(health.step_max_ns), tick_us))
-            .add(format(" median %.1f, worst %.1f of %g us", us(health.step_p50_ns), us(health.step_max_ns), tick_us)));
-    add(begin()
-            .add(Colour::kBold, "Wake-up   ")
+            .add(format("median %.1f,", us(health.step_p50_ns)))
+            .add(format("worst %.1f of %g us", us(health.step_max_ns), tick_us)));
+    add(begin_flow("Wake-up  ")
             .add(build_time_bar(us(health.wakeup_p50_ns), us(health.wakeup_max_ns), tick_us))
-            .add(format(" median %.1f, worst %.1f us; ", us(health.wakeup_p50_ns), us(health.wakeup_max_ns)))
+            .add(format("median %.1f,", us(health.wakeup_p50_ns)))
+            .add(format("worst %.1f us;", us(health.wakeup_max_ns)))
             .add(health.overruns > 0 ? Colour::kRed : Colour::kGreen,
                  format("overruns %lld", static_cast<long long>(health.overruns))));
   }
 
   void draw_messages() {
-    Line line = begin();
-    line.add(Colour::kBold, "Messages  ");
+    Flow line = begin_flow("Messages ");
     for (const MessageKind kind :
          {MessageKind::kState, MessageKind::kCommand, MessageKind::kStepAck, MessageKind::kEvent}) {
-      line.add(
-          format("%s %.0f/s  ", std::string(get_kind_name(kind)).c_str(), view_.rates[static_cast<std::size_t>(kind)]));
+      line.add(format("%s %.0f/s%c", std::string(get_kind_name(kind)).c_str(),
+                      view_.rates[static_cast<std::size_t>(kind)], kind == MessageKind::kEvent ? ';' : ','));
     }
     const std::int64_t lost = std::max(view_.lost, view_.port.lost);
-    line.add(lost > 0 ? Colour::kRed : Colour::kGreen, format("lost %lld", static_cast<long long>(lost)));
-    add(line.add(format("  repeated %lld  malformed %lld", static_cast<long long>(view_.repeated),
+    add(line.add(lost > 0 ? Colour::kRed : Colour::kGreen, format("lost %lld", static_cast<long long>(lost)),
+                 format(", repeated %lld, malformed %lld", static_cast<long long>(view_.repeated),
                         static_cast<long long>(view_.port.malformed))));
     if (!view_.health) return;
     std::int64_t refused = 0;
     for (const std::int64_t count : view_.health->rejected) refused += count;
-    add(begin()
-            .add(Colour::kBold, "Simulator ")
-            .add(format("commands late %lld, refused %lld; dropped %lld, resent %lld; absent %lld",
-                        static_cast<long long>(view_.health->late), static_cast<long long>(refused),
-                        static_cast<long long>(view_.health->dropped), static_cast<long long>(view_.health->resent),
-                        static_cast<long long>(view_.health->missing))));
+    add(begin_flow("Simulator")
+            .add(format("commands late %lld, refused %lld;", static_cast<long long>(view_.health->late),
+                        static_cast<long long>(refused)))
+            .add(format("dropped %lld, resent %lld;", static_cast<long long>(view_.health->dropped),
+                        static_cast<long long>(view_.health->resent)))
+            .add(format("absent %lld", static_cast<long long>(view_.health->missing))));
   }
 
   void draw_participants() {
     for (std::size_t i = 0; i < std::min(view_.participants.size(), kMostParticipants); ++i) {
       const WatchedParticipant& one = view_.participants[i];
       const bool is_ready = one.status == hil::AckStatus::kReady;
-      Line line = begin();
-      line.add(Colour::kBold, "Participant ").add(pad(one.name, 14) + " ");
-      line.add(is_ready ? Colour::kGreen : Colour::kYellow, is_ready                                 ? "ready"
-                                                            : one.status == hil::AckStatus::kRefused ? "refuses"
-                                                                                                     : "is missing");
+      Flow line = begin_flow("Participant");
+      line.add(pad(one.name, 14));
+      const std::string status = is_ready ? "ready" : one.status == hil::AckStatus::kRefused ? "refuses" : "is missing";
+      line.add(is_ready ? Colour::kGreen : Colour::kYellow, status, one.tick >= 0 ? "," : "");
       if (one.tick >= 0) {
-        line.add(format(", answered tick %lld, %lld behind; %s", static_cast<long long>(one.tick),
-                        static_cast<long long>(std::max<std::int64_t>(0, view_.tick - one.tick)),
-                        count(static_cast<std::size_t>(one.commands), "command").c_str()));
+        line.add(format("answered tick %lld, %lld behind;", static_cast<long long>(one.tick),
+                        static_cast<long long>(std::max<std::int64_t>(0, view_.tick - one.tick))));
+        line.add(count(static_cast<std::size_t>(one.commands), "command"));
       }
       add(line);
     }
