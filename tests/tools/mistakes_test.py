@@ -87,6 +87,13 @@ class MistakesTest(ProcessTest):
         self.assertIn("there is no option '--transprt'; did you mean '--transport'?",
                       self.refuse("hil", self.first, "--transprt", "dds", "--pace", "lockstep"))
         self.assertIn("--transport is required", self.refuse("hil", self.first, "--pace", "lockstep"))
+        self.assertIn("unlatch modes: there is no verb 'arcc'; did you mean 'arc'? known: arc, shell, import, show",
+                      self.refuse("modes", "arcc"))
+        self.assertIn("unlatch modes arc: there is no option '--angel'; did you mean '--angle'?", self.refuse("modes", "arc", "--angel", "3"))
+        for wrong in ("--untl", "--until"):
+            self.assertIn(f"unlatch: there is no option '{wrong}'; did you mean '--until' behind 'run'?",
+                          self.refuse(wrong, "3", "run", self.first))
+        self.assertIn("did you mean '--points' behind 'arc'?", self.refuse("modes", "--points=5", "arc"))
 
     def test_a_cpu_that_does_not_exist_is_a_usage_error(self):
         for arguments in (["hil", self.first, "--transport", "inproc", "--pace", "realtime"], ["preflight"]):

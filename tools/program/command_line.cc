@@ -1,8 +1,8 @@
 #include "tools/program/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "hil/language/expression.h"
 #include "hil/language/scenario_error.h"
@@ -79,7 +79,6 @@ std::string read_seconds(std::string& text, bool zero_too) {
   }
 }
 
-// The verb that the arguments name, and every option of it and of the program.
 std::vector<std::string> list_option_names(CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : std::as_const(app).get_options()) {
@@ -89,33 +88,79 @@ std::vector<std::string> list_option_names(CLI::App& app) {
   return names;
 }
 
+const std::string* find_guess(const std::string& wrong, const std::vector<std::string>& known) {
+  return hil::find_nearest(wrong, known, std::max<std::size_t>(2, wrong.size() / 3));
+}
+
 std::string describe_guess(const std::string& wrong, const std::vector<std::string>& known) {
-  const std::string* const nearest = hil::find_nearest(wrong, known, std::max<std::size_t>(2, wrong.size() / 3));
+  const std::string* const nearest = find_guess(wrong, known);
   return nearest == nullptr ? "" : "; did you mean '" + *nearest + "'?";
 }
 
+std::vector<CLI::App*> list_verbs(CLI::App& app) {
+  return app.get_subcommands([](CLI::App*) { return true; });
+}
+
+CLI::App* find_verb(CLI::App& app, const std::string& name) {
+  for (CLI::App* verb : list_verbs(app)) {
+    if (verb->get_name() == name) return verb;
+  }
+  return nullptr;
+}
+
+// A word that is no option can only be a verb.
+bool needs_verb(CLI::App& app) {
+  const auto is_argument = [](const CLI::Option* option) { return option->get_positional(); };
+  const auto options = std::as_const(app).get_options();
+  return !list_verbs(app).empty() && std::none_of(options.begin(), options.end(), is_argument);
+}
+
+// The option that stands before its verb, one of `words`.
+std::string guess_behind_verb(CLI::App& app, const std::string& option, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    CLI::App* const verb = find_verb(app, word);
+    if (verb == nullptr) continue;
+    const std::vector<std::string> known = list_option_names(*verb);
+    const std::string* const nearest = find_guess(option, known);
+    return nearest == nullptr ? "" : "; did you mean '" + *nearest + "' behind '" + word + "'?";
+  }
+  return "";
+}
+
+std::string explain_option(CLI::App& at, const std::string& path, const std::string& name,
+                           const std::vector<std::string>& words) {
+  const std::vector<std::string> known = list_option_names(at);
+  if (std::find(known.begin(), known.end(), name) != known.end()) return "";
+  const std::string guess = describe_guess(name, known);
+  return path + ": there is no option '" + name + "'" + (guess.empty() ? guess_behind_verb(at, name, words) : guess);
+}
+
+std::string explain_verb(CLI::App& at, const std::string& path, const std::string& word) {
+  std::vector<std::string> names;
+  std::string list;
+  for (CLI::App* verb : list_verbs(at)) {
+    if (verb->get_group().empty()) continue;
+    names.push_back(verb->get_name());
+    list += (list.empty() ? "" : ", ") + verb->get_name();
+  }
+  return path + ": there is no verb '" + word + "'" + describe_guess(word, names) + " known: " + list;
+}
+
 // "" or a clearer sentence than the parser's own on what it did not accept.
-std::string explain(CLI::App& app, int argc, char** argv) {
-  const std::vector<CLI::App*> verbs = app.get_subcommands([](CLI::App*) { return true; });
+std::string explain(CLI::App& app, const std::vector<std::string>& words) {
   CLI::App* at = &app;
-  for (int i = 1; i < argc && std::strcmp(argv[i], "--") != 0; ++i) {
-    const std::string word(argv[i]), name = word.substr(0, word.find('='));
+  std::string path = app.get_name();
+  for (std::size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+    const std::string& word = words[i];
     if (word.starts_with("--")) {
-      const std::vector<std::string> known = list_option_names(*at);
-      if (std::find(known.begin(), known.end(), name) == known.end()) {
-        return app.get_name() + (at == &app ? "" : " " + at->get_name()) + ": there is no option '" + name + "'" +
-               describe_guess(name, known);
-      }
-    } else if (at == &app && !verbs.empty()) {
-      std::vector<std::string> names;
-      for (CLI::App* verb : verbs) {
-        if (!verb->get_group().empty()) names.push_back(verb->get_name());
-        if (verb->get_name() == word) at = verb;
-      }
-      if (at != &app) continue;
-      std::string list;
-      for (const std::string& verb : names) list += (list.empty() ? "" : ", ") + verb;
-      return app.get_name() + ": there is no verb '" + word + "'" + describe_guess(word, names) + " known: " + list;
+      const std::string text = explain_option(*at, path, word.substr(0, word.find('=')),
+                                              {words.begin() + static_cast<std::ptrdiff_t>(i), words.end()});
+      if (!text.empty()) return text;
+    } else if (CLI::App* const verb = find_verb(*at, word)) {
+      at = verb;
+      path += " " + word;
+    } else if (needs_verb(*at)) {
+      return explain_verb(*at, path, word);
     }
   }
   return "";
@@ -307,7 +352,7 @@ bool CommandLine::parse(int argc, char** argv, int& exit_code) {
   } catch (const CLI::ParseError& error) {
     const bool is_unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
                             dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
-    if (const std::string clearer = is_unknown ? explain(*app_, argc, argv) : ""; !clearer.empty()) {
+    if (const std::string clearer = is_unknown ? explain(*app_, {argv + 1, argv + argc}) : ""; !clearer.empty()) {
       std::fprintf(stderr, "%s\nRun with --help for more information.\n", clearer.c_str());
       exit_code = kExitUsage;
       return false;
