@@ -8,6 +8,8 @@
 #include <atomic>
 #include <climits>
 
+#include "hil/language/count.h"
+
 namespace unlatch::bridge {
 namespace {
 
@@ -53,7 +55,7 @@ std::string LineLimit::pass(std::string_view line, std::chrono::nanoseconds now)
     return {};
   }
   std::string text;
-  if (suppressed_ > 0) text = "Cyclone DDS: " + std::to_string(suppressed_) + " more lines, not shown\n";
+  if (suppressed_ > 0) text = "Cyclone DDS: " + hil::count(suppressed_, "more line") + ", not shown\n";
   suppressed_ = 0;
   while (!line.empty() && line.back() == '\n') line.remove_suffix(1);
   return text + "Cyclone DDS: " + std::string(line) + "\n";

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "hil/campaign/campaign_reader.h"
+#include "hil/language/count.h"
 #include "hil/language/yaml_override.h"
 
 namespace unlatch::hil {
@@ -253,8 +254,7 @@ void CampaignReader::read_correlations(YamlMap& top) {
     }
     const std::vector<std::size_t> a = find(between->items[0]), b = find(between->items[1]);
     if (a.size() != b.size() && !a.empty() && !b.empty())
-      mistakes_.add(between->mark,
-                    "these make " + std::to_string(a.size()) + " and " + std::to_string(b.size()) + " draws",
+      mistakes_.add(between->mark, "these make " + std::to_string(a.size()) + " and " + hil::count(b.size(), "draw"),
                     "name single ones: mass:1");
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
       if (a[i] == b[i]) mistakes_.add(between->mark, "a parameter with itself", "name two");
@@ -294,12 +294,12 @@ void CampaignReader::finish_plan(YamlMap& top) {
   if (made > static_cast<std::int64_t>(kMostSamples))
     mistakes_.add(mark, "this grid has more than 1e9 samples", "fewer levels, or another sampling");
   if (made > 0 && samples != nullptr && plan.samples != made)
-    mistakes_.add(mark, "this sampling makes " + std::to_string(made) + " samples", "write that, or leave samples out");
+    mistakes_.add(mark, "this sampling makes " + hil::count(made, "sample"), "write that, or leave samples out");
   if (made > 0) plan.samples = made;
   if (plan.sampling != Sampling::kCsv && plan.samples == 0)
     mistakes_.add(mark, "the campaign has no samples", "add `samples: 1000`");
   else if (plan.samples % block != 0)
-    mistakes_.add(mark, "this sampling takes " + std::to_string(block) + " samples a block",
+    mistakes_.add(mark, "this sampling takes " + hil::count(block, "sample") + " a block",
                   "write a multiple: " + std::to_string((plan.samples / block + 1) * block));
   const auto count = static_cast<std::uint64_t>(plan.samples);
   if (plan.sampling == Sampling::kSobol && count > 0 && !std::has_single_bit(count))
@@ -349,8 +349,7 @@ void CampaignReader::read_table(YamlMap& top) {
     }
     if (top.node().find("samples") == nullptr) campaign_.plan.samples = static_cast<std::int64_t>(table.rows.size());
     if (campaign_.plan.samples > static_cast<std::int64_t>(table.rows.size()) || table.rows.empty())
-      mistakes_.add(node->mark, "the table has " + std::to_string(table.rows.size()) + " rows",
-                    "a row for each sample");
+      mistakes_.add(node->mark, "the table has " + hil::count(table.rows.size(), "row"), "a row for each sample");
   } catch (const YamlError& e) {
     mistakes_.add(e.mark, e.what(), e.mend);
   }

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "hil/campaign/campaign_reader.h"
+#include "hil/language/count.h"
 #include "hil/language/yaml_override.h"
 
 namespace unlatch::hil {
@@ -106,7 +107,7 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
     }
     const std::string where = "table '" + name + "', line " + std::to_string(number);
     if (cells.size() != table.names.size())
-      throw YamlError(mark, where + " has " + std::to_string(cells.size()) + " cells",
+      throw YamlError(mark, where + " has " + count(cells.size(), "cell"),
                       "as many as the header: " + std::to_string(table.names.size()));
     std::vector<double>& row = table.rows.emplace_back();
     for (const std::string& cell : cells) {

@@ -5,6 +5,7 @@
 
 #include "hil/analysis/run_analysis.h"
 #include "hil/campaign/campaign_reader.h"
+#include "hil/language/count.h"
 
 namespace unlatch::hil {
 namespace {
@@ -62,7 +63,7 @@ void CampaignReader::read_outputs(YamlMap& top) {
             [&](const YamlNode& item) { read_curves(item, outputs); });
   if (const std::size_t count = campaign_.chosen.count(); count > kMostChosen)
     mistakes_.add((curves != nullptr ? curves : values)->mark,
-                  "outputs and curves make " + std::to_string(count) + " columns; at most " +
+                  "outputs and curves make " + hil::count(count, "column") + "; at most " +
                       std::to_string(kMostChosen) + " fit into a table",
                   "fewer names, or a longer `every`");
 }

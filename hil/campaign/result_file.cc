@@ -10,6 +10,8 @@
 #include <optional>
 #include <utility>
 
+#include "hil/language/count.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -126,7 +128,7 @@ void ResultFile::append(const SampleRecord& record) {
   if (!write_whole(file_, buffer.data(), buffer.size(), end_)) {
     const std::string why = std::strerror(errno);
     if (ftruncate(file_, static_cast<off_t>(end_)) != 0) fail(path_, "it cannot be written: " + why);
-    fail(path_, "it cannot be written: " + why + "; " + std::to_string(samples_.size()) + " samples are in it");
+    fail(path_, "it cannot be written: " + why + "; " + "it has " + count(samples_.size(), "sample"));
   }
   samples_.push_back(record.sample);
   places_.push_back(end_);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/language/count.h"
 #include "hil/messages/event_names.h"
 #include "hil/run/run.h"
 
@@ -334,10 +335,9 @@ LogEnd Executive::conclude_stop() {
   }
   if (overrun_ends_) {
     const bool fail = options_.timing.overruns.kind == OverrunPolicy::Kind::kFail;
-    end_message_ =
-        "tick " + std::to_string(now_.tick) + " overran its period (policy: " +
-        (fail ? "fail" : "catch_up, at most " + std::to_string(options_.timing.overruns.max_ticks) + " ticks") +
-        "); the table of overruns has the cause";
+    end_message_ = "tick " + std::to_string(now_.tick) + " overran its period (policy: " +
+                   (fail ? "fail" : "catch_up, at most " + count(options_.timing.overruns.max_ticks, "tick")) +
+                   "); the table of overruns has the cause";
   }
   return conclude(RunStatus::kAborted, end_message_);
 }

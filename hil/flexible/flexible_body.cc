@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "hil/language/count.h"
 #include "unlatch/inertia.h"
 
 namespace unlatch::hil {
@@ -293,8 +294,8 @@ FlexibleStructure build_flexible_body(const Modes& found, const ModeSelection& s
     picked.push_back(finding - report.modes.begin());
   }
   if (selection.damping.size() != 1 && selection.damping.size() != picked.size())
-    throw std::invalid_argument(std::to_string(selection.damping.size()) + " damping ratios for " +
-                                std::to_string(picked.size()) + " modes: give one, or one for each");
+    throw std::invalid_argument(count(selection.damping.size(), "damping ratio") + " for " +
+                                count(picked.size(), "mode") + ": give one, or one for each");
   for (const double ratio : selection.damping)
     if (!(ratio >= 0 && ratio < 1)) throw std::invalid_argument("a damping ratio is at least 0 and less than 1");
   pick(picked, modes);

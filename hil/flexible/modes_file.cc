@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "hil/language/count.h"
 #include "hil/language/yaml_reader.h"
 
 namespace unlatch::hil {
@@ -122,7 +123,7 @@ class Reader {
     const auto wanted = static_cast<std::size_t>(count);
     const std::size_t there = lines_.words().size() - std::min(first, lines_.words().size());
     if (there != wanted)
-      stop(first + std::min(there, wanted), std::to_string(there) + " numbers",
+      stop(first + std::min(there, wanted), hil::count(there, "number"),
            std::to_string(wanted) + " belong here: " + what);
     std::vector<double> values;
     for (std::size_t i = 0; i < wanted; ++i) values.push_back(number(first + i));
@@ -139,7 +140,7 @@ class Reader {
     if (modes_.get_count() > 0) stop(0, "frequencies for a second time", "write them once");
     const auto count = static_cast<Eigen::Index>(lines_.words().size()) - 1;
     if (count < 1 || count > kMaxModes)
-      stop(0, std::to_string(count) + " frequencies", "1 to " + std::to_string(kMaxModes) + ", in Hz");
+      stop(0, hil::count(count, "frequency"), "1 to " + std::to_string(kMaxModes) + ", in Hz");
     modes_.frequencies_hz.resize(count);
     for (Eigen::Index k = 0; k < count; ++k) {
       const auto word = static_cast<std::size_t>(k) + 1;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "hil/language/count.h"
 #include "hil/language/scenario_error.h"
 #include "unlatch/elementary.h"
 
@@ -116,9 +117,8 @@ Quantity calc_root(const Quantity& q) {
 Quantity call(const std::string& function, const std::vector<Quantity>& arguments) {
   const std::size_t wanted = function == "atan2" ? 2 : 1;
   if (arguments.size() != wanted)
-    throw ExpressionError(
-        function + " of " + std::to_string(arguments.size()) + (arguments.size() == 1 ? " value" : " values"),
-        function + (wanted == 2 ? "(y, x)" : "(x)"));
+    throw ExpressionError(function + " of " + count(arguments.size(), "value"),
+                          function + (wanted == 2 ? "(y, x)" : "(x)"));
   const Quantity& a = arguments[0];
   if (function == "sqrt") return calc_root(a);
   if (function == "abs") return {std::abs(a.value), a.dimension};

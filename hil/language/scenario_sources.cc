@@ -7,6 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "hil/language/count.h"
 #include "hil/language/scenario_error.h"
 
 namespace unlatch::hil {
@@ -61,7 +62,7 @@ std::string read_text_file(const std::string& path, const std::string& kind, std
   if (text.size() > most) {
     const auto size = fs::file_size(source, error);
     const std::string limit = std::to_string(most >> 20) + " MiB";
-    return fail(error ? "it has more than " + limit : "it has " + std::to_string(size) + " bytes",
+    return fail(error ? "it has more than " + limit : "it has " + count(size, "byte"),
                 "a " + kind + " has at most " + limit + " (" + std::to_string(most) + " bytes)");
   }
   return text;

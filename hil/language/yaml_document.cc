@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <sstream>
 
+#include "hil/language/count.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -52,7 +54,7 @@ SourceMark find_tab(const std::string& text, const SourceMark& gave_up) {
 // Refuses bytes that are not text, which yaml-cpp accepts.
 void check_bytes(std::string_view text, int override_index, int file) {
   if (text.size() > kMaxBytes)
-    throw YamlError({0, 0, override_index, file}, "it has " + std::to_string(text.size()) + " bytes",
+    throw YamlError({0, 0, override_index, file}, "it has " + count(text.size(), "byte"),
                     "a scenario has at most 1 MiB");
   SourceMark mark{1, 1, override_index, file};
   for (std::size_t i = 0; i < text.size();) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "hil/language/count.h"
 #include "hil/language/expression.h"
 
 namespace unlatch::hil {
@@ -131,7 +132,7 @@ std::string read_name(const YamlNode& node, Mistakes& mistakes) {
 }
 
 std::vector<double> read_numbers(const YamlNode& node, std::size_t count, const std::string& unit, Mistakes& mistakes) {
-  const std::string wanted = (count > 0 ? std::to_string(count) + " numbers" : "a list of numbers") +
+  const std::string wanted = (count > 0 ? hil::count(count, "number") : "a list of numbers") +
                              (unit.empty() ? "" : ", in " + unit) + (count == 3 ? ": [x, y, z]" : "");
   if (!node.is_sequence()) {
     expect(node, wanted, mistakes);

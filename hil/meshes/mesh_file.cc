@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "hil/language/base64.h"
+#include "hil/language/count.h"
 
 namespace unlatch::hil {
 namespace {
@@ -205,8 +206,8 @@ MeshData read_stl(std::string_view bytes) {
     const std::uint64_t count = read_word(bytes, kHeader - 4), whole = kHeader + kFacet * count;
     if (whole == bytes.size()) return read_binary_stl(bytes);
     if (bytes.substr(0, 5) != "solid")
-      throw MeshError("it has " + std::to_string(bytes.size()) + " bytes, and its " + std::to_string(count) +
-                      " triangles take " + std::to_string(whole) + ": it is cut short, or no STL file");
+      throw MeshError("it has " + hil::count(bytes.size(), "byte") + ", and its " + hil::count(count, "triangle") +
+                      " would take " + std::to_string(whole) + ": it is cut short, or no STL file");
   }
   return read_ascii_stl(bytes);
 }
@@ -251,7 +252,7 @@ class ObjReader {
         builder_.add_triangle(*first, *before, corner);
       if (count > 0) before = corner;
     }
-    if (count < 3) words_.fail("a face of " + std::to_string(count) + " corners");
+    if (count < 3) words_.fail("a face of " + hil::count(count, "corner"));
   }
 
   // Finds a corner: "7", "7/1", "7//3", "-1/2/3": the first number counts corners from 1, or back from the latest one.

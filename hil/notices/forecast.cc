@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "hil/language/count.h"
 #include "hil/motion/clearance.h"
 #include "hil/notices/contact_resolution.h"
 #include "hil/notices/format.h"
@@ -241,7 +242,7 @@ void find_intruders(const Scenario& scenario, std::vector<Finding>& findings) {
   }
   if (count > kMost)
     findings.push_back(
-        {"overlap", "bodies", format("%zu more pairs lie within each other at the start", count - kMost)});
+        {"overlap", "bodies", hil::count(count - kMost, "more pair") + " within each other at the start"});
 }
 
 // Finds overlaps of watched pairs.

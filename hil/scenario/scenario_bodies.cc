@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "hil/language/count.h"
 #include "hil/scenario/scenario_reader.h"
 #include "unlatch/elementary.h"
 
@@ -20,9 +21,7 @@ Eigen::Matrix3d read_inertia(const YamlNode& node, Mistakes& mistakes) {
     return inertia;
   }
   if (node.items.size() != 3)
-    mistakes.add(node.mark,
-                 "an inertia of " + std::to_string(node.items.size()) + (node.items.size() == 1 ? " row" : " rows"),
-                 "three rows of three");
+    mistakes.add(node.mark, "an inertia of " + hil::count(node.items.size(), "row"), "three rows of three");
   for (std::size_t i = 0; i < std::min<std::size_t>(3, node.items.size()); ++i) {
     const std::vector<double> row = read_numbers(node.items[i], 3, "kg m2", mistakes);
     inertia.row(static_cast<Eigen::Index>(i)) << row[0], row[1], row[2];
@@ -40,8 +39,7 @@ std::vector<const YamlNode*> read_knots(YamlMap& map, const std::string& key, st
     mistakes.add(node->mark, key + " is not a list", "one for each of `at`");
   else if (node->items.size() != count)
     mistakes.add(node->mark,
-                 key + " has " + std::to_string(node->items.size()) +
-                     (node->items.size() == 1 ? " entry for " : " entries for ") + std::to_string(count) + " of `at`",
+                 key + " has " + hil::count(node->items.size(), "entry") + " for " + std::to_string(count) + " of `at`",
                  "one for each");
   else
     for (const YamlNode& item : node->items) out.push_back(&item);

@@ -1,6 +1,7 @@
 // Watched pairs of bodies, groups and shapes.
 #include <algorithm>
 
+#include "hil/language/count.h"
 #include "hil/scenario/scenario_reader.h"
 
 namespace unlatch::hil {
@@ -118,8 +119,7 @@ void ScenarioReader::tell_undefined(const ClearancePair& pair) {
   if (count == 0) return;
   scenario_.remarks.push_back({"clearance",
                                pair.a.name + " – " + pair.b.name + ": " + std::to_string(count) + " of " +
-                                   std::to_string(all) + (all == 1 ? " pair" : " pairs") + " of shapes " +
-                                   (count == 1 ? "does" : "do") +
+                                   hil::count(all, "pair") + " of shapes " + (count == 1 ? "does" : "do") +
                                    " not count: two hollow shapes and two half-spaces have no distance; make one of "
                                    "the hollow ones solid, or leave the pair out with `except`",
                                "clearance"});

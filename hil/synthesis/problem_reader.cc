@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 
+#include "hil/language/count.h"
 #include "hil/language/expression.h"
 #include "hil/language/scenario_error.h"
 #include "hil/language/scenario_sources.h"
@@ -212,7 +213,7 @@ class ProblemReader {
       return mistakes_.add(mark, "no probability", "a number between 0 and 1, such as 0.95");
     const auto least = static_cast<std::int64_t>(std::ceil(1 / (1 - probability) - 1e-9));
     if (problem_.campaign->samples < least)
-      mistakes_.add(mark, std::to_string(problem_.campaign->samples) + " samples say nothing about this probability",
+      mistakes_.add(mark, count(problem_.campaign->samples, "sample") + " cannot show this probability",
                     "samples: " + std::to_string(least) + " or more");
     const int found = read_choice(*id, "requirement of the campaign",
                                   list_requirements(*problem_.campaign->nominal->tree), mistakes_);

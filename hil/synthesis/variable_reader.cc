@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "hil/language/count.h"
 #include "hil/language/expression.h"
 
 namespace unlatch::hil {
@@ -21,7 +22,7 @@ class VariableReader {
     YamlMap map(*node, "variables", mistakes_);
     if (!node->is_mapping()) return;
     if (node->keys.empty() || node->keys.size() > kMaxVariables)
-      mistakes_.add(node->mark, std::to_string(node->keys.size()) + " variables", "give 1 to 64");
+      mistakes_.add(node->mark, count(node->keys.size(), "variable"), "give 1 to 64");
     for (std::size_t i = 0; i < node->keys.size(); ++i) {
       const YamlKey& key = node->keys[i];
       if (node->find(key.text) != &node->items[i]) continue;  // duplicate: finish() reports it

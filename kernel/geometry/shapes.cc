@@ -12,6 +12,8 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kFlat = 1e-9;  // of the size: a hull that is thinner has no volume
 
+std::string count_points(std::size_t count) { return std::to_string(count) + (count == 1 ? " point" : " points"); }
+
 std::string show(double value) {
   std::ostringstream text;
   text.precision(6);
@@ -100,8 +102,7 @@ class Checker {
   void check_hull() {
     const std::vector<Vec3>& points = shape_.points;
     if (points.size() < 4 || points.size() > static_cast<std::size_t>(kMaxHullPoints)) {
-      add("points", "a hull of " + std::to_string(points.size()) + " points",
-          "4 to " + std::to_string(kMaxHullPoints) + " points");
+      add("points", "a hull of " + count_points(points.size()), "4 to " + std::to_string(kMaxHullPoints) + " points");
       return;
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -128,7 +129,7 @@ class Checker {
     check_axis();
     const std::vector<ProfilePoint>& profile = shape_.profile;
     if (profile.size() < 2 || profile.size() > static_cast<std::size_t>(kMaxProfilePoints)) {
-      add("profile", "a profile of " + std::to_string(profile.size()) + " points",
+      add("profile", "a profile of " + count_points(profile.size()),
           "2 to " + std::to_string(kMaxProfilePoints) + " points (z, r)");
       return;
     }

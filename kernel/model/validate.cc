@@ -212,9 +212,9 @@ void check_table(const std::string& where, const Profile& profile, ModelErrors& 
   };
   const std::vector<double>& t = profile.times;
   if (t.empty() || t.size() != profile.values.size())
-    return report(
-        "its table has " + std::to_string(t.size()) + " times and " + std::to_string(profile.values.size()) + " values",
-        "as many of each, at least one");
+    return report("its table has times (" + std::to_string(t.size()) + ") and values (" +
+                      std::to_string(profile.values.size()) + ")",
+                  "as many of each, at least one");
   for (const std::vector<double>* list : {&profile.times, &profile.values})
     for (const double value : *list)
       if (!std::isfinite(value)) return report("its table has a value that is not finite", "finite times and values");

@@ -41,8 +41,8 @@ struct Check {
 
 void check_table(Check& check, const OneSided& f) {
   if (f.travels.empty() || f.travels.size() != f.forces.size())
-    return check.report("its table has " + std::to_string(f.travels.size()) + " travels and " +
-                            std::to_string(f.forces.size()) + " forces",
+    return check.report("its table has travels (" + std::to_string(f.travels.size()) + ") and forces (" +
+                            std::to_string(f.forces.size()) + ")",
                         "as many of each, at least one", "table");
   for (std::size_t i = 0; i < f.travels.size(); ++i) {
     if (!std::isfinite(f.travels[i]) || !(f.forces[i] >= 0) || !std::isfinite(f.forces[i]))

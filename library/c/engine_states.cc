@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "hil/language/count.h"
 #include "hil/run/run.h"
 #include "library/c/engine.h"
 
@@ -106,7 +107,7 @@ unlatch_status Engine::save(void* buffer, std::size_t capacity, std::size_t* nee
   if (capacity < *needed) {
     if (buffer == nullptr && capacity == 0) return UNLATCH_OK;
     return fail(UNLATCH_ERROR_RANGE,
-                "a state takes " + std::to_string(*needed) + " bytes, the buffer has " + std::to_string(capacity));
+                "a state takes " + hil::count(*needed, "byte") + ", the buffer has " + std::to_string(capacity));
   }
   std::vector<std::uint64_t> words{kSavedMark, static_cast<std::uint64_t>(simulation_->get_model_hash())};
   const std::vector<std::uint64_t> saved = simulation_->save();

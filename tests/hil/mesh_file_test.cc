@@ -66,10 +66,10 @@ TEST(MeshFile, TrianglesWithoutAreaAreLeftOut) {
 TEST(MeshFile, DamagedFilesAreRefusedWithAReason) {
   const std::string stl = write_binary_stl(kBox), ascii = write_ascii_stl(kBox);
   EXPECT_THAT(read_errors(stl.substr(0, stl.size() - 7), "a.stl"),
-              AllOf(HasSubstr("677 bytes"), HasSubstr("12 triangles take 684"), HasSubstr("cut short")));
+              AllOf(HasSubstr("677 bytes"), HasSubstr("12 triangles would take 684"), HasSubstr("cut short")));
   std::string absurd = stl;
   absurd.replace(80, 4, "\xff\xff\xff\xff");
-  EXPECT_THAT(read_errors(absurd, "a.stl"), HasSubstr("4294967295 triangles take 214748364834"));
+  EXPECT_THAT(read_errors(absurd, "a.stl"), HasSubstr("4294967295 triangles would take 214748364834"));
   Facets bad = kBox;
   bad[3].b.y = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(read_errors(write_binary_stl(bad), "a.stl"), HasSubstr("triangle 4: a coordinate is not finite"));

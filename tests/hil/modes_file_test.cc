@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"unlatch modes 1", "unlatch modes 2", "m.modes:1:1: this is not a modes file"},
         Damage{"end\n", "", "m.modes:12:1: the file ends too early"},
         Damage{"0 0 3   0 1 0     # the lighter one\nend\n", "0 0", "m.modes:11:"},
-        Damage{"0.5  -1 0 0   0 0 3   0 1 0     # the lighter one\n", "", "m.modes:11:4: 1 numbers; 10 belong here"},
+        Damage{"0.5  -1 0 0   0 0 3   0 1 0     # the lighter one\n", "", "m.modes:11:4: 1 number; 10 belong here"},
         Damage{"1.5   1 0 0", "1.5   1 0", "9 numbers; 10 belong here"},
         Damage{"1.5   1 0 0", "1.5   1 0 0 7", "11 numbers; 10 belong here"},
         Damage{"1.5   1", "-1.5   1", "m.modes:10:1: a negative mass; lump so"},

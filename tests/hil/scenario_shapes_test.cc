@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongShape{"NoNormal", "half_space: {normal: [0, 0, 0]}", 35, "not a direction"},
         WrongShape{"FlatWall", "hollow_cylinder: {from: [0, 0, 0], to: [1, 0, 0], radius: 0}", 72, "greater than 0"},
         WrongShape{"ShortProfile", "hollow_profile: {from: [0, 0, 0], axis: [1, 0, 0], profile: [[0, 1]]}", 74,
-                   "a profile of 1 points"},
+                   "a profile of 1 point;"},
         WrongShape{"FoldedProfile", "hollow_profile: {from: [0, 0, 0], axis: [1, 0, 0], profile: [[0, 1], [0, 2]]}", 74,
                    "not beyond the one before it"},
         WrongShape{"ProfileOfNumbers", "hollow_profile: {from: [0, 0, 0], axis: [1, 0, 0], profile: 1}", 74,

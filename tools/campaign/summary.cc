@@ -401,8 +401,8 @@ void print_summary(std::FILE* to, const Json& summary) {
   const auto text = [](const Json& value) {
     return value.is_null() ? std::string("–") : format("%.5g", value.get<double>());
   };
-  std::fprintf(to, "%s: %lld of %lld samples, campaign hash %s\n", summary.at("campaign").get<std::string>().c_str(),
-               summary.at("samples").get<long long>(), summary.at("planned").get<long long>(),
+  std::fprintf(to, "%s: %lld of %s, campaign hash %s\n", summary.at("campaign").get<std::string>().c_str(),
+               summary.at("samples").get<long long>(), count(summary.at("planned").get<long long>(), "sample").c_str(),
                summary.at("hash").get<std::string>().c_str());
   for (const auto& [name, count] : summary.at("statuses").items())
     if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());

@@ -17,12 +17,6 @@ std::string format(const char* pattern, ...) {
 
 std::string to_short_text(double value) { return format("%.6g", value); }
 
-std::string count(std::size_t number, const std::string& noun) {
-  const bool ends_in_y = noun.ends_with('y');
-  const std::string plural = ends_in_y ? noun.substr(0, noun.size() - 1) + "ies" : noun + "s";
-  return std::to_string(number) + " " + (number == 1 ? noun : plural);
-}
-
 std::size_t count_characters(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "hil/language/count.h"
 #include "unlatch/model.h"
 
 namespace unlatch::tools {
@@ -16,8 +17,7 @@ namespace unlatch::tools {
 // Six digits.
 std::string to_short_text(double value);
 
-// "1 event", "2 events", "2 bodies"
-std::string count(std::size_t number, const std::string& noun);
+using hil::count;
 
 // Characters that a terminal shows: the bytes that begin one.
 std::size_t count_characters(std::string_view text);

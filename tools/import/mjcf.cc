@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "hil/language/count.h"
 #include "tools/import/imported.h"
 
 namespace unlatch::tools {
@@ -105,8 +106,8 @@ class Reader {
       return;
     }
     if (count > 1) {
-      throw ImportError("body '" + body + "' has " + std::to_string(count) +
-                        " joints; a scenario has one joint between two bodies (two hinges that cross at right angles "
+      throw ImportError("body '" + body + "' has " + hil::count(count, "joint") +
+                        "; a scenario has one joint between two bodies (two hinges that cross at right angles "
                         "are a universal joint): put bodies of their own, with mass, between them");
     }
     joint.kind = type == mjJNT_BALL ? Kind::kBall : type == mjJNT_SLIDE ? Kind::kPrismatic : Kind::kRevolute;

@@ -9,6 +9,8 @@
 #include <set>
 #include <string_view>
 
+#include "hil/language/count.h"
+
 namespace unlatch::tools {
 namespace {
 
@@ -160,7 +162,7 @@ class FrdReader {
       shape[static_cast<std::size_t>(node)] = {in_.number(14, 12), in_.number(26, 12), in_.number(38, 12)};
     }
     if (found.empty() || found.size() != shape.size())
-      in_.fail("a mode shape at " + std::to_string(found.size()) + " of " + std::to_string(shape.size()) + " nodes");
+      in_.fail("a mode shape at " + std::to_string(found.size()) + " of " + hil::count(shape.size(), "node"));
     modes_.frequencies_hz.push_back(frequency_hz);
     modes_.displacements.push_back(std::move(shape));
   }
@@ -230,7 +232,7 @@ MeshModes read_calculix(const std::string& frd, const std::string& dat) {
   constexpr double kSame = 1e-4;  // .frd files have six digits
   constexpr double kRigid = 0.1;  // Hz; below it both are noise
   if (frequencies_hz.size() != modes.frequencies_hz.size())
-    throw CalculixError(dat + ": " + std::to_string(frequencies_hz.size()) + " modes, where " + frd + " has " +
+    throw CalculixError(dat + ": " + hil::count(frequencies_hz.size(), "mode") + ", where " + frd + " has " +
                         std::to_string(modes.frequencies_hz.size()));
   for (std::size_t k = 0; k < frequencies_hz.size(); ++k)
     if (frequencies_hz[k] > kRigid && std::abs(frequencies_hz[k] - modes.frequencies_hz[k]) > kSame * frequencies_hz[k])

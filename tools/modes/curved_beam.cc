@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "hil/language/count.h"
+
 namespace unlatch::tools {
 namespace {
 
@@ -225,7 +227,7 @@ std::vector<ArcMode> calc_arc_modes(ArcModel model, double angle, int count, int
     const int rigid = model == ArcModel::kShallow ? 0 : kRigidModes;
     const int there = count_arc_roots(model, angle / 2, 0, border) - rigid;
     if (there != count)
-      throw std::runtime_error("the frequency function has " + std::to_string(there) + " elastic roots where " +
+      throw std::runtime_error("the frequency function has " + hil::count(there, "elastic root") + " where " +
                                std::to_string(count) + " were found");
     modes.resize(wanted);
   } else {

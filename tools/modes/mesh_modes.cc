@@ -6,6 +6,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "hil/language/count.h"
+
 namespace unlatch::tools {
 namespace {
 
@@ -176,8 +178,8 @@ hil::Modes build_modes(const MeshModes& found, double surface_density, double ri
   }
   if (shapes.empty()) throw std::invalid_argument("there are no elastic modes");
   modes.frequencies_hz = Eigen::Map<Eigen::VectorXd>(frequencies_hz.data(), static_cast<Eigen::Index>(shapes.size()));
-  modes.source = {found.program + ", " + std::to_string(found.mesh.nodes.size()) + " nodes, " +
-                  std::to_string(found.mesh.elements.size()) + " shell elements; masses at Gauss points"};
+  modes.source = {found.program + ", " + hil::count(found.mesh.nodes.size(), "node") + ", " +
+                  hil::count(found.mesh.elements.size(), "shell element") + "; masses at Gauss points"};
   add_points(found.mesh, shapes, surface_density, modes.points);
   for (const MarkerRequest& request : markers) modes.markers.push_back(build_marker(found.mesh, shapes, request));
   round_all(digits, modes);

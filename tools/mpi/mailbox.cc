@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hil/campaign/result_file.h"
+#include "hil/language/count.h"
 
 namespace unlatch::tools {
 
@@ -25,8 +26,8 @@ std::optional<MpiMessage> Mailbox::receive() {
   if (there == 0) return std::nullopt;
   MPI_Get_count(&status, MPI_BYTE, &count);
   if (count < 0 || static_cast<std::size_t>(count) > longest_)
-    throw hil::ResultError("rank " + std::to_string(status.MPI_SOURCE) + " sent " + std::to_string(count) +
-                           " bytes; the longest message has " + std::to_string(longest_));
+    throw hil::ResultError("rank " + std::to_string(status.MPI_SOURCE) + " sent " + hil::count(count, "byte") +
+                           "; the longest message has " + std::to_string(longest_));
   MpiMessage message{status.MPI_SOURCE, status.MPI_TAG, std::vector<char>(static_cast<std::size_t>(count))};
   MPI_Recv(message.bytes.data(), count, MPI_BYTE, message.rank, message.tag, communicator_, MPI_STATUS_IGNORE);
   return message;

@@ -202,7 +202,7 @@ void Observation::hear_source(const hil::SourceMessage& part) {
     return;
   }
   view_.scenario_note = "the scenario is arriving: " + std::to_string(source_.get_parts() - source_.get_missing()) +
-                        " of " + std::to_string(source_.get_parts()) + " parts";
+                        " of " + count(source_.get_parts(), "part");
 }
 
 // The modes, shapes and pairs of the scenario are shown only if it compiles here to the model that runs there.

@@ -136,7 +136,8 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   print_springs(stdout, hil::list_springs(scenario));
   print_findings(stdout, scenario, hil::find_surprises(scenario, simulation));
   print_heading(stdout, "Memory");
-  std::printf("  state %zu bytes, workspace %zu bytes\n", plan.get_state_bytes(), plan.get_workspace_bytes());
+  std::printf("  state %s, workspace %s\n", count(plan.get_state_bytes(), "byte").c_str(),
+              count(plan.get_workspace_bytes(), "byte").c_str());
   std::printf("\n%s\n", paint(stdout, Colour::kGreen, scenario.file + " is valid").c_str());
 }
 
@@ -145,18 +146,17 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
   const hil::Campaign campaign = hil::load_campaign(options.path, options.overrides);
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::FILE* const to = get_people_stream(json);
-  std::fprintf(to, "%s: %s%lld samples, %s, seed %llu, of %s\n", campaign.name.c_str(),
-               campaign.failure ? "at most " : "", static_cast<long long>(campaign.plan.samples),
+  std::fprintf(to, "%s: %s%s, %s, seed %llu, of %s\n", campaign.name.c_str(), campaign.failure ? "at most " : "",
+               count(campaign.plan.samples, "sample").c_str(),
                hil::kSamplingNames[static_cast<std::size_t>(campaign.plan.sampling)].c_str(),
                static_cast<unsigned long long>(campaign.plan.seed), campaign.scenario.c_str());
   if (campaign.failure)
-    std::fprintf(to, "  of %s %s %s %s; levels of %lld samples, at most %d, %lld chains\n",
-                 campaign.failure->column.c_str(), campaign.failure->above ? "above" : "below",
-                 hil::to_text(campaign.failure->limit).c_str(), campaign.failure->unit.c_str(),
-                 static_cast<long long>(campaign.failure->samples), campaign.failure->levels,
-                 static_cast<long long>(campaign.failure->chains));
+    std::fprintf(to, "  of %s %s %s %s; levels of %s, at most %d, %s\n", campaign.failure->column.c_str(),
+                 campaign.failure->above ? "above" : "below", hil::to_text(campaign.failure->limit).c_str(),
+                 campaign.failure->unit.c_str(), count(campaign.failure->samples, "sample").c_str(),
+                 campaign.failure->levels, count(campaign.failure->chains, "chain").c_str());
   if (const std::size_t columns = campaign.chosen.count(); columns > 0)
-    std::fprintf(to, "  outputs and curves: %zu columns of the results\n", columns);
+    std::fprintf(to, "  outputs and curves: %s of the results\n", count(columns, "column").c_str());
   for (const std::string& remark : campaign.remarks)
     std::fprintf(to, "%s\n", paint(to, Colour::kYellow, "note: " + remark).c_str());
   if (campaign.plan.sampling != hil::Sampling::kCsv)

@@ -171,8 +171,7 @@ class Structure {
       dot += "  " + id +
              " [shape=plain label=<<table border=\"1\" color=\"#c58f2a\" bgcolor=\"#fdf6e7\" cellborder=\"0\" "
              "cellspacing=\"1\" style=\"rounded\">" +
-             row(name_of(group, model_.joints)) +
-             (group.size() > 1 ? row(small(std::to_string(group.size()) + " joints")) : "") +
+             row(name_of(group, model_.joints)) + (group.size() > 1 ? row(small(count(group.size(), "joint"))) : "") +
              (loop ? row(small(group.size() > 1 ? "each closes a loop" : "closes a loop")) : "") + list_modes(joint) +
              list_elements_of(springs_, group) + "</table>>]\n";
       grounded = grounded || joint.base == kGround;

@@ -103,8 +103,9 @@ void print_report(std::FILE* to, const hil::FlexibleStructure& body, const hil::
                   const hil::Modes& modes) {
   std::fprintf(to, "%s\n", paint(to, Colour::kBold, modes.title.empty() ? "A modes file" : modes.title).c_str());
   for (const std::string& line : modes.source) std::fprintf(to, "  %s\n", line.c_str());
-  std::fprintf(to, "  %zu mass points, %.8g kg, centre of mass (%.6g, %.6g, %.6g) m\n", modes.points.size(), body.mass,
-               body.centre.x(), body.centre.y(), body.centre.z());
+  std::fprintf(to, "  %s, %.8g kg, centre of mass (%.6g, %.6g, %.6g) m\n",
+               count(modes.points.size(), "mass point").c_str(), body.mass, body.centre.x(), body.centre.y(),
+               body.centre.z());
   const Eigen::Matrix3d& J = body.inertia;
   std::fprintf(to, "  inertia about it %.6g %.6g %.6g kg m2; xy %.3g, xz %.3g, yz %.3g\n", J(0, 0), J(1, 1), J(2, 2),
                J(0, 1), J(0, 2), J(1, 2));
@@ -309,8 +310,8 @@ int run_shell(const ShellOptions& options) {
       "half shell: radius %g m, cylinder %g m, cone %g m to radius %g m, wall %g m; E %g N/m2, %g kg/m3, nu %g",
       s.radius, s.cylinder, s.cone, s.cone > 0 ? s.nose : s.radius, s.thickness, s.young, s.density, s.poisson);
   modes.source.emplace_back(text);
-  std::snprintf(text, sizeof text, "mesh: S8R, %d around, %d rows in the cylinder, %d in the cone", s.around,
-                s.cylinder_rows, s.cone > 0 ? s.cone_rows : 0);
+  std::snprintf(text, sizeof text, "mesh: S8R, %d around, %s in the cylinder, %d in the cone", s.around,
+                count(s.cylinder_rows, "row").c_str(), s.cone > 0 ? s.cone_rows : 0);
   modes.source.emplace_back(text);
   std::FILE* const to = get_people_stream(options.json);
   for (const std::string& line : modes.source) std::fprintf(to, "%s\n", line.c_str());

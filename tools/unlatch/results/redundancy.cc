@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/common/text.h"
+
 namespace unlatch::tools {
 
 std::string list_rows(RowSet rows, const char* none) {
@@ -15,7 +17,7 @@ std::string list_rows(RowSet rows, const char* none) {
 std::string describe(const Model& model, const RedundantRows& rows) {
   constexpr std::size_t kNamed = 8;
   const std::size_t named = rows.joints.size() <= kNamed ? rows.joints.size() : kNamed - 1;
-  std::string text = std::to_string(rows.redundant) + " of " + std::to_string(rows.rows) + " rows of ";
+  std::string text = std::to_string(rows.redundant) + " of " + count(rows.rows, "row") + " of ";
   for (std::size_t i = 0; i < named; ++i)
     text += (i > 0 ? ", " : "") + model.joints[static_cast<std::size_t>(rows.joints[i])].name;
   if (named < rows.joints.size()) text += " and " + std::to_string(rows.joints.size() - named) + " more";

@@ -88,7 +88,7 @@ void print_clearances(std::FILE* to, const RunReport& report) {
       return clearances[i].smallest < clearances[k].smallest;
     });
     const hil::Clearance& clearance = clearances[least];
-    const std::string of_group = "  the smallest of " + std::to_string(group.size()) + " pairs " + keys[least];
+    const std::string of_group = "  the smallest of " + count(group.size(), "pair") + " " + keys[least];
     std::fprintf(to, "  %-28s %12.6g m %s%s%s%s\n", pairs[least].c_str(), clearance.smallest,
                  describe_time(clearance).c_str(), describe_method(clearance).c_str(),
                  clearance.smallest > 0 ? "" : paint(to, Colour::kRed, describe_touch(clearance)).c_str(),
@@ -110,7 +110,7 @@ void print_contacts(std::FILE* to, const RunReport& report) {
     }
     const std::string begin = c.closed_at_start ? "closed at the start"
                                                 : format("touch at %.6f s", *c.touch) +
-                                                      (c.touches > 1 ? format(", %d touches", c.touches) : "");
+                                                      (c.touches > 1 ? ", " + count(c.touches, "touch") : "");
     const std::string end = c.closed || !c.lift ? "closed at the end" : format("lift at %.6f s", *c.lift);
     std::fprintf(to, "  %-20s %s, %s, closed for %.4g s\n", c.name.c_str(), begin.c_str(), end.c_str(), c.duration);
     std::fprintf(to, "  %-20s peak %.5g at %.6f s, impulse %.5g, depth %.3g, slip %.3g, loss %.5g\n", "", c.peak_force,

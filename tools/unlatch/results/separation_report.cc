@@ -122,7 +122,7 @@ void print_separations(std::FILE* to, const RunReport& report) {
       return pairs[i].relative.transverse < pairs[k].relative.transverse;
     });
     if (group.size() > 1)
-      std::fprintf(to, "  of %zu pairs %s the one that turns fastest across the axis:\n", group.size(),
+      std::fprintf(to, "  of %s %s the one that turns fastest across the axis:\n", count(group.size(), "pair").c_str(),
                    keys[fastest].c_str());
     print_separation(to, report, pairs[fastest]);
   }

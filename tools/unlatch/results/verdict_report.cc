@@ -87,9 +87,10 @@ void print_requirements(std::FILE* to, const RunReport& report) {
     std::fprintf(to, "  %s                 %s\n", std::string(width, ' ').c_str(),
                  (requirement.text.empty() ? what : requirement.text + " (" + what + ")").c_str());
   }
-  const std::string count =
-      missed == 0 ? "all requirements are met"
-                  : std::to_string(missed) + " of " + std::to_string(verdicts.size()) + " requirements are not met";
+  const std::string count = missed == 0
+                                ? "all requirements are met"
+                                : std::to_string(missed) + " of " + tools::count(verdicts.size(), "requirement") +
+                                      (missed == 1 ? " is" : " are") + " not met";
   std::fprintf(to, "  %s\n", paint(to, missed == 0 ? Colour::kGreen : Colour::kRed, count).c_str());
 }
 

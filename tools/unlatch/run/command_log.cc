@@ -84,11 +84,10 @@ class Listener {
       std::fprintf(to, "  %-10s %8lld\n", std::string(hil::get_kind_name(static_cast<hil::MessageKind>(i))).c_str(),
                    static_cast<long long>(counts_[i]));
     }
-    std::fprintf(to,
-                 "  states up to tick %lld, t = %.3f s; %lld missing in %s, %lld repeated; %lld malformed messages\n",
+    std::fprintf(to, "  states up to tick %lld, t = %.3f s; %lld missing in %s, %lld repeated; %s\n",
                  static_cast<long long>(tick_), static_cast<double>(time_us_) * 1e-6, static_cast<long long>(missing_),
                  count(static_cast<std::size_t>(gaps_), "gap").c_str(), static_cast<long long>(repeated_),
-                 static_cast<long long>(port.malformed));
+                 count(port.malformed, "malformed message").c_str());
   }
 
  private:

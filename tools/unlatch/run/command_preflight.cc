@@ -51,9 +51,10 @@ int run(const PreflightOptions& options) {
   const std::string verdict = count(Verdict::kMissing) > 0 ? "missing" : count(Verdict::kCosts) > 0 ? "costs" : "good";
   std::FILE* const to = get_people_stream(options.json);
   print(to, checks);
-  std::fprintf(to, "\n%zu checks: %ld good, %ld with a cost, %ld missing, %ld unknown\n", checks.size(),
-               static_cast<long>(count(Verdict::kGood)), static_cast<long>(count(Verdict::kCosts)),
-               static_cast<long>(count(Verdict::kMissing)), static_cast<long>(count(Verdict::kUnknown)));
+  std::fprintf(to, "\n%s: %ld good, %ld with a cost, %ld missing, %ld unknown\n",
+               tools::count(checks.size(), "check").c_str(), static_cast<long>(count(Verdict::kGood)),
+               static_cast<long>(count(Verdict::kCosts)), static_cast<long>(count(Verdict::kMissing)),
+               static_cast<long>(count(Verdict::kUnknown)));
 
   nlohmann::ordered_json json = {{"schema", 1}, {"verdict", verdict}, {"checks", nlohmann::ordered_json::array()}};
   for (const hil::PreflightCheck& check : checks) {

@@ -77,8 +77,8 @@ class CampaignProgress {
     if (std::chrono::duration<double>(now - shown_).count() < wait) return;
     shown_ = now;
     const double rate = calc_rate();
-    std::fprintf(stderr, "%s%lld of %s%lld samples, %.1f a second, %s left%s", terminal_ ? "\r\033[K" : "",
-                 static_cast<long long>(done_), ends_early_ ? "at most " : "", static_cast<long long>(total_), rate,
+    std::fprintf(stderr, "%s%lld of %s%s, %.1f a second, %s left%s", terminal_ ? "\r\033[K" : "",
+                 static_cast<long long>(done_), ends_early_ ? "at most " : "", count(total_, "sample").c_str(), rate,
                  describe_seconds(static_cast<double>(total_ - done_) / rate).c_str(), terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
@@ -184,8 +184,8 @@ int merge(const CampaignOptions& options) {
   const bool complete = summary.contains("rare") ? summary.at("rare").at("finished").get<bool>()
                                                  : summary.at("samples") == summary.at("planned");
   if (complete) return judge(summary);
-  std::fprintf(stderr, "incomplete: %lld of %lld samples; run the missing ones with --resume, and merge again\n",
-               summary.at("samples").get<long long>(), summary.at("planned").get<long long>());
+  std::fprintf(stderr, "incomplete: %lld of %s; run the missing ones with --resume, and merge again\n",
+               summary.at("samples").get<long long>(), count(summary.at("planned").get<long long>(), "sample").c_str());
   return kExitFailed;
 }
 

@@ -115,9 +115,9 @@ class OptimizeProgress {
     const auto made = static_cast<double>(std::max<std::int64_t>(1, runs - evaluations.get_taken()));
     double left = spent / made * static_cast<double>(problem_.budget.runs - runs);
     if (problem_.budget.seconds > 0) left = std::min(left, std::max(0.0, problem_.budget.seconds - spent));
-    std::fprintf(stderr, "%s%lld of at most %lld runs, %s (run %zu), at most %.0f s left%s",
-                 terminal_ ? "\r\033[K" : "", static_cast<long long>(runs),
-                 static_cast<long long>(problem_.budget.runs), best.c_str(), best_ + 1, left, terminal_ ? "" : "\n");
+    std::fprintf(stderr, "%s%lld of at most %s, %s (run %zu), at most %.0f s left%s", terminal_ ? "\r\033[K" : "",
+                 static_cast<long long>(runs), count(problem_.budget.runs, "run").c_str(), best.c_str(), best_ + 1,
+                 left, terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
   void clear() const {

@@ -150,13 +150,13 @@ std::string describe_violation(const DesignReport& report) {
 }  // namespace
 
 void print_problem(std::FILE* to, const DesignProblem& problem) {
-  std::fprintf(to, "%s: %s\n  scenario %s, method %s, seed %u, at most %lld runs\n", problem.name.c_str(),
+  std::fprintf(to, "%s: %s\n  scenario %s, method %s, seed %u, at most %s\n", problem.name.c_str(),
                problem.title.c_str(), problem.scenario.c_str(),
                hil::kSearchMethodNames[static_cast<std::size_t>(problem.method)].c_str(), problem.seed,
-               static_cast<long long>(problem.budget.runs));
+               count(problem.budget.runs, "run").c_str());
   print_heading(to, "Variables");
   for (const DesignVariable& variable : problem.variables) {
-    const std::string range = variable.is_catalogue() ? std::to_string(variable.catalogue.size()) + " values"
+    const std::string range = variable.is_catalogue() ? count(variable.catalogue.size(), "value")
                                                       : hil::write_value(variable, variable.lower) + " to " +
                                                             hil::write_value(variable, variable.upper);
     std::string paths;
@@ -229,9 +229,9 @@ Json build_design_json(const DesignReport& report) {
 void print_design(std::FILE* to, const DesignReport& report) {
   const auto& [problem, evaluations, result, verification] = report;
   std::fprintf(
-      to, "%s: %s, method %s, %lld runs and %lld around the result\n", problem.name.c_str(), get_status(result).c_str(),
+      to, "%s: %s, method %s, %s and %lld around the result\n", problem.name.c_str(), get_status(result).c_str(),
       result.exhaustive ? "all combinations" : hil::kSearchMethodNames[static_cast<std::size_t>(result.method)].c_str(),
-      static_cast<long long>(result.search_runs), static_cast<long long>(evaluations.get_runs() - result.search_runs));
+      count(result.search_runs, "run").c_str(), static_cast<long long>(evaluations.get_runs() - result.search_runs));
   if (evaluations.get_samples().empty()) return;
   const DesignSample& best = evaluations.get_samples()[result.best];
   if (!result.feasible)
@@ -266,9 +266,9 @@ void print_design(std::FILE* to, const DesignReport& report) {
     if (!(problem.constraints[i].probability > 0)) continue;
     const std::int64_t checks = problem.campaign->checks;
     const hil::Interval bounds = hil::calc_clopper_pearson(verification->failures[i], checks);
-    std::fprintf(to, "  %-16s %lld of %lld other samples fail: probability of failure %.4f to %.4f (95 %%)\n",
+    std::fprintf(to, "  %-16s %lld of %s fail: probability of failure %.4f to %.4f (95 %%)\n",
                  problem.constraints[i].name.c_str(), static_cast<long long>(verification->failures[i]),
-                 static_cast<long long>(checks), bounds.low, bounds.high);
+                 count(checks, "other sample").c_str(), bounds.low, bounds.high);
   }
 }
 
