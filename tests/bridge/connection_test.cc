@@ -51,6 +51,37 @@ TEST(RingConnection, AFullRingRefusesAndCounts) {
   EXPECT_TRUE(connection.send(make_state(6)));  // there is room again
 }
 
+hil::CommandMessage make_command_of(std::int32_t participant) {
+  hil::CommandMessage command{};
+  command.participant = participant;
+  return command;
+}
+
+TEST(RingConnection, ASenderThatFloodsLeavesPlacesToTheOthers) {
+  constexpr int kPlaces = 1024;
+  hil::RingConnection connection(4, kPlaces);
+  for (int i = 0; i < 10 * kPlaces; ++i) connection.deliver(make_command_of(1));
+  EXPECT_EQ(connection.get_dropped_in(), 9 * kPlaces);
+  int taken = 0;
+  while (connection.deliver(make_command_of(2))) ++taken;
+  EXPECT_EQ(taken, kPlaces / 2);
+  EXPECT_TRUE(connection.deliver(make_command_of(3)));
+  EXPECT_TRUE(connection.deliver(hil::HelloMessage{}));
+
+  hil::Arrival arrival;
+  for (int i = 0; i < kPlaces; ++i) ASSERT_TRUE(connection.receive(arrival));
+  while (connection.receive(arrival)) {
+  }
+  for (int i = 0; i < kPlaces; ++i) EXPECT_TRUE(connection.deliver(make_command_of(1))) << i;
+  EXPECT_FALSE(connection.deliver(make_command_of(1)));
+}
+
+TEST(RingConnection, FloodsOfManyNumbersLeavePlaces) {
+  hil::RingConnection connection(4, 1024);
+  for (int i = 0; i < 100'000; ++i) connection.deliver(make_command_of(1 + i % 31));
+  for (int i = 0; i < 30; ++i) EXPECT_TRUE(connection.deliver(make_command_of(0))) << i;
+}
+
 TEST(RingConnection, NeitherRingsNorCodecAllocate) {
   if (!kCountsAllocations) GTEST_SKIP() << "this build's malloc belongs to a sanitizer";
   hil::RingConnection connection(4, 4);
