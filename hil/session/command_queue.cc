@@ -71,7 +71,7 @@ CommandQueue::Outcome CommandQueue::add(const CommandMessage& command, Participa
     case SeenCommands::Arrival::kNew:
       break;
     case SeenCommands::Arrival::kSeen:
-      if (command.tick == repeated_tick_) return {.reason = {}, .repeated = true};
+      if (command.tick == repeated_tick_ || command.tick == repeated_before_) return {.reason = {}, .repeated = true};
       return refused(Reject::kDuplicate);
     case SeenCommands::Arrival::kTooFar:
       return refused(Reject::kJump);

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hil/messages/messages.h"
@@ -55,8 +56,11 @@ class CommandQueue {
   // Adds a command that can act at `earliest_tick` at the earliest; counts it if it is refused or late. `sender`: null
   // if unknown.
   Outcome add(const CommandMessage& command, Participant* sender, std::int64_t earliest_tick) noexcept;
-  // Repetitions of commands of `tick` are no duplicates from now on: its State was sent again.
-  void expect_repeats(std::int64_t tick) noexcept { repeated_tick_ = tick; }
+  // Repetitions of commands of `tick` are no duplicates from now on: its State was sent again. Nor are those of the
+  // latest such tick before it, whose last repetitions may arrive behind the step.
+  void expect_repeats(std::int64_t tick) noexcept {
+    if (tick != repeated_tick_) repeated_before_ = std::exchange(repeated_tick_, tick);
+  }
   // Removes all commands of a participant.
   void remove(const Participant& sender) noexcept;
   // Removes the commands that are due at `tick` and passes each to `apply`, ordered by the tick named, then the
@@ -91,7 +95,7 @@ class CommandQueue {
   CommandPool pool_;
   std::vector<Waiting> waiting_;  // one for each participant, by index
   std::int64_t late_ = 0;
-  std::int64_t repeated_tick_ = -1;
+  std::int64_t repeated_tick_ = -1, repeated_before_ = -1;  // -1: none
 };
 
 }  // namespace unlatch::hil

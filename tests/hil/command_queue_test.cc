@@ -155,5 +155,18 @@ TEST_F(CommandQueueTest, AnAnswerToARepeatedStateIsNoDuplicate) {
   EXPECT_EQ(take(queue, 5).size(), 1u);
 }
 
+// A participant that stood still finds a State several times, and answers each: the last answers come when the next
+// tick's State has been repeated too.
+TEST_F(CommandQueueTest, TheLastAnswersToARepeatedStateMayComeBehindItsStep) {
+  hil::CommandQueue queue = make_queue();
+  EXPECT_FALSE(add(queue, make_command(1, 5, 0.5), 5).reason);
+  for (const std::int64_t tick : {5, 5, 6, 6}) queue.expect_repeats(tick);
+  EXPECT_EQ(take(queue, 5).size(), 1u);
+  EXPECT_FALSE(add(queue, make_command(1, 5, 0.5), 6).reason);
+  EXPECT_EQ(count(Reject::kDuplicate), 0);
+  queue.expect_repeats(7);
+  EXPECT_EQ(add(queue, make_command(1, 5, 0.5), 7).reason, Reject::kDuplicate);
+}
+
 }  // namespace
 }  // namespace unlatch::test
