@@ -72,8 +72,13 @@ def clients(d, text):
     for place, s in enumerate(d.messages()):
         lines.append(f"| {s.name}, from the {s.sender} | {place + 1} | `UNLATCH_{s.snake().upper()}` | `{s.fingerprint:016x}` | `>Q{_format(d, s)}` |")
     for s in d.messages():
-        if s.name in ("Hello", "Catalog", "State", "HelloAck", "Command", "StepAck"):
-            names = [f"{f.name}" + (f" ×{d.constants[f.array]}" if f.array and f.type != "octet" else "") for f in s.fields]
-            lines += ["", f"**{s.name}**: " + ", ".join(names) + "."]
+        names = [f"{f.name}" + (f" ×{d.constants[f.array]}" if f.array and f.type != "octet" else "") for f in s.fields]
+        lines += ["", f"**{s.name}**: " + ", ".join(names) + "."]
+    lines += ["", "| numbers of | in | |", "|---|---|---|"]
+    for enum, values in d.enums.items():
+        users = [f"{s.name}.{f.name}" for s in d.messages() for f in s.fields if f.enum == enum]
+        if enum == "Reject":
+            users.append("Health.rejected (its places)")
+        lines.append(f"| {enum} | {', '.join(users)} | " + ", ".join(f"{value} {name}" for name, value in values.items()) + " |")
     begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
     return text[:begin] + "\n" + "\n".join(lines) + "\n\n" + text[end:]

@@ -10,6 +10,8 @@ import re
 import struct
 import unittest
 
+import yaml
+
 from processes import BIN, BOOSTERS, PROBE, SOURCE, UNLATCH, ProcessTest, run_tests
 
 EXAMPLES = SOURCE / "bridge/examples"
@@ -90,6 +92,16 @@ class ClientsTest(ProcessTest):
             self.run_ok(UNLATCH, "hil", PROBE, "--transport", "dds", "--pace", "lockstep", "--security", keys / "sim",
                         "--set", "flight_software.timeout=30")
             self.assertIn(FLOWN, self.finish(pilot))
+
+    def test_the_page_for_clients_has_every_field_and_every_number(self):
+        definition = yaml.safe_load((SOURCE / "bridge/schema/messages.yaml").read_text())
+        page = (EXAMPLES.parent / "CLIENTS.md").read_text()
+        for name, message in definition["messages"].items():
+            listed = re.search(rf"^\*\*{name}\*\*: (.*)\.$", page, re.M)[1]
+            self.assertEqual([field.split(" ×")[0] for field in listed.split(", ")], [field["name"] for field in message["fields"]])
+        for name, numbers in definition["enums"].items():
+            row = re.search(rf"^\| {name} \|.*\| (.*) \|$", page, re.M)[1]
+            self.assertEqual(row, ", ".join(f"{number} {value}" for value, number in numbers.items()))
 
     def test_python_reads_lcm_bytes(self):
         listener = self.begin("/usr/bin/env", "python3", LISTEN, PYTHON_TYPES)
