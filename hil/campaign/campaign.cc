@@ -16,7 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLanguageVersion = 1;
 constexpr double kMostSamples = 1e9, kMostSeed = 9007199254740992.0;  // 2^53: exact in every reader of numbers
 constexpr std::size_t kMostDraws = 500;
 
@@ -62,10 +61,7 @@ Campaign load_campaign_text(const std::string& text, const std::string& file, co
 void CampaignReader::read(const YamlNode& root, const std::vector<std::string>& overrides) {
   YamlMap top(root, "the campaign", mistakes_);
   if (!root.is_mapping()) return;
-  if (const YamlNode* version = top.require("unlatch_campaign"))
-    if (read_number(*version, kNoUnit, kLanguageVersion, mistakes_) != kLanguageVersion)
-      mistakes_.add(version->mark, "a campaign language of another version",
-                    "this program reads `unlatch_campaign: 1`");
+  top.read_header("unlatch_campaign");
   if (const YamlNode* name = top.require("name")) campaign_.name = read_name(*name, mistakes_);
   if (const YamlNode* title = top.find("title")) campaign_.title = read_text(*title, mistakes_);
   read_scenario(top, overrides);

@@ -15,7 +15,6 @@ namespace {
 
 using Kind = Fault::Kind;
 
-constexpr int kVersion = 1;
 constexpr double kMaxTick = 1e12;
 constexpr double kMaxCopies = 8, kMaxBits = 64, kMaxTime = 3600;
 
@@ -34,9 +33,7 @@ class FaultReader {
   void read(const YamlNode& root, FaultScript& script) {
     YamlMap top(root, "the fault script", mistakes_);
     if (!root.is_mapping()) return;
-    if (const YamlNode* version = top.require("unlatch_faults"))
-      if (read_number(*version, "", kVersion, mistakes_) != kVersion)
-        mistakes_.add(version->mark, "a fault language of another version", "this program reads `unlatch_faults: 1`");
+    top.read_header("unlatch_faults");
     script.seed = static_cast<std::uint64_t>(whole(top, "seed", 0, 0, 9e15));
     if (const YamlNode* list = top.require("faults")) {
       if (!list->is_sequence())

@@ -81,9 +81,9 @@ class Includer {
     if (part && !included)
       mistakes_.add(part->mark, "this file is a part of scenarios", "a scenario names it: `include: FILE`");
     else if (!version && included)
-      mistakes_.add(tree.mark, "this file has no header", "begin it with `unlatch_part: 1`");
+      mistakes_.add(tree.mark, "missing header", "add `unlatch_part: 1`");
     else if (included && read_number(*version, "", kLanguageVersion, mistakes_) != kLanguageVersion)
-      mistakes_.add(version->mark, "a scenario language of another version", "this program reads version 1");
+      mistakes_.add(version->mark, "another version of the language", "this program reads version 1");
     take_key(tree, "unlatch_part");
     if (included) take_key(tree, "unlatch");
   }

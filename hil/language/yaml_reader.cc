@@ -190,6 +190,16 @@ const YamlNode* YamlMap::require(const std::string& key) {
   return value;
 }
 
+void YamlMap::read_header(const std::string& key) {
+  constexpr int kVersion = 1;
+  const std::string right = "`" + key + ": " + std::to_string(kVersion) + "`";
+  const YamlNode* const version = find(key);
+  if (version == nullptr)
+    mistakes_.add(node_.mark, "missing header", "add " + right);
+  else if (read_number(*version, "", kVersion, mistakes_) != kVersion)
+    mistakes_.add(version->mark, "another version of the language", "this program reads " + right);
+}
+
 double YamlMap::number(const std::string& key, const std::string& unit, std::optional<double> fallback) {
   const YamlNode* value = fallback ? find(key) : require(key);
   return value ? read_number(*value, unit, fallback.value_or(0.0), mistakes_) : fallback.value_or(0.0);

@@ -43,6 +43,7 @@ class YamlMap {
 
   const YamlNode* find(const std::string& key);     // null if absent
   const YamlNode* require(const std::string& key);  // null and a mistake if absent
+  void read_header(const std::string& key);         // `key: 1`, the language of the file and its version
   double number(const std::string& key, const std::string& unit, std::optional<double> fallback = {});
   bool boolean(const std::string& key, bool fallback);
   Eigen::Vector3d vector(const std::string& key, const std::string& unit,

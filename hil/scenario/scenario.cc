@@ -14,7 +14,6 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr int kLanguageVersion = 1;
 constexpr double kMaxTicks = 1e12;
 constexpr double kMaxDelay = 1000;                       // ticks
 constexpr double kMinQueue = 16, kMaxQueue = 1'000'000;  // commands
@@ -169,9 +168,7 @@ void ScenarioReader::read(const YamlNode& root) {
                          "a scenario begins with `unlatch: 1`; `unlatch init NAME` writes one to start from");
   YamlMap top(root, "the scenario", mistakes_);
   if (!root.is_mapping()) return;
-  if (const YamlNode* version = top.require("unlatch"))
-    if (read_number(*version, "", kLanguageVersion, mistakes_) != kLanguageVersion)
-      mistakes_.add(version->mark, "a scenario language of another version", "this program reads `unlatch: 1`");
+  top.read_header("unlatch");
   if (const YamlNode* name = top.require("name")) scenario_.name = read_name(*name, mistakes_);
   if (const YamlNode* title = top.find("title")) scenario_.title = read_text(*title, mistakes_);
   model_.name = scenario_.name;

@@ -30,9 +30,7 @@ class ProblemReader {
                            "`unlatch run` flies it; a problem of synthesis names it: `scenario: FILE`");
     YamlMap top(root, "the file", mistakes_);
     if (!root.is_mapping()) return;
-    if (const YamlNode* version = top.require(kKey))
-      if (read_number(*version, "", 1, mistakes_) != 1)
-        mistakes_.add(version->mark, "a language of another version", "this program reads `unlatch_synthesis: 1`");
+    top.read_header(kKey);
     if (const YamlNode* name = top.require("name")) problem_.name = read_name(*name, mistakes_);
     if (const YamlNode* title = top.find("title")) problem_.title = read_text(*title, mistakes_);
     read_set(top);

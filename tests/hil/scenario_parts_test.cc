@@ -162,9 +162,9 @@ TEST_F(Includes, PartsAreNoScenarios) {
   EXPECT_THAT(errors("p.yaml"), HasSubstr("p.yaml:1:15: this file is a part of scenarios"));
   write("p.yaml", "channels: {}\n");
   write("s.yaml", split_scenario("include: p.yaml\n"));
-  EXPECT_THAT(errors("s.yaml"), HasSubstr("p.yaml:1:1: this file has no header"));
+  EXPECT_THAT(errors("s.yaml"), HasSubstr("p.yaml:1:1: missing header; add `unlatch_part: 1`"));
   write("p.yaml", "unlatch_part: 2\n");
-  EXPECT_THAT(errors("s.yaml"), HasSubstr("p.yaml:1:15: a scenario language of another version"));
+  EXPECT_THAT(errors("s.yaml"), HasSubstr("p.yaml:1:15: another version of the language"));
 }
 
 TEST(ScenarioText, IncludesNothingFromTheDisk) {

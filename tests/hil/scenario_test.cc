@@ -122,6 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"NoThreshold", ", below: -5 mm", "", "s.yaml:35:11: ", "a threshold"},
         Wrong{"TwoKinds", "{raise: kr}", "{raise: kr, ramp: {}}", "s.yaml:37:12: ", "both ramp and raise"},
         Wrong{"Policy", "policy: safe", "policy: stop", "s.yaml:39:58: ", "known: hold, zero, safe, pause, abort"},
+        Wrong{"Header", "unlatch: 1\n", "", "s.yaml:1:1: ", "missing header; add `unlatch: 1`"},
         Wrong{"Version", "unlatch: 1", "unlatch: 2", "s.yaml:1:10: ", "`unlatch: 1`"},
         Wrong{"StepAlone", "step: {dt: 0.001, until: 1}", "step: 0.001", "s.yaml:3:7: ", "step"},
         Wrong{"StepList", "{dt: 0.001, until: 1}", "[0.001, 1]",
