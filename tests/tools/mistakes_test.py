@@ -2,9 +2,10 @@
 """Facts about mistakes of users: the messages of `unlatch`, and its exit codes. Run by ctest like tools_test.py."""
 
 import os
+import re
 import subprocess
 
-from processes import HANG, REFERENCE, UNLATCH, ProcessTest, main
+from processes import FSW, HANG, REFERENCE, UNLATCH, ProcessTest, main
 
 FULL = "/dev/full"  # a device on which nothing can be written
 NOBODY = 65534
@@ -94,6 +95,11 @@ class MistakesTest(ProcessTest):
             self.assertIn(f"unlatch: there is no option '{wrong}'; did you mean '--until' behind 'run'?",
                           self.refuse(wrong, "3", "run", self.first))
         self.assertIn("did you mean '--points' behind 'arc'?", self.refuse("modes", "--points=5", "arc"))
+
+    def test_the_help_of_the_flight_software_names_every_transport(self):
+        about, options = self.run_ok(FSW, "--help").stdout.split("Usage:")
+        for transport in re.search(r"--transport TEXT:\{(.*?)\}", options)[1].split(","):
+            self.assertIn(transport.upper(), about)
 
     def test_a_cpu_that_does_not_exist_is_a_usage_error(self):
         for arguments in (["hil", self.first, "--transport", "inproc", "--pace", "realtime"], ["preflight"]):
