@@ -6,6 +6,7 @@
 
 import base64
 import json
+import math
 import re
 import sys
 from array import array
@@ -185,13 +186,79 @@ class ReportTest(ProcessTest):
         self.assertEqual(len(self.ask(rows)), 25)
         self.assert_silent()
 
+    def choose(self, title, choice):
+        """Shows one of a card's quantities; returns the limits of its axis."""
+        card = self.get_card(title)
+        self.ask(f"(() => {{ const card = {card}; card.choice = card.group.choices.find((one) => one.name === '{choice}');"
+                 " unlatchReport.plots.paintCard(card); })()")
+        return self.ask(f"[{card}.plot.scales.y.min, {card}.plot.scales.y.max]")
+
     def test_rounding_noise_does_not_fill_an_axis(self):
         self.open(self.build_many())
-        for title, choice in (("Reaction forces", "z"), ("Reaction moments", "|M|")):
-            self.ask(f"(() => {{ const card = {self.get_card(title)}; card.choice = card.group.choices.find((one) => one.name === '{choice}');"
-                     " unlatchReport.plots.paintCard(card); })()")
-        low, high = self.ask(f"[{self.get_card('Reaction forces')}.plot.scales.y.min, {self.get_card('Reaction forces')}.plot.scales.y.max]")
+        low, high = self.choose("Reaction forces", "z")
         self.assertGreater(high - low, 1e-4)  # N, of kilonewtons; the rounding is of 1e-12 N
+        _, largest = self.choose("Reaction moments", "|M|")
+        for row in ("rot_x", "rot_y", "rot_z"):
+            low, high = self.choose("Reaction moments", row)
+            self.assertGreater(high - low, 1e-6 * largest)
+        self.assert_silent()
+
+    def test_sizes_of_reactions_are_those_of_their_rows(self):
+        flight = ["run", SCENARIOS / "boosters/cyclogram.yaml", "--until", "4"]
+        log = self.record("run", *flight)
+        truth = self.run_json(UNLATCH, *flight, "--sample", ",".join(map(str, SAMPLES)))
+        self.open(log)
+        largest = {}
+        for title, size, rows in (("Reaction forces", "|F|", ("x", "y", "z")), ("Reaction moments", "|M|", ("rot_x", "rot_y", "rot_z"))):
+            choice = f"{self.get_card(title)}.group.choices[0]"
+            self.assertEqual(self.ask(f"{choice}.name"), size)
+            for sample in truth["samples"]:
+                frame = f"run.find({sample['t']}).index"
+                shown = self.ask(f"(() => {{ const run = unlatchReport.plots.runs[0];"
+                                 f" return {choice}.build(run).map((curve) => [curve.name, curve.values[{frame}]]); }})()")
+                for joint, value in shown:
+                    reaction = sample["reactions"][joint]
+                    own = [force for row, force in zip(reaction["rows"], reaction["lambda"]) if row in rows]
+                    self.assertAlmostEqual(value, math.hypot(*own), delta=1e-6 * max(1, math.hypot(*reaction["lambda"])), msg=(title, joint))
+                    largest[title] = max(value, largest.get(title, 0))
+        self.assertGreater(min(largest.values()), 1000)  # N, N m
+
+    def test_labels_of_an_axis_do_not_run_over_its_unit(self):
+        """In every plot, for every choice, and whatever the length of the labels."""
+        self.open(self.record("run", "run", REFERENCE))
+        widths = self.ask("""(async () => {
+            const widths = [], drawn = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+            const measure = ({ ctx }, text) => {
+              ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+              return ctx.measureText(text).width / devicePixelRatio;
+            };
+            const add = (card, texts, size) => {
+              const axis = card.plot.axes[1];
+              widths.push([card.group.title, card.choice.name, Math.max(0, ...texts.map((text) => measure(card.plot, text))), size - axis.ticks.size - axis.gap]);
+            };
+            for (const card of unlatchReport.plots.cards) {
+              for (const choice of card.group.choices) {
+                card.choice = choice;
+                card.fresh = true;
+                unlatchReport.plots.paintCard(card);
+                for (const span of [1.5, 0.002]) {
+                  card.plot.setScale('x', { min: 0.3, max: 0.3 + span });
+                  await drawn();
+                  const axis = card.plot.axes[1];
+                  add(card, axis._values ?? [], axis._size);
+                }
+              }
+            }
+            const [card] = unlatchReport.plots.cards, axis = card.plot.axes[1];
+            for (let digits = 1; digits < 16; digits += 1) {
+              const texts = ['−' + '8'.repeat(digits)];
+              add(card, texts, axis.size(card.plot, texts, 1, 0));
+            }
+            return widths;
+        })()""")
+        for title, choice, text, place in widths:
+            self.assertLessEqual(text, place, (title, choice))
+        self.assertGreater(max(text for _, _, text, _ in widths), 80)  # px: wider than any axis need be for most
         self.assert_silent()
 
     def test_springs_have_forces_and_strokes_and_are_drawn_while_they_push(self):
