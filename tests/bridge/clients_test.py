@@ -68,7 +68,7 @@ class ClientsTest(ProcessTest):
         self.assertEqual(lossy["hash"], clean["hash"])
         self.assertGreater(lossy["timing"]["resent"], 20)
 
-    def test_the_c99_pilot_leaves_in_order_with_security(self):
+    def leave_with_security(self, times):
         """Repeated, because the result depends on the shutdown of Cyclone's plugins at the end of the process."""
         keys = self.folder / "keys"
         self.run_ok(SOURCE / "bridge/security/make-keys", keys)
@@ -87,11 +87,17 @@ class ClientsTest(ProcessTest):
             + plugin("AccessControl", "ac", "access_control",
                      {"PermissionsCA": "ca.pem", "Governance": "governance.p7s", "Permissions": "permissions.p7s"})
             + "</Security></Domain></CycloneDDS>")
-        for _ in range(8):
+        for _ in range(times):
             pilot = self.begin(BIN / "example_pilot_c", env={**os.environ, "CYCLONEDDS_URI": network})
             self.run_ok(UNLATCH, "hil", PROBE, "--transport", "dds", "--pace", "lockstep", "--security", keys / "sim",
                         "--set", "flight_software.timeout=30")
             self.assertIn(FLOWN, self.finish(pilot))
+
+    def test_the_c99_pilot_leaves_in_order_with_security(self):
+        self.leave_with_security(8)
+
+    def test_the_c99_pilot_leaves_in_order_forty_times_with_security(self):
+        self.leave_with_security(40)
 
     def test_the_page_for_clients_has_every_field_and_every_number(self):
         definition = yaml.safe_load((SOURCE / "bridge/schema/messages.yaml").read_text())
