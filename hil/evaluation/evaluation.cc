@@ -13,23 +13,6 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
-// Readings of elements are of the workspace of the sample's own step (unlatch/readings.h), which a bundle does not
-// fill.
-bool has_element(const ChosenOutputs& chosen, const Scenario& scenario) {
-  if (chosen.is_empty()) return false;
-  const auto is_chosen = [&](const Output::Column& column) {
-    const auto same = [&](const auto& other) { return other.name == column.name; };
-    return std::ranges::any_of(chosen.values, same) || std::ranges::any_of(chosen.curves, [&](const auto& group) {
-             return std::ranges::any_of(group.curves, same);
-           });
-  };
-  const std::vector<Output> outputs = list_outputs(scenario);
-  return std::ranges::any_of(outputs, [&](const Output& output) {
-    return output.kind >= Output::Kind::kElementForce && output.kind <= Output::Kind::kElementScale &&
-           std::ranges::any_of(output.columns, is_chosen);
-  });
-}
-
 }  // namespace
 
 const std::vector<std::string> kSampleStatusNames{"done", "faulted", "invalid", "interrupted"};
@@ -184,9 +167,7 @@ std::vector<SampleResult> SampleEvaluator::evaluate(std::span<const SampleTask> 
   std::vector<Flight*> going;
   for (const auto& flight : flights)
     if (flight->goes_on()) going.push_back(flight.get());
-  std::optional<Bundle> bundle;
-  if (!has_element(chosen_, tree_.get_nominal())) bundle = build_bundle(going);
-  if (bundle)
+  if (std::optional<Bundle> bundle = build_bundle(going))
     fly_together(*bundle, going, stop);
   else
     for (Flight* flight : going) fly_alone(*flight, stop);

@@ -9,30 +9,27 @@
 namespace unlatch {
 namespace {
 
+// Of a joint's coordinate, without direction and arms.
+OneSidedMotion calc_joint_depth(const Evaluation& ev, const PlanOneSided& own) {
+  OneSidedMotion m{};
+  m.x = ev.coordinates[at(own.coordinate)];
+  m.depth = own.sign * (own.limit - m.x);
+  m.depth_rate = -own.sign * ev.speeds[at(own.coordinate)];
+  return m;
+}
+
 OneSidedMotion calc_joint_motion(const PlanData& plan, const Evaluation& ev, const PlanOneSided& own) {
   const JointView joint(plan, ev, own.joint);
-  const std::size_t c = at(own.coordinate);
-  const double x = ev.coordinates[c];
-  return {joint.get_axis(own.axis),   joint.get_arm(false),    joint.get_arm(true), x,
-          own.sign * (own.limit - x), -own.sign * ev.speeds[c]};
+  OneSidedMotion m = calc_joint_depth(ev, own);
+  m.direction = joint.get_axis(own.axis);
+  m.r_base = joint.get_arm(false);
+  m.r_follower = joint.get_arm(true);
+  return m;
 }
 
-// A stiffness by which depths and forces are compared, so that the search for an event meets no corner between them
-// near its crossing: that of the law, or of its force over its stroke. N/m or N m/rad.
-double get_scale(const OneSidedLaw& law) {
-  double scale = law.stiffness;
-  if (law.kind == OneSided::Law::kGas) scale = law.preload / law.gas_length;
-  if (law.kind == OneSided::Law::kTable && law.stroke > 0) scale = law.forces.front() / law.stroke;
-  if (law.kind == OneSided::Law::kLinear && scale == 0 && law.stroke > 0) scale = law.preload / law.stroke;
-  return scale > 0 ? scale : 1;
-}
-
-}  // namespace
-
-OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
-                           const PlanOneSided& own) noexcept {
-  if (own.joint != kNone) return calc_joint_motion(plan, ev, own);
-  const BodyFrame base = get_body_frame(ev, own.base), follower = get_body_frame(ev, own.follower);
+// Between points of two bodies.
+OneSidedMotion calc_point_motion(const PlanData& plan, const State& state, const PlanOneSided& own,
+                                 const BodyFrame& base, const BodyFrame& follower) {
   OneSidedMotion m{};
   m.r_follower = follower.R * own.point_follower;
   const Vec3 from_base = (follower.p + m.r_follower) - base.p;
@@ -55,6 +52,24 @@ OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evalu
   m.depth = own.sign * (own.limit - m.x);
   m.depth_rate = -own.sign * dot(m.direction, v);
   return m;
+}
+
+// A stiffness by which depths and forces are compared, so that the search for an event meets no corner between them
+// near its crossing: that of the law, or of its force over its stroke. N/m or N m/rad.
+double get_scale(const OneSidedLaw& law) {
+  double scale = law.stiffness;
+  if (law.kind == OneSided::Law::kGas) scale = law.preload / law.gas_length;
+  if (law.kind == OneSided::Law::kTable && law.stroke > 0) scale = law.forces.front() / law.stroke;
+  if (law.kind == OneSided::Law::kLinear && scale == 0 && law.stroke > 0) scale = law.preload / law.stroke;
+  return scale > 0 ? scale : 1;
+}
+
+}  // namespace
+
+OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
+                           const PlanOneSided& own) noexcept {
+  if (own.joint != kNone) return calc_joint_motion(plan, ev, own);
+  return calc_point_motion(plan, state, own, get_body_frame(ev, own.base), get_body_frame(ev, own.follower));
 }
 
 void store_bearings(const PlanData& plan, const Evaluation& ev, State& state) noexcept {
@@ -107,7 +122,9 @@ OneSidedReading calc_one_sided(const Plan& owner, const State& state, const Work
   const PlanData& plan = owner.data();
   const PlanOneSided& own = plan.one_sided[at(number)];
   const double t = plan.get_time(state.header->tick);
-  const OneSidedMotion m = calc_motion(plan, state, workspace.data().kept.evaluation, own);
+  const OneSidedMotion m = own.joint != kNone ? calc_joint_depth(workspace.data().kept.evaluation, own)
+                                              : calc_point_motion(plan, state, own, calc_body_frame(state, own.base),
+                                                                  calc_body_frame(state, own.follower));
   return {m.x,
           m.depth,
           m.depth_rate,

@@ -34,8 +34,15 @@ class MemberPlacer {
     for (const Plan* plan : plans) totals_ += static_cast<std::int32_t>(plan->data().varying.size());
   }
 
-  BundleMember place(const Model& model, const PlanData& plan) {
+  BundleMember place(const Model& model, const PlanData& plan, const PlanData& joined) {
     BundleMember member = next_;
+    for (const PlanCoordinate& own : get_driven(plan)) {
+      const auto is_same = [&](const PlanCoordinate& c) {
+        return c.joint == own.joint + member.joint && c.row == own.row;
+      };
+      const std::span<const PlanCoordinate> all = get_driven(joined);
+      member.coordinates.push_back(static_cast<std::int32_t>(std::ranges::find_if(all, is_same) - all.begin()));
+    }
     std::int32_t own = 0;
     const auto counts = count_elements(model);
     for (std::size_t kind = 0; kind < kElementKinds; ++kind) {
@@ -55,6 +62,8 @@ class MemberPlacer {
     pass(next_.pair, plan.contact_pairs);
     pass(next_.one_sided, plan.one_sided);
     pass(next_.bearing, plan.drums);
+    pass(next_.load, plan.loads);
+    pass(next_.friction, plan.frictions);
     next_.signal += plan.signal_count;
     next_.sensor += plan.sensor_count;
     next_.channel += plan.channel_count;
@@ -62,6 +71,10 @@ class MemberPlacer {
   }
 
  private:
+  static std::span<const PlanCoordinate> get_driven(const PlanData& plan) {
+    return std::span(plan.coordinates).first(at(plan.driven_coordinates));
+  }
+
   BundleMember next_{};
   std::array<std::int32_t, kElementKinds> elements_{};
   std::int32_t burnt_ = 0, totals_ = 0;
@@ -91,7 +104,8 @@ std::optional<Bundle> Bundle::build(std::span<const Model* const> models, std::s
   if (!joined.plan) return std::nullopt;
   auto data = std::make_unique<BundleData>(*std::move(joined.plan));
   MemberPlacer placer(models, plans);
-  for (std::size_t m = 0; m < models.size(); ++m) data->members.push_back(placer.place(*models[m], plans[m]->data()));
+  for (std::size_t m = 0; m < models.size(); ++m)
+    data->members.push_back(placer.place(*models[m], plans[m]->data(), data->plan.data()));
   return Bundle(std::move(data));
 }
 

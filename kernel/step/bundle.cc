@@ -191,13 +191,14 @@ class SideBySide {
     give_back(member, state_, *run.state);
     run.state->header->tick = state_.header->tick;
     FinalEvaluation& own = run.workspace->data().kept;
-    own.valid = false;  // these outputs are all that it has of the new state
+    own.valid = false;  // these outputs and readings are all that it has of the new state
     Evaluation& to = own.evaluation;
     for (std::size_t b = 0; b < to.places.size(); ++b)
       write(to.blocks.data(), to.places[b], &SharedBlock<double>::acceleration, get_acceleration(member, b));
     for (std::size_t i = 0; i < to.multipliers.size(); ++i)
       to.multipliers.get(i / kRows, i % kRows) = get_multiplier(member, i);
     copy_sensors(member, to.sensors);
+    copy_readings(member, to);
     run.report = {};
     run.report.substeps = 1;
     add_knot(m, end_, false);
@@ -210,6 +211,15 @@ class SideBySide {
   }
   void copy_sensors(const BundleMember& member, std::span<double> to) const {
     std::copy_n(ev_.sensors.begin() + member.sensor, to.size(), to.begin());
+  }
+  // Those of elements that do not follow from the state alone, see calc_element() in dynamics/readings.cc.
+  void copy_readings(const BundleMember& member, Evaluation& to) const {
+    std::copy_n(ev_.load_sizes.begin() + member.load, to.load_sizes.size(), to.load_sizes.begin());
+    std::copy_n(ev_.friction_sizes.begin() + member.friction, to.friction_sizes.size(), to.friction_sizes.begin());
+    for (std::size_t i = 0; i < member.coordinates.size(); ++i) {
+      to.coordinates[i] = ev_.coordinates[at(member.coordinates[i])];
+      to.speeds[i] = ev_.speeds[at(member.coordinates[i])];
+    }
   }
 
   // The knots at the beginning of the step. A run that leaves later writes its own.

@@ -101,13 +101,10 @@ TEST(SampleEvaluator, GivesTheValuesOfAnAnalysisOfEverythingInEveryShippedCampai
 }
 
 // Every output of the scenario: as a curve, at the end, and its extremes.
-hil::ChosenOutputs choose_all(const hil::Scenario& scenario, int steps, std::size_t points, bool with_elements = true) {
+hil::ChosenOutputs choose_all(const hil::Scenario& scenario, int steps, std::size_t points) {
   hil::ChosenOutputs chosen;
   hil::ChosenCurves curves{{}, steps * scenario.dt, points};
   for (const hil::Output& output : list_outputs(scenario)) {
-    if (!with_elements && output.kind >= hil::Output::Kind::kElementForce &&
-        output.kind <= hil::Output::Kind::kElementScale)
-      continue;
     for (const hil::Output::Column& column : output.columns) {
       curves.curves.push_back({column.name, column.unit});
       for (const auto take :
@@ -198,8 +195,7 @@ TEST(SampleEvaluator, KnowsNoOutputThatTheSettingsTakeAway) {
 TEST(SampleEvaluator, GivesSamplesSideBySideTheBitsOfEachAlone) {
   for (const char* name : kCampaigns) {
     const hil::Campaign campaign = hil::load_campaign(std::string(UNLATCH_SOURCE_DIR) + "/hil/scenarios/" + name);
-    const SampleEvaluator evaluator(
-        *campaign.tree, choose_all(campaign.tree->get_nominal(), 50, 30, std::string(name).starts_with("array")));
+    const SampleEvaluator evaluator(*campaign.tree, choose_all(campaign.tree->get_nominal(), 50, 30));
     std::vector<hil::SampleTask> tasks;
     for (int i = 0; i < 5; ++i) tasks.push_back({make_settings(campaign, draw_inputs(campaign, i))});
     tasks[1].run.until = 0.7;

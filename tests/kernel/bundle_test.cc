@@ -17,6 +17,7 @@
 #include "tests/support/reference_models.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::test {
 namespace {
@@ -88,6 +89,12 @@ Parts list_parts(const Logged& run, const StepReport& report) {
   parts.emplace_back("multipliers", get_numbers(multipliers));
   parts.emplace_back("accelerations", get_numbers(accelerations));
   parts.emplace_back("sensors", get_numbers(workspace.sensors));
+  std::vector<double> readings;
+  for (int e = 0; e < static_cast<int>(run.simulation.state.elements.size()); ++e) {
+    const ElementReading r = calc_element(run.simulation.plan, run.simulation.state, workspace, e);
+    readings.insert(readings.end(), {r.force, r.length, r.rate, r.scale, r.stroke, r.wound, r.on_drum});
+  }
+  parts.emplace_back("readings of elements", get_numbers(readings));
   for (const MotionKnot& knot : run.log.get_knots()) {
     parts.emplace_back("knot's time", get_bytes(std::span(&knot.time, 1)) + (knot.begins ? "b" : "-"));
     parts.emplace_back("knot's state", get_bytes(knot.state.get_bytes()));

@@ -20,7 +20,8 @@ struct BundleRun {
   const Plan* plan = nullptr;      // of its model
   Inputs inputs;                   // of this step
   State* state = nullptr;          // its own
-  Workspace* workspace = nullptr;  // its own; afterwards with the outputs of the new state, as step() leaves them
+  Workspace* workspace = nullptr;  // its own; afterwards with the outputs of the new state, as step() leaves them, and
+                                   // what calc_element() and calc_one_sided() read
   MotionLog* log = nullptr;        // as for step()
   bool goes_on = true;             // false: it has ended, and nothing happens to it
   StepReport report{};             // of the step

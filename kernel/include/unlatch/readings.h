@@ -59,7 +59,8 @@ struct ElementReading {
   double on_drum = 0;  // and length, m
 };
 
-// `element`: as in State::elements. The state must be that of the workspace's latest step() or update_outputs().
+// `element`: as in State::elements. The state must be that of the workspace's latest step(), Bundle::step() or
+// update_outputs().
 ElementReading calc_element(const Plan& plan, const State& state, const Workspace& workspace, int element) noexcept;
 
 // Coordinate and force of a one-sided force.
@@ -74,8 +75,7 @@ struct OneSidedReading {
   double bearing = 0;     // of its end about the drum's axis from the anchor, turns counted, rad
 };
 
-// Of the state that the latest step() or update_outputs() left in the workspace; its number among the model's one-sided
-// forces.
+// Likewise of a one-sided force, by its number among the model's.
 OneSidedReading calc_one_sided(const Plan& plan, const State& state, const Workspace& workspace, int number) noexcept;
 
 // The law of a one-sided force alone: its force while it is engaged, N or N m, and what it stores, J, at a depth and
