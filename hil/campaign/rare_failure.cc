@@ -12,10 +12,12 @@ SubsetPlan make_subset_plan(const RareFailure& failure, const SamplingPlan& plan
   return {plan.seed, failure.samples, failure.chains, failure.levels, plan.dimensions};
 }
 
-double calc_failure_margin(const RareFailure& failure, const SampleRecord& record) {
-  const double value = record.result.values.at(failure.column_index);
-  if (record.result.status != SampleStatus::kDone || std::isnan(value)) return -HUGE_VAL;
+double calc_failure_margin(const RareFailure& failure, SampleStatus status, double value) {
+  if (status != SampleStatus::kDone || std::isnan(value)) return -HUGE_VAL;
   return failure.above ? failure.limit - value : value - failure.limit;
+}
+double calc_failure_margin(const RareFailure& failure, const SampleRecord& record) {
+  return calc_failure_margin(failure, record.result.status, record.result.values.at(failure.column_index));
 }
 
 // Reads the column of the results and its limit. A requirement without a given limit uses its own: margin below 0.

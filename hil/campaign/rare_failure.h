@@ -13,7 +13,8 @@ namespace unlatch::hil {
 SubsetPlan make_subset_plan(const RareFailure& failure, const SamplingPlan& plan);
 
 // Distance of a sample's value from the limit, in the column's unit; below 0 the sample fails. -infinity: it has no
-// such value or did not run to its end, which is a failure too.
+// such value or did not run to its end, which is a failure too. `value`: of the failure's column.
+double calc_failure_margin(const RareFailure& failure, SampleStatus status, double value);
 double calc_failure_margin(const RareFailure& failure, const SampleRecord& record);
 
 }  // namespace unlatch::hil

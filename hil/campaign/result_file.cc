@@ -102,6 +102,8 @@ void ResultFile::scan(bool writable) {
   const auto size = static_cast<std::uint64_t>(status.st_size);
   end_ = sizeof(Header);
   std::vector<char> record(end_ + bytes <= size ? bytes : 0);  // a forged header may demand more memory than there is
+  samples_.reserve(size / bytes);
+  places_.reserve(size / bytes);
   for (std::uint64_t at = end_; at + bytes <= size; at += bytes) {
     if (!read_whole(file_, record.data(), bytes, at)) fail(path_, std::strerror(errno));
     const std::optional<SampleRecord> whole = decode_record(shape_, record);
@@ -120,6 +122,11 @@ SampleRecord ResultFile::read(std::size_t index) const {
   std::optional<SampleRecord> record = decode_record(shape_, buffer);
   if (!record) fail(path_, "it changed while it was read");
   return *std::move(record);
+}
+
+void ResultFile::read_numbers(std::size_t record, std::size_t first, std::span<double> to) const {
+  const std::uint64_t begin = places_.at(record) + get_number_place(first);
+  if (!read_whole(file_, reinterpret_cast<char*>(to.data()), to.size_bytes(), begin)) fail(path_, "it cannot be read");
 }
 
 void ResultFile::append(const SampleRecord& record) {

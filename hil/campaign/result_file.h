@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ class ResultFile {
   // one is not.
   const std::vector<std::int64_t>& samples() const { return samples_; }
   [[nodiscard]] SampleRecord read(std::size_t record) const;
+  // Reads numbers of a record, from number `first` on: inputs, then values.
+  void read_numbers(std::size_t record, std::size_t first, std::span<double> to) const;
   // Appends a record. Throws ResultError; the file then ends with its last complete record.
   void append(const SampleRecord& record);
 

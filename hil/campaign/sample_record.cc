@@ -102,12 +102,14 @@ std::size_t get_record_bytes(const ResultShape& shape) {
   return sizeof(RecordHead) + 8 * (std::size_t{shape.inputs} + shape.values) + kMessage + 8;
 }
 
+std::size_t get_number_place(std::size_t number) { return sizeof(RecordHead) + sizeof(double) * number; }
+
 void encode_record(const ResultShape& shape, const SampleRecord& record, std::span<char> to) {
   std::fill(to.begin(), to.end(), char{0});
   const RecordHead head{record.sample, static_cast<std::int64_t>(record.result.status), record.result.ticks,
                         record.result.hash, record.result.model_hash};
   std::memcpy(to.data(), &head, sizeof head);
-  std::size_t at = sizeof head;
+  std::size_t at = get_number_place(0);
   for (const auto& [values, count] :
        {std::pair{&record.inputs, shape.inputs}, std::pair{&record.result.values, shape.values}}) {
     for (std::size_t i = 0; i < count; ++i, at += 8) {
@@ -137,7 +139,7 @@ std::optional<SampleRecord> decode_record(const ResultShape& shape, std::span<co
   record.result.model_hash = head.model_hash;
   record.inputs.resize(shape.inputs);
   record.result.values.resize(shape.values);
-  const char* at = bytes.data() + sizeof head;
+  const char* at = bytes.data() + get_number_place(0);
   for (std::vector<double>* values : {&record.inputs, &record.result.values}) {
     std::memcpy(values->data(), at, 8 * values->size());
     at += 8 * values->size();

@@ -39,6 +39,8 @@ constexpr std::uint64_t add_to_hash(std::uint64_t campaign, std::uint64_t sample
 
 // Size of a record, the same for every sample of one shape; little-endian, with a checksum at the end.
 std::size_t get_record_bytes(const ResultShape& shape);
+// Place of a number in a record, bytes from its beginning; inputs are the first, then values.
+std::size_t get_number_place(std::size_t number);
 // Encodes a record into `to` of get_record_bytes(). Every NaN becomes the same NaN.
 void encode_record(const ResultShape& shape, const SampleRecord& record, std::span<char> to);
 // Decodes bytes of any origin. Returns nothing if they are no record: another size, a wrong checksum, no sample, or no

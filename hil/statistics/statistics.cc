@@ -151,22 +151,28 @@ double calc_spearman(const std::vector<double>& x_in, const std::vector<double>&
   return x.size() < 3 ? kNaN : calc_correlation(calc_ranks(x), calc_ranks(y));
 }
 
-RankedVariables::RankedVariables(const std::vector<std::vector<double>>& variables) : variables_(variables) {
-  for (const std::vector<double>& x : variables_) {
-    std::vector<std::uint32_t>& twice = ranks_.emplace_back();
-    if (has_gaps(x)) continue;
-    for (const double rank : calc_ranks(x)) twice.push_back(static_cast<std::uint32_t>(2 * rank));
-  }
+void RankedVariables::add(const std::vector<double>& x) {
+  std::vector<double> present;
+  for (const double value : x)
+    if (!std::isnan(value)) present.push_back(value);
+  const std::vector<double> ranks = calc_ranks(present);
+  Ranks& own = variables_.emplace_back();
+  own.gaps = present.size() < x.size();
+  own.twice.reserve(x.size());
+  std::size_t next = 0;
+  for (const double value : x)
+    own.twice.push_back(std::isnan(value) ? kNoRank : static_cast<std::uint32_t>(2 * ranks[next++]));
 }
 
+// Ranks of a part of the samples follow from the ranks of all.
 std::vector<double> RankedVariables::calc_spearman(const std::vector<double>& y) const {
   const bool gaps = y.size() < 3 || has_gaps(y);
   const std::vector<double> ranks = gaps ? std::vector<double>() : calc_ranks(y);
   std::vector<double> all, own;
-  for (std::size_t k = 0; k < variables_.size(); ++k) {
+  for (const Ranks& variable : variables_) {
     own.clear();
-    for (const std::uint32_t twice : ranks_[k]) own.push_back(0.5 * twice);
-    all.push_back(gaps || own.empty() ? hil::calc_spearman(variables_[k], y) : calc_correlation(own, ranks));
+    for (const std::uint32_t twice : variable.twice) own.push_back(twice == kNoRank ? kNaN : 0.5 * twice);
+    all.push_back(gaps || variable.gaps ? hil::calc_spearman(own, y) : calc_correlation(own, ranks));
   }
   return all;
 }

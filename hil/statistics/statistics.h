@@ -37,15 +37,19 @@ double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p);
 // Rank correlation, ties at their mean rank; pairs with a NaN left out. NaN if one variable is constant.
 double calc_spearman(const std::vector<double>& x, const std::vector<double>& y);
 
-// The same of one variable with each of several, whose ranks are computed once; it keeps a reference to these.
+// The same of one variable with each of several, of which it keeps the ranks alone.
 class RankedVariables {
  public:
-  explicit RankedVariables(const std::vector<std::vector<double>>& variables);
+  void add(const std::vector<double>& x);
   [[nodiscard]] std::vector<double> calc_spearman(const std::vector<double>& y) const;
 
  private:
-  const std::vector<std::vector<double>>& variables_;
-  std::vector<std::vector<std::uint32_t>> ranks_;  // twice each rank, which is whole; none of a variable with a NaN
+  struct Ranks {
+    std::vector<std::uint32_t> twice;  // each rank, which is then whole; kNoRank of a NaN
+    bool gaps = false;
+  };
+  static constexpr std::uint32_t kNoRank = 0xffffffff;
+  std::vector<Ranks> variables_;
 };
 
 // Elementary effects of an axis over trajectories: mean of the sizes, standard deviation (Morris 1991, Campolongo

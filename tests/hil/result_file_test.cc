@@ -14,6 +14,8 @@
 #include <random>
 #include <sstream>
 
+#include "hil/campaign/result_table.h"
+
 namespace unlatch::test {
 namespace {
 
@@ -178,6 +180,52 @@ TEST_F(ResultFileTest, ADamagedFileGivesWholeRecordsOrARefusal) {
   }
   EXPECT_GT(opened, kTrials / 10);
   EXPECT_GT(refused, kTrials / 10);
+}
+
+TEST_F(ResultFileTest, ATableHasEachSampleOnceInTheOrderOfTheirNumbers) {
+  {
+    ResultFile file = ResultFile::create(path_, shape_);
+    for (const int sample : {7, 2, 9, 2, 4}) file.append(make(sample));
+    SampleRecord again = make(9);  // the first one counts
+    again.inputs[0] = 100;
+    again.result.status = hil::SampleStatus::kFaulted;
+    file.append(again);
+  }
+  const hil::ResultTable table(ResultFile::open(path_, false));
+  const std::vector<std::int64_t> samples{2, 4, 7, 9};
+  ASSERT_EQ(table.size(), samples.size());
+  std::uint64_t hash = 0;
+  for (std::size_t row = 0; row < samples.size(); ++row) {
+    EXPECT_EQ(table.get_sample(row), samples[row]);
+    EXPECT_EQ(table.get_status(row), hil::SampleStatus::kDone);
+    EXPECT_EQ(calc_hash(table.read(row)), calc_hash(make(samples[row])));
+    EXPECT_EQ(table.find(samples[row]), row);
+    hash = hil::add_to_hash(hash, calc_hash(make(samples[row])));
+  }
+  EXPECT_EQ(table.hash(), hash);
+  EXPECT_EQ(table.find(3), 1u);
+  EXPECT_EQ(table.find(10), 4u);
+}
+
+// Whatever number of columns is read together.
+TEST_F(ResultFileTest, ATableHasTheColumnsInAnyOrder) {
+  constexpr std::size_t kRows = 50;
+  fill(kRows);
+  for (const std::size_t batch : {std::size_t{1}, 2 * kRows, 4 * kRows, hil::ResultTable::kBatch}) {
+    const hil::ResultTable table(ResultFile::open(path_, false), batch);
+    for (const std::size_t column : {4u, 0u, 3u, 2u, 1u, 4u}) {
+      const std::vector<double> values = table.read_column(column, kRows - 1);
+      ASSERT_EQ(values.size(), kRows - 1);
+      for (std::size_t row = 0; row < values.size(); ++row) {
+        const SampleRecord record = make(static_cast<std::int64_t>(row));
+        const double expected = column < 2 ? record.inputs[column] : record.result.values[column - 2];
+        EXPECT_EQ(std::isnan(values[row]), std::isnan(expected));
+        if (!std::isnan(expected)) {
+          EXPECT_EQ(values[row], expected) << batch << " " << column << " " << row;
+        }
+      }
+    }
+  }
 }
 
 TEST_F(ResultFileTest, OtherFilesAreRefused) {

@@ -85,7 +85,8 @@ TEST(Statistics, SpearmanSeesOrderAlone) {
   EXPECT_TRUE(std::isnan(hil::calc_spearman(x, std::vector<double>(20, 2.0))));
   // Several at once, with gaps on either side: the same.
   const std::vector<std::vector<double>> several{x, y, z};
-  const hil::RankedVariables ranked(several);
+  hil::RankedVariables ranked;
+  for (const std::vector<double>& variable : several) ranked.add(variable);
   for (const std::vector<double>& other : several)
     for (std::size_t k = 0; k < several.size(); ++k)
       EXPECT_EQ(ranked.calc_spearman(other)[k], hil::calc_spearman(several[k], other));

@@ -21,7 +21,7 @@ from pathlib import Path
 from random import Random
 
 from browser import Browser
-from processes import BIN, HANG, SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
+from processes import BIN, HANG, SANITIZED, SCENARIOS, SOURCE, UNLATCH, ProcessTest, call, main
 
 CAMPAIGN = SCENARIOS / "boosters" / "campaign.yaml"
 # Scenario of a mass that falls for 5 steps: a sample takes no time. v: speed at the end, 0.05 s · 9.81 m/s2 + start.
@@ -237,6 +237,25 @@ class CampaignTest(ProcessTest):
             self.assertEqual(browser.complaints, [])
         finally:
             browser.close()
+
+    # Tables and statistics of 60 MB of numbers, beside those of a tenth of them. Measured by a small process, because a
+    # process begins with the peak of the one that started it.
+    def test_tables_need_less_memory_than_their_numbers(self):
+        if SANITIZED:
+            self.skipTest("a sanitizer keeps memory that is free")
+        path = self.write("set: {step.until: 1 s}\nsamples: 2000\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1 kg, max: 2 kg}}\n"
+                          "curves: [{of: [ball.*, base.*], every: 10 ms}]\n")
+        peaks, numbers = [], []
+        for part in ("0:200", "0:2000"):
+            part_folder = self.folder / part.replace(":", "-")
+            self.run_ok(UNLATCH, "campaign", path, "--out", part_folder, "--samples", part, code=None)
+            numbers.append((part_folder / "results.bin").stat().st_size)
+            measure = "import os, subprocess, sys; p = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={'PATH': ''}); print(os.wait4(p.pid, 0)[2].ru_maxrss)"
+            merge = [UNLATCH, "campaign", "merge", part_folder, "--out", part_folder / "merged"]
+            peaks.append(1024 * int(self.run_ok(sys.executable, "-c", measure, *merge).stdout))
+            self.assertEqual((part_folder / "merged/samples.csv").read_bytes(), (part_folder / "samples.csv").read_bytes())
+        self.assertGreater(numbers[1] - numbers[0], 50e6)
+        self.assertLess(peaks[1] - peaks[0], 0.5 * (numbers[1] - numbers[0]))
 
     def test_parts_that_lack_samples_are_incomplete(self):
         path = self.write("samples: 6\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n")

@@ -135,23 +135,14 @@ Json read_manifest(const std::string& folder) {
 }
 
 CampaignData read_campaign(const std::string& folder) {
-  CampaignData data;
-  data.manifest = read_manifest(folder);
-  const hil::ResultFile file = hil::ResultFile::open(get_results_path(folder), false);
-  if (to_hex(file.shape().fingerprint) != data.manifest.at("fingerprint").get<std::string>() ||
-      file.shape().inputs != data.manifest.at("inputs").size() ||
-      file.shape().values != data.manifest.at("columns").size())
+  Json manifest = read_manifest(folder);
+  hil::ResultFile file = hil::ResultFile::open(get_results_path(folder), false);
+  if (to_hex(file.shape().fingerprint) != manifest.at("fingerprint").get<std::string>() ||
+      file.shape().inputs != manifest.at("inputs").size() || file.shape().values != manifest.at("columns").size())
     throw hil::ResultError(folder + ": results and manifest are not of one campaign");
-  std::vector<std::size_t> order(file.samples().size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto sample = [&](std::size_t i) { return file.samples()[i]; };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return sample(a) < sample(b); });
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k > 0 && sample(order[k]) == sample(order[k - 1])) continue;
-    data.records.push_back(file.read(order[k]));
-    data.hash = hil::add_to_hash(data.hash, hil::calc_hash(data.records.back()));
-  }
-  return data;
+  auto table = std::make_shared<const hil::ResultTable>(std::move(file));
+  const std::size_t rows = table->size();
+  return {std::move(manifest), std::move(table), rows};
 }
 
 void merge_campaigns(const std::vector<std::string>& folders, const std::string& to) {
@@ -198,32 +189,23 @@ std::optional<hil::RareFailure> CampaignData::get_failure() const {
   return failure;
 }
 
-hil::SubsetSimulation CampaignData::build_subset(const hil::RareFailure& failure) const {
-  hil::SamplingPlan plan;
-  plan.seed = manifest.at("seed");
-  for (const Json& parameter : manifest.at("parameters")) plan.dimensions += parameter.at("axes").get<std::size_t>();
-  hil::SubsetSimulation subset(make_subset_plan(failure, plan));
-  for (const hil::SampleRecord& record : records) subset.note(record.sample, calc_failure_margin(failure, record));
-  return subset;
+std::vector<double> CampaignData::read_failure_margins(const hil::RareFailure& failure) const {
+  std::vector<double> margins = read_column(failure.column_index);
+  for (std::size_t row = 0; row < rows; ++row)
+    margins[row] = calc_failure_margin(failure, table->get_status(row), margins[row]);
+  return margins;
 }
 
 CampaignData CampaignData::get_drawn() const {
   CampaignData drawn = *this;
-  if (const auto failure = get_failure())
-    std::erase_if(drawn.records, [&](const hil::SampleRecord& record) { return record.sample >= failure->samples; });
+  if (const auto failure = get_failure()) drawn.rows = std::min(rows, table->find(failure->samples));
   return drawn;
 }
 
-std::vector<double> CampaignData::get_input(std::size_t input) const {
-  std::vector<double> values;
-  for (const hil::SampleRecord& record : records) values.push_back(record.inputs[input]);
-  return values;
-}
+std::vector<double> CampaignData::read_input(std::size_t input) const { return table->read_column(input, rows); }
 
-std::vector<double> CampaignData::get_column(std::size_t column) const {
-  std::vector<double> values;
-  for (const hil::SampleRecord& record : records) values.push_back(record.result.values[column]);
-  return values;
+std::vector<double> CampaignData::read_column(std::size_t column) const {
+  return table->read_column(table->shape().inputs + column, rows);
 }
 
 std::size_t CampaignData::find_column(const std::string& name) const {
@@ -247,7 +229,8 @@ void write_csv(const CampaignData& data, const std::string& path) {
       line += "," + quote_cell(column.at("name").get<std::string>() + (unit.empty() ? "" : " [" + unit + "]"));
     }
   file.write(line + ",message\r\n");
-  for (const hil::SampleRecord& record : data.records) {
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const hil::SampleRecord record = data.table->read(row);
     const hil::SampleResult& result = record.result;
     line = std::to_string(record.sample) + "," + hil::kSampleStatusNames[static_cast<std::size_t>(result.status)] +
            "," + std::to_string(result.ticks) + "," + to_hex(result.hash) + "," + to_hex(result.model_hash);
@@ -275,7 +258,8 @@ bool write_parquet(const CampaignData& data, const std::string& path) try {
     std::fwrite(text.data(), 1, text.size(), node.get_stream());
   };
   put({{"scenario", data.manifest.at("scenario")}, {"columns", columns}});
-  for (const hil::SampleRecord& record : data.records) {
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const hil::SampleRecord record = data.table->read(row);
     Json line = {record.sample, hil::kSampleStatusNames[static_cast<std::size_t>(record.result.status)],
                  record.result.ticks, to_hex(record.result.hash), to_hex(record.result.model_hash)};
     for (const auto* values : {&record.inputs, &record.result.values})

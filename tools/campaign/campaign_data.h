@@ -2,13 +2,14 @@
 // record for each sample), and what is made of them at the end: `samples.csv`, `samples.parquet`, `summary.json`.
 #pragma once
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hil/campaign/rare_failure.h"
-#include "hil/campaign/result_file.h"
+#include "hil/campaign/result_table.h"
 
 namespace unlatch::tools {
 
@@ -22,21 +23,22 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
 std::string get_manifest_path(const std::string& folder);
 std::string get_results_path(const std::string& folder);
 
-// A folder read back. Records are in the order of the samples, each once.
+// A folder read back, or the first rows of it. Rows are in the order of the samples, each once; their numbers stay in
+// the folder, see hil/campaign/result_table.h.
 struct CampaignData {
   Json manifest;
-  std::vector<hil::SampleRecord> records;
-  std::uint64_t hash = 0;  // of all samples; the same whatever ran them, in whatever order
+  std::shared_ptr<const hil::ResultTable> table;
+  std::size_t rows = 0;  // of the table
 
-  // Of subset sampling: what it looks for, and the levels of these records. Nothing: other sampling.
+  // Of subset sampling: what it looks for, and the margin of each row. Nothing: other sampling.
   [[nodiscard]] std::optional<hil::RareFailure> get_failure() const;
-  [[nodiscard]] hil::SubsetSimulation build_subset(const hil::RareFailure& failure) const;
-  // The records whose inputs are distributed as the file says, for statistics: all, but of subset sampling those of the
+  [[nodiscard]] std::vector<double> read_failure_margins(const hil::RareFailure& failure) const;
+  // The rows whose inputs are distributed as the file says, for statistics: all, but of subset sampling those of the
   // first level.
   [[nodiscard]] CampaignData get_drawn() const;
 
-  [[nodiscard]] std::vector<double> get_input(std::size_t input) const;
-  [[nodiscard]] std::vector<double> get_column(std::size_t column) const;
+  [[nodiscard]] std::vector<double> read_input(std::size_t input) const;
+  [[nodiscard]] std::vector<double> read_column(std::size_t column) const;
   [[nodiscard]] std::size_t find_column(const std::string& name) const;  // throws std::out_of_range
   // Columns before the points of curves, which are the last ones.
   [[nodiscard]] std::size_t count_plain_columns() const;

@@ -15,13 +15,13 @@ namespace {
 constexpr std::size_t kMostPoints = 20'000;          // of a plot
 constexpr std::size_t kMostSteps = 300, kEnds = 20;  // of a distribution: in all; at its ends, of consecutive samples
 
-// Places of the records that plots show: every n-th, and the worst.
-std::vector<std::size_t> choose_records(const CampaignData& data, const Json& worst, std::size_t every) {
+// Rows that plots show: every n-th, and the worst.
+std::vector<std::size_t> choose_rows(const CampaignData& data, const Json& worst, std::size_t every) {
   std::set<std::int64_t> kept;
   for (const Json& sample : worst) kept.insert(sample.get<std::int64_t>());
   std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < data.records.size(); ++i)
-    if (i % every == 0 || kept.contains(data.records[i].sample)) places.push_back(i);
+  for (std::size_t i = 0; i < data.rows; ++i)
+    if (i % every == 0 || kept.contains(data.table->get_sample(i))) places.push_back(i);
   return places;
 }
 
@@ -33,10 +33,8 @@ Json pick(const std::vector<double>& values, const std::vector<std::size_t>& pla
 
 // Histogram and cumulative distribution of all values: {from, size, counts, steps}. Steps are [value, part of the
 // samples up to it], thinned by rank, but complete at both ends.
-Json describe_distribution(const std::vector<double>& values) {
-  std::vector<double> sorted;
-  for (const double value : values)
-    if (std::isfinite(value)) sorted.push_back(value);
+Json describe_distribution(std::vector<double> sorted) {
+  std::erase_if(sorted, [](double value) { return !std::isfinite(value); });
   if (sorted.empty()) return nullptr;
   std::sort(sorted.begin(), sorted.end());
   const auto n = static_cast<double>(sorted.size());
@@ -58,21 +56,22 @@ Json describe_distribution(const std::vector<double>& values) {
 
 std::string build_campaign_page(const CampaignData& data, const Json& summary, const std::string& folder,
                                 const Json& flights) {
-  const std::size_t every = std::max<std::size_t>(1, (data.records.size() + kMostPoints - 1) / kMostPoints);
-  const std::vector<std::size_t> places = choose_records(data, summary.at("worst"), every);
+  const std::size_t every = std::max<std::size_t>(1, (data.rows + kMostPoints - 1) / kMostPoints);
+  const std::vector<std::size_t> places = choose_rows(data, summary.at("worst"), every);
   Json document = {
       {"summary", summary}, {"manifest", data.manifest}, {"every", every}, {"folder", folder}, {"flights", flights}};
   document["samples"] = Json::array();
-  for (const std::size_t i : places) document["samples"].push_back(data.records[i].sample);
-  const CampaignData drawn = data.get_drawn();
-  for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
-    document["inputs"].push_back(pick(data.get_input(k), places));
-    document["input_distributions"].push_back(describe_distribution(drawn.get_input(k)));
-  }
-  for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
-    document["columns"].push_back(pick(data.get_column(k), places));
-    document["column_distributions"].push_back(describe_distribution(drawn.get_column(k)));
-  }
+  for (const std::size_t i : places) document["samples"].push_back(data.table->get_sample(i));
+  const std::size_t drawn = data.get_drawn().rows;
+  const auto add = [&](std::vector<double> values, const char* samples, const char* distributions) {
+    document[samples].push_back(pick(values, places));
+    values.resize(drawn);
+    document[distributions].push_back(describe_distribution(std::move(values)));
+  };
+  for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k)
+    add(data.read_input(k), "inputs", "input_distributions");
+  for (std::size_t k = 0; k < data.count_plain_columns(); ++k)
+    add(data.read_column(k), "columns", "column_distributions");
   return build_page(UNLATCH_EMBEDDED(unlatch_campaign_page), document);
 }
 

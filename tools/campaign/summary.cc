@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <span>
 
 #include "hil/language/setting.h"
@@ -21,17 +23,10 @@ constexpr std::size_t kWorst = 10, kMostOrders = 20;
 Json to_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json to_json(const hil::Interval& interval) { return Json::array({interval.low, interval.high}); }
 
-std::vector<double> drop_missing(const std::vector<double>& values) {
-  std::vector<double> present;
-  for (const double value : values)
-    if (!std::isnan(value)) present.push_back(value);
-  return present;
-}
-
-std::vector<double> sort_present(const std::vector<double>& values) {
-  std::vector<double> sorted = drop_missing(values);
-  std::sort(sorted.begin(), sorted.end());
-  return sorted;
+std::vector<double> sort_present(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  std::sort(values.begin(), values.end());
+  return values;
 }
 
 void add_quantiles(const std::vector<double>& sorted, Json& to) {
@@ -63,17 +58,14 @@ Json describe_column(const Json& column, const std::vector<double>& values) {
 }
 
 // A sample fails a requirement that it does not meet, cannot be judged by, or does not live to be judged by.
-bool fails(const hil::SampleRecord& record, double margin) {
-  return record.result.status != hil::SampleStatus::kDone || !(margin >= 0);
-}
+bool fails(hil::SampleStatus status, double margin) { return status != hil::SampleStatus::kDone || !(margin >= 0); }
 
 Json describe_requirement(const CampaignData& data, const Json& requirement) {
   const std::string id = requirement.at("id");
-  const std::vector<double> values = data.get_column(data.find_column(id)),
-                            margins = data.get_column(data.find_column(id + ".margin"));
+  const std::vector<double> margins = data.read_column(data.find_column(id + ".margin"));
   std::int64_t failed = 0, unjudged = 0;
   for (std::size_t i = 0; i < margins.size(); ++i) {
-    failed += fails(data.records[i], margins[i]) ? 1 : 0;
+    failed += fails(data.table->get_status(i), margins[i]) ? 1 : 0;
     unjudged += std::isnan(margins[i]) ? 1 : 0;
   }
   const auto count = static_cast<std::int64_t>(margins.size());
@@ -81,7 +73,7 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   json["failed"] = failed;
   json["not_evaluated"] = unjudged;  // counted as failed
   json["probability"] = to_json(hil::calc_clopper_pearson(failed, count));
-  const std::vector<double> sorted = sort_present(values);
+  const std::vector<double> sorted = sort_present(data.read_column(data.find_column(id)));
   add_quantiles(sorted, json);
   // The least and the greatest value that at least 99 % of all runs keep to, with the confidence.
   constexpr double kCoverage = 0.99;
@@ -96,7 +88,8 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   std::int64_t hits = 0;
   double next = 10;
   for (std::int64_t i = 0; i < count; ++i) {
-    hits += fails(data.records[static_cast<std::size_t>(i)], margins[static_cast<std::size_t>(i)]) ? 1 : 0;
+    const auto row = static_cast<std::size_t>(i);
+    hits += fails(data.table->get_status(row), margins[row]) ? 1 : 0;
     if (static_cast<double>(i + 1) < next && i + 1 < count) continue;
     const hil::Interval bounds = hil::calc_clopper_pearson(hits, i + 1);
     json["convergence"].push_back(
@@ -106,60 +99,96 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   return json;
 }
 
-// Margins of all that a sample may fail: requirements, and the failure that subset sampling looks for.
-std::vector<std::vector<double>> list_margins(const CampaignData& data) {
-  std::vector<std::vector<double>> all;
-  for (const Json& requirement : data.manifest.at("requirements"))
-    all.push_back(data.get_column(data.find_column(requirement.at("id").get<std::string>() + ".margin")));
-  if (const auto failure = data.get_failure()) {
-    all.emplace_back();
-    for (const hil::SampleRecord& record : data.records) all.back().push_back(calc_failure_margin(*failure, record));
-  }
-  return all;
-}
-
-// Faults first, then by the smallest margin, in units of the spread of that margin over all samples.
+// Faults first, then by the smallest margin of all that a sample may fail, in units of the spread of that margin over
+// all samples.
 Json list_worst(const CampaignData& data) {
-  std::vector<std::pair<double, std::int64_t>> order;
-  for (const hil::SampleRecord& record : data.records)
-    order.emplace_back(record.result.status == hil::SampleStatus::kDone ? HUGE_VAL : -HUGE_VAL, record.sample);
-  for (const std::vector<double>& margins : list_margins(data)) {
+  std::vector<double> least(data.rows);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    least[row] = data.table->get_status(row) == hil::SampleStatus::kDone ? HUGE_VAL : -HUGE_VAL;
+  const auto take = [&](const std::vector<double>& margins) {
     const std::vector<double> sorted = sort_present(margins);
     const double spread = hil::calc_quantile(sorted, 0.9) - hil::calc_quantile(sorted, 0.1);
     for (std::size_t i = 0; i < margins.size(); ++i) {
       const double scaled = std::isnan(margins[i]) ? -HUGE_VAL : spread > 0 ? margins[i] / spread : margins[i];
-      order[i].first = std::min(order[i].first, scaled);
+      least[i] = std::min(least[i], scaled);
     }
-  }
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  };
+  for (const Json& requirement : data.manifest.at("requirements"))
+    take(data.read_column(data.find_column(requirement.at("id").get<std::string>() + ".margin")));
+  if (const auto failure = data.get_failure()) take(data.read_failure_margins(*failure));
+  std::vector<std::size_t> order(data.rows);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const std::size_t count = std::min(kWorst, order.size());
+  std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count), {},
+                            [&](std::size_t row) { return std::pair(least[row], row); });
   Json worst = Json::array();
-  for (std::size_t i = 0; i < std::min(kWorst, order.size()); ++i) worst.push_back(order[i].second);
+  for (std::size_t i = 0; i < count; ++i) worst.push_back(data.table->get_sample(order[i]));
   return worst;
 }
 
+// An order of events as bytes: for each event the relation to the one before it, and its number in two bytes, by which
+// orders sort as their texts do.
+class EventOrders {
+ public:
+  explicit EventOrders(const Json& columns) {
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (columns[k].at("kind") == "event") events_.push_back({columns[k].at("name").get<std::string>().substr(6), k});
+    std::ranges::stable_sort(events_, {}, &Event::name);
+  }
+
+  [[nodiscard]] std::string encode(const std::vector<double>& values) const {
+    std::vector<std::pair<std::pair<double, std::size_t>, std::size_t>> came;  // time, column; number
+    for (std::size_t number = 0; number < events_.size(); ++number)
+      if (const double time = values[events_[number].column]; !std::isnan(time))
+        came.emplace_back(std::pair(time, events_[number].column), number);
+    std::ranges::sort(came);
+    std::string code;
+    for (std::size_t i = 0; i < came.size(); ++i) {
+      const bool same = i > 0 && came[i].first.first == came[i - 1].first.first;
+      code += i == 0 ? kFirst : same ? kSame : kLater;
+      code += static_cast<char>(came[i].second >> 8);
+      code += static_cast<char>(came[i].second & 0xff);
+    }
+    return code;
+  }
+  [[nodiscard]] std::string describe(const std::string& code) const {
+    std::string text;
+    for (std::size_t i = 0; i + 2 < code.size(); i += 3) {
+      const auto get = [&](std::size_t k) { return std::size_t{static_cast<unsigned char>(code[i + k])}; };
+      text += (code[i] == kFirst ? "" : code[i] == kSame ? " = " : " > ") + events_[get(1) << 8 | get(2)].name;
+    }
+    return text;
+  }
+
+ private:
+  struct Event {
+    std::string name;
+    std::size_t column;
+  };
+  static constexpr char kFirst = 0, kSame = 1, kLater = 2;
+  std::vector<Event> events_;
+};
+
 // Samples by the order of their events: a class for each order, the most frequent first.
 Json list_orders(const CampaignData& data) {
-  std::map<std::string, std::vector<std::int64_t>> orders;
-  const Json& columns = data.manifest.at("columns");
-  for (const hil::SampleRecord& record : data.records) {
-    std::vector<std::pair<double, std::string>> events;
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      if (columns[k].at("kind") == "event" && !std::isnan(record.result.values[k]))
-        events.emplace_back(record.result.values[k], columns[k].at("name").get<std::string>().substr(6));
-    std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::string text;
-    for (std::size_t i = 0; i < events.size(); ++i)
-      text += (i == 0 ? "" : events[i].first == events[i - 1].first ? " = " : " > ") + events[i].second;
-    orders[text].push_back(record.sample);
+  struct Class {
+    std::int64_t samples = 0, first = 0;
+  };
+  const EventOrders orders(data.manifest.at("columns"));
+  std::map<std::string, Class> classes;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const hil::SampleRecord record = data.table->read(row);
+    Class& own = classes[orders.encode(record.result.values)];
+    if (own.samples++ == 0) own.first = record.sample;
   }
-  std::vector<const std::pair<const std::string, std::vector<std::int64_t>>*> sorted;
-  for (const auto& order : orders) sorted.push_back(&order);
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto* a, const auto* b) { return a->second.size() > b->second.size(); });
+  std::vector<const std::pair<const std::string, Class>*> sorted;
+  for (const auto& one : classes) sorted.push_back(&one);
+  std::ranges::stable_sort(sorted, std::greater(), [](const auto* one) { return one->second.samples; });
   Json json = {{"count", sorted.size()}, {"classes", Json::array()}};
   for (std::size_t i = 0; i < std::min(kMostOrders, sorted.size()); ++i)
-    json["classes"].push_back(
-        {{"order", sorted[i]->first}, {"samples", sorted[i]->second.size()}, {"first", sorted[i]->second.front()}});
+    json["classes"].push_back({{"order", orders.describe(sorted[i]->first)},
+                               {"samples", sorted[i]->second.samples},
+                               {"first", sorted[i]->second.first}});
   return json;
 }
 
@@ -176,10 +205,10 @@ Blocks get_blocks(const CampaignData& data, const std::vector<double>& values, s
   blocks.values.resize(size);
   const std::int64_t planned = data.manifest.at("samples").get<std::int64_t>() / samples;
   for (std::size_t i = 0; i < values.size();) {
-    const std::int64_t number = data.records[i].sample / samples;
+    const std::int64_t number = data.table->get_sample(i) / samples;
     std::vector<double> found(size, std::numeric_limits<double>::quiet_NaN());
-    for (; i < values.size() && data.records[i].sample / samples == number; ++i)
-      found[static_cast<std::size_t>(data.records[i].sample % samples)] = values[i];
+    for (; i < values.size() && data.table->get_sample(i) / samples == number; ++i)
+      found[static_cast<std::size_t>(data.table->get_sample(i) % samples)] = values[i];
     if (std::ranges::any_of(found, [](double x) { return std::isnan(x); })) continue;
     blocks.numbers.push_back(number);
     for (std::size_t k = 0; k < size; ++k) blocks.values[k].push_back(found[k]);
@@ -251,7 +280,7 @@ Json describe_curve(const CampaignData& data, const Json& curve) {
   for (const char* key : {"count", "min", "0.05", "0.5", "0.95", "max"}) json[key] = Json::array();
   const auto first = curve.at("first_column").get<std::size_t>();
   for (std::size_t point = 0; point < curve.at("times").size(); ++point) {
-    const std::vector<double> sorted = sort_present(data.get_column(first + point));
+    const std::vector<double> sorted = sort_present(data.read_column(first + point));
     json["count"].push_back(sorted.size());
     for (const auto& [key, p] : {std::pair{"min", 0.0}, {"0.05", 0.05}, {"0.5", 0.5}, {"0.95", 0.95}, {"max", 1.0}})
       json[key].push_back(to_json(hil::calc_quantile(sorted, p)));
@@ -261,7 +290,17 @@ Json describe_curve(const CampaignData& data, const Json& curve) {
 
 // Levels of subset sampling, its estimate, and the probability of each margin: [margin, probability] from 1 down.
 Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
-  const hil::SubsetSimulation subset = data.build_subset(failure);
+  hil::SamplingPlan plan;
+  plan.seed = data.manifest.at("seed");
+  for (const Json& parameter : data.manifest.at("parameters"))
+    plan.dimensions += parameter.at("axes").get<std::size_t>();
+  hil::SubsetSimulation subset(make_subset_plan(failure, plan));
+  std::int64_t failed = 0;
+  const std::vector<double> margins = data.read_failure_margins(failure);
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    subset.note(data.table->get_sample(row), margins[row]);
+    failed += margins[row] < 0 ? 1 : 0;
+  }
   const hil::SubsetEstimate estimate = subset.calc_estimate();
   Json json = data.manifest.at("subset");
   json.erase("column_index");
@@ -271,8 +310,6 @@ Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
   json["deviation"] = to_json(estimate.deviation);
   json["interval"] = {estimate.low, estimate.high};
   json["met"] = subset.is_finished() && estimate.reached && estimate.high <= failure.at_most;
-  std::int64_t failed = 0;
-  for (const hil::SampleRecord& record : data.records) failed += calc_failure_margin(failure, record) < 0 ? 1 : 0;
   json["failed_samples"] = failed;
   json["levels_run"] = Json::array();
   json["curve"] = Json::array();
@@ -305,35 +342,35 @@ Json build_summary(const CampaignData& all) {
   Json statuses = Json::object();
   for (const std::string& name : hil::kSampleStatusNames) statuses[name] = 0;
   statuses.erase("interrupted");
-  for (const hil::SampleRecord& record : all.records) {
-    Json& count = statuses[hil::kSampleStatusNames[static_cast<std::size_t>(record.result.status)]];
+  for (std::size_t row = 0; row < all.rows; ++row) {
+    Json& count = statuses[hil::kSampleStatusNames[static_cast<std::size_t>(all.table->get_status(row))]];
     count = count.get<std::int64_t>() + 1;
   }
   Json summary = {{"schema", 1},
                   {"campaign", data.manifest.at("campaign")},
                   {"scenario", data.manifest.at("scenario")},
-                  {"samples", all.records.size()},
+                  {"samples", all.rows},
                   {"planned", data.manifest.at("samples")},
-                  {"hash", to_hex(data.hash)},
+                  {"hash", to_hex(data.table->hash())},
                   {"confidence", hil::kConfidence},
                   {"statuses", statuses},
                   {"requirements", Json::array()},
                   {"worst", list_worst(all)}};
   if (const auto failure = all.get_failure()) {
-    summary["drawn"] = data.records.size();
+    summary["drawn"] = data.rows;
     summary["rare"] = describe_rare(all, *failure);
   }
   for (const Json& requirement : data.manifest.at("requirements"))
     summary["requirements"].push_back(describe_requirement(data, requirement));
   summary["orders"] = list_orders(data);
-  std::vector<std::vector<double>> inputs;
+  hil::RankedVariables ranked;
   for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {
-    inputs.push_back(data.get_input(k));
-    summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], inputs.back()));
+    const std::vector<double> values = data.read_input(k);
+    ranked.add(values);
+    summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], values));
   }
-  const hil::RankedVariables ranked(inputs);
   for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
-    const std::vector<double> values = data.get_column(k);
+    const std::vector<double> values = data.read_column(k);
     Json column = describe_column(data.manifest.at("columns")[k], values);
     column["kind"] = data.manifest.at("columns")[k].at("kind");
     column["sensitivity"] = describe_sensitivity(data, ranked, values);

@@ -46,9 +46,9 @@ std::vector<std::string> list_options(const CampaignData& data) {
 }
 
 bool is_valid(const CampaignData& data, std::int64_t sample) {
-  return std::ranges::any_of(data.records, [&](const hil::SampleRecord& record) {
-    return record.sample == sample && record.result.status != hil::SampleStatus::kInvalid;
-  });
+  const std::size_t row = data.table->find(sample);
+  return row < data.rows && data.table->get_sample(row) == sample &&
+         data.table->get_status(row) != hil::SampleStatus::kInvalid;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "hil/campaign/runner.h"
@@ -160,13 +161,14 @@ int run(const CampaignOptions& options, const CampaignHost& host) {
     host.evaluate(task);
     return kExitDone;
   }
-  hil::ResultFile results =
+  std::optional<hil::ResultFile> results =
       open_results(options, get_shape(campaign, evaluator), build_manifest(campaign, evaluator, options.overrides));
   std::int64_t done = 0;
-  for (const std::int64_t sample : results.samples()) done += sample >= first && sample < last ? 1 : 0;
+  for (const std::int64_t sample : results->samples()) done += sample >= first && sample < last ? 1 : 0;
   if (done > 0) std::fprintf(stderr, "%s already there\n", count(static_cast<std::size_t>(done), "sample").c_str());
   CampaignProgress progress(done, last - first, campaign.failure.has_value());
-  host.run(task, results, [&] { progress.add_one(); });
+  host.run(task, *results, [&] { progress.add_one(); });
+  results.reset();  // the tables read the folder anew
   progress.clear();
   const Json summary = finish(options.out, progress.calc_rate(), options.json);
   const bool complete = campaign.failure ? summary.at("rare").at("finished").get<bool>() : progress.is_complete();
