@@ -1,16 +1,12 @@
-// The statistics of a campaign, as JSON for programs and the page, and as text.
+// The statistics of a campaign as JSON, for programs and the page.
 #pragma once
-
-#include <cstdio>
 
 #include "tools/campaign/campaign_data.h"
 
 namespace unlatch::tools {
 
 // schema, samples, hash, statuses, requirements, worst; columns with their quantiles; sensitivities; orders of events;
-// bands of curves;
-// of subset sampling `rare`: levels, estimate.
+// bands of curves; of subset sampling `rare`: levels, estimate.
 Json build_summary(const CampaignData& data);
-void print_summary(std::FILE* to, const Json& summary);
 
 }  // namespace unlatch::tools

@@ -12,6 +12,7 @@
 #include "tools/campaign/campaign_data.h"
 #include "tools/campaign/page.h"
 #include "tools/campaign/summary.h"
+#include "tools/campaign/summary_text.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"

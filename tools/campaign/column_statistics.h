@@ -1,0 +1,23 @@
+// Statistics of one column of a campaign's table. NaN: no value.
+#pragma once
+
+#include <vector>
+
+#include "hil/statistics/statistics.h"
+#include "tools/campaign/campaign_data.h"
+
+namespace unlatch::tools {
+
+Json to_json(double value);  // null if it is not finite
+Json to_json(const hil::Interval& interval);
+
+// The values without the missing ones, sorted.
+std::vector<double> sort_present(std::vector<double> values);
+// Keys `quantiles` and `intervals` of these.
+void add_quantiles(const std::vector<double>& sorted, Json& to);
+// `column`: its name and unit.
+Json describe_column(const Json& column, const std::vector<double>& values);
+// Bands of a curve over the samples at each of its times: null where no sample has a value.
+Json describe_curve(const CampaignData& data, const Json& curve);
+
+}  // namespace unlatch::tools

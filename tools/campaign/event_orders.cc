@@ -1,0 +1,84 @@
+#include "tools/campaign/event_orders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace unlatch::tools {
+namespace {
+
+constexpr std::size_t kMostOrders = 20;
+
+// An order of events as bytes: for each event the relation to the one before it, and its number in two bytes, by which
+// orders sort as their texts do.
+class EventOrders {
+ public:
+  explicit EventOrders(const Json& columns) {
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      if (columns[k].at("kind") == "event") events_.push_back({columns[k].at("name").get<std::string>().substr(6), k});
+    std::ranges::stable_sort(events_, {}, &Event::name);
+  }
+
+  [[nodiscard]] std::string encode(const std::vector<double>& values) const {
+    std::vector<std::pair<std::pair<double, std::size_t>, std::size_t>> came;  // time, column; number
+    for (std::size_t number = 0; number < events_.size(); ++number)
+      if (const double time = values[events_[number].column]; !std::isnan(time))
+        came.emplace_back(std::pair(time, events_[number].column), number);
+    std::ranges::sort(came);
+    std::string code;
+    for (std::size_t i = 0; i < came.size(); ++i) {
+      const bool same = i > 0 && came[i].first.first == came[i - 1].first.first;
+      code += i == 0 ? kFirst : same ? kSame : kLater;
+      code += static_cast<char>(came[i].second >> 8);
+      code += static_cast<char>(came[i].second & 0xff);
+    }
+    return code;
+  }
+  [[nodiscard]] std::string describe(const std::string& code) const {
+    std::string text;
+    for (std::size_t i = 0; i + 2 < code.size(); i += 3) {
+      const auto get = [&](std::size_t k) { return std::size_t{static_cast<unsigned char>(code[i + k])}; };
+      text += (code[i] == kFirst ? "" : code[i] == kSame ? " = " : " > ") + events_[get(1) << 8 | get(2)].name;
+    }
+    return text;
+  }
+
+ private:
+  struct Event {
+    std::string name;
+    std::size_t column;
+  };
+  static constexpr char kFirst = 0, kSame = 1, kLater = 2;
+  std::vector<Event> events_;
+};
+
+}  // namespace
+
+Json list_orders(const CampaignData& data) {
+  struct Class {
+    std::int64_t samples = 0, first = 0;
+  };
+  const EventOrders orders(data.manifest.at("columns"));
+  std::map<std::string, Class> classes;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const hil::SampleRecord record = data.table->read(row);
+    Class& own = classes[orders.encode(record.result.values)];
+    if (own.samples++ == 0) own.first = record.sample;
+  }
+  std::vector<const std::pair<const std::string, Class>*> sorted;
+  for (const auto& one : classes) sorted.push_back(&one);
+  std::ranges::stable_sort(sorted, std::greater(), [](const auto* one) { return one->second.samples; });
+  Json json = {{"count", sorted.size()}, {"classes", Json::array()}};
+  for (std::size_t i = 0; i < std::min(kMostOrders, sorted.size()); ++i)
+    json["classes"].push_back({{"order", orders.describe(sorted[i]->first)},
+                               {"samples", sorted[i]->second.samples},
+                               {"first", sorted[i]->second.first}});
+  return json;
+}
+
+}  // namespace unlatch::tools

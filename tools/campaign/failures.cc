@@ -1,0 +1,135 @@
+#include "tools/campaign/failures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hil/sampling/subset.h"
+#include "hil/statistics/statistics.h"
+#include "tools/campaign/column_statistics.h"
+
+namespace unlatch::tools {
+namespace {
+
+constexpr std::size_t kWorst = 10;
+
+// A sample fails a requirement that it does not meet, cannot be judged by, or does not live to be judged by.
+bool fails(hil::SampleStatus status, double margin) { return status != hil::SampleStatus::kDone || !(margin >= 0); }
+
+}  // namespace
+
+Json describe_requirement(const CampaignData& data, const Json& requirement) {
+  const std::string id = requirement.at("id");
+  const std::vector<double> margins = data.read_column(data.find_column(id + ".margin"));
+  std::int64_t failed = 0, unjudged = 0;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    failed += fails(data.table->get_status(i), margins[i]) ? 1 : 0;
+    unjudged += std::isnan(margins[i]) ? 1 : 0;
+  }
+  const auto count = static_cast<std::int64_t>(margins.size());
+  Json json = requirement;
+  json["failed"] = failed;
+  json["not_evaluated"] = unjudged;  // counted as failed
+  json["probability"] = to_json(hil::calc_clopper_pearson(failed, count));
+  const std::vector<double> sorted = sort_present(data.read_column(data.find_column(id)));
+  add_quantiles(sorted, json);
+  // The least and the greatest value that at least 99 % of all runs keep to, with the confidence.
+  constexpr double kCoverage = 0.99;
+  const std::int64_t rank = hil::calc_wilks_rank(static_cast<std::int64_t>(sorted.size()), kCoverage);
+  json["tolerance"] = {{"coverage", kCoverage}, {"samples_needed", hil::calc_wilks_trials(kCoverage)}};
+  if (rank > 0) {
+    json["tolerance"]["lower"] = sorted[static_cast<std::size_t>(rank - 1)];
+    json["tolerance"]["upper"] = sorted[sorted.size() - static_cast<std::size_t>(rank)];
+  }
+  // Convergence: bounds of the probability after the first samples.
+  json["convergence"] = Json::array();
+  std::int64_t hits = 0;
+  double next = 10;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    hits += fails(data.table->get_status(row), margins[row]) ? 1 : 0;
+    if (static_cast<double>(i + 1) < next && i + 1 < count) continue;
+    const hil::Interval bounds = hil::calc_clopper_pearson(hits, i + 1);
+    json["convergence"].push_back(
+        {i + 1, static_cast<double>(hits) / static_cast<double>(i + 1), bounds.low, bounds.high});
+    next *= 1.25;
+  }
+  return json;
+}
+
+Json list_worst(const CampaignData& data) {
+  std::vector<double> least(data.rows);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    least[row] = data.table->get_status(row) == hil::SampleStatus::kDone ? HUGE_VAL : -HUGE_VAL;
+  const auto take = [&](const std::vector<double>& margins) {
+    const std::vector<double> sorted = sort_present(margins);
+    const double spread = hil::calc_quantile(sorted, 0.9) - hil::calc_quantile(sorted, 0.1);
+    for (std::size_t i = 0; i < margins.size(); ++i) {
+      const double scaled = std::isnan(margins[i]) ? -HUGE_VAL : spread > 0 ? margins[i] / spread : margins[i];
+      least[i] = std::min(least[i], scaled);
+    }
+  };
+  for (const Json& requirement : data.manifest.at("requirements"))
+    take(data.read_column(data.find_column(requirement.at("id").get<std::string>() + ".margin")));
+  if (const auto failure = data.get_failure()) take(data.read_failure_margins(*failure));
+  std::vector<std::size_t> order(data.rows);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const std::size_t count = std::min(kWorst, order.size());
+  std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count), {},
+                            [&](std::size_t row) { return std::pair(least[row], row); });
+  Json worst = Json::array();
+  for (std::size_t i = 0; i < count; ++i) worst.push_back(data.table->get_sample(order[i]));
+  return worst;
+}
+
+Json describe_rare(const CampaignData& data, const hil::RareFailure& failure) {
+  hil::SamplingPlan plan;
+  plan.seed = data.manifest.at("seed");
+  for (const Json& parameter : data.manifest.at("parameters"))
+    plan.dimensions += parameter.at("axes").get<std::size_t>();
+  hil::SubsetSimulation subset(make_subset_plan(failure, plan));
+  std::int64_t failed = 0;
+  const std::vector<double> margins = data.read_failure_margins(failure);
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    subset.note(data.table->get_sample(row), margins[row]);
+    failed += margins[row] < 0 ? 1 : 0;
+  }
+  const hil::SubsetEstimate estimate = subset.calc_estimate();
+  Json json = data.manifest.at("subset");
+  json.erase("column_index");
+  json["finished"] = subset.is_finished();
+  json["reached"] = estimate.reached;
+  json["probability"] = subset.is_finished() ? to_json(estimate.probability) : Json(nullptr);
+  json["deviation"] = to_json(estimate.deviation);
+  json["interval"] = {estimate.low, estimate.high};
+  json["met"] = subset.is_finished() && estimate.reached && estimate.high <= failure.at_most;
+  json["failed_samples"] = failed;
+  json["levels_run"] = Json::array();
+  json["curve"] = Json::array();
+  double before = 1;
+  for (const hil::SubsetLevel& level : subset.levels()) {
+    json["levels_run"].push_back({{"first", level.first},
+                                  {"last", level.last},
+                                  {"threshold", to_json(level.threshold)},
+                                  {"probability", level.probability},
+                                  {"deviation", to_json(level.deviation)},
+                                  {"acceptance", level.acceptance},
+                                  {"spread", level.spread}});
+    // The margins of a level above its threshold; those below it are better known from the next.
+    const std::size_t count = level.margins.size(), every = std::max<std::size_t>(1, count / 100);
+    const bool last = &level == &subset.levels().back();
+    for (std::size_t k = count; k-- > 0;) {
+      if (k % every != 0 || !std::isfinite(level.margins[k])) continue;
+      if (!last && level.margins[k] <= level.threshold) break;
+      json["curve"].push_back({level.margins[k], before * static_cast<double>(k + 1) / static_cast<double>(count)});
+    }
+    before *= level.probability;
+  }
+  return json;
+}
+
+}  // namespace unlatch::tools

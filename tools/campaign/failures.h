@@ -1,0 +1,17 @@
+// Failures of a campaign's samples: their probability, and the worst samples.
+#pragma once
+
+#include "tools/campaign/campaign_data.h"
+
+namespace unlatch::tools {
+
+// Failures of a requirement, bounds of their probability and its convergence; quantiles and tolerance limits of its
+// value.
+Json describe_requirement(const CampaignData& data, const Json& requirement);
+// Numbers of the worst samples: faults first, then by the smallest margin of all that a sample may fail, in units of
+// the spread of that margin over all samples.
+Json list_worst(const CampaignData& data);
+// Levels of subset sampling, its estimate, and the probability of each margin: [margin, probability] from 1 down.
+Json describe_rare(const CampaignData& data, const hil::RareFailure& failure);
+
+}  // namespace unlatch::tools

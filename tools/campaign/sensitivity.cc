@@ -1,0 +1,100 @@
+#include "tools/campaign/sensitivity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "hil/sampling/sampling.h"
+#include "tools/campaign/column_statistics.h"
+
+namespace unlatch::tools {
+namespace {
+
+// Blocks of a design in which every sample has a value.
+struct Blocks {
+  std::vector<std::vector<double>> values;  // [place in the block][block]
+  std::vector<std::int64_t> numbers;        // of these blocks
+  std::int64_t left_out = 0;                // blocks in which one is missing
+};
+
+Blocks get_blocks(const CampaignData& data, const std::vector<double>& values, std::size_t size) {
+  const auto samples = static_cast<std::int64_t>(size);
+  Blocks blocks;
+  blocks.values.resize(size);
+  const std::int64_t planned = data.manifest.at("samples").get<std::int64_t>() / samples;
+  for (std::size_t i = 0; i < values.size();) {
+    const std::int64_t number = data.table->get_sample(i) / samples;
+    std::vector<double> found(size, std::numeric_limits<double>::quiet_NaN());
+    for (; i < values.size() && data.table->get_sample(i) / samples == number; ++i)
+      found[static_cast<std::size_t>(data.table->get_sample(i) % samples)] = values[i];
+    if (std::ranges::any_of(found, [](double x) { return std::isnan(x); })) continue;
+    blocks.numbers.push_back(number);
+    for (std::size_t k = 0; k < size; ++k) blocks.values[k].push_back(found[k]);
+  }
+  blocks.left_out = planned - static_cast<std::int64_t>(blocks.numbers.size());
+  return blocks;
+}
+
+void describe_blocks(const Blocks& blocks, Json& to) {
+  to["blocks"] = {{"used", blocks.numbers.size()}, {"left_out", blocks.left_out}};
+}
+
+}  // namespace
+
+Json describe_sensitivity(const CampaignData& data, const hil::RankedVariables& inputs,
+                          const std::vector<double>& values) {
+  Json json = {{"spearman", Json::array()}};
+  for (const double rho : inputs.calc_spearman(values)) json["spearman"].push_back(to_json(rho));
+  const std::string sampling = data.manifest.at("sampling");
+  std::size_t axes = 0;
+  Json names = Json::array();
+  for (const Json& parameter : data.manifest.at("parameters")) {
+    for (std::size_t k = 0; k < parameter.at("axes").get<std::size_t>(); ++k)
+      names.push_back(parameter.at("name").get<std::string>() + (parameter.at("axes") == 1 ? ""
+                                                                 : k == 0                  ? ".angle"
+                                                                                           : ".turn"));
+    axes += parameter.at("axes").get<std::size_t>();
+  }
+  const std::uint64_t seed = data.manifest.at("seed");
+  if (sampling == "morris") {
+    const Blocks blocks = get_blocks(data, values, axes + 1);
+    describe_blocks(blocks, json);
+    if (blocks.numbers.empty()) return json;
+    const hil::SamplingPlan plan{hil::Sampling::kMorris, seed, data.manifest.at("samples"), axes, {}};
+    std::vector<std::vector<double>> effects(axes);
+    for (std::size_t i = 0; i < blocks.numbers.size(); ++i)
+      for (std::size_t k = 1; k <= axes; ++k) {
+        const hil::MorrisStep step = hil::get_morris_step(plan, blocks.numbers[i], k);
+        effects[step.axis].push_back(step.sign * (blocks.values[k][i] - blocks.values[k - 1][i]) / hil::kMorrisStep);
+      }
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      const hil::MorrisEffect effect = hil::calc_morris(effects[axis]);
+      json["morris"].push_back({{"parameter", names[axis]},
+                                {"mean_size", effect.mean_size},
+                                {"mean", effect.mean},
+                                {"deviation", effect.deviation}});
+    }
+  }
+  if (sampling == "saltelli") {
+    const Blocks blocks = get_blocks(data, values, axes + 2);
+    describe_blocks(blocks, json);
+    if (blocks.numbers.empty()) return json;
+    const std::vector<hil::SobolIndex> indices =
+        hil::calc_sobol_indices(blocks.values[0], blocks.values[1], std::span(blocks.values).subspan(2), seed);
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      const hil::SobolIndex& index = indices[axis];
+      json["sobol"].push_back(
+          {{"parameter", names[axis]},
+           {"first", to_json(index.first)},
+           {"first_interval", {to_json(index.first_interval.low), to_json(index.first_interval.high)}},
+           {"total", to_json(index.total)},
+           {"total_interval", {to_json(index.total_interval.low), to_json(index.total_interval.high)}}});
+    }
+  }
+  return json;
+}
+
+}  // namespace unlatch::tools

@@ -1,0 +1,100 @@
+#include "tools/campaign/summary_text.h"
+
+#include <string>
+
+#include "hil/language/setting.h"
+#include "tools/common/terminal.h"
+#include "tools/common/text.h"
+
+namespace unlatch::tools {
+namespace {
+
+std::string describe_failure(const Json& rare) {
+  return rare.at("column").get<std::string>() + (rare.at("above").get<bool>() ? " above " : " below ") +
+         hil::to_text(rare.at("limit").get<double>()) + " " + rare.at("unit").get<std::string>();
+}
+
+std::string describe_number(const Json& value, const char* form) {
+  return value.is_null() ? std::string("–") : format(form, value.get<double>());
+}
+
+// Of each side that has a limit.
+std::string describe_tolerance(const Json& requirement) {
+  const Json& tolerance = requirement.at("tolerance");
+  if (!tolerance.contains("lower")) return format("needs %lld", tolerance.at("samples_needed").get<long long>());
+  std::string text;
+  if (!requirement.at("at_least").is_null()) text = format("≥ %.5g", tolerance.at("lower").get<double>());
+  if (!requirement.at("at_most").is_null())
+    text += (text.empty() ? "" : ", ") + format("≤ %.5g", tolerance.at("upper").get<double>());
+  return text;
+}
+
+void print_rare(std::FILE* to, const Json& rare) {
+  const std::string unit = rare.at("unit");
+  print_heading(to, "Subset simulation: " + describe_failure(rare));
+  std::fprintf(to, "  %-6s %16s %14s %14s %10s %10s\n", "level", "samples", "margin", "probability", "c.o.v.",
+               "accepted");
+  int number = 0;
+  for (const Json& level : rare.at("levels_run")) {
+    const std::string range =
+        format("%lld to %lld", level.at("first").get<long long>(), level.at("last").get<long long>() - 1);
+    std::fprintf(to, "  %-6d %16s %14s %14s %10s %10s\n", number, range.c_str(),
+                 describe_number(level.at("threshold"), "%.5g").c_str(),
+                 describe_number(level.at("probability"), "%.4g").c_str(),
+                 describe_number(level.at("deviation"), "%.3f").c_str(),
+                 number == 0 ? "" : describe_number(level.at("acceptance"), "%.2f").c_str());
+    ++number;
+  }
+  if (!rare.at("finished").get<bool>()) {
+    std::fprintf(to, "  not finished\n");
+    return;
+  }
+  const std::string text = format("probability %.3g, 95 %%: %.2e … %.2e", rare.at("probability").get<double>(),
+                                  rare.at("interval")[0].get<double>(), rare.at("interval")[1].get<double>());
+  const bool met = rare.at("met").get<bool>();
+  std::fprintf(to, "  %s, coefficient of variation %s%s\n",
+               paint(to, met ? Colour::kGreen : Colour::kRed, text).c_str(),
+               describe_number(rare.at("deviation"), "%.2f").c_str(),
+               rare.at("reached").get<bool>() ? "" : "; the last level had too few failures: more levels");
+}
+
+}  // namespace
+
+void print_summary(std::FILE* to, const Json& summary) {
+  const auto text = [](const Json& value) {
+    return value.is_null() ? std::string("–") : format("%.5g", value.get<double>());
+  };
+  std::fprintf(to, "%s: %lld of %s, campaign hash %s\n", summary.at("campaign").get<std::string>().c_str(),
+               summary.at("samples").get<long long>(), count(summary.at("planned").get<long long>(), "sample").c_str(),
+               summary.at("hash").get<std::string>().c_str());
+  for (const auto& [name, count] : summary.at("statuses").items())
+    if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());
+  if (summary.contains("rare")) print_rare(to, summary.at("rare"));
+  if (summary.at("requirements").empty()) return;
+  print_heading(to,
+                std::string("Requirements") + (summary.contains("rare") ? ", first level alone" : "") +
+                    ": failures, 95 % bounds of their probability (Clopper-Pearson), quantiles of the value, what 99 % "
+                    "of all runs keep to with 95 % confidence (Wilks)");
+  std::fprintf(to, "  %-16s %8s %8s  %-23s %10s %10s %10s %10s %10s  %s\n", "", "failed", "missing", "probability",
+               "1 %", "5 %", "50 %", "95 %", "99 %", "tolerance");
+  for (const Json& requirement : summary.at("requirements")) {
+    const Json &p = requirement.at("probability"), &q = requirement.at("quantiles");
+    const bool failed = requirement.at("failed") > 0;
+    const std::string bounds = format("%.2e … %.2e", p[0].get<double>(), p[1].get<double>());
+    std::fprintf(
+        to, "  %-16s %s %8lld  %-25s %10s %10s %10s %10s %10s  %s %s\n",
+        requirement.at("id").get<std::string>().c_str(),
+        paint(to, failed ? Colour::kRed : Colour::kGreen, format("%8lld", requirement.at("failed").get<long long>()))
+            .c_str(),
+        requirement.at("not_evaluated").get<long long>(), bounds.c_str(), text(q.at("0.01")).c_str(),
+        text(q.at("0.05")).c_str(), text(q.at("0.5")).c_str(), text(q.at("0.95")).c_str(), text(q.at("0.99")).c_str(),
+        describe_tolerance(requirement).c_str(), requirement.at("unit").get<std::string>().c_str());
+  }
+  std::string worst;
+  for (const Json& sample : summary.at("worst"))
+    worst += (worst.empty() ? "" : ", ") + std::to_string(sample.get<long long>());
+  std::fprintf(to, "\nWorst samples: %s\n", worst.c_str());
+  std::fprintf(to, "Orders of events: %lld\n", summary.at("orders").at("count").get<long long>());
+}
+
+}  // namespace unlatch::tools
