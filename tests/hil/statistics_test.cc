@@ -47,6 +47,7 @@ TEST(Statistics, ClopperPearsonSolvesTheBinomialTails) {
   EXPECT_NEAR(hil::calc_clopper_pearson(0, 100).high, 1 - std::pow(0.025, 0.01), kSolved);
 }
 
+// Closed forms: 1 − cⁿ ≥ 0.95; of the second order 1 − cⁿ − n (1 − c) cⁿ⁻¹ ≥ 0.95.
 TEST(Statistics, WilksNeeds59SamplesFor95Of95) {
   EXPECT_EQ(hil::calc_wilks_trials(0.95), 59);
   EXPECT_EQ(hil::calc_wilks_trials(0.99), 299);

@@ -1,4 +1,5 @@
 // Facts about subset simulation: known probabilities, the same bits in any order, and the spread of its estimates.
+// Oracle: closed forms, named at each margin below. tests/tools/campaign_test.py compares with OpenTURNS.
 #include "hil/sampling/subset.h"
 
 #include <gtest/gtest.h>

@@ -369,7 +369,7 @@ class CampaignTest(ProcessTest):
         try:
             from scipy.stats import qmc
         except ImportError:
-            self.skipTest("no SciPy")
+            self.skipTest("no SciPy; `tools/setup long` installs it")
         names = "abcdef"
         (self.folder / "ball.yaml").write_text(BALL + "constants: {" + ", ".join(f"{name}: 0" for name in names) + "}\n")
         path = self.folder / "c.yaml"
@@ -382,7 +382,8 @@ class CampaignTest(ProcessTest):
             shifts = {int(float(row[name]) * 2**40) ^ int(point[k] * 2**40) for row, point in zip(ours, theirs, strict=True)}
             self.assertEqual(len(shifts), 1, name)
 
-    # The least number of samples with the binomial probability that OpenTURNS gives; and the samples of one order more.
+    # Oracle: OpenTURNS' Wilks, for the least number of samples and for one order more. Closed form, in hil/statistics_test.cc: the
+    # greatest of n samples is above a part c of all with the confidence 1 - c^n.
     def test_tolerance_limits_need_as_many_samples_as_openturns_says(self):
         import openturns as ot
         needed = ot.Wilks.ComputeSampleSize(0.99, 0.95, 0)
@@ -396,7 +397,10 @@ class CampaignTest(ProcessTest):
         upper = self.run_campaign(path, "second", code=(0, 1))["requirements"][0]["tolerance"]["upper"]
         self.assertEqual(upper, sorted(float(row["fast [m/s]"]) for row in read_table(self.folder / "second"))[-2])
 
-    # The speed of the ball is that of its start: two perpendicular normal numbers, so that P(speed > 2.5 m/s) is known.
+    # The speed of the ball is that of its start: two perpendicular normal numbers, so that P(speed > 2.5 m/s) is known: 1 - Φ for
+    # one axis, exp(-r²/2) for a circle. Second oracle: OpenTURNS' SubsetSampling of the same function, an implementation with
+    # another sampler (modified Metropolis) and other numbers, so estimates and the coefficients of variation that both tell are
+    # compared, not bits.
     RARE = ("sampling: subset\nsamples: {samples}\nseed: {seed}\nsubset: {{of: {of}}}\nparameters:\n"
             "  x: {{path: 'bodies.ball.velocity[0]', normal: {{mean: {mean} m/s, sigma: {sigma} m/s}}}}\n"
             "  y: {{path: 'bodies.ball.velocity[1]', normal: {{mean: 0 m/s, sigma: {sigma_y} m/s}}}}\n")
