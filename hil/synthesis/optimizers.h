@@ -20,14 +20,15 @@ struct ScaledProblem {
   std::vector<double> start;
   double difference = 1e-4;  // step of central differences, relative to a variable's range
   std::uint32_t seed = 1;
+  bool impatient = false;  // a local search ends where many samples have come no further
   std::size_t population = 0, generations = 0;
   // Samples of these points, in their order. False: the search must end now.
   std::function<bool(const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples)> evaluate;
 };
 
 // Finds one optimum near the start: sequential quadratic programming (SLSQP; Kraft 1994), then a search without
-// derivatives around its result (COBYLA; Powell 1994). The result is in the evaluated points.
-using LocalSearch = void(const ScaledProblem& problem);
+// derivatives around its result (COBYLA; Powell 1994). The result is in the evaluated points. True: it has converged.
+using LocalSearch = bool(const ScaledProblem& problem);
 // Searches the whole box for one objective: an extended ant colony (GACO; Schlueter et al. 2009). Samples that miss
 // constraints rank behind all others, by their largest violation (Deb 2000).
 using GlobalSearch = void(const ScaledProblem& problem);

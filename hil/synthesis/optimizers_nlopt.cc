@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kTolerance = 1e-7;  // relative to a variable's range
 constexpr int kMaxEvaluations = 2000;
+constexpr std::size_t kStalled = 15;  // evaluations for each variable and one more, without progress
+constexpr double kProgress = 1e-5;    // of the scaled violation or objective
 
 // Values and derivatives at one point, by one batch: all differences of a gradient are computed together for all
 // functions, by several threads. NLopt asks for the functions one after the other.
@@ -83,16 +85,50 @@ class Values {
   std::map<std::vector<double>, std::vector<ScaledSample>> derivatives_;
 };
 
+// End of a search without derivatives that comes no further: COBYLA goes on around such a point for ever. As long as
+// constraints are not met, their violation decides; then COBYLA ends by itself, unless the problem is impatient.
+class Progress {
+ public:
+  explicit Progress(const ScaledProblem& problem)
+      : impatient_(problem.impatient), patience_(kStalled * (problem.variables + 1)) {}
+
+  // Returns false if too many samples have come no further.
+  bool add(const ScaledSample& sample) {
+    double violation = 0;
+    for (const double constraint : sample.constraints) violation = std::max(violation, constraint);
+    const double objective = sample.objectives[0];
+    if (violation < violation_ - kProgress || (violation <= violation_ && objective < objective_ - kProgress)) {
+      violation_ = violation;
+      objective_ = objective;
+      since_ = 0;
+    }
+    return (violation_ == 0 && !impatient_) || ++since_ <= patience_;
+  }
+
+ private:
+  const bool impatient_;
+  const std::size_t patience_;
+  std::size_t since_ = 0;
+  double violation_ = HUGE_VAL, objective_ = HUGE_VAL;  // of the best so far
+};
+
+struct Objective {
+  Values* values;
+  Progress* progress;  // null: the algorithm ends by itself
+};
+
 struct Constraint {
   Values* values;
   std::size_t index;
 };
 
 double calc_objective(const std::vector<double>& x, std::vector<double>& gradient, void* data) {
-  Values& values = *static_cast<Values*>(data);
+  const Objective& objective = *static_cast<const Objective*>(data);
   if (!gradient.empty())
-    for (std::size_t i = 0; i < x.size(); ++i) gradient[i] = values.get_derivatives(x)[i].objectives[0];
-  return values.get(x).objectives[0];
+    for (std::size_t i = 0; i < x.size(); ++i) gradient[i] = objective.values->get_derivatives(x)[i].objectives[0];
+  const ScaledSample& sample = objective.values->get(x);
+  if (objective.progress != nullptr && !objective.progress->add(sample)) throw nlopt::roundoff_limited();
+  return sample.objectives[0];
 }
 
 double calc_constraint(const std::vector<double>& x, std::vector<double>& gradient, void* data) {
@@ -103,13 +139,16 @@ double calc_constraint(const std::vector<double>& x, std::vector<double>& gradie
   return constraint.values->get(x).constraints[constraint.index];
 }
 
-// Runs a search; returns its last point. False: the search must end now. Rethrows exceptions of the problem.
-bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& values, double step,
-            std::vector<double>& x) {
+enum class SearchEnd { kConverged, kTooLong, kMustEnd };
+
+// Runs a search; `x` becomes its last point. Rethrows exceptions of the problem.
+SearchEnd search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& values, double step,
+                 Progress* progress, std::vector<double>& x) {
   nlopt::opt optimizer(algorithm, static_cast<unsigned>(problem.variables));
   optimizer.set_lower_bounds(0.0);
   optimizer.set_upper_bounds(1.0);
-  optimizer.set_min_objective(calc_objective, &values);
+  Objective objective{&values, progress};
+  optimizer.set_min_objective(calc_objective, &objective);
   std::vector<Constraint> constraints(problem.constraints);
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     constraints[i] = {&values, i};
@@ -119,25 +158,28 @@ bool search(nlopt::algorithm algorithm, const ScaledProblem& problem, Values& va
   optimizer.set_maxeval(kMaxEvaluations);
   if (step > 0) optimizer.set_initial_step(step);
   double value = 0;
+  SearchEnd end = SearchEnd::kConverged;
   try {
-    optimizer.optimize(x, value);
+    if (optimizer.optimize(x, value) == nlopt::MAXEVAL_REACHED) end = SearchEnd::kTooLong;
   } catch (const nlopt::forced_stop&) {
     values.throw_if_failed();
-    return false;
+    return SearchEnd::kMustEnd;
   } catch (const nlopt::roundoff_limited&) {  // converged to rounding
   } catch (const std::runtime_error&) {       // NLOPT_FAILURE: no progress from here
   }
   for (double& coordinate : x) coordinate = std::clamp(coordinate, 0.0, 1.0);
-  return true;
+  return end;
 }
 
 }  // namespace
 
-extern "C" void unlatch_search_local(const ScaledProblem& problem) {
+extern "C" bool unlatch_search_local(const ScaledProblem& problem) {
   constexpr double kAround = 0.02;  // relative to the ranges: the first steps of the second search
   Values values(problem);
   std::vector<double> x = problem.start;
-  if (search(nlopt::LD_SLSQP, problem, values, 0, x)) search(nlopt::LN_COBYLA, problem, values, kAround, x);
+  if (search(nlopt::LD_SLSQP, problem, values, 0, nullptr, x) == SearchEnd::kMustEnd) return false;
+  Progress progress(problem);
+  return search(nlopt::LN_COBYLA, problem, values, kAround, &progress, x) == SearchEnd::kConverged;
 }
 
 extern "C" bool unlatch_search_nlopt(const char* algorithm, const ScaledProblem& problem) {
@@ -148,7 +190,7 @@ extern "C" bool unlatch_search_nlopt(const char* algorithm, const ScaledProblem&
   nlopt::srand(problem.seed);
   Values values(problem);
   std::vector<double> x = problem.start;
-  search(found->second, problem, values, 0, x);
+  search(found->second, problem, values, 0, nullptr, x);
   return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hil/modules/module.h"
 #include "hil/synthesis/scaled_space.h"
@@ -54,10 +55,10 @@ class Search {
     const bool catalogue = list_continuous(problem_).size() < problem_.variables.size();
     result_.method = several ? SearchMethod::kPareto : problem_.method;
     if (try_all()) return;
-    if (several) return evolve("unlatch_search_pareto", kParetoSize, problem_.budget.runs);
+    if (several) return search_pareto();
     if (problem_.method == SearchMethod::kGlobal || (automatic && catalogue)) return search_global();
     result_.method = SearchMethod::kLocal;
-    search_local(get_start());
+    search_local(get_start(), !automatic);
     if (automatic && !is_feasible() && !is_spent()) search_global();
   }
 
@@ -91,8 +92,9 @@ class Search {
 
   // Searches the continuous variables around `from`, with its catalogue entries. From a point that misses constraints:
   // the problem itself; then the least violation, until a point meets all; then the problem from there. The first two
-  // have a part of the budget each, so that neither uses all of it.
-  void search_local(const DesignPoint& from) {
+  // have a part of the budget each, so that neither uses all of it. `last`: no other search follows; the least
+  // violation may use all that is left.
+  void search_local(const DesignPoint& from, bool last) {
     if (list_continuous(problem_).empty() || is_spent()) return;
     const bool lost = !is_feasible();
     search_problem(from, lost ? kForFeasible : 1);
@@ -101,7 +103,8 @@ class Search {
       if (cut_) search_problem(get_best().point, 1);
       return;
     }
-    search_least_violation(get_best().point);
+    search_least_violation(get_best().point, kForFeasible);
+    if (last && cut_ && !is_feasible() && !is_spent()) search_least_violation(get_best().point, 1);
     if (is_feasible() && !is_spent()) search_problem(get_best().point, 1);
   }
 
@@ -114,14 +117,15 @@ class Search {
 
   void search_problem(const DesignPoint& from, double share) {
     begin_phase(share);
-    find_local()(prepare(list_continuous(problem_), from));
+    if (!find_local()(prepare(list_continuous(problem_), from))) cut_ = true;
   }
 
   // Searches the least t that no violation exceeds.
-  void search_least_violation(const DesignPoint& from) {
-    begin_phase(kForFeasible);
+  void search_least_violation(const DesignPoint& from, double share) {
+    begin_phase(share);
     ScaledProblem least = prepare(list_continuous(problem_), from);
     ++least.variables;
+    least.impatient = true;
     least.start.push_back(std::clamp(merit_.calc_violation(get_best()).size / kLargest + kLeastTarget, 0.0, 1.0));
     const auto evaluate = least.evaluate;
     least.evaluate = [&](const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
@@ -136,7 +140,11 @@ class Search {
       }
       return true;
     };
-    find_local()(least);
+    if (find_local()(least)) {
+      least_violation_ = merit_.calc_violation(get_best()).size;
+    } else if (!is_feasible()) {
+      cut_ = true;
+    }
   }
 
   void search_global() {
@@ -145,11 +153,25 @@ class Search {
     const auto left = static_cast<double>(problem_.budget.runs - evaluations_.get_runs());
     evolve("unlatch_search_global", kColony + kColonyEach * problem_.variables.size(),
            evaluations_.get_runs() + static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * left));
-    if (polish) search_local(get_best().point);
+    if (polish) search_local(get_best().point, true);
+  }
+
+  // Searches a front. As long as no point meets all constraints, the last part of the budget is for the least
+  // violation: a population does not converge to it.
+  void search_pareto() {
+    const bool polish = !list_continuous(problem_).empty();
+    const auto runs = static_cast<double>(problem_.budget.runs);
+    evolve("unlatch_search_pareto", kParetoSize, problem_.budget.runs,
+           static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * runs));
+    if (!polish || is_feasible() || is_spent()) return;
+    search_least_violation(get_best().point, 1);
+    if (is_feasible()) cut_ = true;  // the front is of that one point
   }
 
   // Evolves a population. Repeated points cost nothing, so there may be more generations than the budget has runs for.
-  void evolve(const char* function, std::size_t population, std::int64_t limit) {
+  // `hopeless`: number of runs after which it ends if no point meets all constraints.
+  void evolve(const char* function, std::size_t population, std::int64_t limit,
+              std::int64_t hopeless = std::numeric_limits<std::int64_t>::max()) {
     std::vector<std::size_t> list(problem_.variables.size());
     for (std::size_t i = 0; i < list.size(); ++i) list[i] = i;
     ScaledProblem scaled = prepare(list, get_start());
@@ -157,6 +179,12 @@ class Search {
     scaled.generations = 2 * static_cast<std::size_t>(problem_.budget.runs) / scaled.population + 1;
     evaluations_.set_limit(std::max(evaluations_.get_runs(), limit));
     cut_ = false;
+    scaled.evaluate = [this, hopeless, evaluate = scaled.evaluate](const std::vector<std::vector<double>>& points,
+                                                                   std::vector<ScaledSample>& samples) {
+      if (evaluations_.get_runs() < hopeless || is_feasible()) return evaluate(points, samples);
+      cut_ = true;
+      return false;
+    };
     find_function<GlobalSearch>(kOptimizersModule, function)(scaled);
   }
 
@@ -194,6 +222,7 @@ class Search {
     result_.best = best_;
     result_.violation = merit_.calc_violation(best);
     result_.feasible = result_.violation.size == 0;
+    result_.settled = result_.exhaustive || result_.violation.size >= kAgainst * least_violation_;
     for (std::size_t i = 0; i < problem_.constraints.size() && !result_.feasible; ++i)
       if (merit_.calc_violation(best, i) >= kAgainst * result_.violation.size) result_.against.push_back(i);
     if (problem_.objectives.size() == 1 || !result_.feasible) return;
@@ -212,6 +241,7 @@ class Search {
   const std::vector<double> none_;
   DesignResult result_;
   std::size_t seen_ = 0, best_ = 0;
+  double least_violation_ = HUGE_VAL;  // result of a search of the least violation that has converged
 };
 
 }  // namespace

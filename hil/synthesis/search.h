@@ -21,6 +21,7 @@ struct DesignResult {
   SearchMethod method = SearchMethod::kLocal;  // the method that was used
   bool exhaustive = false;                     // all combinations of the catalogues were tried
   bool feasible = false;
+  bool settled = false;              // no point meets all constraints: the search of the least violation has converged
   std::size_t best = 0;              // index of the optimum, or of the least violation
   Violation violation;               // violation of the best sample
   std::vector<std::size_t> against;  // constraints that are all near the largest violation: they limit it together

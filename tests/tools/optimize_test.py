@@ -281,6 +281,33 @@ class OptimizeTest(ProcessTest):
         self.assertAlmostEqual(result["violation"]["size"], 1 - 2 / 8 ** 0.5, delta=VALUE)
         self.assertIn("at their bounds: a, b", result["violation"]["text"])
 
+    def test_a_budget_that_ends_before_a_feasible_point_says_so_and_nothing_of_infeasibility(self):
+        lost = PROBLEM.replace("[0 N, 5 N]}", "[0 N, 5 N], start: 0 N}")  # no constraint is met there
+        front = lost.replace("[{minimise: a^2 + 4*b^2}]", "[{minimise: a}, {minimise: b}]")
+        for number, (text, told) in enumerate(((lost + "budget: {runs: 2}\n", "of 2 runs: raise budget.runs"),
+                                               (lost + "method: global\nbudget: {runs: 2}\n", "of 2 runs: raise budget.runs"),
+                                               (front + "budget: {runs: 1}\n", "of 1 runs: raise budget.runs"),
+                                               (lost + "budget: {seconds: 1 us}\n", "of 1e-06 s: raise budget.seconds"))):
+            process = self.start(text, f"o{number}")
+            printed, errors = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 1, printed + errors)
+            result = json.loads((self.folder / f"o{number}/result.json").read_text())
+            self.assertEqual((result["status"], result["feasible"]), ("not-found", False))
+            for words in printed, result["violation"]["why"]:
+                self.assertIn("no feasible point found within the budget " + told, words)
+            self.assertNotIn("infeasible", printed)
+        ask = self.look_at("o0")
+        self.assertIn("No feasible point was found within the budget", ask("document.getElementById('verdict').textContent"))
+
+    def test_infeasibility_is_told_by_every_method_that_has_converged_to_the_least_violation(self):
+        narrow = PROBLEM.replace("5 N", "1 N")
+        front = narrow.replace("[{minimise: a^2 + 4*b^2}]", "[{minimise: a}, {minimise: b}]")
+        catalogue = CATALOGUE.replace("[0 N, 1 N, 2 N, 3 N]", "[0 N, 1 N]")  # all combinations are tried
+        for number, text in enumerate((narrow + "method: local\n", narrow + "method: global\n", front, catalogue)):
+            result = self.optimize(text, f"o{number}", code=1)
+            self.assertEqual(result["status"], "infeasible", text)
+            self.assertAlmostEqual(result["violation"]["size"], 1 - 2 / 8 ** 0.5, delta=VALUE)
+
     def test_an_objective_without_a_value_is_told_and_no_constraint_is_blamed(self):
         (self.folder / "s.yaml").write_text(SCENARIO + "events: [{name: never, when: {time: 5 s}}]\n")
         result = self.optimize(PROBLEM.replace("a^2 + 4*b^2", "event.never") + "budget: {runs: 60}\n", "o", code=1)

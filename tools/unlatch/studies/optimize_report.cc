@@ -25,7 +25,7 @@ const char* get_sense(const Objective& objective) { return objective.maximise ? 
 
 std::string get_status(const DesignResult& result) {
   if (result.end == DesignResult::End::kStopped) return "interrupted";
-  if (!result.feasible) return "infeasible";
+  if (!result.feasible) return result.settled ? "infeasible" : "not-found";
   return result.end == DesignResult::End::kBudget ? "budget" : "optimal";
 }
 
@@ -124,6 +124,19 @@ Json build_verification(const DesignReport& report) {
   return json;
 }
 
+// Reason for which no point is the result; `violation` follows.
+std::string describe_failure(const DesignReport& report) {
+  const std::string status = get_status(report.result);
+  if (status == "interrupted") return "no point so far meets all constraints";
+  if (status == "infeasible") return "no point meets all constraints";
+  const hil::DesignBudget& budget = report.problem.budget;
+  const bool by_runs = budget.seconds == 0 || report.result.search_runs >= budget.runs;
+  return "no feasible point found within the budget of " +
+         (by_runs ? format("%lld runs: raise budget.runs", static_cast<long long>(budget.runs))
+                  : format("%g s: raise budget.seconds", budget.seconds)) +
+         ", or choose another start";
+}
+
 // Values of the violated constraint, and the limit that this point would meet; or what no run gives.
 std::string describe_violation(const DesignReport& report) {
   const hil::Violation& violation = report.result.violation;
@@ -209,7 +222,8 @@ Json build_design_json(const DesignReport& report) {
                                   {"unit", problem.objectives[i].unit}});
   json["constraints"] = build_constraints(report, best);
   if (!result.feasible) {
-    json["violation"] = {{"size", result.violation.size}, {"text", describe_violation(report)}};
+    json["violation"] = {
+        {"size", result.violation.size}, {"why", describe_failure(report)}, {"text", describe_violation(report)}};
     if (result.violation.constraint)
       json["violation"]["constraint"] = problem.constraints[*result.violation.constraint].name;
     if (result.violation.objective)
@@ -235,7 +249,8 @@ void print_design(std::FILE* to, const DesignReport& report) {
   if (evaluations.get_samples().empty()) return;
   const DesignSample& best = evaluations.get_samples()[result.best];
   if (!result.feasible)
-    std::fprintf(to, "  no point meets all constraints; least violation: %s\n", describe_violation(report).c_str());
+    std::fprintf(to, "  %s; least violation: %s\n", describe_failure(report).c_str(),
+                 describe_violation(report).c_str());
   for (std::size_t i = 0; i < problem.variables.size(); ++i)
     std::fprintf(to, "  %-16s %s%s\n", problem.variables[i].name.c_str(),
                  hil::write_value(problem.variables[i], best.point[i]).c_str(),
