@@ -263,6 +263,73 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(checked["samples"], 2000)
         self.assertLess(checked["probability"][0], 0.1)
         self.assertGreater(checked["probability"][1], 0.1)  # the quantile of 200 is near that of all
+        self.assertEqual(checked["verdict"], "open")
+        self.assertEqual(result["status"], "optimal")
+
+    def write_campaign(self, samples, seed=1):
+        (self.folder / "c.yaml").write_text(
+            f"unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: {samples}\nseed: {seed}\n"
+            "parameters: {m: {path: bodies.block.mass, uniform: {min: 0.9 kg, max: 1.1 kg}}}\n")
+
+    def test_a_probability_that_other_samples_refute_is_not_met(self):
+        self.write_campaign(10)
+        text = PROBLEM + "campaign: {file: c.yaml, samples: 10, checks: 4000}\nconstraints: [{requirement: far, probability: 0.9}]\n"
+        process = self.start(text, "o")
+        printed, errors = process.communicate(timeout=250)
+        self.assertEqual(process.returncode, 1, printed + errors)
+        result = json.loads((self.folder / "o/result.json").read_text())
+        checked = result["verification"]["dispersed"][0]
+        self.assertGreater(checked["probability"][0], 0.1)  # ten samples have too few heavy blocks
+        self.assertAlmostEqual(checked["allowed"], 0.1)
+        self.assertEqual((result["status"], checked["verdict"], result["feasible"], result["constraints"][0]["met"]),
+                         ("refuted", "refuted", False, False))
+        self.assertIn(f"{checked['failed']} of 4000 other samples fail", printed)
+        self.assertIn("at most 0.1 is allowed: NOT MET", printed)
+        self.assertIn("raise campaign.samples", printed)
+        ask = self.look_at("o")
+        self.assertIn("NOT MET", ask("document.getElementById('verification').textContent"))
+        self.assertIn("refute", ask("document.querySelector('#verdict .bad').textContent"))
+        self.assertEqual(ask("document.querySelectorAll('#constraints .bad').length") > 0, True)
+
+    def test_a_probability_that_other_samples_confirm_is_told_so_and_one_without_a_check_too(self):
+        self.write_campaign(20)
+        text = CATALOGUE + "campaign: {file: c.yaml, samples: 20, checks: 200}\nconstraints: [{requirement: far, probability: 0.9}]\n"
+        result = self.optimize(text, "o")  # the next larger push of the catalogue is far from the limit
+        self.assertEqual(result["verification"]["dispersed"][0]["verdict"], "open" if result["constraints"][0]["active"] else "confirmed")
+        process = self.start(text.replace("checks: 200", "checks: 0"), "p")
+        self.assertIn("no other samples have checked", process.communicate(timeout=250)[0])
+        self.assertEqual(process.returncode, 0)
+
+    def interrupt_verification(self, text):
+        """Interrupts a search after it has written patch.yaml, which it verifies then; returns what it tells."""
+        process = self.start(text, "o")
+        while not (self.folder / "o/patch.yaml").exists():
+            self.assertIsNone(process.poll())
+            time.sleep(0.001)
+        process.send_signal(signal.SIGINT)
+        printed, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1, printed + errors)
+        self.assertNotIn("OTHER BITS", printed)
+        self.assertNotIn("not all constraints met", printed)
+        self.assertIn("interrupted before its end, so nothing is verified", printed)
+        result = json.loads((self.folder / "o/result.json").read_text())
+        self.assertEqual((result["status"], result["verification"]["finished"]), ("unverified", False))
+        return result
+
+    def test_ctrl_c_during_the_verification_says_that_it_is_not_finished_and_resume_finishes_it(self):
+        (self.folder / "s.yaml").write_text(SCENARIO.replace("dt: 10 ms, until: 1 s", "dt: 1 ms, until: 1000 s"))
+        text = CATALOGUE.replace("[0 N, 1 N, 2 N, 3 N]", "[1 N, 2 N]") + "budget: {runs: 4}\n"
+        self.assertNotIn("hash", self.interrupt_verification(text)["verification"])
+        ask = self.look_at("o")
+        self.assertIn("not flown once more to the end", ask("document.getElementById('verification').textContent"))
+        result = self.optimize(text, "o", "--resume")
+        self.assertEqual((result["status"], result["verification"]["finished"]), ("optimal", True))
+
+    def test_ctrl_c_during_the_check_of_a_probability_says_that_it_is_not_finished(self):
+        self.write_campaign(20)
+        text = (CATALOGUE + "campaign: {file: c.yaml, samples: 20, checks: 1000000}\nconstraints: [{requirement: far, probability: 0.9}]\n")
+        result = self.interrupt_verification(text)
+        self.assertNotIn("dispersed", result["verification"])
 
     def test_probability_has_the_same_bits_with_one_job_and_with_three(self):
         (self.folder / "c.yaml").write_text(

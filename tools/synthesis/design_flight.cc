@@ -83,6 +83,7 @@ std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil
                        analysis.get_requirement_now(*requirements[i]));
     ++tick;
   });
+  if (stop) return curves;
   for (std::size_t i = 0; i < curves.size(); ++i) curves[i] = keepers[i].take();
   return curves;
 }

@@ -19,7 +19,7 @@ struct DesignCurve {
 std::optional<std::size_t> find_requirement(const hil::Scenario& scenario, const std::string& id);
 
 // The nominal scenario at this point, flown once: a curve for each constraint, empty for those of events and where the
-// design makes no valid scenario. Of long flights the least and the greatest value of each interval of time are kept.
+// design makes no valid scenario, and all of them if `stop` was set. Of long flights the least and the greatest value of each interval of time are kept.
 std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil::DesignPoint& point,
                                     const std::atomic<bool>& stop);
 

@@ -35,7 +35,9 @@ DesignVerification verify(const hil::DesignProblem& problem, const std::string& 
   hil::RunAnalysis analysis(scenario, *simulation);
   const hil::LogEnd end =
       hil::run_fast(*simulation, analysis, nullptr, calc_last_tick(scenario), catch_interrupts(), [] {});
-  DesignVerification verification{end.status == hil::RunStatus::kDone, end.hash == sample.hash, end.hash};
+  if (end.status == hil::RunStatus::kAborted) return {DesignVerification::End::kInterrupted};
+  DesignVerification verification{DesignVerification::End::kDone, end.status == hil::RunStatus::kDone,
+                                  end.hash == sample.hash, end.hash};
   const std::vector<hil::Verdict> verdicts = analysis.judge();
   for (const hil::DesignConstraint& constraint : problem.constraints)
     for (const hil::Verdict& verdict : verdicts)
@@ -149,17 +151,19 @@ int optimize(const OptimizeOptions& options) {
   const hil::DesignResult result = hil::search_design(problem, evaluations);
   progress.clear();
 
-  DesignReport report{problem, evaluations, result, std::nullopt};
+  DesignReport report{problem, evaluations, result, {}};
   std::string patch_text;
   if (!evaluations.get_samples().empty()) {
     const hil::DesignSample& best = evaluations.get_samples()[result.best];
     const std::string patch = (out / "patch.yaml").string();
     patch_text = write_patch(problem, best.point);
     write_text(patch_text, patch);
-    if (best.status != hil::SampleStatus::kInvalid && !evaluations.was_stopped())
+    if (evaluations.was_stopped())
+      report.verification.end = DesignVerification::End::kInterrupted;
+    else if (best.status != hil::SampleStatus::kInvalid)
       report.verification = verify(problem, patch, best);
-    if (report.verification && result.feasible)
-      if (auto failures = evaluations.check_dispersed(best.point)) report.verification->failures = std::move(*failures);
+    if (report.verification.end == DesignVerification::End::kDone && result.feasible)
+      report.verification.failures = evaluations.check_dispersed(best.point);
     if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());
   }
   const nlohmann::ordered_json json = build_design_json(report);
@@ -175,8 +179,7 @@ int optimize(const OptimizeOptions& options) {
                (out / "report.html").string());
   }
   print_design(get_people_stream(options.json), report);
-  const bool verified = report.verification && report.verification->met && report.verification->same_bits;
-  return result.feasible && verified ? kExitDone : kExitFailed;
+  return is_verified(report) ? kExitDone : kExitFailed;
 }
 
 }  // namespace
@@ -186,7 +189,7 @@ void add_optimize(Command app, int& exit_code) {
   Command command = app.add_verb(
       "optimize",
       "Finds values of a scenario that are best for an objective and meet its requirements. Exit code 1 if none meet "
-      "them.",
+      "them, or the verification refutes the result.",
       "unlatch optimize hil/scenarios/boosters/synthesis.yaml --out design\nunlatch run design/patch.yaml");
   command.add_option("FILE", options->file, "problem of synthesis (.yaml)").required();
   command.add_option("--out", options->out, "folder for patch.yaml, report.html, result.json, history.csv, front.csv")

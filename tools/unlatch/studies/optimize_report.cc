@@ -23,9 +23,56 @@ using Json = nlohmann::ordered_json;
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 const char* get_sense(const Objective& objective) { return objective.maximise ? "maximise" : "minimise"; }
 
-std::string get_status(const DesignResult& result) {
+// A constraint with a probability, by samples that the search has not seen.
+struct ProbabilityCheck {
+  enum class Verdict { kConfirmed, kOpen, kRefuted };
+  std::int64_t failed = 0, samples = 0;
+  hil::Interval bounds;  // of the probability of failure, 95 %
+  double allowed = 0;    // probability of failure
+  Verdict verdict = Verdict::kOpen;
+};
+constexpr const char* kCheckNames[] = {"confirmed", "open", "refuted"};
+
+std::optional<ProbabilityCheck> check_probability(const DesignReport& report, std::size_t constraint) {
+  const double probability = report.problem.constraints[constraint].probability;
+  if (!(probability > 0) || !report.verification.failures) return std::nullopt;
+  ProbabilityCheck check;
+  check.failed = (*report.verification.failures)[constraint];
+  check.samples = report.problem.campaign->checks;
+  check.bounds = hil::calc_clopper_pearson(check.failed, check.samples);
+  check.allowed = 1 - probability;
+  if (check.bounds.high <= check.allowed) check.verdict = ProbabilityCheck::Verdict::kConfirmed;
+  if (check.bounds.low > check.allowed) check.verdict = ProbabilityCheck::Verdict::kRefuted;
+  return check;
+}
+
+bool is_refuted(const DesignReport& report, std::size_t constraint) {
+  const auto check = check_probability(report, constraint);
+  return check && check->verdict == ProbabilityCheck::Verdict::kRefuted;
+}
+
+bool is_any_refuted(const DesignReport& report) {
+  for (std::size_t i = 0; i < report.problem.constraints.size(); ++i)
+    if (is_refuted(report, i)) return true;
+  return false;
+}
+
+// The samples that the problem asks for as a check have not been flown to the end.
+bool is_check_missing(const DesignReport& report) {
+  return report.result.feasible && hil::has_probabilities(report.problem) && report.problem.campaign->checks > 0 &&
+         !report.verification.failures;
+}
+
+bool is_finished(const DesignReport& report) {
+  return report.verification.end == DesignVerification::End::kDone && !is_check_missing(report);
+}
+
+std::string get_status(const DesignReport& report) {
+  const DesignResult& result = report.result;
   if (result.end == DesignResult::End::kStopped) return "interrupted";
   if (!result.feasible) return result.settled ? "infeasible" : "not-found";
+  if (is_any_refuted(report)) return "refuted";
+  if (!is_finished(report) || !report.verification.met || !report.verification.same_bits) return "unverified";
   return result.end == DesignResult::End::kBudget ? "budget" : "optimal";
 }
 
@@ -78,8 +125,12 @@ Json build_constraints(const DesignReport& report, const DesignSample& best) {
   Json all = Json::array();
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i) {
     const DesignConstraint& constraint = report.problem.constraints[i];
-    Json one{{"id", constraint.name},     {"unit", constraint.unit},           {"value", number(best.values[i])},
-             {"limit", constraint.limit}, {"margin", number(best.margins[i])}, {"met", best.margins[i] >= 0}};
+    Json one{{"id", constraint.name},
+             {"unit", constraint.unit},
+             {"value", number(best.values[i])},
+             {"limit", constraint.limit},
+             {"margin", number(best.margins[i])},
+             {"met", best.margins[i] >= 0 && !is_refuted(report, i)}};
     if (!report.result.constraints.empty()) {
       const hil::ConstraintStudy& study = report.result.constraints[i];
       one["active"] = study.active;
@@ -106,27 +157,27 @@ Json build_slices(const DesignReport& report) {
 }
 
 Json build_verification(const DesignReport& report) {
-  const DesignVerification& verification = *report.verification;
-  Json json{{"runs", 1},
-            {"met", verification.met},
-            {"same_bits", verification.same_bits},
-            {"hash", to_hex(verification.hash)}};
-  for (std::size_t i = 0; i < verification.failures.size(); ++i) {
-    const DesignConstraint& constraint = report.problem.constraints[i];
-    if (!(constraint.probability > 0)) continue;
-    const std::int64_t checks = report.problem.campaign->checks;
-    const hil::Interval bounds = hil::calc_clopper_pearson(verification.failures[i], checks);
-    json["dispersed"].push_back({{"id", constraint.name},
-                                 {"samples", checks},
-                                 {"failed", verification.failures[i]},
-                                 {"probability", {bounds.low, bounds.high}}});
-  }
+  const DesignVerification& verification = report.verification;
+  Json json{{"finished", is_finished(report)}};
+  if (verification.end != DesignVerification::End::kDone) return json;
+  json["runs"] = 1;
+  json["met"] = verification.met;
+  json["same_bits"] = verification.same_bits;
+  json["hash"] = to_hex(verification.hash);
+  for (std::size_t i = 0; i < report.problem.constraints.size(); ++i)
+    if (const auto check = check_probability(report, i))
+      json["dispersed"].push_back({{"id", report.problem.constraints[i].name},
+                                   {"samples", check->samples},
+                                   {"failed", check->failed},
+                                   {"probability", {check->bounds.low, check->bounds.high}},
+                                   {"allowed", check->allowed},
+                                   {"verdict", kCheckNames[static_cast<std::size_t>(check->verdict)]}});
   return json;
 }
 
 // Reason for which no point is the result; `violation` follows.
 std::string describe_failure(const DesignReport& report) {
-  const std::string status = get_status(report.result);
+  const std::string status = get_status(report);
   if (status == "interrupted") return "no point so far meets all constraints";
   if (status == "infeasible") return "no point meets all constraints";
   const hil::DesignBudget& budget = report.problem.budget;
@@ -160,7 +211,38 @@ std::string describe_violation(const DesignReport& report) {
   return bounds.empty() ? text : text + "; at their bounds: " + bounds;
 }
 
+void print_check(std::FILE* to, const std::string& name, const ProbabilityCheck& check) {
+  constexpr const char* kTold[] = {"met", "neither shown nor refuted; more `checks` narrow it", "NOT MET"};
+  std::fprintf(to,
+               "  %-16s %lld of %lld other samples fail: probability of failure %.4f to %.4f (95 %%), at most %.4g is "
+               "allowed: %s\n",
+               name.c_str(), static_cast<long long>(check.failed), static_cast<long long>(check.samples),
+               check.bounds.low, check.bounds.high, check.allowed, kTold[static_cast<std::size_t>(check.verdict)]);
+}
+
+void print_verification(std::FILE* to, const DesignReport& report) {
+  const auto& [problem, evaluations, result, verification] = report;
+  constexpr const char* kInterrupted = "interrupted before its end, so nothing is verified; --resume goes on with it";
+  if (verification.end == DesignVerification::End::kInterrupted) std::fprintf(to, "  verification: %s\n", kInterrupted);
+  if (verification.end != DesignVerification::End::kDone) return;
+  std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
+               verification.met ? "all constraints met" : "not all constraints met",
+               verification.same_bits ? "same bits" : "OTHER BITS than in the search");
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    if (const auto check = check_probability(report, i)) print_check(to, problem.constraints[i].name, *check);
+  if (is_check_missing(report)) std::fprintf(to, "  check of the probabilities: %s\n", kInterrupted);
+  if (hil::has_probabilities(problem) && problem.campaign->checks == 0)
+    std::fprintf(to, "  no other samples have checked the probabilities (checks: 0)\n");
+  if (is_any_refuted(report))
+    std::fprintf(to, "  the samples of the search were too few to tell: raise campaign.samples, or the probability\n");
+}
+
 }  // namespace
+
+bool is_verified(const DesignReport& report) {
+  const std::string status = get_status(report);
+  return status == "optimal" || status == "budget";
+}
 
 void print_problem(std::FILE* to, const DesignProblem& problem) {
   std::fprintf(to, "%s: %s\n  scenario %s, method %s, seed %u, at most %s\n", problem.name.c_str(),
@@ -204,7 +286,7 @@ Json build_design_json(const DesignReport& report) {
   Json json{{"schema", 1},
             {"synthesis", problem.name},
             {"scenario", problem.scenario},
-            {"status", get_status(result)},
+            {"status", get_status(report)},
             {"method", hil::kSearchMethodNames[static_cast<std::size_t>(result.method)]},
             {"exhaustive", result.exhaustive},
             {"seed", problem.seed},
@@ -212,7 +294,7 @@ Json build_design_json(const DesignReport& report) {
             {"study_runs", evaluations.get_runs() - result.search_runs}};
   if (evaluations.get_samples().empty()) return json;
   const DesignSample& best = evaluations.get_samples()[result.best];
-  json["feasible"] = result.feasible;
+  json["feasible"] = result.feasible && !is_any_refuted(report);
   json["run"] = result.best + 1;
   json["variables"] = build_variables(problem, best.point);
   for (std::size_t i = 0; i < problem.objectives.size(); ++i)
@@ -236,14 +318,14 @@ Json build_design_json(const DesignReport& report) {
                              {"point", evaluations.get_samples()[i].point},
                              {"objectives", evaluations.get_samples()[i].objectives}});
   json["slices"] = build_slices(report);
-  if (verification) json["verification"] = build_verification(report);
+  json["verification"] = build_verification(report);
   return json;
 }
 
 void print_design(std::FILE* to, const DesignReport& report) {
   const auto& [problem, evaluations, result, verification] = report;
   std::fprintf(
-      to, "%s: %s, method %s, %s and %lld around the result\n", problem.name.c_str(), get_status(result).c_str(),
+      to, "%s: %s, method %s, %s and %lld around the result\n", problem.name.c_str(), get_status(report).c_str(),
       result.exhaustive ? "all combinations" : hil::kSearchMethodNames[static_cast<std::size_t>(result.method)].c_str(),
       count(result.search_runs, "run").c_str(), static_cast<long long>(evaluations.get_runs() - result.search_runs));
   if (evaluations.get_samples().empty()) return;
@@ -264,27 +346,17 @@ void print_design(std::FILE* to, const DesignReport& report) {
                      : "no value");
   for (std::size_t i = 0; i < problem.constraints.size(); ++i) {
     const bool active = !result.constraints.empty() && result.constraints[i].active;
-    if (!active && best.margins[i] >= 0) continue;
+    const bool met = best.margins[i] >= 0 && !is_refuted(report, i);
+    if (!active && met) continue;
     std::fprintf(to, "  %-16s %.6g %s, %s", problem.constraints[i].name.c_str(), best.values[i],
                  problem.constraints[i].unit.c_str(), describe_constraint(problem.constraints[i]).c_str());
     if (active && result.constraints[i].shadow)
       std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
-    std::fprintf(to, "%s\n", active ? "" : ": not met");
+    std::fprintf(to, "%s\n", met ? "" : ": not met");
   }
   if (!result.front.empty())
     std::fprintf(to, "  Pareto front: %s in front.csv\n", count(result.front.size(), "point").c_str());
-  if (!verification) return;
-  std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
-               verification->met ? "all constraints met" : "not all constraints met",
-               verification->same_bits ? "same bits" : "OTHER BITS than in the search");
-  for (std::size_t i = 0; i < verification->failures.size(); ++i) {
-    if (!(problem.constraints[i].probability > 0)) continue;
-    const std::int64_t checks = problem.campaign->checks;
-    const hil::Interval bounds = hil::calc_clopper_pearson(verification->failures[i], checks);
-    std::fprintf(to, "  %-16s %lld of %s fail: probability of failure %.4f to %.4f (95 %%)\n",
-                 problem.constraints[i].name.c_str(), static_cast<long long>(verification->failures[i]),
-                 count(checks, "other sample").c_str(), bounds.low, bounds.high);
-  }
+  print_verification(to, report);
 }
 
 std::string write_patch(const DesignProblem& problem, const hil::DesignPoint& point) {

@@ -10,20 +10,26 @@
 
 namespace unlatch::tools {
 
-// The last run, of the file that is handed out, read anew.
+// The last run, of the file that is handed out, read anew; and the campaign's other samples.
 struct DesignVerification {
-  bool met = false;        // all constraints
+  enum class End { kNotFlown, kInterrupted, kDone };
+  End end = End::kNotFlown;
+  bool met = false;        // all constraints of the nominal run
   bool same_bits = false;  // as the sample of the search
   std::int64_t hash = 0;
-  std::vector<std::int64_t> failures = {};  // of each constraint, of the campaign's other samples; empty: none flown
+  std::optional<std::vector<std::int64_t>> failures =
+      {};  // of each constraint, of the other samples; nothing: not flown
 };
 
 struct DesignReport {
   const hil::DesignProblem& problem;
   const hil::DesignEvaluations& evaluations;
   const hil::DesignResult& result;
-  std::optional<DesignVerification> verification;
+  DesignVerification verification;
 };
+
+// Returns true if the result meets all constraints, and its verification has confirmed the search.
+bool is_verified(const DesignReport& report);
 
 void print_problem(std::FILE* to, const hil::DesignProblem& problem);
 void write_problem_json(const hil::DesignProblem& problem, const std::string& target);
