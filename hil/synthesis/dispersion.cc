@@ -44,6 +44,10 @@ double DispersedDesign::calc_margin(std::size_t constraint) const {
   return std::isfinite(margin) ? margin : std::nan("");
 }
 
+double DispersedDesign::get_limit(std::size_t constraint) const {
+  return hil::get_limit(campaign_.tree->get_nominal().requirements[problem_.constraints[constraint].requirement]);
+}
+
 std::int64_t DispersedDesign::count_failures(std::size_t constraint) const {
   const std::vector<double>& margins = margins_[constraint];
   return std::count_if(margins.begin(), margins.end(), [](double margin) { return margin < 0; });

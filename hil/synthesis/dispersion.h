@@ -23,6 +23,8 @@ class DispersedDesign {
   // Margin of a constraint with a probability, after all samples: the margin that this part of them reaches; NaN if it
   // depends on a sample without a result.
   [[nodiscard]] double calc_margin(std::size_t constraint) const;
+  // Limit of a constraint with a probability in the campaign's scenario with this design.
+  [[nodiscard]] double get_limit(std::size_t constraint) const;
   [[nodiscard]] std::int64_t count_failures(std::size_t constraint) const;
 
  private:

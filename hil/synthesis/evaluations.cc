@@ -50,7 +50,7 @@ void set_margins(const DesignProblem& problem, const DispersedDesign& design, De
     if (!(constraint.probability > 0)) continue;
     const double margin = design.calc_margin(k);
     sample.margins[k] = margin;
-    sample.values[k] = constraint.at_least ? constraint.limit + margin : constraint.limit - margin;
+    sample.values[k] = design.get_limit(k) + (constraint.at_least ? margin : -margin);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "hil/campaign/result_file.h"
 #include "hil/language/expression.h"
+#include "hil/language/scenario_error.h"
 #include "hil/run/run.h"
 
 namespace unlatch::hil {
@@ -22,6 +23,12 @@ std::string write_value(const DesignVariable& variable, double value) {
   if (variable.is_catalogue())
     return to_text(Setting{"", variable.catalogue.at(static_cast<std::size_t>(value))}).substr(1);
   return to_text(value) + (variable.unit.empty() ? "" : " " + variable.unit);
+}
+
+DesignPoint get_start(const DesignProblem& problem) {
+  DesignPoint start;
+  for (const DesignVariable& variable : problem.variables) start.push_back(variable.start);
+  return start;
 }
 
 std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point) {
@@ -59,6 +66,28 @@ std::uint64_t calc_fingerprint(const DesignProblem& problem) {
     add_scenario(problem.campaign->nominal->tree->get_nominal());
   }
   return calc_digest(all);
+}
+
+double get_limit(const Requirement& requirement) {
+  return std::isfinite(requirement.least) ? requirement.least : requirement.most;
+}
+
+std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint& point) {
+  std::vector<double> limits;
+  for (const DesignConstraint& constraint : problem.constraints) limits.push_back(constraint.limit);
+  const auto take = [&](const Scenario& scenario, bool dispersed) {
+    for (std::size_t i = 0; i < limits.size(); ++i)
+      for (const Requirement& requirement : scenario.requirements)
+        if (requirement.id == problem.constraints[i].id && (problem.constraints[i].probability > 0) == dispersed)
+          limits[i] = get_limit(requirement);
+  };
+  try {
+    const std::vector<Setting> settings = make_settings(problem, point);
+    take(problem.tree->read(settings), false);
+    if (problem.campaign) take(make_campaign(*problem.campaign, settings, false).tree->get_nominal(), true);
+  } catch (const ScenarioError&) {  // the design's run has told it
+  }
+  return limits;
 }
 
 Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point) {

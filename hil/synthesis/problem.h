@@ -45,7 +45,7 @@ struct DesignConstraint {
   std::size_t requirement = 0;        // index in the scenario, or in the campaign's scenario
   std::string name, id, unit;         // name: "distance1", "distance1@0.95"; SI
   std::size_t value = 0, margin = 0;  // columns of the evaluator
-  double limit = 0;                   // limit of the scenario: the lower one if it has two
+  double limit = 0;                   // limit of the scenario; that of a design may differ (calc_limits)
   bool at_least = false;              // false: at most
   bool both = false;                  // the requirement has two limits
   double probability = 0;             // required probability in the campaign; 0: constraint of the nominal run
@@ -103,9 +103,15 @@ std::uint64_t calc_fingerprint(const DesignProblem& problem);
 // A point of the design space: a number for each variable, SI; for a catalogue an index.
 using DesignPoint = std::vector<double>;
 
+DesignPoint get_start(const DesignProblem& problem);
 std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point);
 // Value of one variable as the language writes it: "9000 N".
 std::string write_value(const DesignVariable& variable, double value);
+// Limit of a requirement: the lower one if it has two.
+double get_limit(const Requirement& requirement);
+// Limits of the constraints of a design, whose variables may be limits, or values from which limits are computed. Those
+// of the scenario if the design makes no valid one.
+std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint& point);
 // Value of an objective that is an expression of the variables. Throws ExpressionError.
 Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point);
 

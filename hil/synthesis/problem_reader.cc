@@ -47,6 +47,8 @@ class ProblemReader {
     const YamlNode* const campaign = top.find("campaign");
     top.finish();
     if (scenario != nullptr && open_scenario(*scenario)) {
+      refuse_names_of_results();
+      refuse_flight_software(*scenario, problem_.tree->get_nominal());
       if (campaign != nullptr) read_campaign(*campaign);
       if (constraints != nullptr)
         read_constraints(*constraints);
@@ -106,6 +108,25 @@ class ProblemReader {
     return true;
   }
 
+  // Refuses variables that an objective could not tell from a result.
+  void refuse_names_of_results() {
+    for (const DesignVariable& variable : problem_.variables)
+      if (problem_.evaluator->find(variable.name))
+        mistakes_.add(variable.mark, "'" + variable.name + "' is a result of the scenario, such as a requirement, too",
+                      "give the variable another name, so that an objective can mean either");
+  }
+
+  // Refuses a scenario whose flight software would have to take part.
+  void refuse_flight_software(const YamlNode& node, const Scenario& scenario) {
+    if (scenario.flight_software.required.empty()) return;
+    std::string names;
+    for (const std::string& name : scenario.flight_software.required) names += (names.empty() ? "" : ", ") + name;
+    mistakes_.add(node.mark,
+                  "the scenario requires flight software (" + names +
+                      "), which takes no part in a search: its channels would keep their initial values",
+                  "if that is what you mean, write set: {flight_software.required: []}");
+  }
+
   // Reads FILE, or {file: FILE, samples: N, checks: N}.
   void read_campaign(const YamlNode& node) {
     DesignCampaign campaign;
@@ -135,6 +156,7 @@ class ProblemReader {
                       "`unlatch check` shows a campaign's mistakes");
       return;
     }
+    refuse_flight_software(*file, campaign.nominal->tree->get_nominal());
     const Sampling sampling = campaign.nominal->plan.sampling;
     if (sampling != Sampling::kRandom && sampling != Sampling::kLatinHypercube && sampling != Sampling::kSobol)
       return mistakes_.add(file->mark, "its sampling draws no probabilities",
@@ -150,9 +172,8 @@ class ProblemReader {
     const bool at_least = std::isfinite(requirement.least), at_most = std::isfinite(requirement.most);
     const std::string name = requirement.id + (probability > 0 ? "@" + to_text(probability) : "");
     problem_.constraints.push_back({i, name, requirement.id, requirement.unit, *evaluator.find(requirement.id),
-                                    *evaluator.find(requirement.id + ".margin"),
-                                    at_least ? requirement.least : requirement.most, at_least, at_least && at_most,
-                                    probability});
+                                    *evaluator.find(requirement.id + ".margin"), get_limit(requirement), at_least,
+                                    at_least && at_most, probability});
   }
 
   void take_all_constraints() {
@@ -255,7 +276,7 @@ class ProblemReader {
     for (const ResultColumn& column : evaluator.columns()) known.push_back(column.name);
     for (const DesignVariable& variable : problem_.variables) known.push_back(variable.name);
     try {
-      objective.unit = describe_objective(calc_expression(problem_, objective, get_start()).dimension);
+      objective.unit = describe_objective(calc_expression(problem_, objective, get_start(problem_)).dimension);
       problem_.objectives.push_back(objective);
     } catch (const ExpressionError& error) {
       mistakes_.add(node.mark,
@@ -276,7 +297,7 @@ class ProblemReader {
   // reader reports the mistakes.
   void check_bounds() {
     const std::size_t before = mistakes_.count();
-    const DesignPoint start = get_start();
+    const DesignPoint start = get_start(problem_);
     for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
       const DesignVariable& variable = problem_.variables[i];
       std::vector<double> ends{variable.lower, variable.upper};
@@ -312,17 +333,11 @@ class ProblemReader {
     }
   }
 
-  [[nodiscard]] DesignPoint get_start() const {
-    DesignPoint start;
-    for (const DesignVariable& variable : problem_.variables) start.push_back(variable.start);
-    return start;
-  }
-
   // Checks that the campaign's scenario has the paths of the variables, too.
   void check_campaign() {
     if (!problem_.campaign || mistakes_.count() != 0) return;
     try {
-      (void)make_campaign(*problem_.campaign, make_settings(problem_, get_start()), false);
+      (void)make_campaign(*problem_.campaign, make_settings(problem_, get_start(problem_)), false);
     } catch (const ScenarioError& error) {
       mistakes_.add(problem_.variables.front().mark,
                     "the campaign, with the variables at their start: " + error.mistakes.front().what,

@@ -39,15 +39,9 @@ class Search {
   DesignMerit start() {
     evaluations_.set_limit(problem_.budget.runs);
     std::vector<std::int64_t> first;
-    cut_ = !evaluations_.evaluate({get_start()}, first);
+    cut_ = !evaluations_.evaluate({get_start(problem_)}, first);
     evaluations_.set_deadline(problem_.budget.seconds);
     return DesignMerit(problem_, cut_ ? nullptr : &evaluations_.get_samples().front());
-  }
-
-  [[nodiscard]] DesignPoint get_start() const {
-    DesignPoint point;
-    for (const DesignVariable& variable : problem_.variables) point.push_back(variable.start);
-    return point;
   }
 
   void look() {
@@ -58,7 +52,7 @@ class Search {
     if (several) return search_pareto();
     if (problem_.method == SearchMethod::kGlobal || (automatic && catalogue)) return search_global();
     result_.method = SearchMethod::kLocal;
-    search_local(get_start(), !automatic);
+    search_local(get_start(problem_), !automatic);
     if (automatic && !is_feasible() && !is_spent()) search_global();
   }
 
@@ -174,7 +168,7 @@ class Search {
               std::int64_t hopeless = std::numeric_limits<std::int64_t>::max()) {
     std::vector<std::size_t> list(problem_.variables.size());
     for (std::size_t i = 0; i < list.size(); ++i) list[i] = i;
-    ScaledProblem scaled = prepare(list, get_start());
+    ScaledProblem scaled = prepare(list, get_start(problem_));
     scaled.population = (population + 3) / 4 * 4;
     scaled.generations = 2 * static_cast<std::size_t>(problem_.budget.runs) / scaled.population + 1;
     evaluations_.set_limit(std::max(evaluations_.get_runs(), limit));

@@ -272,7 +272,7 @@ class OptimizeTest(ProcessTest):
             "parameters: {m: {path: bodies.block.mass, uniform: {min: 0.9 kg, max: 1.1 kg}}}\n")
 
     def test_a_probability_that_other_samples_refute_is_not_met(self):
-        self.write_campaign(10)
+        self.write_campaign(10, seed=3)
         text = PROBLEM + "campaign: {file: c.yaml, samples: 10, checks: 4000}\nconstraints: [{requirement: far, probability: 0.9}]\n"
         process = self.start(text, "o")
         printed, errors = process.communicate(timeout=250)
@@ -377,7 +377,7 @@ class OptimizeTest(ProcessTest):
 
     def test_an_objective_without_a_value_is_told_and_no_constraint_is_blamed(self):
         (self.folder / "s.yaml").write_text(SCENARIO + "events: [{name: never, when: {time: 5 s}}]\n")
-        result = self.optimize(PROBLEM.replace("a^2 + 4*b^2", "event.never") + "budget: {runs: 60}\n", "o", code=1)
+        result = self.optimize(PROBLEM.replace("a^2 + 4*b^2", "event.never"), "o", code=1)
         self.assertEqual(result["status"], "infeasible")
         self.assertEqual(result["violation"]["objective"], "event.never")
         self.assertNotIn("constraint", result["violation"])
@@ -455,6 +455,55 @@ class OptimizeTest(ProcessTest):
         for place in "p.yaml:5:", "p.yaml:6:", "p.yaml:8:", "did you mean 'far'":
             self.assertIn(place, done.stderr)
 
+    def test_a_limit_that_is_a_variable_is_judged_and_told_with_its_own_value(self):
+        head = PROBLEM.partition("variables:")[0] + "variables: {asked: {path: requirements.far.at_least, between: [0.5 m, 2 m], start: 0.6 m}}\n"
+        text = head + "objectives: [{maximise: asked}]\n"
+        self.write_campaign(20)
+        reached = 2 / 8 ** 0.5  # m, of the nominal block; the scenario asks for 1 m
+        for number, constraint in enumerate(("far", "{requirement: far, probability: 0.9}")):
+            process = self.start(text + f"campaign: {{file: c.yaml, samples: 20, checks: 0}}\nconstraints: [{constraint}]\n", f"o{number}")
+            printed, errors = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 0, printed + errors)
+            result = json.loads((self.folder / f"o{number}/result.json").read_text())
+            found, told = result["variables"]["asked"]["value"], result["constraints"][0]
+            self.assertAlmostEqual(found / reached, 1, delta=VALUE if number == 0 else 0.1)
+            self.assertEqual(told["limit"], found)
+            self.assertAlmostEqual(told["value"], found + told["margin"], delta=1e-12)
+            self.assertIn(f"at least {found:.6g} m", printed)
+            ask = self.look_at(f"o{number}")
+            self.assertIn(f"{found:.3f}"[:4], ask("document.querySelector('#constraints tr:nth-child(2) td:nth-child(2)').textContent"))
+
+    def test_a_variable_that_is_named_as_a_requirement_is_refused(self):
+        (self.folder / "p.yaml").write_text(PROBLEM.replace("  b: {", "  far: {").replace("4*b^2", "4*far^2"))
+        done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertIn("p.yaml:6:", done.stderr)
+        self.assertIn("'far' is a result of the scenario", done.stderr)
+
+    def test_flight_software_that_would_not_take_part_is_refused_unless_the_problem_says_so(self):
+        plain = SCENARIO
+        (self.folder / "s.yaml").write_text(plain + "flight_software: {required: [fsw]}\n")
+        said = PROBLEM + "set: {flight_software.required: []}\n"
+        for verb, options in ("check", []), ("optimize", ["--out", self.folder / "o"]):
+            (self.folder / "p.yaml").write_text(PROBLEM)
+            done = subprocess.run([UNLATCH, verb, self.folder / "p.yaml", *options], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("requires flight software (fsw), which takes no part", done.stderr)
+            self.assertIn("set: {flight_software.required: []}", done.stderr)
+            (self.folder / "p.yaml").write_text(said)
+            done = subprocess.run([UNLATCH, verb, self.folder / "p.yaml", *options], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        # That of the campaign's scenario alone.
+        (self.folder / "t.yaml").write_text(plain + "flight_software: {required: [fsw]}\n")
+        (self.folder / "s.yaml").write_text(plain)
+        self.write_campaign(20)
+        (self.folder / "c.yaml").write_text((self.folder / "c.yaml").read_text().replace("s.yaml", "t.yaml"))
+        (self.folder / "p.yaml").write_text(PROBLEM + "campaign: c.yaml\n")
+        done = subprocess.run([UNLATCH, "check", self.folder / "p.yaml"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("requires flight software", done.stderr)
+
     def test_mistakes_of_probabilities_are_told(self):
         (self.folder / "c.yaml").write_text(
             "unlatch_campaign: 1\nname: c\nscenario: s.yaml\nsamples: 20\n"
@@ -510,7 +559,7 @@ class OptimizeTest(ProcessTest):
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
 
     def test_dead_nozzle_is_told_as_what_no_design_makes_good(self):
-        result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 40, code=1)
+        result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 600, code=1)
         self.assertEqual(result["status"], "infeasible")
         self.assertIn(result["violation"]["constraint"], ("clear1", "distance1"))  # constraints of the booster whose nozzle is dead
         self.assertGreater(result["violation"]["size"], 0.5)

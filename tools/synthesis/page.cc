@@ -49,7 +49,6 @@ Json build_constraints(const hil::DesignProblem& problem) {
   for (const hil::DesignConstraint& constraint : problem.constraints)
     list.push_back({{"name", constraint.name},
                     {"unit", constraint.unit},
-                    {"limit", constraint.limit},
                     {"at_least", constraint.at_least},
                     {"both", constraint.both},
                     {"of_size", is_of_size(problem, constraint)},

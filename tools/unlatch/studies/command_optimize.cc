@@ -151,10 +151,11 @@ int optimize(const OptimizeOptions& options) {
   const hil::DesignResult result = hil::search_design(problem, evaluations);
   progress.clear();
 
-  DesignReport report{problem, evaluations, result, {}};
+  DesignReport report{problem, evaluations, result, {}, {}};
   std::string patch_text;
   if (!evaluations.get_samples().empty()) {
     const hil::DesignSample& best = evaluations.get_samples()[result.best];
+    report.limits = calc_limits(problem, best.point);
     const std::string patch = (out / "patch.yaml").string();
     patch_text = write_patch(problem, best.point);
     write_text(patch_text, patch);
@@ -170,11 +171,9 @@ int optimize(const OptimizeOptions& options) {
   write_json(json, (out / "result.json").string());
   if (!options.json.empty()) write_json(json, options.json);
   if (!evaluations.get_samples().empty()) {
-    hil::DesignPoint start;
-    for (const hil::DesignVariable& variable : problem.variables) start.push_back(variable.start);
     const hil::DesignPoint& best = evaluations.get_samples()[result.best].point;
     write_text(build_design_page({problem, evaluations, result, json, build_manifest(problem), patch_text,
-                                  fly_design(problem, start, catch_interrupts()),
+                                  fly_design(problem, get_start(problem), catch_interrupts()),
                                   fly_design(problem, best, catch_interrupts())}),
                (out / "report.html").string());
   }

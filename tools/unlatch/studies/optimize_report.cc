@@ -76,10 +76,10 @@ std::string get_status(const DesignReport& report) {
   return result.end == DesignResult::End::kBudget ? "budget" : "optimal";
 }
 
-std::string describe_constraint(const DesignConstraint& constraint) {
+std::string describe_constraint(const DesignConstraint& constraint, double limit) {
   if (constraint.both) return "within its two limits";
   const std::string text =
-      format("%s %.6g %s", constraint.at_least ? "at least" : "at most", constraint.limit, constraint.unit.c_str());
+      format("%s %.6g %s", constraint.at_least ? "at least" : "at most", limit, constraint.unit.c_str());
   return constraint.probability > 0 ? text + format(" with probability %g", constraint.probability) : text;
 }
 
@@ -128,7 +128,7 @@ Json build_constraints(const DesignReport& report, const DesignSample& best) {
     Json one{{"id", constraint.name},
              {"unit", constraint.unit},
              {"value", number(best.values[i])},
-             {"limit", constraint.limit},
+             {"limit", report.limits[i]},
              {"margin", number(best.margins[i])},
              {"met", best.margins[i] >= 0 && !is_refuted(report, i)}};
     if (!report.result.constraints.empty()) {
@@ -199,7 +199,8 @@ std::string describe_violation(const DesignReport& report) {
            hil::kSampleStatusNames[static_cast<std::size_t>(best.status)] + "'";
   const DesignConstraint& constraint = report.problem.constraints[*violation.constraint];
   const double value = best.values[*violation.constraint];
-  std::string text = constraint.name + " must be " + describe_constraint(constraint) + "; ";
+  std::string text =
+      constraint.name + " must be " + describe_constraint(constraint, report.limits[*violation.constraint]) + "; ";
   text += std::isfinite(value) ? format("the best that was found is %.6g %s", value, constraint.unit.c_str())
                                : "no run has a value of it";
   for (const std::size_t i : report.result.against)
@@ -221,7 +222,7 @@ void print_check(std::FILE* to, const std::string& name, const ProbabilityCheck&
 }
 
 void print_verification(std::FILE* to, const DesignReport& report) {
-  const auto& [problem, evaluations, result, verification] = report;
+  const auto& [problem, evaluations, result, limits, verification] = report;
   constexpr const char* kInterrupted = "interrupted before its end, so nothing is verified; --resume goes on with it";
   if (verification.end == DesignVerification::End::kInterrupted) std::fprintf(to, "  verification: %s\n", kInterrupted);
   if (verification.end != DesignVerification::End::kDone) return;
@@ -264,16 +265,16 @@ void print_problem(std::FILE* to, const DesignProblem& problem) {
     std::fprintf(to, "  %s %s%s\n", get_sense(objective), objective.text.c_str(),
                  objective.unit.empty() ? "" : (", " + objective.unit).c_str());
   if (!problem.constraints.empty()) print_heading(to, "Constraints");
-  for (const DesignConstraint& constraint : problem.constraints)
-    std::fprintf(to, "  %-16s %s\n", constraint.name.c_str(), describe_constraint(constraint).c_str());
+  const std::vector<double> limits = calc_limits(problem, get_start(problem));
+  for (std::size_t i = 0; i < limits.size(); ++i)
+    std::fprintf(to, "  %-16s %s\n", problem.constraints[i].name.c_str(),
+                 describe_constraint(problem.constraints[i], limits[i]).c_str());
   std::fprintf(to, "\n%s is valid\n", problem.file.c_str());
 }
 
 void write_problem_json(const DesignProblem& problem, const std::string& target) {
   Json json{{"schema", 1}, {"synthesis", problem.name}, {"scenario", problem.scenario}, {"status", "ok"}};
-  hil::DesignPoint start;
-  for (const DesignVariable& variable : problem.variables) start.push_back(variable.start);
-  json["variables"] = build_variables(problem, start);
+  json["variables"] = build_variables(problem, get_start(problem));
   for (const Objective& objective : problem.objectives)
     json["objectives"].push_back({{"sense", get_sense(objective)}, {"of", objective.text}, {"unit", objective.unit}});
   json["constraints"] = Json::array();
@@ -282,7 +283,7 @@ void write_problem_json(const DesignProblem& problem, const std::string& target)
 }
 
 Json build_design_json(const DesignReport& report) {
-  const auto& [problem, evaluations, result, verification] = report;
+  const auto& [problem, evaluations, result, limits, verification] = report;
   Json json{{"schema", 1},
             {"synthesis", problem.name},
             {"scenario", problem.scenario},
@@ -323,7 +324,7 @@ Json build_design_json(const DesignReport& report) {
 }
 
 void print_design(std::FILE* to, const DesignReport& report) {
-  const auto& [problem, evaluations, result, verification] = report;
+  const auto& [problem, evaluations, result, limits, verification] = report;
   std::fprintf(
       to, "%s: %s, method %s, %s and %lld around the result\n", problem.name.c_str(), get_status(report).c_str(),
       result.exhaustive ? "all combinations" : hil::kSearchMethodNames[static_cast<std::size_t>(result.method)].c_str(),
@@ -349,7 +350,8 @@ void print_design(std::FILE* to, const DesignReport& report) {
     const bool met = best.margins[i] >= 0 && !is_refuted(report, i);
     if (!active && met) continue;
     std::fprintf(to, "  %-16s %.6g %s, %s", problem.constraints[i].name.c_str(), best.values[i],
-                 problem.constraints[i].unit.c_str(), describe_constraint(problem.constraints[i]).c_str());
+                 problem.constraints[i].unit.c_str(),
+                 describe_constraint(problem.constraints[i], report.limits[i]).c_str());
     if (active && result.constraints[i].shadow)
       std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
     std::fprintf(to, "%s\n", met ? "" : ": not met");

@@ -25,6 +25,7 @@ struct DesignReport {
   const hil::DesignProblem& problem;
   const hil::DesignEvaluations& evaluations;
   const hil::DesignResult& result;
+  std::vector<double> limits;  // of the constraints, at the result
   DesignVerification verification;
 };
 
