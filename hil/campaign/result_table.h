@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "hil/campaign/result_file.h"
@@ -26,6 +27,10 @@ class ResultTable {
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
 
   [[nodiscard]] SampleRecord read(std::size_t row) const { return file_.read(rows_[row].record); }
+  // Numbers of a row, from this column on.
+  void read_numbers(std::size_t row, std::size_t column, std::span<double> to) const {
+    file_.read_numbers(rows_[row].record, column, to);
+  }
   // A number of each of the first `count` rows; inputs are the first columns, then values. Columns one after the other
   // are fast. One thread at a time: the latest batch of columns is kept.
   [[nodiscard]] std::vector<double> read_column(std::size_t column, std::size_t count) const;

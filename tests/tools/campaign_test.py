@@ -499,6 +499,28 @@ class CampaignTest(ProcessTest):
         self.assertEqual((release["count"], release["missing"]), (0, 3))
         self.assertEqual(read_table(self.folder / "out")[0]["event.release:booster1 [s]"], "")
 
+    # Events with delays that make all orders, at one time too; one comes in a part of the samples, one never.
+    def test_samples_are_classed_by_the_order_of_their_events(self):
+        names = ("late", "bell", "a", "never")
+        (self.folder / "ball.yaml").write_text(BALL + "signals: [" + ", ".join(f"s{k}" for k in range(4)) + "]\nevents:\n" + "".join(
+            f"  - {{name: {name}, when: {{time: {0.01 if k < 3 else 1}}}, delay: 0, then: [{{raise: s{k}}}]}}\n" for k, name in enumerate(names)))
+        path = self.folder / "c.yaml"
+        delays = {"late": "0 ms, 10 ms, 90 ms", "bell": "0 ms, 10 ms", "a": "0 ms, 10 ms, 20 ms"}
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\nsamples: 200\nparameters:\n" + "".join(
+            f"  {name}: {{path: events.{name}.delay, discrete: {{values: [{values}]}}}}\n" for name, values in delays.items()))
+        summary = self.run_campaign(path, "out", code=(0, 1))
+        classes = {}
+        for row in read_table(self.folder / "out"):
+            events = [(float(row[f"event.{name} [s]"]), place, name) for place, name in enumerate(names) if row[f"event.{name} [s]"]]
+            events.sort()
+            order = "".join(("" if k == 0 else " = " if events[k][0] == events[k - 1][0] else " > ") + events[k][2] for k in range(len(events)))
+            classes.setdefault(order, []).append(int(row["sample"]))
+        self.assertGreater(len(classes), 10)
+        expected = sorted(classes, key=lambda order: (-len(classes[order]), order))
+        self.assertEqual(summary["orders"]["count"], len(classes))
+        self.assertEqual(summary["orders"]["classes"],
+                         [{"order": order, "samples": len(classes[order]), "first": classes[order][0]} for order in expected[:20]])
+
     # tests/data/golden.json: of every instruction set, compiler and processor (tools/determinism).
     def test_the_first_samples_have_the_golden_hash(self):
         golden = json.loads((SOURCE / "tests/data/golden.json").read_text())["campaigns"]["boosters/campaign"]

@@ -19,10 +19,18 @@ constexpr std::size_t kMostOrders = 20;
 class EventOrders {
  public:
   explicit EventOrders(const Json& columns) {
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      if (columns[k].at("kind") == "event") events_.push_back({columns[k].at("name").get<std::string>().substr(6), k});
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      if (columns[k].at("kind") != "event") continue;
+      if (events_.empty()) first_ = k;
+      events_.push_back({columns[k].at("name").get<std::string>().substr(6), k - first_});
+    }
+    count_ = events_.empty() ? 0 : events_.back().column + 1;
     std::ranges::stable_sort(events_, {}, &Event::name);
   }
+
+  // The columns that encode() takes.
+  [[nodiscard]] std::size_t get_first() const { return first_; }
+  [[nodiscard]] std::size_t get_count() const { return count_; }
 
   [[nodiscard]] std::string encode(const std::vector<double>& values) const {
     std::vector<std::pair<std::pair<double, std::size_t>, std::size_t>> came;  // time, column; number
@@ -51,10 +59,11 @@ class EventOrders {
  private:
   struct Event {
     std::string name;
-    std::size_t column;
+    std::size_t column;  // from the first one of an event
   };
   static constexpr char kFirst = 0, kSame = 1, kLater = 2;
   std::vector<Event> events_;
+  std::size_t first_ = 0, count_ = 0;
 };
 
 }  // namespace
@@ -65,10 +74,11 @@ Json list_orders(const CampaignData& data) {
   };
   const EventOrders orders(data.manifest.at("columns"));
   std::map<std::string, Class> classes;
+  std::vector<double> values(orders.get_count());
   for (std::size_t row = 0; row < data.rows; ++row) {
-    const hil::SampleRecord record = data.table->read(row);
-    Class& own = classes[orders.encode(record.result.values)];
-    if (own.samples++ == 0) own.first = record.sample;
+    data.table->read_numbers(row, data.table->shape().inputs + orders.get_first(), values);
+    Class& own = classes[orders.encode(values)];
+    if (own.samples++ == 0) own.first = data.table->get_sample(row);
   }
   std::vector<const std::pair<const std::string, Class>*> sorted;
   for (const auto& one : classes) sorted.push_back(&one);
