@@ -1,7 +1,5 @@
 #include "hil/executive/reception.h"
 
-#include <algorithm>
-
 #include "hil/messages/event_names.h"
 
 namespace unlatch::hil {
@@ -73,10 +71,7 @@ void Reception::handle(const HelloMessage& other, std::int64_t) noexcept {
   const bool is_over = other.status >= static_cast<std::int32_t>(RunStatus::kDone);
   if (other.session == 0 || is_over) return;
   if (!has_namesake()) other_ = other;
-  const auto end = told_of_.begin() + told_count_;
-  if (told_count_ == kMaxTold || std::find(told_of_.begin(), end, other.session) != end) return;
-  told_of_[static_cast<std::size_t>(told_count_++)] = other.session;
-  parts_.publisher.publish_notice(kOtherSimulator, get_name(other.scenario));
+  if (told_of_.is_news(other.session)) parts_.publisher.publish_notice(kOtherSimulator, get_name(other.scenario));
 }
 
 void Reception::resume(Participant& participant) noexcept {

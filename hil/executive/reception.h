@@ -2,7 +2,6 @@
 // answered with a Verdict. Fixed memory.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -15,6 +14,7 @@
 #include "hil/session/connection.h"
 #include "hil/session/handshake.h"
 #include "hil/session/liveness.h"
+#include "hil/session/other_sessions.h"
 #include "hil/session/participants.h"
 #include "hil/session/reject_counts.h"
 #include "hil/simulation/simulation.h"
@@ -56,8 +56,6 @@ class Reception {
   [[nodiscard]] bool has_namesake() const noexcept { return other_.session != 0 && other_.session == parts_.session; }
 
  private:
-  static constexpr int kMaxTold = 8;  // other simulators told of: a flood of invented ones ends there
-
   void handle(const HelloAckMessage& answer, std::int64_t arrived_ns) noexcept;
   void handle(const CommandMessage& command, std::int64_t arrived_ns) noexcept;
   void handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcept;
@@ -70,8 +68,7 @@ class Reception {
   std::optional<std::int64_t> command_ns_;
   std::int64_t malformed_ = 0;  // malformed messages of the connection, already counted
   HelloMessage other_;
-  std::array<std::int64_t, kMaxTold> told_of_{};  // sessions
-  int told_count_ = 0;
+  OtherSessions told_of_;
 };
 
 }  // namespace unlatch::hil

@@ -111,7 +111,8 @@ void write_logs(const fs::path& folder) {
   fs::resize_file(folder / "log" / "half", fs::file_size(folder / "log" / "whole") * 2 / 3);
 }
 
-// Writes a command, an acknowledgement and a farewell, under every pace and policy; session_fuzz.cc explains the marks.
+// Writes a command, an acknowledgement, other simulators and a farewell, under every pace and policy; and another
+// simulator at the start. session_fuzz.cc explains the marks.
 void write_sessions(const fs::path& folder) {
   hil::CommandMessage command;
   command.sequence = 1;
@@ -122,9 +123,15 @@ void write_sessions(const fs::path& folder) {
   ack.command_count = 1;
   hil::HelloAckMessage farewell;
   farewell.status = static_cast<std::int32_t>(hil::AckStatus::kLeaving);
-  const std::string said = '\x72' + to_bytes(command) + '\x70' + to_bytes(ack) + '\x80' + '\x41' + to_bytes(farewell);
+  hil::HelloMessage other;
+  other.session = 12;
+  const std::string hello = to_bytes(other);
+  const std::string said = '\x72' + to_bytes(command) + '\x08' + hello + '\x4a' + hello + '\x70' + to_bytes(ack) +
+                           '\x80' + '\x41' + to_bytes(farewell);
   for (int choice = 0; choice < 2 * static_cast<int>(hil::kPolicyNames.size()); ++choice)
     write(folder / "session" / std::to_string(choice), static_cast<char>(choice) + said);
+  write(folder / "session" / "other", '\0' + ('\x08' + hello));
+  write(folder / "session" / "namesake", '\0' + ('\x4a' + hello));
 }
 
 // Writes six masses on three crossed bars; one mode, in which the first bar stretches.

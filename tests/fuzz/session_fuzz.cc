@@ -25,7 +25,8 @@ class JumpingClock final : public hil::Clock {
   void sleep_until_ns(std::int64_t deadline_ns) const noexcept override { clock_ns = std::max(clock_ns, deadline_ns); }
 };
 
-// Sends the initial messages of the flight software, then those of the input.
+// Sends the initial messages of the flight software, then those of the input; before both the Hellos with which the
+// input begins.
 class FuzzConnection final : public hil::Connection {
  public:
   FuzzConnection(std::span<const std::uint8_t> script, std::int64_t model_hash)
@@ -39,7 +40,7 @@ class FuzzConnection final : public hil::Connection {
   bool receive(hil::Arrival& arrival) noexcept override {
     arrival.arrived_ns = clock_ns;
     hil::Message message;
-    if (said_ < 2) {
+    if (said_ < 2 && !is_hello_next()) {
       if (said_++ == 0) {
         arrival.message = make_hello();
       } else {
@@ -65,6 +66,12 @@ class FuzzConnection final : public hil::Connection {
         break;
       }
       default: {
+        if (is_hello(marks)) {  // of another simulator
+          hil::HelloMessage hello = take<hil::HelloMessage>();
+          if ((marks & 0x40) != 0) hello.session = kSession;
+          message = hello;
+          break;
+        }
         hil::HelloAckMessage hello = take<hil::HelloAckMessage>();
         if ((marks & 0x40) != 0) hello = mix(make_hello(), hello);
         message = hello;
@@ -81,6 +88,9 @@ class FuzzConnection final : public hil::Connection {
   [[nodiscard]] std::int64_t get_malformed() const noexcept override { return 0; }
 
  private:
+  static bool is_hello(std::uint8_t marks) { return (marks & 0x88) == 0x08 && marks % 3 == 2; }
+  [[nodiscard]] bool is_hello_next() const { return !script_.empty() && is_hello(script_[0]); }
+
   template <class T>
   T take() {
     T value{};

@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(
             "element 'load'", "tau is 0"},
         Bad{"TableOrder", [](Model& m) { m.loads[0].profile = table({0, 1, 1}, {0, 0, 0}); }, "element 'load'",
             "do not increase"},
-        Bad{"TableLength", [](Model& m) { m.loads[0].profile = table({0, 1}, {0}); }, "element 'load'", "2 times and 1"},
+        Bad{"TableLength", [](Model& m) { m.loads[0].profile = table({0, 1}, {0}); }, "element 'load'", "times (2) and values (1)"},
         Bad{"TableNan", [](Model& m) { m.loads[0].profile = table({0, 1}, {0, kNan}); }, "element 'load'", "not finite"},
         Bad{"LoadBody", [](Model& m) { m.loads[0].body = -1; }, "element 'load'", "no body"},
         Bad{"LoadChannel", [](Model& m) { m.loads[0].channel = 1; }, "element 'load'", "channel does not exist"},

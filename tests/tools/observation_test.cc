@@ -76,6 +76,22 @@ TEST_F(Watching, FollowsOneSessionUntilItIsSilent) {
   EXPECT_TRUE(has_notice("now follows"));
 }
 
+TEST_F(Watching, OthersAreToldOnceEachAndInventedOnesDoNotFillTheNotices) {
+  const auto count_told = [this] {
+    const auto& notices = look().notices;
+    return std::count_if(notices.begin(), notices.end(),
+                         [](const auto& notice) { return notice.text.find("another simulator") != std::string::npos; });
+  };
+  hear_hello(7);
+  hear_state(7, 1);
+  for (int round = 0; round < 5; ++round) {
+    for (const std::int64_t other : {8, 9}) hear_hello(other);
+  }
+  EXPECT_EQ(count_told(), 2);
+  for (int other = 100; other < 1000; ++other) hear_hello(other);
+  EXPECT_EQ(count_told(), 8);
+}
+
 TEST_F(Watching, ASessionThatHasEndedMakesWayAtOnce) {
   hear_state(7, 1, hil::RunStatus::kDone);
   hear_hello(8);

@@ -130,7 +130,7 @@ class ToolsTest(ProcessTest):
         self.assertGreater(times["liftoff", "booster1"], times["liftoff", "booster2"] + 0.1)
         text = self.run_ok(UNLATCH, "hil", DEAD_NOZZLE, "--transport", "inproc", "--pace", "lockstep", "--until", "3",
                            *PATIENT, code=1).stdout
-        self.assertIn("1 of 4 requirements are not met", text)
+        self.assertIn("1 of 4 requirements is not met", text)
         self.assertIn("booster1 stayed on core", text)
         self.assertIn("core and booster1 touch", text)
 

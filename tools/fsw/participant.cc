@@ -98,8 +98,7 @@ bool ParticipantClient::hear_hello(const hil::HelloMessage& hello) {
 }
 
 void ParticipantClient::tell_of_other(const hil::HelloMessage& hello) {
-  if (hello.session == told_of_) return;
-  told_of_ = hello.session;
+  if (!told_of_.is_news(hello.session)) return;
   std::fprintf(
       stderr,
       "unlatch-fsw: another simulator is heard, scenario '%s', session %lld; '%s' stays with session %lld. Choose "

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridge/core/port.h"
+#include "hil/session/other_sessions.h"
 #include "tools/fsw/control_law.h"
 #include "tools/fsw/vehicle.h"
 
@@ -54,7 +55,7 @@ class ParticipantClient {
   bool attached_ = false;                // to this session's vehicle
   std::string refusal_;                  // why not
   bool told_ = false;                    // that its name is taken
-  std::int64_t told_of_ = 0;             // the latest other session that was told of
+  hil::OtherSessions told_of_;           // other simulators
   std::chrono::nanoseconds silence_{0};  // of our session, while we listened
   std::int64_t answered_tick_ = -1;
   std::int64_t last_command_ = 0;                     // sequence number

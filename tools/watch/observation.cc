@@ -112,8 +112,7 @@ bool Observation::follow(const hil::Message& message, Time now) {
   if (session == 0 || !is_from_simulator(message.kind)) return false;
   const bool is_free = view_.session == 0 || has_ended(view_.status) || to_seconds(now - heard_) > kSilent_s;
   if (!is_free) {
-    if (stranger_ != session) tell("another simulator sends here too, session " + name_session(session), true);
-    stranger_ = session;
+    if (told_of_.is_news(session)) tell("another simulator sends here too, session " + name_session(session), true);
     return false;
   }
   begin(session);
@@ -139,7 +138,7 @@ void Observation::begin(std::int64_t session) {
   next_.fill(-1);
   rated_counts_.fill(0);
   looked_tick_ = -1;
-  stranger_ = 0;
+  told_of_.forget();
   told_silence_ = false;
   if (is_second) {
     tell("session " + before + (had_ended ? " has ended" : " has stopped sending") + "; now follows session " +

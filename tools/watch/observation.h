@@ -8,6 +8,7 @@
 
 #include "hil/messages/messages.h"
 #include "hil/scenario/scenario.h"
+#include "hil/session/other_sessions.h"
 #include "hil/simulation/source_text.h"
 #include "tools/watch/view.h"
 
@@ -57,7 +58,7 @@ class Observation {
   std::vector<std::string> channels_;
   std::array<std::int64_t, hil::kMessageKinds> next_{};  // sequence number expected; -1: none was heard
   std::int64_t looked_tick_ = -1;
-  std::int64_t stranger_ = 0;  // another session that speaks meanwhile, told once
+  hil::OtherSessions told_of_;  // other sessions that speak meanwhile
   Time heard_{}, rated_{};
   std::array<std::int64_t, hil::kMessageKinds> rated_counts_{};
   bool told_silence_ = false;

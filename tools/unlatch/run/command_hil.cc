@@ -293,7 +293,8 @@ void add_hil(Command app, int& exit_code) {
   command
       .add_option(
           "--session", options->session,
-          "number of this session, for flight software with the same --session; allows other simulators beside it")
+          "number of this session, for flight software with the same --session; allows other simulators, of other "
+          "numbers, beside it")
       .type_name("NUMBER")
       .not_negative();
   command
