@@ -49,9 +49,10 @@ CASES = {
     # open-loop.yaml and attitude-loop.yaml: commanded by flight software, whose commands take 20 ms.
     "open-loop": {"fuel": True, "thrust": {0: 1.05, 2: 0.95}, "loop": 0},
     "attitude-loop": {"fuel": True, "thrust": {0: 1.05, 2: 0.95}, "loop": 1},
-    # variable-mass.yaml, central-field.yaml: without simplifications of the paper.
+    # variable-mass.yaml, central-field.yaml, no-assumptions.yaml: without simplifications of the paper.
     "variable-mass": {"burns": True},
     "central-field": {"central": True},
+    "no-assumptions": {"burns": True, "central": True},
     "dispersed": {"tails": [(300000, 0.35), (306000, 0.33), (294000, 0.37), (303000, 0.39)], "until": 2.0},
 }
 

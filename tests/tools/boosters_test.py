@@ -97,6 +97,14 @@ class BoostersTest(ProcessTest):
     def test_a_central_field_goes_as_the_reference_does(self):
         self.compare("central-field", "central-field.yaml")
 
+    def test_without_both_assumptions_it_goes_as_the_reference_does_and_their_effects_add(self):
+        both = self.compare("no-assumptions", "no-assumptions.yaml")
+        runs = [both, *(self.run_at(file, [0]) for file in ("cyclogram.yaml", "variable-mass.yaml", "central-field.yaml"))]
+        for event in "release", "contact", "liftoff":
+            together, base, burning, central = (
+                next(e["t"] for e in run["events"] if (e["name"], e["subject"]) == (event, "booster1")) for run in runs)
+            self.assertAlmostEqual(together - base, (burning - base) + (central - base), delta=1e-8)  # s; of 5 ms and 0.5 us
+
     # Rocket equation: the thrusts act along the core alone, or are inclined with their boosters.
     def test_before_the_ties_are_cut_burning_adds_the_rocket_equations_speed(self):
         constant, burning = (self.run_at(file, [0.09])["samples"][0]["bodies"]["core"]["v"][0] + 6.2 * 0.09
