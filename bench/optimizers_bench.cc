@@ -68,6 +68,7 @@ int main(int count, char** arguments) {
   const hil::DesignPoint from = choose_start(problem, start);
   for (std::size_t i = 0; i < from.size(); ++i) problem.variables[i].start = from[i];
   problem.seed = start;
+  problem.starts = 1;
   problem.budget.runs = runs;
   const std::atomic<bool> stop{false};
   hil::DesignEvaluations evaluations(problem, {}, stop);

@@ -77,6 +77,7 @@ struct DesignProblem {
   std::vector<Objective> objectives;
   std::vector<DesignConstraint> constraints;
   SearchMethod method = SearchMethod::kAuto;
+  std::int64_t starts = 1;  // of the local search
   std::uint32_t seed = 1;
   DesignBudget budget;
   std::optional<DesignCampaign> campaign;

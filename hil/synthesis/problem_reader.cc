@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kKey = "unlatch_synthesis";
 constexpr std::size_t kMaxObjectives = 4;
-constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7, kMaxSamples = 1e6;
+constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7, kMaxSamples = 1e6, kMaxStarts = 1000;
 constexpr double kDefaultSamples = 64, kChecks = 4;  // checks: multiples of the samples
 
 class ProblemReader {
@@ -40,6 +40,7 @@ class ProblemReader {
     const int method = top.choice("method", "method", kSearchMethodNames, 0);
     if (method >= 0) problem_.method = static_cast<SearchMethod>(method);
     problem_.seed = static_cast<std::uint32_t>(read_whole(top, "seed", 1, 0, 4294967295.0));
+    problem_.starts = static_cast<std::int64_t>(read_whole(top, "starts", 1, 1, kMaxStarts));
     read_budget(top);
     const YamlNode* const scenario = top.require("scenario");
     const YamlNode* const objectives = top.require("objectives");
@@ -58,6 +59,7 @@ class ProblemReader {
       check_campaign();
       if (objectives != nullptr) read_objectives(*objectives);
     }
+    check_starts(root);
   }
 
  private:
@@ -90,6 +92,17 @@ class ProblemReader {
     if (!(problem_.budget.seconds >= 0 && problem_.budget.seconds <= kMaxSeconds))
       mistakes_.add(node->find("seconds")->mark, "this time is not usable", "0 (any) to 1e7 s");
     map.finish();
+  }
+
+  // Refuses starts that no local search would use.
+  void check_starts(const YamlNode& root) {
+    if (problem_.starts == 1) return;
+    const bool automatic = problem_.method == SearchMethod::kAuto;
+    const bool continuous = std::ranges::none_of(problem_.variables, &DesignVariable::is_catalogue);
+    if (problem_.method == SearchMethod::kLocal || (automatic && continuous && problem_.objectives.size() <= 1)) return;
+    mistakes_.add(root.find("starts")->mark, "several starts, and no local search",
+                  automatic ? "method: local; catalogues and several objectives have searches of the whole box"
+                            : "leave `starts` out, or method: local");
   }
 
   bool open_scenario(const YamlNode& node) {

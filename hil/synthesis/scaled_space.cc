@@ -4,15 +4,11 @@
 #include <cmath>
 
 namespace unlatch::hil {
-namespace {
-
 double place(const DesignVariable& variable, double x) {
   if (!variable.is_catalogue())
     return std::clamp(variable.lower + x * (variable.upper - variable.lower), variable.lower, variable.upper);
   return std::min(std::floor(x * static_cast<double>(variable.catalogue.size())), variable.upper);
 }
-
-}  // namespace
 
 std::vector<std::size_t> list_continuous(const DesignProblem& problem) {
   std::vector<std::size_t> list;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "hil/modules/module.h"
+#include "hil/sampling/sampling.h"
 #include "hil/synthesis/scaled_space.h"
 #include "hil/synthesis/study.h"
 
@@ -52,8 +54,68 @@ class Search {
     if (several) return search_pareto();
     if (problem_.method == SearchMethod::kGlobal || (automatic && catalogue)) return search_global();
     result_.method = SearchMethod::kLocal;
-    search_local(get_start(problem_), !automatic);
-    if (automatic && !is_feasible() && !is_spent()) search_global();
+    search_from_starts(!automatic);
+    if (automatic && !is_feasible(get_best()) && !is_spent()) search_global();
+  }
+
+  // Searches from the problem's start, then from others within the bounds. Each has an equal part of the runs that are
+  // left, as has a last search from the best point, if the one that has found it was cut. The end is that of the search
+  // that has found the best.
+  void search_from_starts(bool last) {
+    std::vector<DesignPoint> starts{get_start(problem_)};
+    if (problem_.starts > 1) add_starts(starts);
+    bool cut = false;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      const std::size_t parts = starts.size() - i + (starts.size() > 1 ? 1 : 0), best = update(whole_);
+      end_ =
+          evaluations_.get_runs() + (problem_.budget.runs - evaluations_.get_runs()) / static_cast<std::int64_t>(parts);
+      search_local(starts[i], last);
+      if (i == 0 || update(whole_) != best) cut = cut_;
+    }
+    end_ = problem_.budget.runs;
+    if (starts.size() > 1 && cut && is_feasible(get_best()) && !is_spent()) {
+      search_local(get_best().point, last);
+      cut = cut_;
+    }
+    cut_ = cut || evaluations_.was_stopped() || evaluations_.is_late();
+  }
+
+  // Adds the best points of a Latin hypercube, none near another (Rinnooy Kan and Timmer 1987).
+  void add_starts(std::vector<DesignPoint>& starts) {
+    const std::size_t n = problem_.variables.size();
+    const auto wanted = static_cast<std::size_t>(problem_.starts);
+    SamplingPlan plan;
+    plan.sampling = Sampling::kLatinHypercube;
+    plan.seed = problem_.seed;
+    plan.samples = std::min(kTriedEach * (problem_.starts - 1), problem_.budget.runs / 4);
+    plan.dimensions = n;
+    const double apart = kApart * std::pow(static_cast<double>(plan.samples), -1.0 / static_cast<double>(n));
+    std::vector<std::vector<double>> units;
+    std::vector<DesignPoint> points;
+    for (std::int64_t i = 0; i < plan.samples; ++i) {
+      units.push_back(calc_point(plan, i));
+      points.emplace_back();
+      for (std::size_t k = 0; k < n; ++k) points.back().push_back(place(problem_.variables[k], units.back()[k]));
+    }
+    std::vector<std::int64_t> indices;
+    cut_ = !evaluations_.evaluate(points, indices);
+    if (cut_) return;
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const auto get = [&](std::size_t i) { return evaluations_.get_samples()[static_cast<std::size_t>(indices[i])]; };
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return merit_.is_better(get(a), get(b)); });
+    std::vector<std::size_t> chosen;
+    for (const std::size_t i : order) {
+      if (starts.size() == wanted) break;
+      const auto is_near = [&](std::size_t other) {
+        double distance = 0;
+        for (std::size_t k = 0; k < n; ++k) distance = std::max(distance, std::abs(units[i][k] - units[other][k]));
+        return distance < apart;
+      };
+      if (std::ranges::any_of(chosen, is_near)) continue;
+      chosen.push_back(i);
+      starts.push_back(points[i]);
+    }
   }
 
   // Tries all combinations, if there are only catalogues and the budget is large enough.
@@ -90,21 +152,31 @@ class Search {
   // violation may use all that is left.
   void search_local(const DesignPoint& from, bool last) {
     if (list_continuous(problem_).empty() || is_spent()) return;
+    begin_phase(1);
+    std::vector<std::int64_t> first;
+    cut_ = !evaluations_.evaluate({from}, first);
+    if (cut_) return;
+    own_ = {evaluations_.get_samples().size(), static_cast<std::size_t>(first[0])};
+    search_phases(from, last);
+    result_.searches.push_back({static_cast<std::size_t>(first[0]), update(own_)});
+  }
+
+  void search_phases(const DesignPoint& from, bool last) {
     const bool lost = !is_feasible();
     search_problem(from, lost ? kForFeasible : 1);
     if (!lost || is_spent()) return;
     if (is_feasible()) {
-      if (cut_) search_problem(get_best().point, 1);
+      if (cut_) search_problem(get_own().point, 1);
       return;
     }
-    search_least_violation(get_best().point, kForFeasible);
-    if (last && cut_ && !is_feasible() && !is_spent()) search_least_violation(get_best().point, 1);
-    if (is_feasible() && !is_spent()) search_problem(get_best().point, 1);
+    search_least_violation(get_own().point, kForFeasible);
+    if (last && cut_ && !is_feasible() && !is_spent()) search_least_violation(get_own().point, 1);
+    if (is_feasible() && !is_spent()) search_problem(get_own().point, 1);
   }
 
   // `share`: part of the remaining runs.
   void begin_phase(double share) {
-    const double left = static_cast<double>(problem_.budget.runs - evaluations_.get_runs());
+    const double left = static_cast<double>(end_ - evaluations_.get_runs());
     evaluations_.set_limit(evaluations_.get_runs() + static_cast<std::int64_t>(std::ceil(share * left)));
     cut_ = false;
   }
@@ -120,7 +192,7 @@ class Search {
     ScaledProblem least = prepare(list_continuous(problem_), from);
     ++least.variables;
     least.impatient = true;
-    least.start.push_back(std::clamp(merit_.calc_violation(get_best()).size / kLargest + kLeastTarget, 0.0, 1.0));
+    least.start.push_back(std::clamp(merit_.calc_violation(get_own()).size / kLargest + kLeastTarget, 0.0, 1.0));
     const auto evaluate = least.evaluate;
     least.evaluate = [&](const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
       if (is_feasible()) return false;  // found: the next phase begins here
@@ -135,7 +207,7 @@ class Search {
       return true;
     };
     if (find_local()(least)) {
-      least_violation_ = merit_.calc_violation(get_best()).size;
+      least_violation_ = std::min(least_violation_, merit_.calc_violation(get_own()).size);
     } else if (!is_feasible()) {
       cut_ = true;
     }
@@ -197,23 +269,28 @@ class Search {
 
   // Returns true if the budget has ended the search before the next phase.
   bool is_spent() {
-    const bool spent =
-        evaluations_.was_stopped() || evaluations_.is_late() || evaluations_.get_runs() >= problem_.budget.runs;
+    const bool spent = evaluations_.was_stopped() || evaluations_.is_late() || evaluations_.get_runs() >= end_;
     cut_ = cut_ || spent;
     return spent;
   }
-  // Best of all samples so far; each is compared once.
-  const DesignSample& get_best() {
+  // Best of the samples from some on; each is compared once.
+  struct Best {
+    std::size_t seen = 0, best = 0;
+  };
+  std::size_t update(Best& one) const {
     const std::vector<DesignSample>& samples = evaluations_.get_samples();
-    for (; seen_ < samples.size(); ++seen_)
-      if (merit_.is_better(samples[seen_], samples[best_])) best_ = seen_;
-    return samples[best_];
+    for (; one.seen < samples.size(); ++one.seen)
+      if (merit_.is_better(samples[one.seen], samples[one.best])) one.best = one.seen;
+    return one.best;
   }
-  [[nodiscard]] bool is_feasible() { return merit_.is_feasible(get_best()); }
+  const DesignSample& get_best() { return evaluations_.get_samples()[update(whole_)]; }
+  const DesignSample& get_own() { return evaluations_.get_samples()[update(own_)]; }
+  [[nodiscard]] bool is_feasible() { return is_feasible(get_own()); }
+  [[nodiscard]] bool is_feasible(const DesignSample& sample) const { return merit_.is_feasible(sample); }
 
   void take_best() {
     const DesignSample& best = get_best();
-    result_.best = best_;
+    result_.best = whole_.best;
     result_.violation = merit_.calc_violation(best);
     result_.feasible = result_.violation.size == 0;
     result_.settled = result_.exhaustive || result_.violation.size >= kAgainst * least_violation_;
@@ -224,8 +301,10 @@ class Search {
     result_.best = merit_.find_middle(evaluations_.get_samples(), result_.front);
   }
 
-  static constexpr double kLargest = 10;       // largest violation in the range of t
-  static constexpr double kLeastTarget = 0.1;  // t may fall below 0, when all are met
+  static constexpr double kLargest = 10;          // largest violation in the range of t
+  static constexpr double kLeastTarget = 0.1;     // t may fall below 0, when all are met
+  static constexpr std::int64_t kTriedEach = 10;  // points of which one becomes a start
+  static constexpr double kApart = 0.5;           // of the mean distance of the points tried
   static constexpr std::size_t kBatch = 64, kParetoSize = 40, kColony = 16, kColonyEach = 4;
 
   const DesignProblem& problem_;
@@ -234,8 +313,9 @@ class Search {
   const DesignMerit merit_;
   const std::vector<double> none_;
   DesignResult result_;
-  std::size_t seen_ = 0, best_ = 0;
-  double least_violation_ = HUGE_VAL;  // result of a search of the least violation that has converged
+  Best whole_, own_;                         // of all samples, and of the local search
+  std::int64_t end_ = problem_.budget.runs;  // number of runs at which the local search ends
+  double least_violation_ = HUGE_VAL;        // result of a search of the least violation that has converged
 };
 
 }  // namespace

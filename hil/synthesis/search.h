@@ -15,17 +15,23 @@ struct ConstraintStudy {
   std::optional<double> shadow;  // change of the optimum for each unit of relaxation of its limit, SI
 };
 
+// A local search: the samples at which it began, and the best that it has found.
+struct LocalResult {
+  std::size_t first = 0, best = 0;
+};
+
 struct DesignResult {
   enum class End { kConverged, kBudget, kStopped };
   End end = End::kConverged;
   SearchMethod method = SearchMethod::kLocal;  // the method that was used
   bool exhaustive = false;                     // all combinations of the catalogues were tried
   bool feasible = false;
-  bool settled = false;              // no point meets all constraints: the search of the least violation has converged
-  std::size_t best = 0;              // index of the optimum, or of the least violation
-  Violation violation;               // violation of the best sample
-  std::vector<std::size_t> against;  // constraints that are all near the largest violation: they limit it together
-  std::vector<std::size_t> front;    // samples, by the first objective; for several objectives
+  bool settled = false;               // no point meets all constraints: the search of the least violation has converged
+  std::size_t best = 0;               // index of the optimum, or of the least violation
+  Violation violation;                // violation of the best sample
+  std::vector<std::size_t> against;   // constraints that are all near the largest violation: they limit it together
+  std::vector<std::size_t> front;     // samples, by the first objective; for several objectives
+  std::vector<LocalResult> searches;  // local searches, in their order
   std::int64_t search_runs = 0;
   std::vector<ConstraintStudy> constraints;
   // [variable][objectives, then constraints]; empty for a catalogue. SI for each unit of the variable.

@@ -54,6 +54,7 @@ objectives: [{minimise: a^2}, {maximise: b}]
 constraints: [far, {requirement: far, probability: 0.5}]
 campaign: {file: c.yaml, samples: 4, checks: 8}
 method: auto
+starts: 1
 seed: 2
 budget: {runs: 20, seconds: 5 s}
 """

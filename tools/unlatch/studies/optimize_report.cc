@@ -1,5 +1,6 @@
 #include "tools/unlatch/studies/optimize_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -81,6 +82,11 @@ std::string describe_constraint(const DesignConstraint& constraint, double limit
   const std::string text =
       format("%s %.6g %s", constraint.at_least ? "at least" : "at most", limit, constraint.unit.c_str());
   return constraint.probability > 0 ? text + format(" with probability %g", constraint.probability) : text;
+}
+
+bool meets_all(const DesignSample& sample) {
+  return std::isfinite(sample.objectives[0]) &&
+         std::ranges::all_of(sample.margins, [](double margin) { return margin >= 0; });
 }
 
 bool is_at_bound(const DesignVariable& variable, double value) {
@@ -313,6 +319,13 @@ Json build_design_json(const DesignReport& report) {
       json["violation"]["objective"] = problem.objectives[*result.violation.objective].text;
     for (const std::size_t i : result.against) json["violation"]["against"].push_back(problem.constraints[i].name);
   }
+  for (const hil::LocalResult& search : result.searches) {
+    const DesignSample& end = evaluations.get_samples()[search.best];
+    json["searches"].push_back({{"run", search.first + 1},
+                                {"best_run", search.best + 1},
+                                {"objective", number(end.objectives[0])},
+                                {"met", meets_all(end)}});
+  }
   json["sensitivities"] = build_sensitivities(report);
   for (const std::size_t i : result.front)
     json["front"].push_back({{"run", i + 1},
@@ -355,6 +368,14 @@ void print_design(std::FILE* to, const DesignReport& report) {
     if (active && result.constraints[i].shadow)
       std::fprintf(to, "; active: %.6g of the objective for each unit of the limit", *result.constraints[i].shadow);
     std::fprintf(to, "%s\n", met ? "" : ": not met");
+  }
+  if (problem.starts > 1) {
+    std::string ends;
+    for (const hil::LocalResult& search : result.searches) {
+      const DesignSample& end = evaluations.get_samples()[search.best];
+      ends += (ends.empty() ? "" : ", ") + (meets_all(end) ? format("%.6g", end.objectives[0]) : "not met");
+    }
+    std::fprintf(to, "  best of each local search: %s\n", ends.c_str());
   }
   if (!result.front.empty())
     std::fprintf(to, "  Pareto front: %s in front.csv\n", count(result.front.size(), "point").c_str());
