@@ -10,6 +10,14 @@ DESIGNS = {
         "root": "1.480771 N m", "second": "1.166904 N m", "outer": "0.497968 N m", "cable": "0.921203 N m/rad"},
 }
 
+RATIOS = {
+    "equal pulleys: springs of 1.48, 1.17, 0.50,\n0.50 N m, cables of 0.92 N m/rad": {
+        "root": "1.480771 N m", "second": "1.166904 N m", "outer": "0.497968 N m", "cable": "0.921203 N m/rad"},
+    "ratios 0.35, 0.86, 0.91: springs of 1.48, 1.05,\n0.67, 0.67 N m, cables of 0.36, 0.81, 0.81 N m/rad": {
+        "root": "1.4793265 N m", "second": "1.0504860 N m", "outer": "0.6681521 N m", "cable": "0.8107716 N m/rad", "ratio2": "0.8564316",
+        "ratio3": "0.9126610", "bus_cable": "0.3607397 N m/rad", "ratio1": "0.3538955"},
+}
+
 COLOURS = ("#c1121f", "#457b9d", "#e09f3e", "#2a9d5c", "#6a4c93", "#555555", "#b5838d", "#1d3557")
 
 
@@ -125,13 +133,20 @@ def add(figure, tools):
 
     @figure("array-synthesis")
     def synthesis(bench):
+        return draw_designs(bench, "array/design.yaml", DESIGNS)
+
+    @figure("array-ratios")
+    def ratios(bench):
+        return draw_designs(bench, "array/ratios.yaml", RATIOS)
+
+    def draw_designs(bench, scenario, designs):
         import matplotlib.pyplot as plt
         drawn, rows = plt.subplots(2, 2, figsize=(7.5, 5.2), sharex=True, sharey="row", constrained_layout=True)
         hinges = range(1, 5)
         selected = [f"joint.hinge{k}.angle" for k in hinges] + [f"element.latch{k}.moment" for k in hinges]
-        for column, (title, values) in enumerate(DESIGNS.items()):
+        for column, (title, values) in enumerate(designs.items()):
             options = [text for name, value in values.items() for text in ("--set", f"constants.{name}={value}")]
-            run = bench.call("run", tools.SCENARIOS / "array/design.yaml", "--outputs", ",".join(selected), "--json", "-", *options)
+            run = bench.call("run", tools.SCENARIOS / scenario, "--outputs", ",".join(selected), "--json", "-", *options)
             table, (angles, moments) = run["outputs"][0], rows[:, column]
             columns = list(zip(*table["rows"]))  # x, y, z of each angle, then the moments
             latched = {event["subject"]: event["t"] for event in run["events"] if event["name"] == "latch"}
