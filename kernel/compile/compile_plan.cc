@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <map>
 
+#include "kernel/compile/bodies.h"
 #include "kernel/compile/constants.h"
 #include "kernel/compile/contacts.h"
 #include "kernel/compile/elements.h"
+#include "kernel/compile/events.h"
 #include "kernel/compile/instruction_set.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
@@ -11,105 +13,13 @@
 #include "kernel/compile/one_sided.h"
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/compile/topology.h"
-#include "kernel/dynamics/flexible.h"
 #include "kernel/joints/coordinates.h"
 #include "kernel/model/from_eigen.h"
 #include "kernel/model/model_hash.h"
-#include "unlatch/frequencies.h"
 #include "unlatch/plan.h"
 
 namespace unlatch {
 namespace {
-
-void append(std::vector<double>& to, const Eigen::Matrix3Xd& columns) {
-  for (Eigen::Index k = 0; k < columns.cols(); ++k)
-    for (Eigen::Index i = 0; i < 3; ++i) to.push_back(columns(i, k));
-}
-void append(std::vector<double>& to, const std::vector<Eigen::Matrix3d>& matrices) {
-  for (const Eigen::Matrix3d& m : matrices)
-    for (Eigen::Index r = 0; r < 3; ++r)
-      for (Eigen::Index c = 0; c < 3; ++c) to.push_back(m(r, c));
-}
-
-// Some mode swings faster than the step resolves.
-bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
-
-// `markers`: bodies that are markers on it.
-void compile_flexible(const Model& model, int body, const std::vector<int>& markers, PlanData& plan) {
-  const FlexibleBody& shape = *model.bodies[at(body)].flexible;
-  const auto m = static_cast<std::int32_t>(shape.frequencies.size());
-  PlanFlexible out{body,
-                   m,
-                   static_cast<std::int32_t>(plan.markers.size()),
-                   0,
-                   static_cast<std::int32_t>(plan.initial_auxiliary.size()),
-                   static_cast<std::int32_t>(plan.modal.size()),
-                   plan.modal_work,
-                   kNone,
-                   has_stiff_mode(shape, plan.options.dt),
-                   model.bodies[at(body)].mass,
-                   to_sym(model.bodies[at(body)].inertia)};
-  append(plan.modal, shape.momentum);
-  append(plan.modal, shape.first);
-  append(plan.modal, shape.second);
-  for (const double w : shape.frequencies) plan.modal.push_back(w * w);
-  for (Eigen::Index k = 0; k < m; ++k) plan.modal.push_back(2 * shape.damping[k] * shape.frequencies[k]);
-  for (const Eigen::VectorXd* start : {&shape.initial, &shape.initial_rate})
-    for (Eigen::Index k = 0; k < m; ++k) plan.initial_auxiliary.push_back(start->size() == 0 ? 0 : (*start)[k]);
-  for (const int i : markers) {
-    const std::optional<Marker>& marker = model.bodies[at(i)].marker;
-    plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
-                            static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
-    append(plan.modal, marker->shape);
-    append(plan.modal, marker->turn);
-    plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
-    ++out.markers;
-  }
-  plan.bodies[at(body)].flexible = static_cast<std::int32_t>(plan.flexible.size());
-  plan.modal_work += get_work_size(m) + out.markers * get_marker_size(m);
-  plan.flexible.push_back(out);
-}
-
-// Flexible bodies and their markers in the tree: the marker by which each is held, and what hangs on the others.
-// Initial motion of the markers.
-void place_flexible(PlanData& plan) {
-  std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
-  for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
-  for (const TreeNode& node : plan.nodes) {
-    const std::int32_t marker = marker_of[at(node.body)];
-    if (marker != kNone) plan.markers[at(marker)].bare = node.leaf;
-    const PlanBody& body = plan.bodies[at(node.body)];
-    if (body.flexible != kNone && marker == kNone && node.parent != kNone)
-      plan.flexible[at(body.flexible)].inboard = marker_of[at(plan.nodes[at(node.parent)].body)];
-  }
-  for (const PlanMarker& marker : plan.markers) {
-    const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
-    const double* coordinates = plan.initial_auxiliary.data() + carrier.auxiliary;
-    plan.bodies[at(marker.body)].initial = calc_marker_state(plan, marker, plan.bodies[at(carrier.body)].initial,
-                                                             coordinates, coordinates + carrier.modes);
-  }
-}
-
-PlanBody compile_body(const Body& body, PlanData& plan) {
-  PlanBody out{body.mass, {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
-  if (!body.law && !body.flexible && !body.marker) return out;
-  out.mass = 0;  // what these have beyond a constant diag(mass, inertia) is added where it is known
-  if (!body.law) return out;
-  out.varying = static_cast<std::int32_t>(plan.varying.size());
-  plan.varying.push_back({static_cast<std::int32_t>(plan.bodies.size()),
-                          static_cast<std::int32_t>(plan.mass_knots.size()),
-                          static_cast<std::int32_t>(body.law->knots.size()), body.law->of == MassLaw::Of::kBurnt,
-                          body.law->jet_damping, to_vec(body.law->exit)});
-  for (const MassLaw::Knot& knot : body.law->knots)
-    plan.mass_knots.push_back({knot.at, knot.mass, to_vec(knot.centre), to_sym(knot.inertia)});
-  return out;
-}
-
-// Bodies whose block is more than diag(mass, inertia) are no leaves to the solver, whatever is beyond them.
-void mark_blocks(const Model& model, PlanData& plan) {
-  for (TreeNode& node : plan.nodes)
-    if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
-}
 
 // The coordinates that somebody reads; the others are not computed.
 class Coordinates {
@@ -310,59 +220,6 @@ bool has_pair_forces(const PlanData& plan) {
          !plan.contacts.empty() || !plan.one_sided.empty() || !plan.frictions.empty();
 }
 
-// Appends a guard in postfix order; returns how many values its evaluation keeps at once.
-std::int32_t compile_condition(const Condition& c, PlanData& plan) {
-  std::int32_t depth = 1;
-  for (std::size_t i = 0; i < c.parts.size(); ++i)
-    depth = std::max(depth, static_cast<std::int32_t>(i) + compile_condition(c.parts[i], plan));
-  plan.conditions.push_back(
-      {c.kind, c.subject, c.axis, static_cast<std::int32_t>(c.parts.size()), c.threshold, c.below, kNone, {}});
-  return depth;
-}
-
-// Conditions that read the step's inputs: a new one is added here, or commands do not reach its guard at their tick.
-bool is_command(const PlanCondition& c) { return c.kind == Condition::Kind::kCommand; }
-bool is_elementary(const Condition& c) { return c.parts.empty(); }
-// Conditions that hold or do not, and cannot change within a sub-step: a new one is added here, so that an `all` reads
-// it first. kEngaged is not among them: it is read in its place.
-bool is_switch(const Condition& c) {
-  return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal || c.kind == Condition::Kind::kClosed;
-}
-
-void compile_events(const Model& model, PlanData& plan) {
-  for (const Event& event : model.events) {
-    Condition when = event.when;
-    const bool all = when.kind == Condition::Kind::kAll &&
-                     std::all_of(when.parts.begin(), when.parts.end(), is_elementary) && !when.parts.empty();
-    if (all) std::stable_partition(when.parts.begin(), when.parts.end(), is_switch);
-    PlanEvent out{
-        .first_condition = static_cast<std::int32_t>(plan.conditions.size()),
-        .condition_count = 0,
-        .first_action = static_cast<std::int32_t>(plan.actions.size()),
-        .action_count = static_cast<std::int32_t>(event.then.size()),
-        .flat_parts = all ? static_cast<std::int32_t>(when.parts.size()) : (is_elementary(when) ? 1 : 0),
-        .delay = event.delay,
-        .repeat = event.repeat,
-        .engages = kNone,
-        .engaged = 0,
-        .by_time = when.kind == Condition::Kind::kTime && !when.below,
-        .crossing = event.crossing,
-    };
-    for (const Action& action : event.then)
-      if (action.kind == Action::Kind::kEngage) {
-        out.engages = action.subject;
-        out.engaged = action.value != 0 ? 1 : 0;
-      }
-    const std::int32_t place = static_cast<std::int32_t>(plan.events.size());
-    if (event.repeat) plan.repeating_events.push_back(place);
-    if (event.delay > 0 || out.by_time) plan.timed_events.push_back(place);
-    plan.guard_depth = std::max(plan.guard_depth, compile_condition(when, plan));
-    out.condition_count = static_cast<std::int32_t>(plan.conditions.size()) - out.first_condition;
-    plan.actions.insert(plan.actions.end(), event.then.begin(), event.then.end());
-    plan.events.push_back(out);
-  }
-}
-
 void compile_impulses(const Model& model, PlanData& plan) {
   for (const Impulse& i : model.impulses)
     plan.impulses.push_back(
@@ -402,20 +259,6 @@ std::vector<ModelError> compile_tree(const Model& model, PlanData& plan) {
   return compile_compliance(model, stiff, plan);
 }
 
-// Bodies, with what bends or burns of them; needs the tree.
-void compile_bodies(const Model& model, PlanData& plan) {
-  for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
-  plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses stand before modal coordinates and contacts
-  std::vector<std::vector<int>> markers(model.bodies.size());
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    if (model.bodies[b].marker) markers[at(model.bodies[b].marker->body)].push_back(static_cast<int>(b));
-  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
-    if (model.bodies[at(b)].flexible) compile_flexible(model, b, markers[at(b)], plan);
-  plan.rigid = plan.flexible.empty() && plan.varying.empty();
-  place_flexible(plan);
-  mark_blocks(model, plan);
-}
-
 // Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a line says so.
 void compile_parts(const Model& model, PlanData& plan) {
   compile_bodies(model, plan);
@@ -431,8 +274,7 @@ void compile_parts(const Model& model, PlanData& plan) {
   compile_one_sided_and_frictions(model, plan, coordinates);
   plan.pair_forces = has_pair_forces(plan);
   link_conditions(plan, coordinates);  // after compile_events()
-  plan.commanded_events =
-      plan.commanded_loads || std::any_of(plan.conditions.begin(), plan.conditions.end(), is_command);
+  plan.commanded_events = plan.commanded_loads || has_commanded_guards(plan);
   compile_sensors(model, plan, coordinates);
   init_angles(model, plan);  // of all coordinates: after the last of them was found
   plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};

@@ -1,0 +1,118 @@
+#include "kernel/compile/bodies.h"
+
+#include <optional>
+#include <vector>
+
+#include "kernel/dynamics/flexible.h"
+#include "kernel/model/from_eigen.h"
+#include "unlatch/frequencies.h"
+
+namespace unlatch {
+namespace {
+
+void append(std::vector<double>& to, const Eigen::Matrix3Xd& columns) {
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    for (Eigen::Index i = 0; i < 3; ++i) to.push_back(columns(i, k));
+}
+void append(std::vector<double>& to, const std::vector<Eigen::Matrix3d>& matrices) {
+  for (const Eigen::Matrix3d& m : matrices)
+    for (Eigen::Index r = 0; r < 3; ++r)
+      for (Eigen::Index c = 0; c < 3; ++c) to.push_back(m(r, c));
+}
+
+// Some mode swings faster than the step resolves.
+bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
+
+// `markers`: bodies that are markers on it.
+void compile_flexible(const Model& model, int body, const std::vector<int>& markers, PlanData& plan) {
+  const FlexibleBody& shape = *model.bodies[at(body)].flexible;
+  const auto m = static_cast<std::int32_t>(shape.frequencies.size());
+  PlanFlexible out{body,
+                   m,
+                   static_cast<std::int32_t>(plan.markers.size()),
+                   0,
+                   static_cast<std::int32_t>(plan.initial_auxiliary.size()),
+                   static_cast<std::int32_t>(plan.modal.size()),
+                   plan.modal_work,
+                   kNone,
+                   has_stiff_mode(shape, plan.options.dt),
+                   model.bodies[at(body)].mass,
+                   to_sym(model.bodies[at(body)].inertia)};
+  append(plan.modal, shape.momentum);
+  append(plan.modal, shape.first);
+  append(plan.modal, shape.second);
+  for (const double w : shape.frequencies) plan.modal.push_back(w * w);
+  for (Eigen::Index k = 0; k < m; ++k) plan.modal.push_back(2 * shape.damping[k] * shape.frequencies[k]);
+  for (const Eigen::VectorXd* start : {&shape.initial, &shape.initial_rate})
+    for (Eigen::Index k = 0; k < m; ++k) plan.initial_auxiliary.push_back(start->size() == 0 ? 0 : (*start)[k]);
+  for (const int i : markers) {
+    const std::optional<Marker>& marker = model.bodies[at(i)].marker;
+    plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
+                            static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
+    append(plan.modal, marker->shape);
+    append(plan.modal, marker->turn);
+    plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
+    ++out.markers;
+  }
+  plan.bodies[at(body)].flexible = static_cast<std::int32_t>(plan.flexible.size());
+  plan.modal_work += get_work_size(m) + out.markers * get_marker_size(m);
+  plan.flexible.push_back(out);
+}
+
+// Flexible bodies and their markers in the tree: the marker by which each is held, and what hangs on the others.
+// Initial motion of the markers.
+void place_flexible(PlanData& plan) {
+  std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
+  for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
+  for (const TreeNode& node : plan.nodes) {
+    const std::int32_t marker = marker_of[at(node.body)];
+    if (marker != kNone) plan.markers[at(marker)].bare = node.leaf;
+    const PlanBody& body = plan.bodies[at(node.body)];
+    if (body.flexible != kNone && marker == kNone && node.parent != kNone)
+      plan.flexible[at(body.flexible)].inboard = marker_of[at(plan.nodes[at(node.parent)].body)];
+  }
+  for (const PlanMarker& marker : plan.markers) {
+    const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
+    const double* coordinates = plan.initial_auxiliary.data() + carrier.auxiliary;
+    plan.bodies[at(marker.body)].initial = calc_marker_state(plan, marker, plan.bodies[at(carrier.body)].initial,
+                                                             coordinates, coordinates + carrier.modes);
+  }
+}
+
+PlanBody compile_body(const Body& body, PlanData& plan) {
+  PlanBody out{body.mass, {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
+  if (!body.law && !body.flexible && !body.marker) return out;
+  out.mass = 0;  // what these have beyond a constant diag(mass, inertia) is added where it is known
+  if (!body.law) return out;
+  out.varying = static_cast<std::int32_t>(plan.varying.size());
+  plan.varying.push_back({static_cast<std::int32_t>(plan.bodies.size()),
+                          static_cast<std::int32_t>(plan.mass_knots.size()),
+                          static_cast<std::int32_t>(body.law->knots.size()), body.law->of == MassLaw::Of::kBurnt,
+                          body.law->jet_damping, to_vec(body.law->exit)});
+  for (const MassLaw::Knot& knot : body.law->knots)
+    plan.mass_knots.push_back({knot.at, knot.mass, to_vec(knot.centre), to_sym(knot.inertia)});
+  return out;
+}
+
+// Bodies whose block is more than diag(mass, inertia) are no leaves to the solver, whatever is beyond them.
+void mark_blocks(const Model& model, PlanData& plan) {
+  for (TreeNode& node : plan.nodes)
+    if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
+}
+
+}  // namespace
+
+void compile_bodies(const Model& model, PlanData& plan) {
+  for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
+  plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses stand before modal coordinates and contacts
+  std::vector<std::vector<int>> markers(model.bodies.size());
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (model.bodies[b].marker) markers[at(model.bodies[b].marker->body)].push_back(static_cast<int>(b));
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b)
+    if (model.bodies[at(b)].flexible) compile_flexible(model, b, markers[at(b)], plan);
+  plan.rigid = plan.flexible.empty() && plan.varying.empty();
+  place_flexible(plan);
+  mark_blocks(model, plan);
+}
+
+}  // namespace unlatch

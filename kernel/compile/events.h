@@ -1,0 +1,14 @@
+// Events of a model for its plan: guards in postfix order, actions.
+#pragma once
+
+#include "kernel/plan/plan_data.h"
+#include "unlatch/model.h"
+
+namespace unlatch {
+
+void compile_events(const Model& model, PlanData& plan);
+
+// Some guard reads the step's inputs.
+bool has_commanded_guards(const PlanData& plan);
+
+}  // namespace unlatch
