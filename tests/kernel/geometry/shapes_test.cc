@@ -38,13 +38,13 @@ TEST(GeometryShapes, ShapesWithoutVolumeAreRefused) {
   expect_mistake({.kind = ShapeKind::kFrustum, .to = {0, 0, 1}}, "radius", "without volume");
   expect_mistake({.kind = ShapeKind::kBox, .size = {1, 0, 1}}, "size", "1 × 0 × 1");
   expect_mistake({.kind = ShapeKind::kHull, .points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}}, "points", "plane");
-  expect_mistake({.kind = ShapeKind::kHull, .points = {{0, 0, 0}}}, "points", "1 points");
+  expect_mistake({.kind = ShapeKind::kHull, .points = {{0, 0, 0}}}, "points", "1 point");
 }
 
 TEST(GeometryShapes, DirectionsAndProfilesMustMeanSomething) {
   expect_mistake({.kind = ShapeKind::kHalfSpace}, "normal", "not a direction");
   expect_mistake({.kind = ShapeKind::kBox, .size = {1, 1, 1}, .q_BS = {0, 0, 0, 0}}, "attitude", "no rotation");
-  expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}}}, "profile", "1 points");
+  expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}}}, "profile", "1 point");
   expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {0, 2}}}, "profile", "not beyond");
   expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {1, -1}}}, "profile", "(1, -1)");
   expect_mistake({.kind = ShapeKind::kHollow, .to = {0, 0, 1}, .profile = {{0, 1}, {1, 0}, {2, 0}}}, "profile", "axis");

@@ -189,7 +189,7 @@ std::string describe_failure(const DesignReport& report) {
   const hil::DesignBudget& budget = report.problem.budget;
   const bool by_runs = budget.seconds == 0 || report.result.search_runs >= budget.runs;
   return "no feasible point found within the budget of " +
-         (by_runs ? format("%lld runs: raise budget.runs", static_cast<long long>(budget.runs))
+         (by_runs ? count(budget.runs, "run") + ": raise budget.runs"
                   : format("%g s: raise budget.seconds", budget.seconds)) +
          ", or choose another start";
 }
@@ -221,9 +221,8 @@ std::string describe_violation(const DesignReport& report) {
 void print_check(std::FILE* to, const std::string& name, const ProbabilityCheck& check) {
   constexpr const char* kTold[] = {"met", "neither shown nor refuted; more `checks` narrow it", "NOT MET"};
   std::fprintf(to,
-               "  %-16s %lld of %lld other samples fail: probability of failure %.4f to %.4f (95 %%), at most %.4g is "
-               "allowed: %s\n",
-               name.c_str(), static_cast<long long>(check.failed), static_cast<long long>(check.samples),
+               "  %-16s %lld of %s fail: probability of failure %.4f to %.4f (95 %%), at most %.4g is allowed: %s\n",
+               name.c_str(), static_cast<long long>(check.failed), count(check.samples, "other sample").c_str(),
                check.bounds.low, check.bounds.high, check.allowed, kTold[static_cast<std::size_t>(check.verdict)]);
 }
 
