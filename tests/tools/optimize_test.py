@@ -154,6 +154,29 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(ask("document.querySelectorAll('#search .front').length"), len(front))
         self.assertEqual(ask("document.querySelectorAll('#search .chosen').length"), 1)
 
+    def test_the_page_of_three_objectives_shows_the_front_in_each_pair(self):
+        text = FRONT.replace("{minimise: b}]", "{minimise: b}, {maximise: a*b}]").replace("runs: 2000", "runs: 200")
+        front = self.optimize(text, "o", code=None)["front"]
+        ask = self.look_at("o")
+        self.assertEqual(ask("[...document.querySelectorAll('#fronts figcaption')].map((c) => c.textContent)"), ["b over a", "a*b over a", "a*b over b"])
+        self.assertEqual(ask("document.querySelectorAll('#fronts .front').length"), 3 * len(front))
+        self.assertEqual(ask("document.querySelectorAll('#fronts .chosen').length"), 3)
+        ask("document.querySelector('#front-1-2 .run').dispatchEvent(new Event('click'))")
+        self.assertIn("Run ", ask("document.getElementById('picked').textContent"))
+
+    def test_the_page_of_a_problem_without_constraints_shows_the_flight_before_and_after(self):
+        free = PROBLEM.replace("a^2 + 4*b^2", "(a - 1 N)^2 + b^2") + "constraints: []\n"
+        self.optimize(free, "o")
+        ask = self.look_at("o")  # the scenario's requirement
+        captions = "[...document.querySelectorAll('#flights figcaption')].map((c) => c.textContent)"
+        self.assertEqual(ask(captions), ["far"])
+        self.assertEqual(ask("document.querySelectorAll('#flight-0 .limit').length"), 0)
+        (self.folder / "s.yaml").write_text(SCENARIO.partition("requirements:")[0])
+        self.optimize(free, "p")
+        ask = self.look_at("p")  # the body's velocity
+        self.assertEqual(ask(captions), ["block.vx", "block.vy", "block.vz"])
+        self.assertEqual(ask("document.querySelectorAll('#flights .before, #flights .after').length"), 6)
+
     def test_the_page_says_that_no_point_meets_all_constraints(self):
         self.optimize(PROBLEM.replace("between: [0 N, 5 N]", "between: [0 N, 1 N]"), "o", code=1)
         ask = self.look_at("o")

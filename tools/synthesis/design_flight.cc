@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/outputs/output_reader.h"
 #include "hil/run/run.h"
 
 namespace unlatch::tools {
 namespace {
 
 constexpr std::int64_t kIntervals = 400;  // of a curve
+constexpr std::size_t kMostColumns = 12;  // of outputs
 
 // Keeps the least and the greatest value of each interval, in the order in which they came.
 class CurveKeeper {
@@ -58,9 +60,82 @@ std::optional<std::size_t> find_requirement(const hil::Scenario& scenario, const
   return std::nullopt;
 }
 
+namespace {
+
+// A quantity over time: a requirement's, by its id, or a column of the outputs, by its name.
+struct Watched {
+  std::string name, unit;
+  bool is_requirement = true;
+};
+
+bool has_curve(const hil::Scenario& scenario, const std::string& id) {
+  const auto at = find_requirement(scenario, id);
+  return at && !scenario.requirements[*at].is_of_events();
+}
+
+std::vector<Watched> list_columns(const hil::Scenario& scenario, hil::Output::Kind kind) {
+  std::vector<Watched> list;
+  for (const hil::Output& output : hil::list_outputs(scenario))
+    for (const hil::Output::Column& column : output.columns)
+      if (output.kind == kind && list.size() < kMostColumns) list.push_back({column.name, column.unit, false});
+  return list;
+}
+
+std::vector<Watched> list_watched(const hil::DesignProblem& problem) {
+  const hil::Scenario& scenario = problem.tree->get_nominal();
+  std::vector<Watched> list;
+  for (const hil::DesignConstraint& constraint : problem.constraints) list.push_back({constraint.id, constraint.unit});
+  if (std::ranges::any_of(list, [&](const Watched& one) { return has_curve(scenario, one.name); })) return list;
+  std::vector<Watched> others;
+  for (const hil::Requirement& requirement : scenario.requirements)
+    if (!requirement.is_of_events()) others.push_back({requirement.id, requirement.unit});
+  if (others.empty()) others = list_columns(scenario, hil::Output::Kind::kClearance);
+  if (others.empty()) others = list_columns(scenario, hil::Output::Kind::kVelocity);
+  list.insert(list.end(), others.begin(), others.end());
+  return list;
+}
+
+// Reads watched quantities at the present state of a run; NaN for those that this scenario does not have.
+class WatchedReader {
+ public:
+  WatchedReader(const std::vector<Watched>& watched, const hil::Scenario& scenario, const hil::Simulation& simulation)
+      : reader_(scenario, simulation), scratch_(reader_.count_values()) {
+    for (const Watched& one : watched) {
+      places_.emplace_back();
+      if (one.is_requirement) places_.back().requirement = find_requirement(scenario, one.name);
+      for (std::size_t i = 0; i < reader_.list().size() && !one.is_requirement; ++i)
+        for (std::size_t k = 0; k < reader_.list()[i].columns.size(); ++k)
+          if (reader_.list()[i].columns[k].name == one.name) {
+            places_.back().value = reader_.list()[i].first + k;
+            outputs_.push_back(i);
+          }
+    }
+  }
+
+  void update() {
+    if (!outputs_.empty()) reader_.read(outputs_, scratch_);
+  }
+  [[nodiscard]] double get(std::size_t i, const hil::RunAnalysis& analysis) const {
+    if (places_[i].requirement) return analysis.get_requirement_now(*places_[i].requirement);
+    return places_[i].value ? scratch_[*places_[i].value] : std::nan("");
+  }
+
+ private:
+  struct Place {
+    std::optional<std::size_t> requirement, value;
+  };
+  hil::OutputReader reader_;
+  std::vector<double> scratch_;  // values of all outputs
+  std::vector<Place> places_;
+  std::vector<std::size_t> outputs_;
+};
+
+}  // namespace
+
 std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil::DesignPoint& point,
                                     const std::atomic<bool>& stop) {
-  std::vector<DesignCurve> curves(problem.constraints.size());
+  const std::vector<Watched> watched = list_watched(problem);
+  std::vector<DesignCurve> curves(watched.size());
   std::unique_ptr<hil::Simulation> simulation;
   hil::Scenario scenario;
   try {
@@ -69,22 +144,23 @@ std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil
   } catch (const hil::ScenarioError&) {
     return curves;
   }
-  std::vector<std::optional<std::size_t>> requirements;
-  for (const hil::DesignConstraint& constraint : problem.constraints)
-    requirements.push_back(find_requirement(scenario, constraint.id));
   std::vector<CurveKeeper> keepers(curves.size());
   hil::RunAnalysis analysis(scenario, *simulation);
+  WatchedReader reader(watched, scenario, *simulation);
   const std::int64_t last = hil::calc_nearest_tick(scenario.until, scenario.dt);
   std::int64_t tick = 0;
   hil::run_fast(*simulation, analysis, nullptr, last, stop, [&] {
+    reader.update();
     for (std::size_t i = 0; i < curves.size(); ++i)
-      if (requirements[i])
-        keepers[i].add(tick * kIntervals / (last + 1), static_cast<double>(tick) * scenario.dt,
-                       analysis.get_requirement_now(*requirements[i]));
+      keepers[i].add(tick * kIntervals / (last + 1), static_cast<double>(tick) * scenario.dt, reader.get(i, analysis));
     ++tick;
   });
   if (stop) return curves;
-  for (std::size_t i = 0; i < curves.size(); ++i) curves[i] = keepers[i].take();
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    curves[i] = keepers[i].take();
+    curves[i].name = watched[i].name;
+    curves[i].unit = watched[i].unit;
+  }
   return curves;
 }
 

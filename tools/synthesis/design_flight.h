@@ -1,4 +1,4 @@
-// Flights of two designs, for those who look at them: what each constraint's quantity does over time.
+// Flights of two designs, for those who look at them: what quantities do over time.
 #pragma once
 
 #include <atomic>
@@ -11,15 +11,18 @@
 namespace unlatch::tools {
 
 struct DesignCurve {
+  std::string name, unit;
   std::vector<double> times;   // s
-  std::vector<double> values;  // in the constraint's unit; NaN outside the requirement's interval
+  std::vector<double> values;  // NaN outside a requirement's interval
 };
 
 // The requirement of this id in a scenario; none: the campaign's alone has it.
 std::optional<std::size_t> find_requirement(const hil::Scenario& scenario, const std::string& id);
 
-// The nominal scenario at this point, flown once: a curve for each constraint, empty for those of events and where the
-// design makes no valid scenario, and all of them if `stop` was set. Of long flights the least and the greatest value of each interval of time are kept.
+// The nominal scenario at this point, flown once: a curve for each constraint, empty for those of events, where the
+// design makes no valid scenario, and if `stop` was set. If all constraints are of events, or there are none, curves of
+// the scenario's requirements follow, or, if it has none over time, of clearances, else of the bodies' velocities. Of
+// long flights the least and the greatest value of each interval of time are kept.
 std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil::DesignPoint& point,
                                     const std::atomic<bool>& stop);
 

@@ -73,7 +73,10 @@ Json build_runs(const hil::DesignEvaluations& evaluations, std::size_t count) {
 Json build_flight(const std::vector<DesignCurve>& curves) {
   Json list = Json::array();
   for (const DesignCurve& curve : curves)
-    list.push_back({{"times", to_list(curve.times)}, {"values", to_list(curve.values)}});
+    list.push_back({{"name", curve.name},
+                    {"unit", curve.unit},
+                    {"times", to_list(curve.times)},
+                    {"values", to_list(curve.values)}});
   return list;
 }
 

@@ -18,7 +18,7 @@ struct DesignPage {
   const nlohmann::ordered_json& summary;   // result.json
   const nlohmann::ordered_json& manifest;  // manifest.json
   std::string patch;                       // the text of patch.yaml
-  std::vector<DesignCurve> before, after;  // flights of the start and of the result, for each constraint
+  std::vector<DesignCurve> before, after;  // flights of the start and of the result
 };
 
 std::string build_design_page(const DesignPage& page);
