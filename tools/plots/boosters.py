@@ -103,7 +103,8 @@ def add(figure, tools):
             axes.set(xlabel="t, s", xlim=(0, 8))
             axes.axvspan(1.27, 1.35, color="0.9", zorder=0)
         grid[0][0].legend()
-        grid[1][0].legend(loc="upper right")
+        grid[1][0].set_ylim(-5.5, 9)  # room for the legend above the curves
+        grid[1][0].legend(loc="upper right", ncols=2)
         loops = load_margins(tools).list_loops()
         for loop in loops:
             plot_bode(grid[2], loop, COLOURS[1] if loop.name.startswith("y") else COLOURS[0], "-" if "alone" in loop.name else "--")

@@ -43,7 +43,7 @@ def add(figure, tools):
     def amplitude(bench):
         import matplotlib.pyplot as plt
         falling = load(tools, "falling_amplitude")
-        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.5), constrained_layout=True)
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.9), constrained_layout=True)
         draw_amplitudes(bench, tools, left, falling, lambda x, y: falling.Case(C1k=60 * (1 - x), A1k=90 - 270 * y),
                         [0.02 + 0.04 * i for i in range(11)], [0.01 + 0.02 * i for i in range(10)])
         left.set(xlabel="axial inertia that the motor loses", ylabel="lateral inertia that the whole loses")
@@ -54,6 +54,9 @@ def add(figure, tools):
         right.set_title("Spin and inertia", loc="left")
         drawn.colorbar(image, ax=[left, right], label="amplitude: end by beginning", ticks=(-2, -1, 0, 1, 2)).set_ticklabels(
             ("1/4", "1/2", "1", "2", "4"))
+        lines = [plt.Line2D([], [], color="0.1", linestyle=style, label=label)
+                 for style, label in (("-", "the condition changes"), (":", "the paper's condition changes"))]
+        right.legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, -0.17))  # below the plot
         return drawn
 
     @figure("capsule-landing")
@@ -74,16 +77,16 @@ def add(figure, tools):
             turns = [2 * math.pi * i / 100 for i in range(101)]
             left.plot(*zip(*((axes[0] * math.cos(t) * vectors[:, 0] + axes[1] * math.sin(t) * vectors[:, 1]) / 1e3 for t in turns)),
                       color=colour, linewidth=0.9)
-        left.set(xlabel="along the track, km", ylabel="across, km")
+        left.set(xlabel="along the track, km", ylabel="across, km", ylim=(-100, 125))  # room for the legend above the ellipses
         left.set_title("Places of landing by the motor's spin, 3σ", loc="left")
-        left.legend()
+        left.legend(loc="upper center", ncols=3, columnspacing=1, handletextpad=0.2, markerscale=2)
         for i, label in enumerate(("along", "across")):
             right.loglog(spins, [size[i] for size in sizes], "o-", color=("#1d3557", "#c1121f")[i], label=f"{label} (3σ)")
         right.set_xticks(spins, [str(spin) for spin in spins])
         right.set_yticks((10, 20, 50, 100, 200, 500), ("10", "20", "50", "100", "200", "500"))
         right.minorticks_off()
         right.set(xlabel="spin of the motor, rad/s", ylabel="semi-axis of the ellipse, km")
-        right.legend()
+        right.legend(loc="upper right")
         return drawn
 
     @figure("capsule-portraits")

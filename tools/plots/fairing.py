@@ -72,11 +72,11 @@ def add(figure, tools):
         dispersed = bench.sweep("fairing/campaign.yaml", *options, "--samples", f"0:{FLOWN}")
         dead = bench.sweep("fairing/scenario.yaml", *options, "--set", "elements.push1_left.enabled=false")
         stations = nominal["stations"]
-        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.8), sharey=True, constrained_layout=True)
+        drawn, (left, right) = plt.subplots(1, 2, figsize=(7.5, 4.4), sharey=True, constrained_layout=True)
         lost = [[math.nan if a is None or b is None else 1e3 * (a - b) for a, b in zip(*rows)] for rows in zip(nominal["stiff"], dispersed["radius"])]
         image = left.pcolormesh([90 - math.degrees(a) for a in nominal["azimuths"]], stations, lost, cmap="viridis_r", vmin=0)
-        drawn.colorbar(image, ax=left, label="room lost to a stiff half's, mm")
-        left.set(xlabel="azimuth from the middle of half 1, deg", ylabel="station from the base, m", xlim=(-100, 100))
+        drawn.colorbar(image, ax=left, label="room lost to a stiff half's, mm", location="bottom")
+        left.set(xlabel="azimuth from the middle of half 1, deg", ylabel="station from the base, m", xlim=(-100, 100), xticks=(-90, -45, 0, 45, 90))
         left.set_title(f"Half 1, {FLOWN} dispersed flights", loc="left")
         left.grid(False)
         for label, grid, colour in (("stiff", nominal["stiff"], "0.55"), ("elastic", nominal["radius"], "#457b9d"),
@@ -84,8 +84,8 @@ def add(figure, tools):
             least = [min((value for value in row if value is not None), default=math.nan) for row in grid]
             right.step([*least, least[-1]], stations, where="post", color=colour, label=label)
         right.plot([1.6, 1.6, 0], [0.3, 8, 8], color="0.2", linestyle="--", label="payload")
-        right.set(xlabel="smallest radius, m", xlim=(1.1, 2.05), ylim=(0, 10))
-        right.legend(loc="lower left")
+        right.set(xlabel="smallest radius, m", xlim=(0.8, 2.05), ylim=(0, 10))
+        right.legend(loc="lower left")  # left of the payload's line
         return drawn
 
     @figure("fairing-unzip")
