@@ -1,0 +1,84 @@
+// Tangent strips of a thin wall, and lower bounds of their distances to a convex core over arcs of azimuths.
+//
+// The strip at an azimuth is the wall's generator there, widened across it in the tangent plane; of a half wall not
+// beyond the plane of its edges. wall.cc has the use of both.
+#pragma once
+
+#include "kernel/geometry/core.h"
+#include "unlatch/geometry.h"
+
+namespace unlatch::geometry {
+
+struct Strip {
+  Distance d;
+  double azimuth = 0;  // rad
+  double rate = 0;     // m/rad, of the distance by the azimuth
+};
+
+// A direction that turns with the azimuth θ: the slab between a strip and B across it is a lower bound of their
+// distance, also of an overlap.
+//
+// The reach H(θ) of B against it has H + H'' ≥ −residue, so that H + residue is below the sinusoid through the ends of
+// an arc. For a point at the height z over the solid's centre, H + H'' = −u.z z. B is taken as one part, the residue
+// the greatest of its points, or a frustum as its two rims: a rim of radius r has r (g + g'') more (`calc_roundness`).
+struct TurningDirection {
+  double e, t, z;     // unit length, from the strip to B: radial, along the rims, along the axis
+  double of_wall;     // m, the strip's extent along e and z
+  double residue[2];  // m, of each part
+};
+struct Reach {
+  double of[2];  // m, of each part, with its residue
+};
+
+// The strips of the wall of `solid`, a frustum or half of one, beside B. Keeps both by reference.
+class Strips {
+ public:
+  Strips(const Core& solid, const Core& b);
+
+  [[nodiscard]] double get_size() const { return size_; }  // m, of the pair
+  [[nodiscard]] bool is_half() const { return is_half_; }
+  // The azimuth, or of a half wall the edge next to it.
+  [[nodiscard]] double clamp(double azimuth) const;
+  [[nodiscard]] double calc_azimuth(const Vec3& point) const;
+  [[nodiscard]] Strip calc_strip(double azimuth) const;
+
+  // The direction of a strip's own normal: there the bound is the distance. Of a whole wall without t, in which its
+  // strips have no end.
+  [[nodiscard]] TurningDirection calc_direction(const Strip& strip) const;
+  [[nodiscard]] Reach calc_reach(const TurningDirection& u, double azimuth) const;
+
+  // Lower bound of the distance of the strip at an azimuth, m.
+  [[nodiscard]] double calc_bound(const TurningDirection& u, double azimuth, const Reach& at) const;
+  // The same of all strips of an arc, by the reaches at both ends: between them each part's is below the sinusoid
+  // through both.
+  [[nodiscard]] double calc_bound(const TurningDirection& u, double from, double to, const Reach& at_from,
+                                  const Reach& at_to) const;
+
+ private:
+  // Axes of the strip at an azimuth: radial, and along the wall's rims.
+  struct Axes {
+    Vec3 e, t;
+    double cosine, sine;
+  };
+  // Extent of a strip across its generator, m.
+  struct Extent {
+    double low, high;
+  };
+
+  [[nodiscard]] Axes calc_axes(double azimuth) const;
+  // Narrower the nearer the generator is to an edge: neither end passes the plane of the edges.
+  [[nodiscard]] Extent calc_extent(const Axes& at) const;
+  [[nodiscard]] double calc_extent_of_b(const Vec3& d) const;
+  // A lower bound of g + g'' over all azimuths, 0 at least: g = √(1 − x²) is the reach of a rim of radius 1, x = q + p
+  // cos(θ − θ0) the cosine between the direction and B's axis. g + g'' = (1 + q² − p² − 3 q x + q x³) / g³, and 3 x −
+  // x³ grows.
+  [[nodiscard]] double calc_roundness(const TurningDirection& u) const;
+  [[nodiscard]] double calc_bound_by_parts(const TurningDirection& u, double from, double to, double most_0,
+                                           double most_1) const;
+
+  const Core &solid_, &b_;
+  double size_;
+  bool is_half_, has_rims_;
+};
+
+}  // namespace unlatch::geometry
