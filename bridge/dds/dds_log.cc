@@ -26,7 +26,7 @@ void write_if_possible(const std::string& text) {
 
 void take_line(const dds_log_data_t& line) {
   const std::string_view text(line.message, line.size);
-  // Of packets one line each, and of samples.
+  // A packet or a sample that cannot be read has one line.
   if (text.find("malformed packet") != std::string_view::npos ||
       text.find(": deserialization unlatch") != std::string_view::npos) {
     g_unreadable.fetch_add(1, std::memory_order_relaxed);
@@ -38,7 +38,7 @@ void take_line(const dds_log_data_t& line) {
 
 void take_log(void*, const dds_log_data_t* line) { take_line(*line); }
 
-// Of what is in the log as well, the log's line is enough.
+// A line that is in the log as well is taken from there.
 void take_trace(void*, const dds_log_data_t* line) {
   if ((line->priority & DDS_LOG_MASK) == 0) take_line(*line);
 }

@@ -36,8 +36,8 @@ struct TopicTraits {
 constexpr dds_duration_t kRecent = DDS_SECS(2);
 constexpr dds_duration_t kForever = DDS_INFINITY;
 
-// In the order in which waiting messages are delivered: what was sent before is delivered before. The writer of states
-// keeps less than the half megabyte of unacknowledged data from which on Cyclone would block it.
+// Topics in the order in which waiting messages are delivered: what was sent before is delivered before. The writer of
+// states keeps less than the half megabyte of unacknowledged data from which on Cyclone would block it.
 constexpr std::array<TopicTraits, kMessageKinds> kTopics{{
     {MessageKind::kHello, &unlatch_Hello_desc, 16, 64, 1, kForever},
     {MessageKind::kCatalog, &unlatch_Catalog_desc, 1, 1, 1, kForever},

@@ -33,7 +33,7 @@ static uint32_t calc_crc32(const uint8_t* bytes, size_t count, uint32_t crc) {
   return ~crc;
 }
 
-/* Of a datagram with its checksum taken as zero. */
+/* Checksum of a datagram, computed as if its field for the checksum were zero. */
 static uint32_t calc_checksum(const uint8_t* datagram, size_t length) {
   static const uint8_t kZero[4] = {0, 0, 0, 0};
   const uint32_t crc = calc_crc32(kZero, sizeof kZero, calc_crc32(datagram, kChecksumAt, 0));

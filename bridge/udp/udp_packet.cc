@@ -33,7 +33,7 @@ std::uint32_t get(std::span<const std::uint8_t> from, std::size_t at, std::size_
   return value;
 }
 
-// Of the datagram with a checksum of zero.
+// Checksum of the datagram, computed as if its field for the checksum were zero.
 std::uint32_t calc_checksum(std::span<const std::uint8_t> datagram) noexcept {
   constexpr std::array<std::uint8_t, kUdpHeaderBytes - kChecksumAt> kZero{};
   const std::uint32_t before = calc_crc32(datagram.first(kChecksumAt));

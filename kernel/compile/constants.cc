@@ -42,7 +42,7 @@ void fill_joint(const Model& model, int joint, const Group& group, int lane, Pla
       {to_mat(frame.base), to_vec(frame.follower.col(1))});
 }
 
-// Of a group's joints and of the solver. An empty lane has a body that nothing holds.
+// Constants of a group's joints and of the solver. An empty lane has a body that nothing holds.
 void fill_group(const Model& model, const Group& group, PlanData& plan) {
   for (int lane = 0; lane < group.width; ++lane) {
     const int node = plan.lane_nodes[at(group.first + lane)];

@@ -9,12 +9,13 @@
 namespace unlatch {
 namespace {
 
-// Of the way that bodies go in a step at their present speeds: pairs farther apart than that cannot touch within it.
+// Multiple of the way that bodies go in a step at their present speeds: pairs farther apart than that cannot touch
+// within it.
 constexpr double kMargin = 2;
 
 geometry::Placement get_placement(const BodyFrame& body) { return {body.p, body.R}; }
 
-// Of the material at a point of W.
+// Velocity of a body's material at a point of W, world axes, m/s.
 Vec3 calc_velocity(const BodyFrame& body, const Vec3& point) { return body.v + cross(body.w, point - body.p); }
 
 geometry::Distance calc_pair_distance(const PlanData& plan, const ContactPair& pair, const BodyFrame& base,
@@ -27,12 +28,12 @@ geometry::Distance calc_pair_distance(const PlanData& plan, const ContactPair& p
 
 Vec3 calc_middle(const geometry::Distance& distance) { return 0.5 * (distance.on_a + distance.on_b); }
 
-// Of the follower's material at a point of W, seen from the base's there.
+// Velocity of the follower's material at a point of W, seen from the base's there, world axes, m/s.
 Vec3 calc_velocity(const BodyFrame& base, const BodyFrame& follower, const Vec3& point) {
   return calc_velocity(follower, point) - calc_velocity(base, point);
 }
 
-// Of the distance: the witnesses lie along the normal, about which they may turn.
+// Rate of the distance, m/s: the witnesses lie along the normal, about which they may turn.
 double calc_rate(const geometry::Distance& distance, const Vec3& velocity) { return dot(distance.normal, velocity); }
 
 bool has_closed_pair(const State& state, const PlanContact& contact) {

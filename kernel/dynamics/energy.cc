@@ -23,12 +23,12 @@ struct Sum {
   EnergyFlow flow{};
   Vec3 frame;
 
-  // Of a force on a point that moves with v, and of a torque on what turns with w.
+  // Adds the power of a force, N, on a point that moves with v, m/s; both in world axes.
   void push(PowerSource source, const Vec3& force, const Vec3& v) {
     flow.power[at(static_cast<int>(source))] += dot(force, v - frame);
     flow.force[at(static_cast<int>(source))] += force;
   }
-  // Of internal forces, the same for every observer.
+  // Adds a power of internal forces, W: the same for every observer.
   void add(PowerSource source, double power) { flow.power[at(static_cast<int>(source))] += power; }
 
   void add_body(double mass, const Vec3& v, double spin_energy) {

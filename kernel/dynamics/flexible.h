@@ -29,7 +29,7 @@ struct ModalShape {
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept;
 inline int get_shape_size(int m) { return 3 * m + 9 * m + 9 * m * m + 2 * m; }
 
-// Of one flexible body at one stage.
+// Memory for the evaluation of one flexible body with m modes at one stage; six-vectors in world axes.
 struct ModalWork {
   // computed by add_flexible_forces(), then by the solver
   double* force;         // m, on the modal coordinates
@@ -46,7 +46,8 @@ struct ModalWork {
 ModalWork get_work(const PlanData& plan, const PlanFlexible& body, Evaluation& ev) noexcept;
 inline int get_work_size(int m) { return 3 * m + 36 + 24 * m + m * m + 42; }
 
-// Of one marker at one stage, world axes. Computed by update_markers() and update_marker_biases().
+// Motion of one marker relative to its body at one stage, world axes. Computed by update_markers() and
+// update_marker_biases().
 struct MarkerWork {
   double* columns;  // 6 m: velocity and angular velocity of the marker per modal rate
   double* arm;      // 3: from the body's origin

@@ -9,7 +9,7 @@
 namespace unlatch {
 namespace {
 
-// Of a joint's coordinate, without direction and arms.
+// Coordinate, depth and depth rate of a one-sided force in a joint; direction and arms stay 0.
 OneSidedMotion calc_joint_depth(const Evaluation& ev, const PlanOneSided& own) {
   OneSidedMotion m{};
   m.x = ev.coordinates[at(own.coordinate)];

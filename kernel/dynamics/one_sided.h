@@ -32,8 +32,8 @@ double calc_force(const PlanData& plan, const State& state, double t, const Plan
 // Depth times a stiffness, or the force, whichever is less, N or N m: engaged from where it comes to 0 until it falls
 // below.
 double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept;
-// Of the two that calc_reach compares, the depth is the less: not engaged, it is beyond its limit or, but for rounding,
-// at it. Otherwise it is within reach, and its force is 0.
+// The depth is the less of the two numbers that calc_reach() compares: a force that is not engaged is then beyond its
+// limit or, but for rounding, at it. Otherwise it is within its limit, and its force is 0.
 bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept;
 
 // The bearings of cords' ends on their drums: counts them on from those in the state, which they replace.

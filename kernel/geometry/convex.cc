@@ -7,8 +7,9 @@ namespace {
 
 constexpr double kCertified = 1e-10;  // of the pair's size: a gap that needs no third method
 
-// Of cores so near one another that the direction between their nearest points says little (millionths of their size
-// apart): B moved away along the normal, as for a depth; there the same direction is well determined.
+// Improves the normal of cores so near one another that the direction between their nearest points says little
+// (millionths of their size apart): B is moved away along the normal, as for a depth; there the same direction is well
+// determined.
 void sharpen(const Core& a, const Core& b, Closest& closest) {
   const Depth width = calc_depth_near(a, b, closest.n, calc_pair_size(a, b));
   const Vec3 between = width.b - width.a;

@@ -230,7 +230,7 @@ struct Area {
     x += twice * (p.x + q.x) / 6;
     y += twice * (p.y + q.y) / 6;
   }
-  // Of the disc about the origin between the directions p and q, less than half a turn.
+  // Adds the sector of a disc about the origin between the directions p and q, less than half a turn.
   void add_sector(Point2 p, Point2 q, double radius) {
     const double angle = elementary::atan2(cross2(p, q), dot2(p, q));
     const double lp = std::sqrt(dot2(p, p)), lq = std::sqrt(dot2(q, q)), cube = radius * radius * radius / 3;

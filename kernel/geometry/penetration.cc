@@ -154,8 +154,9 @@ Vec3 calc_shrunk_normal(const Core& a, const Core& b) {
   return length > 0 ? (1.0 / length) * way : Vec3{0, 0, 1};
 }
 
-// Of equal depths the one whose witnesses lie opposite each other: equal but for the rounding of the normal, on which
-// they depend in first order, where only the new ones do.
+// A depth is better than the best one so far if it is less or, of equal depths, if its witnesses lie more nearly
+// opposite each other; `gap`: how far across the normal they are apart, m. Where only the new witnesses lie opposite,
+// depths count as equal up to the rounding of the normal: the other depth depends on the normal in first order.
 bool is_better(double depth, double gap, const Depth& best, double size) {
   constexpr double kOpposite = 1e-9, kRounded = 1e-11, kSame = 1e-14;
   const bool only_new = gap <= kOpposite * size && best.gap > kOpposite * size;

@@ -55,9 +55,9 @@ UNLATCH_INLINE JointFrameT<T> calc_joint_frame(const BodyFrameT<T>& base, const 
   return f;
 }
 
-// In its modes with rot_z as the only rotation row a universal joint's rotation frame follows the cross: x of the base,
-// y of the follower, and their common normal, which the row is about. `y`: y of the rotation frame as the follower
-// carries it, world axes.
+// The rotation frame of a universal joint follows its cross in the modes with rot_z as the only rotation row: x of the
+// base, y of the follower, and their common normal, which the row is about. `y`: y of the rotation frame as the
+// follower carries it, world axes.
 template <class T>
 UNLATCH_INLINE void cross_axes(const Vec3T<T>& y, JointFrameT<T>& f) {
   using std::sqrt;
@@ -92,7 +92,8 @@ UNLATCH_INLINE SpatialT<T> calc_velocity_target(const JointFrameT<T>& f) {
   return {-f.v_rel, -f.w_rel};
 }
 
-// Of the point–plane rows; `offset`: the displacements at which they hold.
+// Displacement of the follower that closes the point–plane rows, world axes, m; `offset`: the displacements along the
+// rows' axes at which they hold.
 template <class T>
 UNLATCH_INLINE Vec3T<T> calc_position_target(const JointFrameT<T>& f, const Vec3T<T>& offset) {
   return -(f.n * (f.displacement - offset));

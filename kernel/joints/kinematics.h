@@ -6,7 +6,7 @@
 
 namespace unlatch {
 
-// Of a body or of the ground; needs update_kinematics().
+// Frame of a body or of the ground, world axes; needs update_kinematics().
 BodyFrame get_body_frame(const Evaluation& ev, int body) noexcept;
 
 // The same from states alone, whose angular velocities are in body axes.
@@ -45,7 +45,7 @@ class JointView {
         place_(joint_.non_tree == kNone ? ev.places[at(joint_.child)] : Place{}),
         frame_(joint_.non_tree == kNone ? nullptr : &ev.non_tree_frames[at(joint_.non_tree)]) {}
 
-  // Of a row, world axes.
+  // Axis of a row, world axes.
   UNLATCH_INLINE Vec3 get_axis(int row) const {
     if (frame_ != nullptr) return row < kRotX ? column(frame_->n, row) : column(frame_->m, row - kRotX);
     if (row < kRotX) return get_lane<SolverLane>(blocks_, place_).read_column(&SolverLane::axes, row);

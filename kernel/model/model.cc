@@ -31,7 +31,7 @@ int sensor_width(Sensor::Kind kind) {
   return 0;
 }
 
-// Of a reaction and a speed: depends on the row, so both units are named.
+// A reaction and a speed are along or about a row: both units are named.
 const char* sensor_unit(Sensor::Kind kind) {
   switch (kind) {
     case Sensor::Kind::kPosition:

@@ -53,7 +53,7 @@ inline double calc_elastic_force(const OneSidedLaw& law, double depth) {
   return 0;
 }
 
-// Of |dF/du| over the stroke.
+// Largest |dF/du| over the stroke, N/m or N m/rad.
 inline double calc_largest_stiffness(const OneSidedLaw& law) {
   if (law.kind == OneSided::Law::kLinear) return law.stiffness;
   if (law.kind == OneSided::Law::kGas) return law.exponent * law.preload / law.gas_length;

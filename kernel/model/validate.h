@@ -14,7 +14,7 @@ namespace unlatch {
 using ModelErrors = std::vector<ModelError>;
 
 void validate_joints(const Model& model, ModelErrors& errors);
-// Of pushers, stops, cords, friction in joints, and impulses.
+// Pushers, stops, cords, friction in joints, and impulses.
 void validate_one_sided(const Model& model, ModelErrors& errors);
 void validate_events(const Model& model, ModelErrors& errors);
 void validate_contacts(const Model& model, ModelErrors& errors);

@@ -83,7 +83,7 @@ void check_law(Check& check, const OneSided& f) {
                  "a stroke that ends where the force does, or before", "stroke");
 }
 
-// Of its drum alone; true if its end can be placed on it.
+// Checks of a cord's drum alone; true if the cord's end can be placed on it.
 bool check_drum(Check& check, const OneSided& f) {
   const Drum& drum = *f.drum;
   const std::size_t before = check.errors.size();

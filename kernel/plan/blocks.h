@@ -100,7 +100,7 @@ struct JointConstants {
   Vec3T<N> point_base, point_follower;  // in each body's axes, from its origin
   Mat3T<N> axes;                        // of the point–plane rows, base axes
 };
-// Of joints whose rotation rows have axes of their own.
+// Axes of the rotation rows of a joint, where they are not those of its point–plane rows.
 template <class N>
 struct RotationConstants {
   Mat3T<N> axes;        // base axes
@@ -109,7 +109,7 @@ struct RotationConstants {
 
 // --- The solver ------------------------------------------------------------------------------------------------------
 
-// Of bodies with something outboard: the block LDLᵀ sums there what the children pass on.
+// Inertia and load of a body that has others outboard of it: the block LDLᵀ adds to them what the children pass on.
 template <class N>
 struct SubtreeBlock {
   ArticulatedT<N> A;  // inertia of the body and all outboard of it

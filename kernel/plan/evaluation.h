@@ -145,7 +145,7 @@ struct FinalEvaluation {
   }
 };
 
-// Of a list per guard, the part of pairs of shapes: it lies behind that of events.
+// The part for pairs of shapes of a list with one number per guard: it lies behind the part for events.
 template <class Number>
 std::span<Number> get_pair_guards(const PlanData& plan, std::span<Number> guards) {
   return guards.subspan(plan.events.size());

@@ -13,7 +13,7 @@ UNLATCH_INLINE T clear_low_bits(const T& x, int count) {
   return x & T(__builtin_bit_cast(double, ~std::uint64_t{0} >> count << count));
 }
 
-// Of 0 ≤ x < 2^51.
+// Whole part of x, 0 ≤ x < 2^51.
 template <class T>
 UNLATCH_INLINE T truncate(const T& x) {
   const T nearest = (x + T(0x1p52)) - T(0x1p52);

@@ -22,7 +22,7 @@ struct LowerTriangle {
 // A pivot this small beside its diagonal entry is rounding.
 inline constexpr double kSingularPivot = 1e-13;
 
-// In place. Row by row: first L D of the row, then L and the pivot. False if a pivot vanishes.
+// Factors an n × n matrix in place, row by row: first L D of the row, then L and the pivot. False if a pivot vanishes.
 inline bool factor_ldl(const LowerTriangle& A, int n) {
   for (int r = 0; r < n; ++r) {
     for (int c = 0; c < r; ++c)

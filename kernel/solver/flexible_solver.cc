@@ -77,7 +77,7 @@ void add_block(double* blocks, const Place& place, const double* A) {
   add(blocks, place, &SubtreeLane::A, collect<Articulated>(numbers, 1));
 }
 
-// Of a symmetric matrix, the one that its reader takes: add_block() the upper, factor_ldl() the lower.
+// The triangle of a symmetric matrix that its reader takes: add_block() the upper, factor_ldl() the lower.
 enum class Triangle { kUpper, kLower };
 
 struct Node {
@@ -87,7 +87,7 @@ struct Node {
   Place place;
 };
 
-// Of the marker that holds the body.
+// Place of the marker that holds the body.
 const Place& get_inboard_place(const PlanData& plan, const Evaluation& ev, const PlanFlexible& body) {
   return ev.places[at(plan.markers[at(body.inboard)].body)];
 }

@@ -55,7 +55,7 @@ UNLATCH_INLINE void add_four_siblings(const GroupView<Pack<4>, 4>& v, const Pass
   begin(23, Four{force.z.v, torque.x.v, torque.y.v, torque.z.v});
 }
 
-// Of a group with one parent (ParentLink::kSiblings): it takes this path. The plan lets it begin its parent's block
+// A group with one parent (ParentLink::kSiblings) takes this path. The plan lets it begin its parent's block
 // where it is four wide, has all of the siblings, and is the first to add to a parent that is alone in its group
 // (find_beginnings() in kernel/compile/layout.cc).
 template <int kWidest>

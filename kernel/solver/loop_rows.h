@@ -32,8 +32,8 @@ void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) 
 
 // Takes every row for independent so far, and keeps its diagonal entry of Λ.
 void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept;
-// Of the rows from `first` on, the one whose pivot is largest beside its own diagonal entry, ties to the earlier; kNone
-// if all of them follow from the rows before.
+// The row, from `first` on, whose pivot is largest beside its own diagonal entry, ties to the earlier; kNone if all of
+// them follow from the rows before.
 int find_pivot(const PlanData& plan, const Evaluation& ev, int first) noexcept;
 // Eliminates row `r` as number `rank`.
 void take_pivot(const PlanData& plan, Evaluation& ev, int rank, int r) noexcept;

@@ -70,13 +70,13 @@ UNLATCH_INLINE void begin_block(const PlanData& plan, Evaluation& ev, std::int32
 
 // --- Siblings: their partial sums in a fixed tree --------------------------------------------------------------------
 
-// Of one number of the block.
+// Sum of one number of the block over the siblings' lanes; `width`: 4 or 8.
 UNLATCH_INLINE double sum_lanes(const double* s, int width) {
   const double four = (s[0] + s[1]) + (s[2] + s[3]);
   return width == 4 ? four : four + ((s[4] + s[5]) + (s[6] + s[7]));
 }
 
-// Of four: (s0 + s1) + (s2 + s3) of each.
+// Sums of four numbers of the block, each over four lanes: (s0 + s1) + (s2 + s3).
 UNLATCH_INLINE Pack<4> sum_lanes(const Pack<4>& r0, const Pack<4>& r1, const Pack<4>& r2, const Pack<4>& r3) {
   const auto add_pairs = [](const Pack<4>& a, const Pack<4>& b) {
     return Pack<4>(__builtin_shufflevector(a.v, b.v, 0, 4, 2, 6)) +

@@ -34,7 +34,8 @@ class Split {
   }
 
  private:
-  // Of a row by its place among all; by its place among the pivots.
+  // The numbers of a row, one per column: get_numbers() takes its place among all rows, row() its place among the
+  // pivots.
   double* get_numbers(int r) const { return ev_.split.relation.data() + static_cast<std::ptrdiff_t>(r) * columns_; }
   double* row(int r) const { return get_numbers(ev_.loop_rows[at(r)].pivot); }
   double* redundant_row(int d) const { return row(independent_ + d); }

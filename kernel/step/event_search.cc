@@ -10,9 +10,9 @@
 namespace unlatch {
 namespace {
 
-// Of the guard's change over the sub-step: events that would cross within this part of it are taken as simultaneous.
+// Part of a guard's change over the sub-step: events that would cross within it are taken as simultaneous.
 constexpr double kSimultaneous = 1e-6;
-// Of the sub-step: an event is located when the next try would be nearer than this to the last one.
+// Part of the sub-step: an event is located when the next try would be nearer than this to the last one.
 constexpr double kLocated = 1e-6;
 constexpr int kMostTries = 24;
 constexpr int kMostLooks = 8;  // tries of a sub-step that look for touches within it

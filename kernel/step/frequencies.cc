@@ -48,7 +48,7 @@ Effort calc_effort(const Evaluation& ev, const PlanPointSpring& s) {
   return calc_push(base, follower, s.base, s.follower, base.R * s.point_base, follower.R * s.point_follower);
 }
 
-// Of a spring or friction in a joint.
+// Unit effort of a spring or of friction in a joint, along or about its axis; world axes, at the bodies' origins.
 template <class InJoint>
 Effort calc_joint_effort(const PlanData& plan, const State& state, const Evaluation& ev, const InJoint& s) {
   const PlanJoint& joint = plan.joints[at(s.joint)];

@@ -13,7 +13,8 @@ void write(double* out, const Vec3& a) {
   out[2] = a.z;
 }
 
-// Of a point fixed in the body, body axes; `g` is taken away first: zero, or free fall for an accelerometer.
+// Acceleration of a point fixed in the body, body axes, m/s²; `point`: body axes, from its origin, m. `g`, world axes,
+// is taken away first: zero, or free fall for an accelerometer.
 Vec3 calc_acceleration(const Evaluation& ev, int body, const Vec3& point, const Vec3& g) {
   const BodyKinematics k = read_kinematics(ev, body);
   const Spatial a = ev.get_acceleration(body);

@@ -15,7 +15,7 @@ namespace unlatch::tools {
 
 using Json = nlohmann::ordered_json;
 
-// Of the campaign, for a folder's manifest: texts, versions, columns, requirements. `set`: overrides of the command
+// Manifest of the campaign for its folder: texts, versions, columns, requirements. `set`: overrides of the command
 // line, which a sample that runs again needs too.
 Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& evaluator,
                     const std::vector<std::string>& set);
@@ -30,7 +30,7 @@ struct CampaignData {
   std::shared_ptr<const hil::ResultTable> table;
   std::size_t rows = 0;  // of the table
 
-  // Of subset sampling: what it looks for, and the margin of each row. Nothing: other sampling.
+  // The failure that subset sampling looks for, and the margin of each row. Nothing: other sampling.
   [[nodiscard]] std::optional<hil::RareFailure> get_failure() const;
   [[nodiscard]] std::vector<double> read_failure_margins(const hil::RareFailure& failure) const;
   // The rows whose inputs are distributed as the file says, for statistics: all, but of subset sampling those of the

@@ -18,7 +18,7 @@ std::string describe_number(const Json& value, const char* form) {
   return value.is_null() ? std::string("–") : format(form, value.get<double>());
 }
 
-// Of each side that has a limit.
+// Tolerance limits on each side on which the requirement has a limit.
 std::string describe_tolerance(const Json& requirement) {
   const Json& tolerance = requirement.at("tolerance");
   if (!tolerance.contains("lower")) return format("needs %lld", tolerance.at("samples_needed").get<long long>());

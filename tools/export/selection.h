@@ -43,7 +43,7 @@ class Selection {
   [[nodiscard]] bool is_due(std::size_t output) const { return is_due_[output]; }
   // Some ticks that go out have only some outputs.
   [[nodiscard]] bool has_gaps() const { return groups_.size() > 1; }
-  // Of all outputs; those that are not due have older values.
+  // Values of all outputs; those that are not due have older values.
   [[nodiscard]] std::span<const double> values() const { return values_; }
 
  private:

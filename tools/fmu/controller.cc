@@ -240,7 +240,7 @@ std::unique_ptr<fsw::ControlLaw> open_controller(const std::string& path) {
 
 }  // namespace unlatch::fmu
 
-// Of the module unlatch-controller.
+// Entry point of the module unlatch-controller.
 extern "C" unlatch::fsw::ControlLaw* unlatch_open_controller(const char* path) {
   return unlatch::fmu::open_controller(path).release();
 }

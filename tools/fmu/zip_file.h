@@ -18,7 +18,7 @@ class FmuError : public std::runtime_error {
 
 class ZipFile {
  public:
-  // Of the bytes of a file. Throws FmuError.
+  // `bytes`: the whole file. Throws FmuError.
   explicit ZipFile(std::string bytes);
 
   struct Member {

@@ -118,8 +118,8 @@ void ParticipantClient::answer_hello() {
   say(AckStatus::kReady);
 }
 
-// Of refusals only kNameTaken concerns a person: two computers were started with one name. We stay, in case the other
-// goes.
+// The only refusal that concerns a person is kNameTaken: two computers were started with one name. We stay, in case the
+// other goes.
 void ParticipantClient::hear_verdict(const hil::VerdictMessage& verdict) {
   if (verdict.participant != id_) return;
   if (verdict.reason == static_cast<int>(hil::Reject::kMissing)) return send_missing(verdict.refers_to, verdict.count);

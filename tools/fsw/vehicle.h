@@ -24,7 +24,7 @@ class Vehicle {
   [[nodiscard]] int find_channel(const std::string& name) const { return find(channels_, name); }
   [[nodiscard]] int find_sensor(const std::string& name) const { return find(sensor_names_, name); }
   [[nodiscard]] int find_body(const std::string& name) const { return find(body_names_, name); }
-  // Of a channel, in its unit.
+  // Limits of a channel, in its unit.
   struct Limits {
     double minimum = 0, maximum = 0;
     double initial = 0;  // before any command

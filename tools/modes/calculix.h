@@ -41,7 +41,7 @@ void run_calculix(const std::string& program, const std::string& folder, const s
 
 // Frequencies from the .dat, which has more digits, or from the .frd if `dat` is empty. Throws CalculixError.
 MeshModes read_calculix(const std::string& frd, const std::string& dat);
-// Of texts, for tests; names for messages.
+// Contents of the two files given as texts, for tests; `name`: for messages.
 MeshModes parse_frd(const std::string& text, const std::string& name);
 std::vector<double> parse_dat(const std::string& text, const std::string& name);  // Hz
 

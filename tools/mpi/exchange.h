@@ -15,10 +15,10 @@
 
 namespace unlatch::tools {
 
-// Of rank 0. Throws hil::ResultError.
+// The part of rank 0: it hands out samples and writes their records. Throws hil::ResultError.
 void lead_campaign(MPI_Comm communicator, const CampaignTask& task, hil::ResultFile& results,
                    const std::function<void()>& finished);
-// Of the others. Throws hil::ResultError.
+// The part of every other rank: it runs samples. Throws hil::ResultError.
 void follow_campaign(MPI_Comm communicator, const CampaignTask& task);
 
 }  // namespace unlatch::tools

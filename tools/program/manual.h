@@ -7,7 +7,7 @@
 
 namespace unlatch::tools {
 
-// Of the program itself, or, with `verb`, of one of its verbs: "unlatch-run(1)".
+// Manual page of the program itself or, with `verb`, of one of its verbs: "unlatch-run(1)".
 std::string build_manual(const Command& app, const Command* verb);
 
 }  // namespace unlatch::tools

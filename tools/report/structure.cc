@@ -150,7 +150,7 @@ Json build_contacts(const Model& model, const FrameLayout& layout) {
   return list;
 }
 
-// Of many pairs those that come nearest.
+// Pairs with a clearance; of many, those that come nearest.
 Json build_pairs(const hil::RunAnalysis& analysis, const FrameLayout& layout) {
   const std::vector<hil::Clearance>& clearances = analysis.clearances();
   std::vector<std::size_t> order(clearances.size());

@@ -14,7 +14,7 @@
 namespace unlatch::tools {
 namespace {
 
-// In the order of --help.
+// The verbs in the order of --help.
 void add_verbs(Command program, int& exit_code) {
   for (const auto add :
        {add_init, add_check, add_run, add_campaign, add_optimize, add_hil, add_replay, add_diff, add_report, add_export,

@@ -18,7 +18,7 @@ struct ContactTotals {
 };
 // Memory of the pairs of shapes of a contact.
 std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& state, int contact) noexcept;
-// Of the model's contact `contact`, up to the state's tick.
+// Totals of a contact (its number in the model) up to the state's tick.
 ContactTotals get_contact_totals(const Plan& plan, const State& state, int contact) noexcept;
 
 // A contact at one instant.
@@ -32,10 +32,10 @@ struct ContactReading {
   Vec3 point{0, 0, 0};   // where it acts, of several pairs the mean weighted by F_n, m
   double stiffness = 0;  // sum of dF_n/dδ of its pairs without damping, N/m
 };
-// Of the model's contact `contact` at the state's tick.
+// Reading of a contact (its number in the model) at the state's tick.
 ContactReading calc_contact(const Plan& plan, const State& state, int contact) noexcept;
 
-// Of two surfaces (their numbers in the model) at the state's poses; signed, with witnesses and normal.
+// Distance of two surfaces (their numbers in the model) at the state's poses, m: signed, with witnesses and normal.
 geometry::GroupDistance calc_shape_distance(const Plan& plan, const State& state, int a, int b) noexcept;
 
 }  // namespace unlatch

@@ -16,7 +16,7 @@ struct CordDrum {
   double bearing;  // of the cord's end about z from the anchor at the start, turns counted, rad
 };
 
-// Of a cord with a drum at the model's initial poses. Markers are placed.
+// The drum of a cord that has one, as it is at the model's initial poses. `model`: as place_markers() returns it.
 CordDrum place_drum(const Model& model, const OneSided& cord);
 
 // Path of a cord, world axes.

@@ -18,8 +18,8 @@ namespace unlatch {
 // only at rest. World axes, m/s.
 Vec3 calc_audit_frame(const Plan& plan, const State& state, const Workspace& workspace) noexcept;
 
-// Of the state that the latest step() or update_outputs() left in the workspace, seen by an observer with the constant
-// velocity `frame`, world axes, m/s.
+// Energies and powers of the state that the latest step() or update_outputs() left in the workspace, seen by an
+// observer with the constant velocity `frame`, world axes, m/s.
 EnergyFlow calc_energy_flow(const Plan& plan, const State& state, const Workspace& workspace,
                             const Vec3& frame) noexcept;
 // The same, seen by another observer: `change` is added to the velocity of the first.

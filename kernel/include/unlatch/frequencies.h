@@ -23,8 +23,8 @@ struct ElementFrequency {
   bool implicit;  // integrated implicitly
 };
 
-// Of every spring at `state`, whether it is switched on or not. Empty if the state has a singular pivot. O(n) per
-// element. The workspace loses its outputs.
+// Frequencies of every spring and one-sided force at `state`, whether it is switched on or not. Empty if the state has
+// a singular pivot. O(n) per element. The workspace loses its outputs.
 std::vector<ElementFrequency> calc_frequencies(const Plan& plan, const State& state, Workspace& workspace);
 
 // Mobility of an element, for what resists its motion by a law of its own.
@@ -33,9 +33,9 @@ struct ElementMobility {
   double value;  // 1/kg or 1/(kg m²): acceleration along the element that its unit effort brings about
 };
 
-// Of every one-sided force and friction in a joint at `state`, whether it is switched on or not; joints and other
-// bodies are taken into account. Empty if the state has a singular pivot. O(n) per element. The workspace loses its
-// outputs.
+// Mobilities of every one-sided force and friction in a joint at `state`, whether it is switched on or not; joints and
+// other bodies are taken into account. Empty if the state has a singular pivot. O(n) per element. The workspace loses
+// its outputs.
 std::vector<ElementMobility> calc_mobilities(const Plan& plan, const State& state, Workspace& workspace);
 
 }  // namespace unlatch

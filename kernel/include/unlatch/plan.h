@@ -55,7 +55,7 @@ class Plan {
 
   // The options that it was compiled with.
   const PlanOptions& get_options() const noexcept;
-  // Of the model and the options: two plans with one hash step alike.
+  // Hash of the model and the options: two plans with one hash step alike.
   std::uint64_t get_hash() const noexcept;
   std::size_t get_state_bytes() const noexcept;
   std::size_t get_workspace_bytes() const noexcept;

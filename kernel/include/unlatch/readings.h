@@ -18,7 +18,7 @@ struct SpringReading {
   double scale = 0;   // of its switch: 0 while it is off
 };
 
-// Of a point spring (its number in the model) at the state's tick.
+// Reading of a point spring (its number in the model) at the state's tick.
 SpringReading calc_point_spring(const Plan& plan, const State& state, int spring) noexcept;
 
 // Force of a spring between two points. World axes.
@@ -33,7 +33,8 @@ struct PointSpringForce {
   bool acts = false;        // false for a pusher at its free length, and for ends that coincide
 };
 
-// Of a spring between bodies with these poses and velocities (for the ground: at rest at W); `scale`: of its switch.
+// Force of a spring between bodies with these poses and velocities (for the ground: at rest at W); `scale`: of its
+// switch, 0 to 1.
 PointSpringForce calc_point_spring(const PointSpring& spring, const BodyState& base, const BodyState& follower,
                                    double scale) noexcept;
 

@@ -83,7 +83,7 @@ void print_redundant(const Model& model, const std::vector<RedundantRows>& redun
   for (const RedundantRows& rows : redundant) std::printf("  %s\n", describe(model, rows).c_str());
 }
 
-// Of a list in words the first three; the JSON has all.
+// The first three items of a list in words; the JSON has all.
 std::string shorten(const std::string& list) {
   std::size_t end = 0, more = 0;
   for (std::size_t comma = list.find(", "), k = 1; comma != std::string::npos;

@@ -298,7 +298,7 @@ class Phases {
     return true;
   }
 
-  // In words; what it says of the modes of `joint` the picture shows by itself.
+  // The condition in words, without its part about the modes of `joint`, which the picture shows by itself.
   std::string describe(const Condition& c, int joint) const {
     using Kind = Condition::Kind;
     const auto index = static_cast<std::size_t>(std::max(c.subject, 0));

@@ -8,7 +8,7 @@
 
 namespace unlatch::tools {
 
-// In the DOT language of graphviz.
+// The plan's graph in the DOT language of graphviz.
 std::string describe_graph(const Model& model, const Plan& plan, const std::string& title);
 
 // graphviz is missing or failed, or the file cannot be written.

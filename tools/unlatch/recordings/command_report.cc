@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of all frames of a page before their encoding, which adds a third: with the page itself, a file below 5 MB.
+// Bytes of all frames of a page before their encoding, which adds a third: with the page itself, a file below 5 MB.
 constexpr std::size_t kFrameBudget = 2'600'000;
 
 struct ReportOptions {

@@ -27,7 +27,7 @@
 namespace unlatch::tools {
 namespace {
 
-// Of --accuracy.
+// Values of --accuracy.
 constexpr const char* kNotAsked = "no";
 constexpr double kUsualTolerance = 1e-6;
 
@@ -128,7 +128,7 @@ hil::LogEnd run_with_progress(hil::Simulation& simulation, hil::RunAnalysis& ana
   return end;
 }
 
-// Of a campaign file one sample is run: --sample is its number then.
+// A campaign file is run as one of its samples: --sample is the sample's number then.
 RunOptions resolve_sample(RunOptions options) {
   if (!is_campaign(options.scenario)) {
     if (!options.results.empty()) refuse_option("--results", "it belongs to a campaign file and --sample");

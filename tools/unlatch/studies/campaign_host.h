@@ -21,9 +21,9 @@ struct CampaignTask {
 
 struct CampaignHost {
   const std::atomic<bool>& (*catch_signals)() = nullptr;  // called before the samples; for the task's `stop`
-  // Of the process that writes: those samples of the task that the results lack; `finished` is called after each.
+  // The process that writes runs those samples of the task that the results lack; `finished` is called after each.
   std::function<void(const CampaignTask&, hil::ResultFile&, const std::function<void()>& finished)> run;
-  // Of the others, where `run` is empty. They write nothing.
+  // The other processes, in which `run` is empty, only evaluate samples and write nothing.
   std::function<void(const CampaignTask&)> evaluate;
 };
 

@@ -145,7 +145,7 @@ hil::ResultFile open_results(const CampaignOptions& options, const hil::ResultSh
   return hil::ResultFile::create(path, shape);
 }
 
-// In this process, on threads.
+// Runs the task's samples in this process, on threads.
 void run_here(const CampaignTask& task, hil::ResultFile& results, const std::function<void()>& finished) {
   run_samples(task.campaign, task.evaluator, task.first, task.last, task.jobs, results, task.stop, finished);
 }
