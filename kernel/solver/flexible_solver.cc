@@ -61,23 +61,36 @@ void move_block(const double* arm, double sign, double* A) {
   for (int i = 0; i < 6; ++i) move_wrench(arm, sign, A + 6 * i);
 }
 
-// An articulated block as a full matrix: M xx yy zz xy xz yz, H by columns, I as M.
-constexpr int kPlaces[21][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3}, {2, 3}, {0, 4}, {1, 4},
-                                {2, 4}, {0, 5}, {1, 5}, {2, 5}, {3, 3}, {4, 4}, {5, 5}, {3, 4}, {3, 5}, {4, 5}};
-static_assert(sizeof(Articulated) == 21 * sizeof(double));
-void read_block(const double* blocks, const Place& place, double* A) {
-  const Articulated block = read(blocks, place, &SubtreeLane::A);
-  double numbers[21];
-  spread(numbers, 1, block);
-  for (int i = 0; i < 21; ++i) A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = numbers[i];
+// An articulated block as a 6 × 6 matrix by rows: (M H; Hᵀ I).
+void to_matrix(const Articulated& block, double* A) {
+  const auto set = [A](int row, int column, double entry) { A[6 * row + column] = A[6 * column + row] = entry; };
+  const auto set_symmetric = [&](int first, const Sym3& s) {
+    const double rows[3][3] = {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};
+    for (int i = 0; i < 3; ++i)
+      for (int k = i; k < 3; ++k) set(first + i, first + k, rows[i][k]);
+  };
+  const auto set_coupling = [&](int k, const Vec3& column) {
+    set(0, 3 + k, column.x);
+    set(1, 3 + k, column.y);
+    set(2, 3 + k, column.z);
+  };
+  set_symmetric(0, block.M);
+  set_symmetric(3, block.I);
+  set_coupling(0, block.H.x);
+  set_coupling(1, block.H.y);
+  set_coupling(2, block.H.z);
 }
-void add_block(double* blocks, const Place& place, const double* A) {
-  double numbers[21];
-  for (int i = 0; i < 21; ++i) numbers[i] = A[6 * kPlaces[i][0] + kPlaces[i][1]];
-  add(blocks, place, &SubtreeLane::A, collect<Articulated>(numbers, 1));
+// The block of a symmetric 6 × 6 matrix by rows, from its upper triangle.
+Articulated to_block(const double* A) {
+  const auto get = [A](int row, int column) { return A[6 * row + column]; };
+  const auto get_symmetric = [&](int i) -> Sym3 {
+    return {get(i, i), get(i + 1, i + 1), get(i + 2, i + 2), get(i, i + 1), get(i, i + 2), get(i + 1, i + 2)};
+  };
+  const auto get_coupling = [&](int k) -> Vec3 { return {get(0, 3 + k), get(1, 3 + k), get(2, 3 + k)}; };
+  return {get_symmetric(0), {get_coupling(0), get_coupling(1), get_coupling(2)}, get_symmetric(3)};
 }
 
-// The triangle of a symmetric matrix that its reader takes: add_block() the upper, factor_ldl() the lower.
+// The triangle of a symmetric matrix that its reader takes: to_block() the upper, factor_ldl() the lower.
 enum class Triangle { kUpper, kLower };
 
 struct Node {
@@ -109,17 +122,10 @@ void init_node(const Node& node, Evaluation& ev, const Sweep& sweep, bool with_b
   Vec3 moment{0, 0, 0};
   for (int k = 0; k < m; ++k) moment += eta[k] * read3(node.shape.momentum + 3 * k);
   moment = R * moment;
-  double* A = node.work.A;
-  for (int i = 0; i < 36; ++i) A[i] = 0;
-  A[0] = A[7] = A[14] = body.mass;
-  const Sym3 J = read(blocks, node.place, &SharedLane::inertia);
-  const double moments[6] = {J.xx, J.yy, J.zz, J.xy, J.xz, J.yz};
-  for (int i = 15; i < 21; ++i)
-    A[6 * kPlaces[i][0] + kPlaces[i][1]] = A[6 * kPlaces[i][1] + kPlaces[i][0]] = moments[i - 15];
+  const Sym3 masses{body.mass, body.mass, body.mass, 0, 0, 0};
   // −(m c)~: a turn about the origin accelerates the centre of mass
-  const double skew[3][3] = {{0, moment.z, -moment.y}, {-moment.z, 0, moment.x}, {moment.y, -moment.x, 0}};
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) A[6 * i + 3 + k] = A[6 * (3 + k) + i] = skew[i][k];
+  const Mat3 coupling{{0, -moment.z, moment.y}, {moment.z, 0, -moment.x}, {-moment.y, moment.x, 0}};
+  to_matrix({masses, coupling, read(blocks, node.place, &SharedLane::inertia)}, node.work.A);
   for (int k = 0; k < m; ++k) {
     // Σ m u × Φ_k = Σ m r × Φ_k + Σ η_l Σ m Φ_l × Φ_k
     const double* G = node.shape.first + 9 * k;
@@ -153,7 +159,7 @@ void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sw
     read_six(blocks, place, &SharedLane::force, load);
   if (!marker.bare && (with_block || sweep.biased)) {
     double A[36];
-    read_block(blocks, place, A);
+    to_matrix(read(blocks, place, &SubtreeLane::A), A);
     if (sweep.biased) {
       Six push;
       times6(A, work.bias, push);
@@ -247,7 +253,7 @@ bool eliminate(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const P
     eliminate_modes(node, held ? Triangle::kUpper : Triangle::kLower, left);
     for (int i = 0; i < 36; ++i) w.root[i] = left[i];
     if (!held && !factor_ldl({w.root, 6}, 6)) return false;
-    if (held) add_block(ev.blocks.data(), get_inboard_place(plan, ev, body), left);
+    if (held) add(ev.blocks.data(), get_inboard_place(plan, ev, body), &SubtreeLane::A, to_block(left));
   }
   if (held) move_loads(node, holder, sweep.biased, b);
   for (int k = 0; k < m; ++k)
