@@ -1,5 +1,7 @@
 #include "kernel/dynamics/flexible.h"
 
+#include <utility>
+
 #include "kernel/dynamics/gravity.h"
 
 namespace unlatch {
@@ -128,6 +130,42 @@ void write_body(Evaluation& ev, int body, const BodyState& s) {
   write(ev.blocks.data(), ev.places[at(body)], &BodyLane::motion, {s.p, s.q, s.v, s.w});
 }
 
+// The arrays of a body and of a marker, one behind the other: `take(n)` returns the place of the next n numbers.
+template <class Take>
+ModalWork arrange_work(int m, Take take) {
+  ModalWork w;
+  w.force = take(m);
+  w.acceleration = take(m);
+  w.A = take(6 * 6);
+  w.B = {take(6 * m)};
+  w.E = {take(m * m), m};
+  w.C = {take(6 * m)};
+  w.W = {take(6 * m)};
+  w.D = {take(6 * m)};
+  w.free = take(m);
+  w.root = {take(6 * 6), 6};
+  w.root_load = take(6);
+  return w;
+}
+template <class Take>
+MarkerWork arrange_marker(int m, Take take) {
+  MarkerWork w;
+  w.columns = {take(6 * m)};
+  w.arm = take(3);
+  w.bias = take(6);
+  return w;
+}
+// The two ways to take: from memory, and for the count alone.
+auto take_from(double* memory) {
+  return [next = memory](int n) mutable { return std::exchange(next, next + n); };
+}
+auto count_into(int& size) {
+  return [&size](int n) -> double* {
+    size += n;
+    return nullptr;
+  };
+}
+
 }  // namespace
 
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept {
@@ -137,31 +175,22 @@ ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept {
 }
 
 ModalWork get_work(const PlanData&, const PlanFlexible& body, Evaluation& ev) noexcept {
-  double* n = ev.modal.data() + body.work;
-  const int m = body.modes;
-  const auto take = [&n](int count) {
-    double* first = n;
-    n += count;
-    return first;
-  };
-  ModalWork w;
-  w.force = take(m);
-  w.acceleration = take(m);
-  w.A = take(36);
-  w.B = take(6 * m);
-  w.E = take(m * m);
-  w.C = take(6 * m);
-  w.W = take(6 * m);
-  w.D = take(6 * m);
-  w.free = take(m);
-  w.root = take(42);
-  return w;
+  return arrange_work(body.modes, take_from(ev.modal.data() + body.work));
+}
+int get_work_size(int m) noexcept {
+  int size = 0;
+  arrange_work(m, count_into(size));
+  return size;
 }
 
 MarkerWork get_marker(const PlanData&, const PlanFlexible& body, int marker, Evaluation& ev) noexcept {
-  const int m = body.modes;
-  double* n = ev.modal.data() + body.work + get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
-  return {n, n + 6 * m, n + 6 * m + 3};
+  const int m = body.modes, before = get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
+  return arrange_marker(m, take_from(ev.modal.data() + body.work + before));
+}
+int get_marker_size(int m) noexcept {
+  int size = 0;
+  arrange_marker(m, count_into(size));
+  return size;
 }
 
 BodyState calc_marker_state(const PlanData& plan, const PlanMarker& marker, const BodyState& body,
@@ -184,8 +213,8 @@ void update_markers(const PlanData& plan, Evaluation& ev) noexcept {
       write(work.arm, carried.arm);
       for (int k = 0; k < body.modes; ++k) {
         const Vec3 axis = read(psi + 3 * k);
-        write(work.columns + 6 * k, R * read(phi + 3 * k));
-        write(work.columns + 6 * k + 3, R * (t.scale * (axis + cross(t.g, axis))));
+        write(work.columns[k], R * read(phi + 3 * k));
+        write(work.columns[k] + 3, R * (t.scale * (axis + cross(t.g, axis))));
       }
     }
   }

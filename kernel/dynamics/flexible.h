@@ -14,6 +14,7 @@
 
 #include "kernel/dynamics/compliance.h"
 #include "kernel/joints/joint_motion.h"
+#include "kernel/math/lower_triangle.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/plan.h"
 
@@ -27,34 +28,42 @@ struct ModalShape {
   const double *stiffness, *damping;        // ω², 1/s²; 2 ζ ω, 1/s
 };
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept;
-inline int get_shape_size(int m) { return 3 * m + 9 * m + 9 * m * m + 2 * m; }
+
+// Six numbers per mode, one mode behind the other.
+struct SixPerMode {
+  double* numbers;
+
+  UNLATCH_INLINE double* operator[](int mode) const { return numbers + 6 * mode; }
+};
 
 // Memory for the evaluation of one flexible body with m modes at one stage; six-vectors in world axes.
 struct ModalWork {
   // computed by add_flexible_forces(), then by the solver
   double* force;         // m, on the modal coordinates
   double* acceleration;  // m: second derivatives of the modal coordinates, or their corrections
-  double* A;             // 36: block of the body and all beyond it
-  double* B;             // 6 m: its coupling with the modal coordinates, six per mode
-  double* E;             // m²: of the modal coordinates, then its factor; lower triangle
-  double* C;             // 6 m: B at the marker that holds the body
-  double* W;             // 6 m: E⁻¹ Cᵀ, six per mode
-  double* D;             // 6 m: how the modal coordinates move the frame when the marker stays
+  double* A;             // 6 × 6 by rows: block of the body and all beyond it
+  SixPerMode B;          // its coupling with the modal coordinates
+  LowerTriangle E;       // m × m: block of the modal coordinates, then its factor
+  SixPerMode C;          // B at the marker that holds the body
+  SixPerMode W;          // E⁻¹ Cᵀ
+  SixPerMode D;          // how the modal coordinates move the frame when the marker stays
   double* free;          // m: E⁻¹ times the load of the modal coordinates
-  double* root;          // 42: factor of the 6 × 6 that is left, and its load, where nothing holds the body
+  // where nothing holds the body:
+  LowerTriangle root;  // 6 × 6: factor of the block that is left
+  double* root_load;   // 6
 };
 ModalWork get_work(const PlanData& plan, const PlanFlexible& body, Evaluation& ev) noexcept;
-inline int get_work_size(int m) { return 3 * m + 36 + 24 * m + m * m + 42; }
+int get_work_size(int m) noexcept;
 
 // Motion of one marker relative to its body at one stage, world axes. Computed by update_markers() and
 // update_marker_biases().
 struct MarkerWork {
-  double* columns;  // 6 m: velocity and angular velocity of the marker per modal rate
-  double* arm;      // 3: from the body's origin
-  double* bias;     // 6: what its acceleration is beyond that
+  SixPerMode columns;  // velocity and angular velocity of the marker per modal rate
+  double* arm;         // 3: from the body's origin
+  double* bias;        // 6: what its acceleration is beyond that
 };
 MarkerWork get_marker(const PlanData& plan, const PlanFlexible& body, int marker, Evaluation& ev) noexcept;
-inline int get_marker_size(int m) { return 6 * m + 9; }
+int get_marker_size(int m) noexcept;
 
 // Poses and velocities of all markers, from their bodies and ev.auxiliary.
 void update_markers(const PlanData& plan, Evaluation& ev) noexcept;

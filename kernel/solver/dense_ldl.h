@@ -4,20 +4,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <utility>
 
-#include "kernel/math/spatial.h"
+#include "kernel/math/lower_triangle.h"
 
 namespace unlatch {
-
-struct LowerTriangle {
-  double* entries;
-  std::int32_t stride;  // from one row to the next
-
-  UNLATCH_INLINE double* row(int r) const { return entries + static_cast<std::ptrdiff_t>(r) * stride; }
-  UNLATCH_INLINE double& operator()(int r, int c) const { return row(r)[c]; }  // c ≤ r
-};
 
 // A pivot this small beside its diagonal entry is rounding.
 inline constexpr double kSingularPivot = 1e-13;

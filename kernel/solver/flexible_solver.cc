@@ -133,14 +133,14 @@ void init_node(const Node& node, Evaluation& ev, const Sweep& sweep, bool with_b
     for (int l = 0; l < m; ++l) {
       const double *H = node.shape.second + 9 * (l * m + k), *mirror = node.shape.second + 9 * (k * m + l);
       turning += eta[l] * Vec3{H[5] - H[7], H[6] - H[2], H[1] - H[3]};
-      if (l <= k) node.work.E[k * m + l] = (mirror[0] + mirror[4]) + mirror[8];
+      if (l <= k) node.work.E(k, l) = (mirror[0] + mirror[4]) + mirror[8];
     }
     const Vec3 push = R * read3(node.shape.momentum + 3 * k);
     turning = R * turning;
     const double column[6] = {push.x, push.y, push.z, turning.x, turning.y, turning.z};
-    for (int i = 0; i < 6; ++i) node.work.B[6 * k + i] = column[i];
+    for (int i = 0; i < 6; ++i) node.work.B[k][i] = column[i];
     if (body.implicit && sweep.gamma_h != 0)
-      node.work.E[k * m + k] += sweep.gamma_h * (sweep.gamma_h * node.shape.stiffness[k] + node.shape.damping[k]);
+      node.work.E(k, k) += sweep.gamma_h * (sweep.gamma_h * node.shape.stiffness[k] + node.shape.damping[k]);
   }
 }
 
@@ -168,16 +168,16 @@ void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sw
     if (with_block) {
       for (int k = 0; k < m; ++k) {
         Six column;
-        times6(A, work.columns + 6 * k, column);
-        for (int l = 0; l <= k; ++l) node.work.E[k * m + l] += dot6(column, work.columns + 6 * l);
+        times6(A, work.columns[k], column);
+        for (int l = 0; l <= k; ++l) node.work.E(k, l) += dot6(column, work.columns[l]);
         move_wrench(work.arm, 1, column);
-        for (int n = 0; n < 6; ++n) node.work.B[6 * k + n] += column[n];
+        for (int n = 0; n < 6; ++n) node.work.B[k][n] += column[n];
       }
       move_block(work.arm, 1, A);
       for (int k = 0; k < 36; ++k) node.work.A[k] += A[k];
     }
   }
-  for (int k = 0; k < m; ++k) node.work.free[k] += dot6(work.columns + 6 * k, load);
+  for (int k = 0; k < m; ++k) node.work.free[k] += dot6(work.columns[k], load);
   move_wrench(work.arm, 1, load);
   for (int k = 0; k < 6; ++k) b[k] += load[k];
 }
@@ -187,16 +187,15 @@ void move_to_marker(const Node& node, const MarkerWork& marker) {
   const int m = node.body.modes;
   const ModalWork& w = node.work;
   for (int k = 0; k < m; ++k) {
-    for (int i = 0; i < 6; ++i) w.D[6 * k + i] = marker.columns[6 * k + i];
-    move_motion(marker.arm, -1, w.D + 6 * k);
+    for (int i = 0; i < 6; ++i) w.D[k][i] = marker.columns[k][i];
+    move_motion(marker.arm, -1, w.D[k]);
   }
   for (int k = 0; k < m; ++k) {
     Six push;
-    times6(w.A, w.D + 6 * k, push);
-    for (int l = k; l < m; ++l)
-      w.E[l * m + k] += (dot6(w.D + 6 * l, push) - dot6(w.D + 6 * l, w.B + 6 * k)) - dot6(w.B + 6 * l, w.D + 6 * k);
-    for (int i = 0; i < 6; ++i) w.C[6 * k + i] = w.B[6 * k + i] - push[i];
-    move_wrench(marker.arm, -1, w.C + 6 * k);
+    times6(w.A, w.D[k], push);
+    for (int l = k; l < m; ++l) w.E(l, k) += (dot6(w.D[l], push) - dot6(w.D[l], w.B[k])) - dot6(w.B[l], w.D[k]);
+    for (int i = 0; i < 6; ++i) w.C[k][i] = w.B[k][i] - push[i];
+    move_wrench(marker.arm, -1, w.C[k]);
   }
 }
 
@@ -210,9 +209,9 @@ void move_loads(const Node& node, const MarkerWork& marker, bool biased, Six& b)
     move_motion(marker.arm, -1, delta);
     times6(w.A, delta, push);
     for (int i = 0; i < 6; ++i) b[i] += push[i];
-    for (int k = 0; k < m; ++k) w.free[k] += dot6(w.B + 6 * k, delta);
+    for (int k = 0; k < m; ++k) w.free[k] += dot6(w.B[k], delta);
   }
-  for (int k = 0; k < m; ++k) w.free[k] -= dot6(w.D + 6 * k, b);
+  for (int k = 0; k < m; ++k) w.free[k] -= dot6(w.D[k], b);
   move_wrench(marker.arm, -1, b);
 }
 
@@ -220,12 +219,12 @@ void move_loads(const Node& node, const MarkerWork& marker, bool biased, Six& b)
 void eliminate_modes(const Node& node, Triangle triangle, double* left) {
   const ModalWork& w = node.work;
   const int m = node.body.modes;
-  for (int i = 0; i < 6 * m; ++i) w.W[i] = w.C[i];
-  for (int i = 0; i < 6; ++i) solve_ldl({w.E, m}, m, w.W + i, 6);
+  for (int i = 0; i < 6 * m; ++i) w.W.numbers[i] = w.C.numbers[i];
+  for (int i = 0; i < 6; ++i) solve_ldl(w.E, m, w.W.numbers + i, 6);
   for (int k = 0; k < m; ++k)
     for (int i = 0; i < 6; ++i)
       for (int j = triangle == Triangle::kUpper ? i : 0; j < (triangle == Triangle::kUpper ? 6 : i + 1); ++j)
-        left[6 * i + j] -= w.C[6 * k + i] * w.W[6 * k + j];
+        left[6 * i + j] -= w.C[k][i] * w.W[k][j];
 }
 
 // Backward pass for one body. False if a pivot vanishes.
@@ -247,22 +246,22 @@ bool eliminate(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const P
       move_to_marker(node, holder);
       move_block(holder.arm, -1, left);
     } else {
-      for (int i = 0; i < 6 * m; ++i) w.C[i] = w.B[i];
+      for (int i = 0; i < 6 * m; ++i) w.C.numbers[i] = w.B.numbers[i];
     }
-    if (!factor_ldl({w.E, m}, m)) return false;
+    if (!factor_ldl(w.E, m)) return false;
     eliminate_modes(node, held ? Triangle::kUpper : Triangle::kLower, left);
-    for (int i = 0; i < 36; ++i) w.root[i] = left[i];
-    if (!held && !factor_ldl({w.root, 6}, 6)) return false;
+    for (int i = 0; i < 36; ++i) w.root.entries[i] = left[i];
+    if (!held && !factor_ldl(w.root, 6)) return false;
     if (held) add(ev.blocks.data(), get_inboard_place(plan, ev, body), &SubtreeLane::A, to_block(left));
   }
   if (held) move_loads(node, holder, sweep.biased, b);
   for (int k = 0; k < m; ++k)
-    for (int i = 0; i < 6; ++i) b[i] -= w.W[6 * k + i] * w.free[k];
-  solve_ldl({w.E, m}, m, w.free);
+    for (int i = 0; i < 6; ++i) b[i] -= w.W[k][i] * w.free[k];
+  solve_ldl(w.E, m, w.free);
   if (held)
     add(ev.blocks.data(), get_inboard_place(plan, ev, body), &SubtreeLane::load, to_spatial(b));
   else
-    for (int i = 0; i < 6; ++i) w.root[36 + i] = b[i];
+    for (int i = 0; i < 6; ++i) w.root_load[i] = b[i];
   return true;
 }
 
@@ -272,18 +271,18 @@ void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const 
   double* blocks = ev.blocks.data();
   Six a;
   if (body.inboard == kNone) {
-    for (int i = 0; i < 6; ++i) a[i] = w.root[36 + i];
-    solve_ldl({w.root, 6}, 6, a);
+    for (int i = 0; i < 6; ++i) a[i] = w.root_load[i];
+    solve_ldl(w.root, 6, a);
   } else {
     read_six(blocks, get_inboard_place(plan, ev, body), &SharedLane::acceleration, a);
   }
-  for (int k = 0; k < m; ++k) w.acceleration[k] = w.free[k] - dot6(w.W + 6 * k, a);
+  for (int k = 0; k < m; ++k) w.acceleration[k] = w.free[k] - dot6(w.W[k], a);
   if (body.inboard != kNone) {
     const MarkerWork holder = get_marker(plan, body, body.inboard, ev);
     for (int i = 0; i < 6 && sweep.biased; ++i) a[i] -= holder.bias[i];
     move_motion(holder.arm, -1, a);
     for (int k = 0; k < m; ++k)
-      for (int i = 0; i < 6; ++i) a[i] -= w.D[6 * k + i] * w.acceleration[k];
+      for (int i = 0; i < 6; ++i) a[i] -= w.D[k][i] * w.acceleration[k];
   }
   write(blocks, ev.places[at(body.body)], &SharedLane::acceleration, to_spatial(a));
   for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
@@ -293,7 +292,7 @@ void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const 
     for (int k = 0; k < 6; ++k) carried[k] = a[k];
     move_motion(marker.arm, 1, carried);
     for (int k = 0; k < 6; ++k) {
-      for (int l = 0; l < m; ++l) carried[k] += marker.columns[6 * l + k] * w.acceleration[l];
+      for (int l = 0; l < m; ++l) carried[k] += marker.columns[l][k] * w.acceleration[l];
       if (sweep.biased) carried[k] += marker.bias[k];
     }
     write(blocks, ev.places[at(plan.markers[at(i)].body)], &SharedLane::acceleration, to_spatial(carried));

@@ -193,7 +193,7 @@ class LoopPass {
     const MarkerWork marker = get_marker(plan_, body, node.marker, ev_);
     const Columns<T> modal = get_columns(node.modal);
     for (int k = 0; k < body.modes; ++k) {
-      const SpatialT<T> column = spread<T>(to_spatial(marker.columns + 6 * k));
+      const SpatialT<T> column = spread<T>(to_spatial(marker.columns[k]));
       modal.for_packs([&](int c) { modal.set(k, c, modal.get(k, c) + dot(column, loads.get_spatial(c))); });
     }
     move({marker.arm[0], marker.arm[1], marker.arm[2]}, loads);
@@ -207,7 +207,7 @@ class LoopPass {
     const Columns<T> modal = get_columns(node.modal);
     const bool held = body.inboard != kNone;
     for (int k = 0; k < body.modes && held; ++k) {
-      const SpatialT<T> D = spread<T>(to_spatial(work.D + 6 * k));
+      const SpatialT<T> D = spread<T>(to_spatial(work.D[k]));
       modal.for_packs([&](int c) { modal.set(k, c, modal.get(k, c) - dot(D, loads.get_spatial(c))); });
     }
     if (held) {
@@ -215,14 +215,14 @@ class LoopPass {
       move({-arm[0], -arm[1], -arm[2]}, loads);
     }
     for (int k = 0; k < body.modes; ++k) {
-      const SpatialT<T> W = spread<T>(to_spatial(work.W + 6 * k));
+      const SpatialT<T> W = spread<T>(to_spatial(work.W[k]));
       loads.for_packs([&](int c) { loads.set_spatial(c, loads.get_spatial(c) - modal.get(k, c) * W); });
     }
-    eliminate({work.E, body.modes}, body.modes, modal);
+    eliminate(work.E, body.modes, modal);
     if (held)
       hand_on(node, loads);
     else
-      eliminate({work.root, 6}, 6, loads);
+      eliminate(work.root, 6, loads);
   }
 
   // By the factor of a dense block: forward through its unit triangle, and each row gives.
