@@ -194,6 +194,15 @@ class CapsuleTest(ProcessTest):
             self.assertAlmostEqual(across, 6371e3 * math.asin(end[1] / 6371e3), delta=1)
         self.assertGreater(abs(places[0, 1] - places[0, 0]), 1e3)
 
+        def entry(_, y):
+            return math.hypot(*y[:3]) - 6371e3 - 100e3
+        entry.terminal = True
+        for state, (speed, angle, along, _) in zip(states, landing.calc_entry(list(zip(*states))).T):
+            end = solve_ivp(rates, (0, 5000), [state[0] + 6721e3, *state[1:]], method="DOP853", rtol=1e-11, atol=1e-6, events=entry).y[:, -1]
+            self.assertAlmostEqual(speed, math.hypot(*end[3:]), delta=1e-3)  # m/s
+            self.assertAlmostEqual(math.sin(-angle), sum(a * b for a, b in zip(end[:3], end[3:])) / 6471e3 / math.hypot(*end[3:]), delta=1e-6)
+            self.assertAlmostEqual(along, 6371e3 * math.atan2(-end[2], end[0]), delta=1)  # m
+
     @unittest.skipIf(landing is None, "needs python3-numpy, python3-scipy")
     def test_less_spin_enlarges_the_landing_area_which_is_that_of_its_single_causes(self):
         areas = {}
