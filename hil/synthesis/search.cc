@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "hil/modules/module.h"
 #include "hil/sampling/sampling.h"
@@ -227,11 +230,67 @@ class Search {
   void search_pareto() {
     const bool polish = !list_continuous(problem_).empty();
     const auto runs = static_cast<double>(problem_.budget.runs);
-    evolve("unlatch_search_pareto", kParetoSize, problem_.budget.runs,
-           static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * runs));
-    if (!polish || is_feasible() || is_spent()) return;
+    const auto evolved = static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * runs);
+    evolve("unlatch_search_pareto", kParetoSize, problem_.objectives.size() == 2 ? evolved : problem_.budget.runs,
+           evolved);
+    if (!polish || is_spent()) return;
+    if (is_feasible()) return fill_gaps();
     search_least_violation(get_best().point, 1);
     if (is_feasible()) cut_ = true;  // the front is of that one point
+  }
+
+  // Fills the widest gaps of a front of two objectives by local searches: the best first objective with which the
+  // second is in the middle of the gap, or better (epsilon constraints; Haimes et al. 1971).
+  void fill_gaps() {
+    if (problem_.objectives.size() != 2) return;
+    const auto each = static_cast<std::int64_t>(kGapEach * (problem_.variables.size() + 1));
+    std::set<std::pair<std::size_t, std::size_t>> tried;
+    while (!is_spent()) {
+      const std::optional<Gap> gap = find_gap(tried);
+      if (!gap) break;
+      tried.insert({gap->from, gap->to});
+      const DesignSample& from = evaluations_.get_samples()[gap->to];  // meets the limit of the second objective
+      ScaledProblem one = prepare(list_continuous(problem_), from.point);
+      one.objectives = 1;
+      ++one.constraints;
+      one.impatient = true;
+      const auto evaluate = one.evaluate;
+      one.evaluate = [&](const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
+        if (!evaluate(points, samples)) return false;
+        for (ScaledSample& sample : samples) {
+          sample.constraints.push_back(sample.objectives[1] - gap->second);
+          sample.objectives.pop_back();
+        }
+        return true;
+      };
+      evaluations_.set_limit(std::min(problem_.budget.runs, evaluations_.get_runs() + each));
+      find_local()(one);
+    }
+    cut_ = true;
+  }
+
+  // Two neighbours of a front, by the first objective, and the middle of their second objectives, scaled.
+  struct Gap {
+    std::size_t from = 0, to = 0;
+    double second = 0;
+  };
+  [[nodiscard]] std::optional<Gap> find_gap(const std::set<std::pair<std::size_t, std::size_t>>& tried) const {
+    const std::vector<DesignSample>& samples = evaluations_.get_samples();
+    const std::vector<std::size_t> front = merit_.find_front(samples);
+    if (front.size() < 2) return std::nullopt;
+    const auto get = [&](std::size_t i, std::size_t k) { return merit_.scale(samples[front[i]]).objectives[k]; };
+    const std::size_t last = front.size() - 1;
+    const double first_range = get(last, 0) - get(0, 0), second_range = get(0, 1) - get(last, 1);
+    std::optional<Gap> widest;
+    double width = 0;
+    for (std::size_t i = 0; i < last; ++i) {
+      const double one =
+          std::max((get(i + 1, 0) - get(i, 0)) / first_range, (get(i, 1) - get(i + 1, 1)) / second_range);
+      if (one <= width || tried.count({front[i], front[i + 1]}) != 0) continue;
+      width = one;
+      widest = {front[i], front[i + 1], 0.5 * (get(i, 1) + get(i + 1, 1))};
+    }
+    return widest;
   }
 
   // Evolves a population. Repeated points cost nothing, so there may be more generations than the budget has runs for.
@@ -304,6 +363,7 @@ class Search {
   static constexpr double kLargest = 10;          // largest violation in the range of t
   static constexpr double kLeastTarget = 0.1;     // t may fall below 0, when all are met
   static constexpr std::int64_t kTriedEach = 10;  // points of which one becomes a start
+  static constexpr std::size_t kGapEach = 12;     // runs of a gap, for each variable and one more
   static constexpr double kApart = 0.5;           // of the mean distance of the points tried
   static constexpr std::size_t kBatch = 64, kParetoSize = 40, kColony = 16, kColonyEach = 4;
 

@@ -117,6 +117,8 @@ class OptimizeTest(ProcessTest):
             self.assertGreaterEqual(sum(point["objectives"]), 8 ** 0.5)
         excess = sorted(sum(point["objectives"]) - 8 ** 0.5 for point in front)
         self.assertLess(excess[len(excess) // 2], 0.1)  # relative to 2.8 N, at the median of 2000 runs
+        gaps = [b["objectives"][0] - a["objectives"][0] for a, b in zip(front, front[1:])]
+        self.assertLess(max(gaps), 0.15)  # N, of a front 2.8 N long: a quarter of the runs fills gaps
 
     def look_at(self, out):
         """Returns a function that evaluates in the page of a result, in a browser without a network."""
@@ -607,6 +609,14 @@ class OptimizeTest(ProcessTest):
         self.assertAlmostEqual(result["objectives"][0]["value"], cost(*values), delta=1e-9)
         self.assertTrue(all(constraint["met"] for constraint in result["constraints"]))
         self.assertTrue(result["verification"]["met"] and result["verification"]["same_bits"])
+
+    def test_no_design_of_a_grid_dominates_the_boosters_front_by_more_than_two_percent(self):
+        check = [sys.executable, SCENARIOS / "boosters/check_front.py", Path(UNLATCH).parent, "--levels", "25,2,21", "--json"]
+        found = json.loads(subprocess.run(check, capture_output=True, text=True, check=True).stdout)
+        self.assertGreater(found["met"], 300)
+        self.assertGreater(len(found["front"]), 15)
+        self.assertLess(found["missed"], 0.02)  # of the objectives' ranges
+        self.assertGreater(found["gained"], 0)
 
     def test_dead_nozzle_is_told_as_what_no_design_makes_good(self):
         result = self.optimize_shipped("synthesis-dead-nozzle.yaml", "o", 600, code=1)

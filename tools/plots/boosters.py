@@ -28,11 +28,11 @@ DESIGNS = {
 NOZZLES = (("both open", ()), ("fuel shut", ("fuel_nozzle",)), ("oxidizer shut", ("nozzle",)), ("both shut", ("nozzle", "fuel_nozzle")))
 
 
-def load_margins(tools):
-    spec = importlib.util.spec_from_file_location("loop_margins", tools.SCENARIOS / "boosters/loop_margins.py")
-    margins = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(margins)
-    return margins
+def load_script(tools, name):
+    spec = importlib.util.spec_from_file_location(name, tools.SCENARIOS / f"boosters/{name}.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    return script
 
 
 def fly(bench, tools, name):
@@ -105,7 +105,7 @@ def add(figure, tools):
         grid[0][0].legend()
         grid[1][0].set_ylim(-5.5, 9)  # room for the legend above the curves
         grid[1][0].legend(loc="upper right", ncols=2)
-        loops = load_margins(tools).list_loops()
+        loops = load_script(tools, "loop_margins").list_loops()
         for loop in loops:
             plot_bode(grid[2], loop, COLOURS[1] if loop.name.startswith("y") else COLOURS[0], "-" if "alone" in loop.name else "--")
         margins = loops[0].calc_margins()
@@ -269,6 +269,21 @@ def add(figure, tools):
             axes.annotate(f"liftoffs {liftoffs} s", (0.03, 0.5), xycoords="axes fraction", fontsize=tools.LABEL)
         columns[0].set_ylabel("distance to the core, m")
         columns[0].legend(loc="upper left")
+        return drawn
+
+    @figure("boosters-front")
+    def front(bench):
+        import matplotlib.pyplot as plt
+        check = load_script(tools, "check_front")
+        found = check.compare(bench.program, bench.folder, (25, 3, 41))
+        drawn, axes = plt.subplots(figsize=(7.5, 3.6), constrained_layout=True)
+        axes.plot(*zip(*((nozzle / 1e3, 100 * unlike) for nozzle, unlike in found["grid"])), ".", color="0.75", markersize=4,
+                  label=f"the {found['met']} of {found['designs']} designs of a grid that meet all")
+        for points, style, label in ((found["scanned"], {"marker": "s", "color": "#457b9d", "markersize": 7}, "the best of the grid"),
+                                     (found["front"], {"marker": "o", "color": "#c1121f", "markersize": 4}, "Pareto front of the search")):
+            axes.plot(*zip(*((nozzle / 1e3, 100 * unlike) for nozzle, unlike in points)), linestyle="none", label=label, **style)
+        axes.set(xlim=(4.8, 7), ylim=(0, 28), xlabel="nozzle thrust, kN", ylabel="spread of the tail-offs, %")
+        axes.legend(loc="upper left", ncols=3, columnspacing=1, handletextpad=0.2)
         return drawn
 
     @figure("boosters-campaign")
