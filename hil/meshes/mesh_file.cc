@@ -25,7 +25,8 @@ bool is_finite(const Corner& p) { return std::isfinite(p[0]) && std::isfinite(p[
 bool has_area(const Corner& a, const Corner& b, const Corner& c) {
   constexpr double kThin = 1e-7;  // relative to its longest side: the rounding of single precision
   const auto between = [](const Corner& p, const Corner& q) {
-    return Vec3{double{q[0]}, double{q[1]}, double{q[2]}} - Vec3{double{p[0]}, double{p[1]}, double{p[2]}};
+    return Vec3{static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])} -
+           Vec3{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
   };
   const Vec3 u = between(a, b), v = between(a, c), w = between(b, c);
   const double longest = std::max({norm(u), norm(v), norm(w)});
