@@ -11,8 +11,8 @@ ResultTable::ResultTable(ResultFile file, std::size_t batch) : file_(std::move(f
     rows_[i] = {file_.samples()[i], static_cast<std::uint32_t>(i), SampleStatus::kDone};
   const auto place = [](const Row& row) { return std::pair(row.sample, row.record); };
   std::ranges::sort(rows_, {}, place);
-  const auto repeated = std::ranges::unique(rows_, {}, &Row::sample);
-  rows_.erase(repeated.begin(), repeated.end());
+  const auto is_same = [](const Row& a, const Row& b) { return a.sample == b.sample; };
+  rows_.erase(std::unique(rows_.begin(), rows_.end(), is_same), rows_.end());
   for (Row& row : rows_) {
     const SampleRecord record = file_.read(row.record);
     row.status = record.result.status;

@@ -85,8 +85,7 @@ class FclTree final : public MeshTree {
     void look_at(int triangle) {
       const fcl::Triangle& corners = tree.model_.tri_indices[triangle];
       geometry::Shape flat{.kind = geometry::ShapeKind::kHull};
-      for (int k = 0; k < 3; ++k)
-        flat.points.push_back(to_vec3(tree.model_.vertices[corners[static_cast<unsigned>(k)]]));
+      for (int k = 0; k < 3; ++k) flat.points.push_back(to_vec3(tree.model_.vertices[corners[k]]));
       const Distance d = geometry::calc_distance(geometry::compile_shape(flat), at, other, at_other);
       if (d.distance < best.distance) best = d;
     }

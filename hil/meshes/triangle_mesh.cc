@@ -22,7 +22,8 @@ TriangleMesh::TriangleMesh(MeshPlace place, const MeshData& data)
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   Vec3 low{kInfinite, kInfinite, kInfinite}, high = -low;
   for (const std::array<float, 3>& v : data.vertices) {
-    const Vec3 p = place_.origin + R * (place_.scale * Vec3{v[0], v[1], v[2]});
+    const Vec3 p = place_.origin + R * (place_.scale * Vec3{static_cast<double>(v[0]), static_cast<double>(v[1]),
+                                                            static_cast<double>(v[2])});
     vertices_.push_back(p);
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};

@@ -168,13 +168,12 @@ TEST(Checkpoint, WhileContactsAndPushersActItContinuesWithTheSameBits) {
   const auto whole = hil::build_simulation(scenario);
   const std::string path = make_path("checkpoint");
   std::vector<std::unique_ptr<hil::Simulation>> taken_up;
-  int closed = 0, pushing = 0, free = 0;
+  int closed = 0, pushing = 0;
   while (whole->get_tick() < last_tick) {
     const bool touches = get_contact_pairs(whole->plan(), whole->state(), 0)[0].closed != 0;
     const bool pushes = std::ranges::any_of(whole->state().engaged, [](auto flag) { return flag != 0; });
     closed += touches ? 1 : 0;
     pushing += pushes ? 1 : 0;
-    free += !touches && !pushes ? 1 : 0;
     if (touches || pushes || whole->get_tick() % 40 == 0) {
       hil::write_checkpoint(path, scenario, *whole, last_tick);
       taken_up.push_back(hil::build_simulation(scenario));

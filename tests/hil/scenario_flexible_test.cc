@@ -122,7 +122,7 @@ TEST_F(ScenarioFlexible, AContactPushesTheMarkerOfAFlexibleBody) {
   Simulation simulation(scenario.model);
   const auto calc_momentum = [&] {
     Vec3 sum{0, 0, 0};
-    for (const std::size_t b : {1, 4}) sum = sum + scenario.model.bodies[b].mass * simulation.state.bodies[b].v;
+    for (const std::size_t b : {1u, 4u}) sum = sum + scenario.model.bodies[b].mass * simulation.state.bodies[b].v;
     return sum;
   };
   const Vec3 before = calc_momentum();

@@ -116,8 +116,9 @@ double search_wall(const Shape& wall, const Shape& body, const Placement& at, in
     least = std::min(least, best);
     const double reach = std::max(from.r, to.r) * step + 1e-3;
     for (int k = 0; k <= azimuths; ++k) {
-      const double here = coarse[k], left = k > 0 ? coarse[k - 1] : (wall.half ? here : coarse[azimuths - 1]);
-      const double right = k < azimuths ? coarse[k + 1] : (wall.half ? here : coarse[1]);
+      const auto get = [&](int place) { return coarse[static_cast<std::size_t>(place)]; };
+      const double here = get(k), left = k > 0 ? get(k - 1) : (wall.half ? here : get(azimuths - 1));
+      const double right = k < azimuths ? get(k + 1) : (wall.half ? here : get(1));
       if (here > left || here > right || here > best + reach || here == 0) continue;
       const double angle = first + k * step;
       const double low = wall.half ? std::max(first, angle - step) : angle - step;
