@@ -404,7 +404,7 @@ class OptimizeTest(ProcessTest):
         front = lost.replace("[{minimise: a^2 + 4*b^2}]", "[{minimise: a}, {minimise: b}]")
         for number, (text, told) in enumerate(((lost + "budget: {runs: 2}\n", "of 2 runs: raise budget.runs"),
                                                (lost + "method: global\nbudget: {runs: 2}\n", "of 2 runs: raise budget.runs"),
-                                               (front + "budget: {runs: 1}\n", "of 1 runs: raise budget.runs"),
+                                               (front + "budget: {runs: 1}\n", "of 1 run: raise budget.runs"),
                                                (lost + "budget: {seconds: 1 us}\n", "of 1e-06 s: raise budget.seconds"))):
             process = self.start(text, f"o{number}")
             printed, errors = process.communicate(timeout=60)
