@@ -321,8 +321,8 @@ TEST(MeshDistance, OfWatchedPairsIsTheLeastOfMeshesAndShapesAndToldApart) {
   hil::ClearanceMonitor without = watch({{mesh, ball}, {ball}}, {{0, 0}});
   EXPECT_EQ(without.get()[0].method, hil::DistanceMethod::kExact);
   EXPECT_NEAR(without.calc(0, {}, far_b({0, 0, 4})).least.distance, 3, kExact);
-  const hil::ClearanceMonitor::Reach& reach = watch({{mesh}, {mesh}}).get_reach(0);
-  EXPECT_NEAR(reach.bound, 0.5 * std::sqrt(3.0), kExact);
+  const hil::ClearanceMonitor meshes = watch({{mesh}, {mesh}});
+  EXPECT_NEAR(meshes.get_reach(0).bound, 0.5 * std::sqrt(3.0), kExact);
 }
 
 }  // namespace
