@@ -10,14 +10,14 @@
 namespace unlatch {
 namespace {
 
-void append(std::vector<double>& to, const Eigen::Matrix3Xd& columns) {
+void write(double* to, const Eigen::Matrix3Xd& columns) {
   for (Eigen::Index k = 0; k < columns.cols(); ++k)
-    for (Eigen::Index i = 0; i < 3; ++i) to.push_back(columns(i, k));
+    for (Eigen::Index i = 0; i < 3; ++i) *to++ = columns(i, k);
 }
-void append(std::vector<double>& to, const std::vector<Eigen::Matrix3d>& matrices) {
+void write(double* to, const std::vector<Eigen::Matrix3d>& matrices) {
   for (const Eigen::Matrix3d& m : matrices)
     for (Eigen::Index r = 0; r < 3; ++r)
-      for (Eigen::Index c = 0; c < 3; ++c) to.push_back(m(r, c));
+      for (Eigen::Index c = 0; c < 3; ++c) *to++ = m(r, c);
 }
 
 // Some mode swings faster than the step resolves.
@@ -38,19 +38,23 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
                    has_stiff_mode(shape, plan.options.dt),
                    model.bodies[at(body)].mass,
                    to_sym(model.bodies[at(body)].inertia)};
-  append(plan.modal, shape.momentum);
-  append(plan.modal, shape.first);
-  append(plan.modal, shape.second);
-  for (const double w : shape.frequencies) plan.modal.push_back(w * w);
-  for (Eigen::Index k = 0; k < m; ++k) plan.modal.push_back(2 * shape.damping[k] * shape.frequencies[k]);
+  const ModalShapeOf<double> to = add_shape(plan, m);
+  write(to.momentum, shape.momentum);
+  write(to.first, shape.first);
+  write(to.second, shape.second);
+  for (int k = 0; k < m; ++k) {
+    to.stiffness[k] = shape.frequencies[k] * shape.frequencies[k];
+    to.damping[k] = 2 * shape.damping[k] * shape.frequencies[k];
+  }
   for (const Eigen::VectorXd* start : {&shape.initial, &shape.initial_rate})
     for (Eigen::Index k = 0; k < m; ++k) plan.initial_auxiliary.push_back(start->size() == 0 ? 0 : (*start)[k]);
   for (const int i : markers) {
     const std::optional<Marker>& marker = model.bodies[at(i)].marker;
     plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
                             static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
-    append(plan.modal, marker->shape);
-    append(plan.modal, marker->turn);
+    const MarkerShapeOf<double> to_marker = add_marker_shape(plan, m);
+    write(to_marker.displacement, marker->shape);
+    write(to_marker.turn, marker->turn);
     plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
     ++out.markers;
   }

@@ -21,14 +21,15 @@ Vec3 combine(const double* vectors, const double* sizes, int m) {
   return sum;
 }
 
-// A 3×3 matrix by rows, as the invariants are kept.
+// A sum of moments.
 struct Dense3 {
   double n[9];
+
+  operator Moment() const { return {n}; }
 };
-void add(Dense3& to, double size, const double* matrix) {
-  for (int i = 0; i < 9; ++i) to.n[i] += size * matrix[i];
+void add(Dense3& to, double size, Moment matrix) {
+  for (int i = 0; i < 9; ++i) to.n[i] += size * matrix.n[i];
 }
-double trace(const Dense3& a) { return a.n[0] + a.n[4] + a.n[8]; }
 Vec3 times(const Dense3& a, const Vec3& x) {
   return {(a.n[0] * x.x + a.n[1] * x.y) + a.n[2] * x.z, (a.n[3] * x.x + a.n[4] * x.y) + a.n[5] * x.z,
           (a.n[6] * x.x + a.n[7] * x.y) + a.n[8] * x.z};
@@ -37,8 +38,71 @@ Vec3 transpose_times(const Dense3& a, const Vec3& x) {
   return {(a.n[0] * x.x + a.n[3] * x.y) + a.n[6] * x.z, (a.n[1] * x.x + a.n[4] * x.y) + a.n[7] * x.z,
           (a.n[2] * x.x + a.n[5] * x.y) + a.n[8] * x.z};
 }
-// Σ m a × b of Σ m a bᵀ.
-Vec3 cross_of(const Dense3& a) { return {a.n[5] - a.n[7], a.n[6] - a.n[2], a.n[1] - a.n[3]}; }
+
+// Arrays of a body and of a marker, one behind the other: `take(n)` returns the place of the next n numbers.
+template <class Number, class Take>
+ModalShapeOf<Number> arrange_shape(int m, Take take) {
+  ModalShapeOf<Number> s;
+  s.modes = m;
+  s.momentum = take(3 * m);
+  s.first = take(9 * m);
+  s.second = take(9 * m * m);
+  s.stiffness = take(m);
+  s.damping = take(m);
+  return s;
+}
+template <class Number, class Take>
+MarkerShapeOf<Number> arrange_marker_shape(int m, Take take) {
+  MarkerShapeOf<Number> s;
+  s.displacement = take(3 * m);
+  s.turn = take(3 * m);
+  return s;
+}
+template <class Take>
+ModalWork arrange_work(int m, Take take) {
+  ModalWork w;
+  w.force = take(m);
+  w.acceleration = take(m);
+  w.A = take(6 * 6);
+  w.B = {take(6 * m)};
+  w.E = {take(m * m), m};
+  w.C = {take(6 * m)};
+  w.W = {take(6 * m)};
+  w.D = {take(6 * m)};
+  w.free = take(m);
+  w.root = {take(6 * 6), 6};
+  w.root_load = take(6);
+  return w;
+}
+template <class Take>
+MarkerWork arrange_marker(int m, Take take) {
+  MarkerWork w;
+  w.columns = {take(6 * m)};
+  w.arm = take(3);
+  w.bias = take(6);
+  return w;
+}
+// Two ways to take: from memory, and for the count alone.
+template <class Number>
+auto take_from(Number* memory) {
+  return [next = memory](int n) mutable { return std::exchange(next, next + n); };
+}
+auto count_into(int& size) {
+  return [&size](int n) -> double* {
+    size += n;
+    return nullptr;
+  };
+}
+// Room for so many numbers more in PlanData::modal.
+double* add_numbers(PlanData& plan, int count) {
+  const std::size_t begin = plan.modal.size();
+  plan.modal.resize(begin + at(count));
+  return plan.modal.data() + begin;
+}
+
+MarkerShape get_marker_shape(const PlanData& plan, const PlanMarker& marker, int m) {
+  return arrange_marker_shape<const double>(m, take_from(plan.modal.data() + marker.numbers));
+}
 
 struct Coordinates {
   const double *eta, *rate;
@@ -51,8 +115,8 @@ Coordinates get_coordinates(const PlanFlexible& body, const Evaluation& ev) {
 // Σ m u Φ_kᵀ
 Dense3 calc_moment(const ModalShape& s, const double* eta, int k) {
   Dense3 out{};
-  add(out, 1, s.first + 9 * k);
-  for (int l = 0; l < s.modes; ++l) add(out, eta[l], s.second + 9 * (l * s.modes + k));
+  add(out, 1, s.get_first(k));
+  for (int l = 0; l < s.modes; ++l) add(out, eta[l], s.get_second(l, k));
   return out;
 }
 
@@ -63,9 +127,9 @@ Sym3 calc_inertia(const PlanFlexible& body, const ModalShape& s, const double* e
   Dense3 P{{half - J0.xx, -J0.xy, -J0.xz, -J0.xy, half - J0.yy, -J0.yz, -J0.xz, -J0.yz, half - J0.zz}};
   for (int k = 0; k < s.modes; ++k) {
     const Dense3 moment = calc_moment(s, eta, k);
-    const double* G = s.first + 9 * k;
-    const double transposed[9] = {G[0], G[3], G[6], G[1], G[4], G[7], G[2], G[5], G[8]};
-    add(P, eta[k], moment.n);
+    const double* G = s.get_first(k).n;
+    const Dense3 transposed{{G[0], G[3], G[6], G[1], G[4], G[7], G[2], G[5], G[8]}};
+    add(P, eta[k], moment);
     add(P, eta[k], transposed);
   }
   const double t = trace(P);
@@ -77,10 +141,10 @@ struct Turn {
   Vec3 g, g_rate, w;  // w: of the marker relative to the body, body axes
   double scale;       // 1 / (1 + g²)
 };
-Turn calc_turn(const double* psi, const double* eta, const double* rate, int m) {
+Turn calc_turn(const MarkerShape& shape, const Coordinates& c, int m) {
   Turn t;
-  t.g = 0.5 * combine(psi, eta, m);
-  t.g_rate = 0.5 * combine(psi, rate, m);
+  t.g = 0.5 * combine(shape.turn, c.eta, m);
+  t.g_rate = 0.5 * combine(shape.turn, c.rate, m);
   t.scale = 1 / (1 + dot(t.g, t.g));
   t.w = (2 * t.scale) * (t.g_rate + cross(t.g, t.g_rate));
   return t;
@@ -96,9 +160,9 @@ struct Carried {
 };
 Carried calc_carried(const PlanData& plan, const PlanMarker& marker, const Mat3& R, const Coordinates& c) {
   const int m = plan.flexible[at(marker.flexible)].modes;
-  const double* phi = plan.modal.data() + marker.numbers;
-  const Vec3 u = marker.position + combine(phi, c.eta, m);
-  return {u, R * u, combine(phi, c.rate, m), calc_turn(phi + 3 * m, c.eta, c.rate, m), R};
+  const MarkerShape shape = get_marker_shape(plan, marker, m);
+  const Vec3 u = marker.position + combine(shape.displacement, c.eta, m);
+  return {u, R * u, combine(shape.displacement, c.rate, m), calc_turn(shape, c, m), R};
 }
 
 // x = p + R u, q ⊗ (1, g); in the marker's axes its angular velocity is R_relᵀ (w + w_rel).
@@ -130,51 +194,24 @@ void write_body(Evaluation& ev, int body, const BodyState& s) {
   write(ev.blocks.data(), ev.places[at(body)], &BodyLane::motion, {s.p, s.q, s.v, s.w});
 }
 
-// The arrays of a body and of a marker, one behind the other: `take(n)` returns the place of the next n numbers.
-template <class Take>
-ModalWork arrange_work(int m, Take take) {
-  ModalWork w;
-  w.force = take(m);
-  w.acceleration = take(m);
-  w.A = take(6 * 6);
-  w.B = {take(6 * m)};
-  w.E = {take(m * m), m};
-  w.C = {take(6 * m)};
-  w.W = {take(6 * m)};
-  w.D = {take(6 * m)};
-  w.free = take(m);
-  w.root = {take(6 * 6), 6};
-  w.root_load = take(6);
-  return w;
-}
-template <class Take>
-MarkerWork arrange_marker(int m, Take take) {
-  MarkerWork w;
-  w.columns = {take(6 * m)};
-  w.arm = take(3);
-  w.bias = take(6);
-  return w;
-}
-// The two ways to take: from memory, and for the count alone.
-auto take_from(double* memory) {
-  return [next = memory](int n) mutable { return std::exchange(next, next + n); };
-}
-auto count_into(int& size) {
-  return [&size](int n) -> double* {
-    size += n;
-    return nullptr;
-  };
-}
-
 }  // namespace
 
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept {
-  const double* n = plan.modal.data() + body.numbers;
-  const int m = body.modes;
-  return {m, n, n + 3 * m, n + 12 * m, n + 12 * m + 9 * m * m, n + 13 * m + 9 * m * m};
+  return arrange_shape<const double>(body.modes, take_from(plan.modal.data() + body.numbers));
+}
+ModalShapeOf<double> add_shape(PlanData& plan, int m) {
+  int size = 0;
+  arrange_shape<double>(m, count_into(size));
+  return arrange_shape<double>(m, take_from(add_numbers(plan, size)));
 }
 
-ModalWork get_work(const PlanData&, const PlanFlexible& body, Evaluation& ev) noexcept {
+MarkerShapeOf<double> add_marker_shape(PlanData& plan, int m) {
+  int size = 0;
+  arrange_marker_shape<double>(m, count_into(size));
+  return arrange_marker_shape<double>(m, take_from(add_numbers(plan, size)));
+}
+
+ModalWork get_work(const PlanFlexible& body, Evaluation& ev) noexcept {
   return arrange_work(body.modes, take_from(ev.modal.data() + body.work));
 }
 int get_work_size(int m) noexcept {
@@ -183,7 +220,7 @@ int get_work_size(int m) noexcept {
   return size;
 }
 
-MarkerWork get_marker(const PlanData&, const PlanFlexible& body, int marker, Evaluation& ev) noexcept {
+MarkerWork get_marker(const PlanFlexible& body, int marker, Evaluation& ev) noexcept {
   const int m = body.modes, before = get_work_size(m) + (marker - body.first_marker) * get_marker_size(m);
   return arrange_marker(m, take_from(ev.modal.data() + body.work + before));
 }
@@ -207,13 +244,13 @@ void update_markers(const PlanData& plan, Evaluation& ev) noexcept {
       const PlanMarker& marker = plan.markers[at(i)];
       const Carried carried = calc_carried(plan, marker, R, c);
       write_body(ev, marker.body, carry(carried, frame));
-      const MarkerWork work = get_marker(plan, body, i, ev);
-      const double *phi = plan.modal.data() + marker.numbers, *psi = phi + 3 * body.modes;
+      const MarkerWork work = get_marker(body, i, ev);
+      const MarkerShape shape = get_marker_shape(plan, marker, body.modes);
       const Turn& t = carried.turn;
       write(work.arm, carried.arm);
       for (int k = 0; k < body.modes; ++k) {
-        const Vec3 axis = read(psi + 3 * k);
-        write(work.columns[k], R * read(phi + 3 * k));
+        const Vec3 axis = read(shape.turn + 3 * k);
+        write(work.columns[k], R * read(shape.displacement + 3 * k));
         write(work.columns[k] + 3, R * (t.scale * (axis + cross(t.g, axis))));
       }
     }
@@ -239,13 +276,14 @@ void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) 
     const Vec3 w = read(ev.blocks.data(), place, &BodyLane::w_W);
     const Coordinates c = get_coordinates(body, ev);
     for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
-      const MarkerWork work = get_marker(plan, body, i, ev);
+      const MarkerWork work = get_marker(body, i, ev);
       Spatial bias{{0, 0, 0}, {0, 0, 0}};
       if (kind == RowTarget::kAcceleration) {
-        const double *phi = plan.modal.data() + plan.markers[at(i)].numbers, *psi = phi + 3 * body.modes;
-        const Turn t = calc_turn(psi, c.eta, c.rate, body.modes);
+        const MarkerShape shape = get_marker_shape(plan, plan.markers[at(i)], body.modes);
+        const Turn t = calc_turn(shape, c, body.modes);
         const Vec3 w_rel = R * t.w;
-        bias.lin = cross(w, cross(w, read(work.arm))) + 2.0 * cross(w, R * combine(phi, c.rate, body.modes));
+        bias.lin =
+            cross(w, cross(w, read(work.arm))) + 2.0 * cross(w, R * combine(shape.displacement, c.rate, body.modes));
         bias.ang = cross(w, w_rel) - (2 * t.scale * dot(t.g, t.g_rate)) * w_rel;
       }
       write(work.bias, bias.lin);
@@ -263,7 +301,7 @@ void add_flexible_forces(const PlanData& plan, const Implicit& implicit, Evaluat
   for (const PlanFlexible& body : plan.flexible) {
     const Place place = ev.places[at(body.body)];
     const ModalShape s = get_shape(plan, body);
-    const ModalWork work = get_work(plan, body, ev);
+    const ModalWork work = get_work(body, ev);
     const Coordinates c = get_coordinates(body, ev);
     const int m = body.modes;
     const Mat3 R = read(blocks, place, &BodyLane::R);
@@ -273,12 +311,12 @@ void add_flexible_forces(const PlanData& plan, const Implicit& implicit, Evaluat
     Dense3 Q{};
     for (int k = 0; k < m; ++k) {
       const Dense3 P = calc_moment(s, c.eta, k);
-      add(Q, c.rate[k], P.n);
+      add(Q, c.rate[k], P);
       Dense3 turning{};
-      for (int l = 0; l < m; ++l) add(turning, c.rate[l], s.second + 9 * (l * m + k));
-      work.force[k] = ((dot(read(s.momentum + 3 * k), g) - 2 * dot(w, cross_of(turning))) -
-                       (dot(w, times(P, w)) - dot(w, w) * trace(P))) -
-                      (s.stiffness[k] * c.eta[k] + s.damping[k] * c.rate[k]);
+      for (int l = 0; l < m; ++l) add(turning, c.rate[l], s.get_second(l, k));
+      work.force[k] =
+          ((dot(s.get_momentum(k), g) - 2 * dot(w, cross_of(turning))) - (dot(w, times(P, w)) - dot(w, w) * trace(P))) -
+          (s.stiffness[k] * c.eta[k] + s.damping[k] * c.rate[k]);
       if (body.implicit) work.force[k] += calc_modal_lead(body, s, implicit, ev, k);
     }
     const Vec3 force = (body.mass * g - 2.0 * cross(w, flow)) - cross(w, cross(w, moment));
@@ -289,7 +327,7 @@ void add_flexible_forces(const PlanData& plan, const Implicit& implicit, Evaluat
 
 void update_modal_rates(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible) {
-    const ModalWork work = get_work(plan, body, ev);
+    const ModalWork work = get_work(body, ev);
     for (int k = 0; k < body.modes; ++k) {
       ev.auxiliary.rate[at(body.auxiliary + k)] = ev.auxiliary.now[at(body.auxiliary + body.modes + k)];
       ev.auxiliary.rate[at(body.auxiliary + body.modes + k)] = work.acceleration[k];
@@ -309,21 +347,20 @@ void lead_modal_rates(const PlanData& plan, const Implicit& implicit, Evaluation
 
 void clear_modal_forces(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible) {
-    const ModalWork work = get_work(plan, body, ev);
+    const ModalWork work = get_work(body, ev);
     for (int k = 0; k < body.modes; ++k) work.force[k] = 0;
   }
 }
 
 void add_modal_displacements(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible)
-    for (int k = 0; k < body.modes; ++k)
-      ev.auxiliary.now[at(body.auxiliary + k)] += get_work(plan, body, ev).acceleration[k];
+    for (int k = 0; k < body.modes; ++k) ev.auxiliary.now[at(body.auxiliary + k)] += get_work(body, ev).acceleration[k];
 }
 
 void add_modal_velocities(const PlanData& plan, Evaluation& ev) noexcept {
   for (const PlanFlexible& body : plan.flexible)
     for (int k = 0; k < body.modes; ++k)
-      ev.auxiliary.now[at(body.auxiliary + body.modes + k)] += get_work(plan, body, ev).acceleration[k];
+      ev.auxiliary.now[at(body.auxiliary + body.modes + k)] += get_work(body, ev).acceleration[k];
 }
 
 Balance calc_flexible_balance(const PlanData& plan, const PlanFlexible& body, const BodyState& state,
@@ -337,11 +374,8 @@ Balance calc_flexible_balance(const PlanData& plan, const PlanFlexible& body, co
   Dense3 Q{};
   double modal = 0;
   for (int k = 0; k < m; ++k) {
-    add(Q, rate[k], calc_moment(s, eta, k).n);
-    for (int l = 0; l < m; ++l) {
-      const double* H = s.second + 9 * (k * m + l);
-      modal += rate[k] * rate[l] * (H[0] + H[4] + H[8]);
-    }
+    add(Q, rate[k], calc_moment(s, eta, k));
+    for (int l = 0; l < m; ++l) modal += rate[k] * rate[l] * trace(s.get_second(k, l));
   }
   const Vec3 spin = calc_inertia(body, s, eta) * state.w, turning = cross_of(Q), flow_W = R * flow;
   Balance out;

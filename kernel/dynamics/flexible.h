@@ -20,14 +20,42 @@
 
 namespace unlatch {
 
-// Numbers of a flexible body in PlanData::modal and Evaluation::modal, m modes. Three numbers per mode and vector: k,
-// then xyz.
-struct ModalShape {
-  int modes;
-  const double *momentum, *first, *second;  // S (3 m), G (9 m, by rows), H (9 m², by rows; kl)
-  const double *stiffness, *damping;        // ω², 1/s²; 2 ζ ω, 1/s
+// Nine numbers of a 3×3 matrix Σ m a bᵀ, by rows.
+struct Moment {
+  const double* n;
 };
+UNLATCH_INLINE double trace(Moment a) { return (a.n[0] + a.n[4]) + a.n[8]; }
+// Σ m a × b
+UNLATCH_INLINE Vec3 cross_of(Moment a) { return {a.n[5] - a.n[7], a.n[6] - a.n[2], a.n[1] - a.n[3]}; }
+
+// Numbers of a flexible body with m modes in PlanData::modal; Number is double where they are written, const double
+// where they are read.
+template <class Number>
+struct ModalShapeOf {
+  int modes;
+  Number* momentum;   // 3 m: S
+  Number* first;      // 9 m: G
+  Number* second;     // 9 m²: H, kl
+  Number* stiffness;  // m: ω², 1/s²
+  Number* damping;    // m: 2 ζ ω, 1/s
+
+  Vec3 get_momentum(int k) const { return {momentum[3 * k], momentum[3 * k + 1], momentum[3 * k + 2]}; }
+  Moment get_first(int k) const { return {first + 9 * k}; }
+  Moment get_second(int k, int l) const { return {second + 9 * (k * modes + l)}; }
+};
+using ModalShape = ModalShapeOf<const double>;
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept;
+
+// Numbers of a marker in PlanData::modal: its displacement Φ and its turn Ψ, three per mode.
+template <class Number>
+struct MarkerShapeOf {
+  Number *displacement, *turn;
+};
+using MarkerShape = MarkerShapeOf<const double>;
+
+// Room for a body's or a marker's numbers behind those of PlanData::modal, for the compilation.
+ModalShapeOf<double> add_shape(PlanData& plan, int modes);
+MarkerShapeOf<double> add_marker_shape(PlanData& plan, int modes);
 
 // Six numbers per mode, one mode behind the other.
 struct SixPerMode {
@@ -52,7 +80,7 @@ struct ModalWork {
   LowerTriangle root;  // 6 × 6: factor of the block that is left
   double* root_load;   // 6
 };
-ModalWork get_work(const PlanData& plan, const PlanFlexible& body, Evaluation& ev) noexcept;
+ModalWork get_work(const PlanFlexible& body, Evaluation& ev) noexcept;
 int get_work_size(int m) noexcept;
 
 // Motion of one marker relative to its body at one stage, world axes. Computed by update_markers() and
@@ -62,7 +90,7 @@ struct MarkerWork {
   double* arm;         // 3: from the body's origin
   double* bias;        // 6: what its acceleration is beyond that
 };
-MarkerWork get_marker(const PlanData& plan, const PlanFlexible& body, int marker, Evaluation& ev) noexcept;
+MarkerWork get_marker(const PlanFlexible& body, int marker, Evaluation& ev) noexcept;
 int get_marker_size(int m) noexcept;
 
 // Poses and velocities of all markers, from their bodies and ev.auxiliary.

@@ -118,9 +118,8 @@ void init_node(const Node& node, Evaluation& ev, const Sweep& sweep, bool with_b
 
   const double* eta = ev.auxiliary.now.data() + body.auxiliary;
   const Mat3 R = read(blocks, node.place, &BodyLane::R);
-  const auto read3 = [](const double* n) { return Vec3{n[0], n[1], n[2]}; };
   Vec3 moment{0, 0, 0};
-  for (int k = 0; k < m; ++k) moment += eta[k] * read3(node.shape.momentum + 3 * k);
+  for (int k = 0; k < m; ++k) moment += eta[k] * node.shape.get_momentum(k);
   moment = R * moment;
   const Sym3 masses{body.mass, body.mass, body.mass, 0, 0, 0};
   // −(m c)~: a turn about the origin accelerates the centre of mass
@@ -128,14 +127,10 @@ void init_node(const Node& node, Evaluation& ev, const Sweep& sweep, bool with_b
   to_matrix({masses, coupling, read(blocks, node.place, &SharedLane::inertia)}, node.work.A);
   for (int k = 0; k < m; ++k) {
     // Σ m u × Φ_k = Σ m r × Φ_k + Σ η_l Σ m Φ_l × Φ_k
-    const double* G = node.shape.first + 9 * k;
-    Vec3 turning{G[5] - G[7], G[6] - G[2], G[1] - G[3]};
-    for (int l = 0; l < m; ++l) {
-      const double *H = node.shape.second + 9 * (l * m + k), *mirror = node.shape.second + 9 * (k * m + l);
-      turning += eta[l] * Vec3{H[5] - H[7], H[6] - H[2], H[1] - H[3]};
-      if (l <= k) node.work.E(k, l) = (mirror[0] + mirror[4]) + mirror[8];
-    }
-    const Vec3 push = R * read3(node.shape.momentum + 3 * k);
+    Vec3 turning = cross_of(node.shape.get_first(k));
+    for (int l = 0; l < m; ++l) turning += eta[l] * cross_of(node.shape.get_second(l, k));
+    for (int l = 0; l <= k; ++l) node.work.E(k, l) = trace(node.shape.get_second(k, l));
+    const Vec3 push = R * node.shape.get_momentum(k);
     turning = R * turning;
     const double column[6] = {push.x, push.y, push.z, turning.x, turning.y, turning.z};
     for (int i = 0; i < 6; ++i) node.work.B[k][i] = column[i];
@@ -148,7 +143,7 @@ void init_node(const Node& node, Evaluation& ev, const Sweep& sweep, bool with_b
 void add_marker(const PlanData& plan, const Node& node, Evaluation& ev, const Sweep& sweep, int i, bool with_block,
                 Six& b) {
   const PlanMarker& marker = plan.markers[at(i)];
-  const MarkerWork work = get_marker(plan, node.body, i, ev);
+  const MarkerWork work = get_marker(node.body, i, ev);
   const Place place = ev.places[at(marker.body)];
   const double* blocks = ev.blocks.data();
   const int m = node.body.modes;
@@ -229,11 +224,11 @@ void eliminate_modes(const Node& node, Triangle triangle, double* left) {
 
 // Backward pass for one body. False if a pivot vanishes.
 bool eliminate(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const PlanFlexible& body, bool with_block) {
-  const Node node{body, get_shape(plan, body), get_work(plan, body, ev), ev.places[at(body.body)]};
+  const Node node{body, get_shape(plan, body), get_work(body, ev), ev.places[at(body.body)]};
   const ModalWork& w = node.work;
   const int m = body.modes;
   const bool held = body.inboard != kNone;
-  const MarkerWork holder = get_marker(plan, body, held ? body.inboard : body.first_marker, ev);
+  const MarkerWork holder = get_marker(body, held ? body.inboard : body.first_marker, ev);
   Six b;
   init_node(node, ev, sweep, with_block, b);
   for (int i = body.first_marker; i < body.first_marker + body.markers; ++i)
@@ -266,7 +261,7 @@ bool eliminate(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const P
 }
 
 void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const PlanFlexible& body) {
-  const ModalWork w = get_work(plan, body, ev);
+  const ModalWork w = get_work(body, ev);
   const int m = body.modes;
   double* blocks = ev.blocks.data();
   Six a;
@@ -278,7 +273,7 @@ void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const 
   }
   for (int k = 0; k < m; ++k) w.acceleration[k] = w.free[k] - dot6(w.W[k], a);
   if (body.inboard != kNone) {
-    const MarkerWork holder = get_marker(plan, body, body.inboard, ev);
+    const MarkerWork holder = get_marker(body, body.inboard, ev);
     for (int i = 0; i < 6 && sweep.biased; ++i) a[i] -= holder.bias[i];
     move_motion(holder.arm, -1, a);
     for (int k = 0; k < m; ++k)
@@ -287,7 +282,7 @@ void substitute(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const 
   write(blocks, ev.places[at(body.body)], &SharedLane::acceleration, to_spatial(a));
   for (int i = body.first_marker; i < body.first_marker + body.markers; ++i) {
     if (i == body.inboard) continue;
-    const MarkerWork marker = get_marker(plan, body, i, ev);
+    const MarkerWork marker = get_marker(body, i, ev);
     Six carried;
     for (int k = 0; k < 6; ++k) carried[k] = a[k];
     move_motion(marker.arm, 1, carried);

@@ -190,7 +190,7 @@ class LoopPass {
   // A marker outboard of its body: its wrench on the body's frame and on the modal coordinates.
   void pass_marker(const LoopNode& node, const Columns<T>& loads) const {
     const PlanFlexible& body = get_flexible(node);
-    const MarkerWork marker = get_marker(plan_, body, node.marker, ev_);
+    const MarkerWork marker = get_marker(body, node.marker, ev_);
     const Columns<T> modal = get_columns(node.modal);
     for (int k = 0; k < body.modes; ++k) {
       const SpatialT<T> column = spread<T>(to_spatial(marker.columns[k]));
@@ -203,7 +203,7 @@ class LoopPass {
   // In the terms of flexible_solver.cc: f' = f − Dᵀ b, b' = Yᵀ b, b'' = b' − Wᵀ f', with E' = L D Lᵀ.
   void pass_flexible(const LoopNode& node, const Columns<T>& loads) const {
     const PlanFlexible& body = get_flexible(node);
-    const ModalWork work = get_work(plan_, body, ev_);
+    const ModalWork work = get_work(body, ev_);
     const Columns<T> modal = get_columns(node.modal);
     const bool held = body.inboard != kNone;
     for (int k = 0; k < body.modes && held; ++k) {
@@ -211,7 +211,7 @@ class LoopPass {
       modal.for_packs([&](int c) { modal.set(k, c, modal.get(k, c) - dot(D, loads.get_spatial(c))); });
     }
     if (held) {
-      const double* arm = get_marker(plan_, body, body.inboard, ev_).arm;
+      const double* arm = get_marker(body, body.inboard, ev_).arm;
       move({-arm[0], -arm[1], -arm[2]}, loads);
     }
     for (int k = 0; k < body.modes; ++k) {
