@@ -35,8 +35,8 @@ class GeometryPairs : public ::testing::TestWithParam<std::tuple<int, int>> {
       const Distance d = calc_distance(geometry::compile_shape(a), at_a, geometry::compile_shape(b), at_b);
       SCOPED_TRACE("pair " + std::to_string(i) + ", distance " + std::to_string(d.distance));
       EXPECT_NEAR(norm(d.normal), 1, 1e-14);
-      EXPECT_LE(calc_outside(a, at_a, d.on_a), kError);
-      EXPECT_LE(calc_outside(b, at_b, d.on_b), kError);
+      EXPECT_LE(PointDistance(a, at_a)(d.on_a), kError);
+      EXPECT_LE(PointDistance(b, at_b)(d.on_b), kError);
       const double slab = -calc_extent(a, at_a, d.normal) - calc_extent(b, at_b, -d.normal);
       EXPECT_NEAR(d.distance, slab, kError);
       EXPECT_LE(norm((d.on_b - d.on_a) - d.distance * d.normal), d.distance > 0 ? kError : kOpposite);

@@ -2,6 +2,9 @@
 // of the kernel's; random shapes and places.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "tests/support/random.h"
 #include "unlatch/geometry.h"
 
@@ -25,11 +28,30 @@ geometry::Placement draw_placement(Random& random, double reach);
 // Farthest extent, m, of the shape along the unit vector n of W, from W's origin.
 double calc_extent(const geometry::Shape& shape, const geometry::Placement& at, const Vec3& n);
 
-// Distance, m, of the point of W outside the shape, 0 inside: no more than the true distance, and 0 only inside.
-double calc_outside(const geometry::Shape& shape, const geometry::Placement& at, const Vec3& p);
+// Distance, m, of points of W to a convex solid, exact; 0 inside.
+class PointDistance {
+ public:
+  PointDistance(const geometry::Shape& solid, const geometry::Placement& at);
+  double operator()(const Vec3& p) const;
 
-// Least extent, m, of the two shapes' difference over a dense set of directions, refined by pattern search: depth of an
-// overlap.
+ private:
+  struct Facet {
+    Vec3 a, b, c, n;  // corners; outward unit normal
+  };
+
+  geometry::ShapeKind kind_;
+  Vec3 from_, axis_;                     // m; unit vector
+  double length_, radius_, end_radius_;  // m
+  Mat3 R_WS_;                            // of a box
+  Vec3 half_size_;                       // m, of a box
+  std::vector<Facet> facets_;            // of a hull
+};
+
+// Least of a function of the direction over a dense set of directions, refined by pattern search from the least of them
+// and from so many more that are 0.3 apart.
+double search_directions(const std::function<double(const Vec3& n)>& function, int directions, int starts = 1);
+
+// Least extent, m, of the two shapes' difference over the directions: depth of an overlap.
 double search_depth(const geometry::Shape& a, const geometry::Placement& at_a, const geometry::Shape& b,
                     const geometry::Placement& at_b, int directions);
 

@@ -34,138 +34,126 @@ double minimise(const Function& f, double low, double high, int steps) {
   return least;
 }
 
-double calc_segment_distance(double x, double y, double x0, double y0, double x1, double y1) {
-  const double dx = x1 - x0, dy = y1 - y0;
-  const double t = std::clamp(((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  return std::hypot(x - (x0 + t * dx), y - (y0 + t * dy));
-}
-
-double calc_triangle_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const auto to_edge = [&](const Vec3& from, const Vec3& to) {
-    const Vec3 d = to - from;
-    return norm(p - (from + std::clamp(dot(p - from, d) / dot(d, d), 0.0, 1.0) * d));
-  };
-  const Vec3 n = cross(b - a, c - a);
-  if (dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 && dot(cross(a - c, p - c), n) >= 0)
-    return std::fabs(dot(n, p - a)) / norm(n);
-  return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
-}
-
 // Point of the wall between two points of its profile.
 Vec3 calc_wall_point(const ProfilePoint& from, const ProfilePoint& to, double azimuth, double share) {
   const double r = from.r + share * (to.r - from.r), z = from.z + share * (to.z - from.z);
   return {r * std::cos(azimuth), r * std::sin(azimuth), z};
 }
 
-}  // namespace
+// Range of a wall's azimuths, rad.
+struct Azimuths {
+  double first, last;
+};
 
-double calc_point_distance(const Shape& s, const Placement& at, const Vec3& p) {
-  const Vec3 l = transpose_times(at.R_WB, p - at.p_WB);
-  const Vec3 axis = s.to - s.from;
-  const double length = norm(axis), z = dot(l - s.from, axis) / length, rho = norm(cross(axis, l - s.from)) / length;
-  const auto revolved = [&](double r0, double r1) {
-    if (z >= 0 && z <= length && rho <= r0 + (r1 - r0) * z / length) return 0.0;
-    return std::min({calc_segment_distance(rho, z, 0, 0, std::max(r0, 1e-300), 0),
-                     calc_segment_distance(rho, z, r0, 0, r1, length),
-                     calc_segment_distance(rho, z, 0, length, std::max(r1, 1e-300), length)});
-  };
-  switch (s.kind) {
-    case ShapeKind::kSphere:
-      return std::max(0.0, norm(l - s.from) - s.radius);
-    case ShapeKind::kCapsule:
-      return std::max(0.0, norm(l - (s.from + (std::clamp(z, 0.0, length) / length) * axis)) - s.radius);
-    case ShapeKind::kCylinder:
-      return revolved(s.radius, s.radius);
-    case ShapeKind::kCone:
-      return revolved(s.radius, 0);
-    case ShapeKind::kFrustum:
-      return revolved(s.radius, s.end_radius);
-    case ShapeKind::kBox: {
-      const Vec3 m = transpose_times(rotation_matrix(s.q_BS), l - s.from);
-      return std::hypot(std::max(0.0, std::fabs(m.x) - 0.5 * s.size.x), std::max(0.0, std::fabs(m.y) - 0.5 * s.size.y),
-                        std::max(0.0, std::fabs(m.z) - 0.5 * s.size.z));
-    }
-    default:
-      break;
+Azimuths get_azimuths(const Shape& wall) { return wall.half ? Azimuths{-0.5 * kPi, 0.5 * kPi} : Azimuths{-kPi, kPi}; }
+
+// Least value over the wall's azimuths of a function that changes by at most `rate` a radian: at steps of the range
+// where it can be less than the least so far (Piyavskii 1972, Shubert 1972), then by golden section about each of the
+// least steps.
+template <typename Coarse, typename Fine>
+double minimise_around(const Shape& wall, double rate, const Coarse& coarse, const Fine& fine) {
+  constexpr int kSteps = 512, kFirst = 32;  // powers of two
+  constexpr double kSlack = 1e-4;           // m, of the steps' values
+  const auto [first, last] = get_azimuths(wall);
+  const double step = (last - first) / kSteps;
+  double values[kSteps + 1];
+  std::fill(std::begin(values), std::end(values), std::numeric_limits<double>::infinity());
+  double best = std::numeric_limits<double>::infinity();
+  const auto measure = [&](int k) { best = std::min(best, values[k] = coarse(first + k * step)); };
+  for (int k = 0; k <= kSteps; k += kSteps / kFirst) measure(k);
+  for (int width = kSteps / kFirst; width > 1; width /= 2) {
+    for (int k = 0; k < kSteps; k += width)
+      if (0.5 * (values[k] + values[k + width] - rate * width * step) < best + kSlack) measure(k + width / 2);
   }
-  if (!(calc_outside(s, at, p) > 0)) return 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < s.points.size(); ++i)
-    for (std::size_t j = i + 1; j < s.points.size(); ++j)
-      for (std::size_t k = j + 1; k < s.points.size(); ++k)
-        least = std::min(least, calc_triangle_distance(l, s.points[i], s.points[j], s.points[k]));
+  double least = best;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double left = k > 0 ? values[k - 1] : (wall.half ? values[k] : values[kSteps - 1]);
+    const double right = k < kSteps ? values[k + 1] : (wall.half ? values[k] : values[1]);
+    if (values[k] > left || values[k] > right || values[k] > best + rate * step + kSlack) continue;
+    const double angle = first + k * step, low = angle - step, high = angle + step;
+    least = std::min(
+        least, minimise(fine, wall.half ? std::max(first, low) : low, wall.half ? std::min(last, high) : high, 44));
+  }
   return least;
 }
 
-double search_wall(const Shape& wall, const Shape& body, const Placement& at, int azimuths) {
+}  // namespace
+
+double search_wall(const Shape& wall, const Shape& body, const Placement& at) {
+  const PointDistance distance(body, at);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < wall.profile.size(); ++i) {
     const ProfilePoint &from = wall.profile[i], &to = wall.profile[i + 1];
     // A distance to a convex solid is convex along a generator.
     const auto of_generator = [&](double azimuth, int steps) {
-      const auto f = [&](double share) {
-        return calc_point_distance(body, at, calc_wall_point(from, to, azimuth, share));
-      };
-      return minimise(f, 0, 1, steps);
+      return minimise([&](double share) { return distance(calc_wall_point(from, to, azimuth, share)); }, 0, 1, steps);
     };
-    const double first = wall.half ? -0.5 * kPi : 0, step = (wall.half ? kPi : 2 * kPi) / azimuths;
-    const double last = first + azimuths * step;
-    std::vector<double> coarse;
-    for (int k = 0; k <= azimuths; ++k) coarse.push_back(of_generator(first + k * step, 18));
-    const double best = *std::min_element(coarse.begin(), coarse.end());
-    least = std::min(least, best);
-    const double reach = std::max(from.r, to.r) * step + 1e-3;
-    for (int k = 0; k <= azimuths; ++k) {
-      const auto get = [&](int place) { return coarse[static_cast<std::size_t>(place)]; };
-      const double here = get(k), left = k > 0 ? get(k - 1) : (wall.half ? here : get(azimuths - 1));
-      const double right = k < azimuths ? get(k + 1) : (wall.half ? here : get(1));
-      if (here > left || here > right || here > best + reach || here == 0) continue;
-      const double angle = first + k * step;
-      const double low = wall.half ? std::max(first, angle - step) : angle - step;
-      const double high = wall.half ? std::min(last, angle + step) : angle + step;
-      least = std::min(least, minimise([&](double azimuth) { return of_generator(azimuth, 52); }, low, high, 48));
-    }
+    // Points of a generator move by their radius a radian, and a distance changes by no more than its point moves.
+    least = std::min(least, minimise_around(
+                                wall, std::max(from.r, to.r), [&](double azimuth) { return of_generator(azimuth, 24); },
+                                [&](double azimuth) { return of_generator(azimuth, 46); }));
+    if (least == 0) return 0;
   }
   return least;
 }
 
 double search_crossed_wall(const Shape& wall, const Shape& body, const Placement& at) {
   const ProfilePoint &from = wall.profile[0], &to = wall.profile[1];
-  // A strip is so wide that only directions in its meridian plane lead out of it.
-  const auto calc_way_out = [&](double azimuth, double angle) {
-    const Vec3 n{std::cos(azimuth) * std::cos(angle), std::sin(azimuth) * std::cos(angle), std::sin(angle)};
-    const double of_strip =
-        std::max(dot(n, calc_wall_point(from, to, azimuth, 0)), dot(n, calc_wall_point(from, to, azimuth, 1)));
-    return of_strip + calc_extent(body, at, -n);
+  // Translation along n that leads the body out of the strip. A strip is unbounded along its tangent, but for that of a
+  // half wall, which ends on the plane x = 0; n leans from the meridian plane towards that end.
+  const auto calc_way_out = [&](double azimuth, double angle, double lean) {
+    const double c = std::cos(azimuth), s = std::sin(azimuth), side = azimuth < 0 ? -1 : 1;
+    const double along = std::cos(lean) * std::cos(angle), across = std::sin(lean) * side;
+    const Vec3 n{along * c - across * s, along * s + across * c, std::cos(lean) * std::sin(angle)};
+    const auto calc_end = [&](const ProfilePoint& p) {
+      return lean > 0 ? n.y * p.r / s + n.z * p.z : along * p.r + n.z * p.z;
+    };
+    return std::max(calc_end(from), calc_end(to)) + calc_extent(body, at, -n);
   };
-  const auto in = [&](double azimuth) {
-    constexpr int kAngles = 240;
-    constexpr double kStep = 2 * kPi / kAngles;
-    double coarse[kAngles], least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < kAngles; ++k) coarse[k] = calc_way_out(azimuth, k * kStep), least = std::min(least, coarse[k]);
+  constexpr double kMostLean = 0.5 * kPi;
+  const auto calc_depth = [&](double azimuth) {
+    constexpr int kAngles = 120, kLeans = 8;
+    const int leans = wall.half && std::fabs(azimuth) > 1e-6 ? kLeans : 0;
+    constexpr double kAngleStep = 2 * kPi / kAngles, kLeanStep = kMostLean / kLeans;
+    std::vector<double> coarse;
+    for (int lean = 0; lean <= leans; ++lean)
+      for (int k = 0; k < kAngles; ++k) coarse.push_back(calc_way_out(azimuth, k * kAngleStep, lean * kLeanStep));
+    const double least = *std::min_element(coarse.begin(), coarse.end());
     double depth = least;
-    for (int k = 0; k < kAngles; ++k) {
-      const double here = coarse[k], left = coarse[(k + kAngles - 1) % kAngles], right = coarse[(k + 1) % kAngles];
-      if (here > left || here > right || here > least + 0.1) continue;
-      const auto f = [&](double angle) { return calc_way_out(azimuth, angle); };
-      depth = std::min(depth, minimise(f, (k - 1) * kStep, (k + 1) * kStep, 40));
+    const auto get = [&](int lean, int k) {
+      return coarse[static_cast<std::size_t>(std::clamp(lean, 0, leans) * kAngles + (k + kAngles) % kAngles)];
+    };
+    for (int lean = 0; lean <= leans; ++lean) {
+      for (int k = 0; k < kAngles; ++k) {
+        const double here = get(lean, k);
+        if (here > least + 0.1 ||
+            here > std::min({get(lean, k - 1), get(lean, k + 1), get(lean - 1, k), get(lean + 1, k)}))
+          continue;
+        const double angle = k * kAngleStep, low = std::max(0.0, (lean - 1) * kLeanStep);
+        const double high = std::min(kMostLean, (lean + 1) * kLeanStep);
+        const auto of_angle = [&](double a) {
+          if (leans == 0) return calc_way_out(azimuth, a, 0);
+          return minimise([&](double l) { return calc_way_out(azimuth, a, l); }, low, high, 36);
+        };
+        depth = std::min(depth, minimise(of_angle, angle - kAngleStep, angle + kAngleStep, 36));
+      }
     }
-    return -depth;
+    return depth;
   };
-  constexpr int kAzimuths = 360;
-  constexpr double kStep = 2 * kPi / kAzimuths;
-  double coarse[kAzimuths], least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < kAzimuths; ++k) coarse[k] = in(k * kStep), least = std::min(least, coarse[k]);
-  double height = least;
-  for (int k = 0; k < kAzimuths; ++k) {
-    const double here = coarse[k];
-    if (here > coarse[(k + kAzimuths - 1) % kAzimuths] || here > coarse[(k + 1) % kAzimuths] || here > least + 0.02)
-      continue;
-    height = std::min(height, minimise(in, (k - 1) * kStep, (k + 1) * kStep, 36));
-  }
-  const Shape solid{
-      .kind = ShapeKind::kFrustum, .from = {0, 0, from.z}, .to = {0, 0, to.z}, .radius = from.r, .end_radius = to.r};
-  return std::max(height, calc_distance(compile_shape(solid), {}, compile_shape(body), at).distance);
+  const auto in = [&](double azimuth) { return -calc_depth(azimuth); };
+  // A turning strip moves its points, and so its way out, by no more than the body is away from the axis.
+  double reach = 0;
+  for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}})
+    reach = std::max(reach, std::sqrt(2.0) * calc_extent(body, at, n));
+  const double height = minimise_around(wall, reach, in, in);
+  const auto calc_solid_extent = [&](const Vec3& n) {
+    const double radial = wall.half && n.x < 0 ? std::fabs(n.y) : std::hypot(n.x, n.y);
+    return std::max(from.r * radial + n.z * from.z, to.r * radial + n.z * to.z);
+  };
+  constexpr int kDirections = 1500, kStarts = 8;
+  const double out = -search_directions([&](const Vec3& n) { return calc_solid_extent(n) + calc_extent(body, at, -n); },
+                                        kDirections, kStarts);
+  return std::max(height, out);
 }
 
 }  // namespace unlatch::test

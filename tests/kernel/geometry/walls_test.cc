@@ -153,7 +153,7 @@ void expect_the_distance_of_their_points(std::uint64_t seed, int pairs) {
     Placement at = draw_placement(random, 2);
     at.p_WB.z += 1;
     const double found = calc_distance(compile_shape(wall), {}, compile_shape(body), at).distance;
-    const double wanted = search_wall(wall, body, at, 360);
+    const double wanted = search_wall(wall, body, at);
     ASSERT_NEAR(std::max(0.0, found), wanted, 1e-9 * 3) << "seed " << seed << ": pair " << i;
     crossing += found<0, apart += found> 0;
   }
@@ -161,14 +161,14 @@ void expect_the_distance_of_their_points(std::uint64_t seed, int pairs) {
   EXPECT_GT(crossing, pairs / 20);
 }
 
-TEST(GeometryWalls, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(11, 420); }
-TEST(GeometryWallsLong, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(23, 4200); }
+TEST(GeometryWalls, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(11, 1000); }
+TEST(GeometryWallsLong, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(23, 100000); }
 
 void expect_the_depth_of_their_strips(std::uint64_t seed, int pairs) {
   Random random(seed);
   int crossing = 0;
   for (int i = 0; crossing < pairs; ++i) {
-    Shape wall = hollow({{0, 1.5}, {2, 1.1}});
+    Shape wall = hollow({{0, 1.5}, {2, 1.1}}, i % 2 == 1);
     if (i % 3 == 0) wall.profile = {{0, 1.2}, {2, 1.2}};
     const Shape body = draw_body(random, kConvexKinds[i % 7], draw_size(random));
     Placement at = draw_placement(random, 1.6);
@@ -180,8 +180,8 @@ void expect_the_depth_of_their_strips(std::uint64_t seed, int pairs) {
   }
 }
 
-TEST(GeometryWalls, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(24, 14); }
-TEST(GeometryWallsLong, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(25, 350); }
+TEST(GeometryWalls, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(24, 100); }
+TEST(GeometryWallsLong, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(25, 10000); }
 
 TEST(GeometryWalls, AreContinuousThroughTheTouch) {
   Random random(12);
