@@ -24,6 +24,16 @@ def draw_body(draw):
     return {"mass": mass, "inertia": [round(mass / 12 * (x * x + y * y), 6) for x, y in ((b, c), (a, c), (a, b))]}
 
 
+def draw_shape(draw):
+    """Draws a shape of about half a metre near the body's origin."""
+    centre, radius = draw_vector(draw, 0.5), round(draw.uniform(0.05, 0.4), 3)
+    end = [round(c + e, 3) for c, e in zip(centre, draw_vector(draw, 0.4)[:2] + [0.5])]
+    return draw.choice(({"sphere": {"centre": centre, "radius": radius}}, {"capsule": {"from": centre, "to": end, "radius": radius}},
+                        {"cylinder": {"from": centre, "to": end, "radius": radius}}, {"cone": {"from": centre, "to": end, "radius": radius}},
+                        {"box": {"centre": centre, "size": [radius, round(2 * radius, 3), 0.3]}},
+                        {"hollow_cylinder": {"from": centre, "to": end, "radius": radius}}))
+
+
 def draw_profile(draw, size):
     kind = draw.randrange(4)
     if kind == 0:
@@ -41,6 +51,7 @@ class ScenarioDraw:
         self.draw = random.Random(seed)
         self.scenario = {"unlatch": 1, "name": f"random{seed}", "step": {"dt": self.draw.choice((0.0005, 0.001, 0.002)),
                                                                        "until": self.draw.choice((0.4, 0.8, 1.2))}}
+        self.watched = []  # pairs with a clearance
         self.names = [f"b{i}" for i in range(self.draw.randint(1, 12))]
 
     def build(self):
@@ -49,6 +60,7 @@ class ScenarioDraw:
             scenario["gravity"] = {"uniform": draw_vector(draw, 9.81)}
         self.add_tree()
         scenario["channels"] = {f"c{i}": {"initial": 0.5, "range": [0, 1], "safe": 0.25} for i in range(draw.randint(0, 2))}
+        self.add_shapes()
         self.add_elements()
         self.add_sensors()
         self.add_events()
@@ -79,11 +91,30 @@ class ScenarioDraw:
             between = draw.sample(self.names, 2)
             joints["loop"] = {"between": between, "modes": {"free": {"rows": []}, "plane": {"rows": ["x"]}}, "mode": "free"}
 
+    def add_shapes(self):
+        """Gives bodies shapes, and pairs of them contacts and clearances; a joint's two bodies do not touch each other."""
+        draw, bodies, joints = self.draw, self.scenario["bodies"], self.scenario["joints"]
+        shaped = [name for name in self.names if draw.random() < 0.6]
+        for name in shaped:
+            bodies[name]["shape"] = [draw_shape(draw) for _ in range(draw.randint(1, 3))]
+        joined = [set(joint["between"]) for joint in joints.values()]
+        pairs = [[a, b] for i, a in enumerate(shaped) for b in shaped[i + 1:] if {a, b} not in joined]
+        contacts = self.scenario["contacts"] = {}
+        for i, pair in enumerate(draw.sample(pairs, min(len(pairs), draw.randint(0, 3)))):
+            stiffness = min(bodies[body]["mass"] for body in pair) * draw.uniform(10, MOST_FREQUENCY) ** 2
+            contacts[f"k{i}"] = {"between": pair, draw.choice(("stiffness", "hertz_stiffness")): round(stiffness, 3),
+                                 "friction": draw.choice((0, 0.3)), "slip_speed": 0.1, "enabled": draw.random() < 0.9,
+                                 **draw.choice(({}, {"damping": 0.2}, {"restitution": {"coefficient": 0.5, "speed": 1}}))}
+        if contacts:
+            self.scenario["step"]["contact_substeps"] = draw.choice((1, 2, 8))
+        if pairs and draw.random() < 0.5:
+            self.watched = self.scenario["clearance"] = draw.sample(pairs, min(len(pairs), 2))
+
     def add_elements(self):
         draw, elements = self.draw, self.scenario.setdefault("elements", {})
         bodies = self.scenario["bodies"]
         for i in range(draw.randint(0, 6)):
-            kind, name = draw.randrange(5), draw.choice(self.names)
+            kind, name = draw.randrange(6), draw.choice(self.names)
             mass = bodies[name]["mass"]
             if kind < 2:
                 elements[f"e{i}"] = {"type": ("thrust", "torque")[kind], "body": name, "direction": draw_vector(draw, 1)[:2] + [1],
@@ -102,6 +133,13 @@ class ScenarioDraw:
                 stiffness = inertia * draw.uniform(0.5, math.sqrt(MOST_FREQUENCY)) ** 2
                 elements[f"e{i}"] = {"type": "joint_spring", "joint": joint, "axis": draw.choice(("rot_x", "rot_y", "rot_z")),
                                      "stiffness": round(stiffness, 4), "damping": round(stiffness / 20, 4), "rest": round(draw.uniform(-0.3, 0.3), 3)}
+            elif kind == 4 and len(self.names) > 1:
+                between = draw.sample(self.names, 2)
+                force = min(bodies[body]["mass"] for body in between) * draw.uniform(1, 10)
+                elements[f"e{i}"] = {"type": "pusher", "between": between, "stroke": round(draw.uniform(0.05, 1), 3), "preload": round(force, 3),
+                                     "stiffness": round(force / 2, 3), "damping": round(force / 50, 3), "friction": round(force / 100, 4),
+                                     "friction_speed": 0.1, "pull_only": draw.random() < 0.2,
+                                     **draw.choice(({}, {"guide": draw_vector(draw, 1)[:2] + [1]}))}
 
     def add_sensors(self):
         draw, sensors = self.draw, self.scenario.setdefault("sensors", {})
@@ -123,7 +161,7 @@ class ScenarioDraw:
             events.append(event)
 
     def draw_condition(self, until):
-        draw, kind = self.draw, self.draw.randrange(5)
+        draw, kind = self.draw, self.draw.randrange(7)
         if kind == 0 and self.tree:
             return {"speed": {"joint": draw.choice(self.tree), "axis": draw.choice(("x", "rot_z"))}, "above": round(draw.uniform(0, 1), 3)}
         if kind == 1:
@@ -132,6 +170,10 @@ class ScenarioDraw:
             return {"reaction": {"joint": draw.choice(self.tree), "row": "x"}, "below": round(draw.uniform(-10, 10), 3)}
         if kind == 3:
             return {"all": [{"time": round(draw.uniform(0, until), 4)}, {"not": {"signal": "fuse"}}]}
+        if kind == 4 and self.watched:
+            return {"clearance": {"between": draw.choice(self.watched)}, "below": round(draw.uniform(-0.2, 1), 3)}
+        if kind == 5 and self.scenario["contacts"]:
+            return {"contact": draw.choice(list(self.scenario["contacts"]))}
         return {"time": round(draw.uniform(0, until), 4)}
 
     def draw_action(self):
@@ -140,7 +182,8 @@ class ScenarioDraw:
         if kind < 2 and joints:
             joint = draw.choice(list(joints))
             return {"set_mode": {"joint": joint, "mode": draw.choice(list(joints[joint]["modes"]))}}
-        if kind == 2 and elements:
+        if kind == 2 and elements + list(self.scenario["contacts"]):
+            elements += list(self.scenario["contacts"])
             return draw.choice(({"switch": {"element": draw.choice(elements), "to": draw.choice((True, False, 0.5))}},
                                 {"ramp": {"element": draw.choice(elements), "to": 0, "over": 0.1}}))
         return {"raise": {"signal": "fuse", "to": draw.choice((0, 1, 2))}}
