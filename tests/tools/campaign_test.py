@@ -678,6 +678,52 @@ class CampaignTest(ProcessTest):
         self.assertAlmostEqual(fast[0]["total"], 0, delta=1e-9)
         self.assertTrue(math.isfinite(fast[0]["first"]))
 
+    def test_morris_effects_are_those_of_the_whole_grid(self):
+        # The speed is hypot(v, w), its value at any point known, so its elementary effects on all 4 x 4 levels are too.
+        trajectories, step = 2500, 2 / 3
+        ranges = {"v": (-1, 1), "w": (0, 2)}
+        parameters = "".join(f"  {name}: {{path: 'bodies.ball.velocity[{k}]', uniform: {{min: {low} m/s, max: {high} m/s}}}}\n"
+                             for k, (name, (low, high)) in enumerate(ranges.items()))
+        parameters += "  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n"
+        path = self.write(f"sampling: morris\nsamples: {4 * trajectories}\nseed: 11\nparameters:\n{parameters}")
+        summary = self.run_campaign(path, "out", code=(0, 1))
+        found = {e["parameter"]: e for e in next(c for c in summary["columns"] if c["name"] == "fast")["sensitivity"]["morris"]}
+        table, names = read_table(self.folder / "out"), {"v": "v [m/s]", "w": "w [m/s]", "m": "m"}
+        for row in table[::97]:
+            self.assertAlmostEqual(float(row["fast [m/s]"]), math.hypot(float(row["v [m/s]"]), float(row["w [m/s]"])), delta=1e-12)
+        # The table's own effects, from which coordinate moved and which way.
+        effects = {name: [] for name in names}
+        for begin in range(0, len(table), 4):
+            for before, after in zip(table[begin:begin + 3], table[begin + 1:begin + 4]):
+                moved = [name for name, column in names.items() if before[column] != after[column]]
+                self.assertEqual(len(moved), 1)
+                sign = math.copysign(1, float(after[names[moved[0]]]) - float(before[names[moved[0]]]))
+                effects[moved[0]].append(sign * (float(after["fast [m/s]"]) - float(before["fast [m/s]"])) / step)
+        for name, own in effects.items():
+            self.assertEqual(len(own), trajectories)
+            self.assertAlmostEqual(found[name]["mean"], statistics.mean(own), delta=1e-12)
+            self.assertAlmostEqual(found[name]["mean_size"], statistics.mean(map(abs, own)), delta=1e-12)
+            self.assertAlmostEqual(found[name]["deviation"], statistics.stdev(own), delta=1e-12)
+        # The whole grid's: a design that favoured some levels or directions would miss them.
+        levels = [[low + (0.01 + 0.98 * k / 3) * (high - low) for k in range(4)] for low, high in ranges.values()]
+        for name, whole in (("v", [(math.hypot(levels[0][k + 2], w) - math.hypot(levels[0][k], w)) / step for k in (0, 1) for w in levels[1]]),
+                            ("w", [(math.hypot(v, levels[1][k + 2]) - math.hypot(v, levels[1][k])) / step for k in (0, 1) for v in levels[0]]),
+                            ("m", [0.0])):
+            sizes, deviation = [abs(e) for e in whole], statistics.pstdev(whole)
+            error = 4 / math.sqrt(trajectories)  # four standard errors
+            self.assertAlmostEqual(found[name]["mean"], statistics.mean(whole), delta=error * deviation + 1e-12)
+            self.assertAlmostEqual(found[name]["mean_size"], statistics.mean(sizes), delta=error * statistics.pstdev(sizes) + 1e-12)
+            self.assertAlmostEqual(found[name]["deviation"], deviation, delta=error * deviation + 1e-12)
+
+    def test_flight_software_that_takes_no_part_is_told(self):
+        path = self.write("samples: 2\nset: {flight_software.required: [fsw]}\nparameters:\n  m: {path: bodies.ball.mass, uniform: {min: 1, max: 3}}\n")
+        for arguments in (["campaign", path, "--out", self.folder / "out"], ["check", path], ["run", path, "--sample", "1"]):
+            done = self.run_ok(UNLATCH, *arguments)
+            self.assertIn("requires flight software (fsw), which takes no part in a", done.stdout + done.stderr)
+        (self.folder / "c.yaml").write_text(path.read_text().replace("[fsw]", "[]"))
+        done = self.run_ok(UNLATCH, "campaign", path, "--out", self.folder / "without")
+        self.assertNotIn("flight software", done.stdout + done.stderr)
+
     def check_script(self, name, *options, stubs, times=1):
         """Runs the script with these programs before the others in the path: it gives the table of one campaign; returns its output."""
         path = self.write("samples: 50\nparameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: 0 m/s, max: 2.6 m/s}}\n", "a b.yaml")
