@@ -95,6 +95,8 @@ void CampaignReader::read_scenario(YamlMap& top, const std::vector<std::string>&
   campaign_.scenario = fs::path(name).is_absolute() ? name : (fs::path(campaign_.folder) / name).string();
   try {
     campaign_.tree = std::make_shared<ScenarioTree>(campaign_.scenario, all);
+    const std::string absent = tell_absence(campaign_.tree->get_nominal().flight_software, "a campaign");
+    if (!absent.empty()) campaign_.remarks.push_back(absent);
   } catch (const ScenarioError& error) {
     for (const ScenarioMistake& mistake : error.mistakes)
       mistakes_.add(node->mark, "its scenario: " + mistake.to_string(), "");

@@ -113,6 +113,14 @@ std::string get_shown_name(const std::string& path) { return path == "-" ? "<std
 
 }  // namespace
 
+std::string tell_absence(const FlightSoftware& flight_software, const std::string& something) {
+  std::string names;
+  for (const std::string& name : flight_software.required) names += (names.empty() ? "" : ", ") + name;
+  if (names.empty()) return "";
+  return "the scenario requires flight software (" + names + "), which takes no part in " + something +
+         ": its channels keep their initial values";
+}
+
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides) {
   return load_sources(open_sources(path), get_shown_name(path), overrides);
 }

@@ -80,6 +80,9 @@ struct Scenario {
   std::map<std::string, SourceMark> marks;      // places of the elements, by ModelError::where: "body 'core'"
 };
 
+// Says that the required flight software takes no part in something, such as "a campaign"; empty if none is required.
+std::string tell_absence(const FlightSoftware& flight_software, const std::string& something);
+
 // Both throw ScenarioError with every mistake of the files and of the physics (validate()) at once. An unreadable file
 // is a ScenarioError as well. A text that includes other files contains them too, like Scenario::text.
 Scenario load_scenario(const std::string& path, const std::vector<std::string>& overrides = {});

@@ -131,13 +131,9 @@ class ProblemReader {
 
   // Refuses a scenario whose flight software would have to take part.
   void refuse_flight_software(const YamlNode& node, const Scenario& scenario) {
-    if (scenario.flight_software.required.empty()) return;
-    std::string names;
-    for (const std::string& name : scenario.flight_software.required) names += (names.empty() ? "" : ", ") + name;
-    mistakes_.add(node.mark,
-                  "the scenario requires flight software (" + names +
-                      "), which takes no part in a search: its channels would keep their initial values",
-                  "if that is what you mean, write set: {flight_software.required: []}");
+    const std::string absent = tell_absence(scenario.flight_software, "a search");
+    if (!absent.empty())
+      mistakes_.add(node.mark, absent, "if that is what you mean, write set: {flight_software.required: []}");
   }
 
   // Reads FILE, or {file: FILE, samples: N, checks: N}.

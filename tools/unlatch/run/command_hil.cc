@@ -87,9 +87,7 @@ class Session {
 
   int run() {
     warn_of_unstable_elements(scenario_);
-    if (options_.pace == hil::Pace::kFast && !scenario_.flight_software.required.empty()) {
-      std::fprintf(stderr, "note: at pace fast the flight software that the scenario requires takes no part\n");
-    }
+    if (options_.pace == hil::Pace::kFast) warn_of_absent_flight_software(scenario_);
     open_tick_source();
     if (!options_.faults.empty()) faults_.emplace(hil::load_faults(options_.faults, scenario_));
     connect();

@@ -153,6 +153,7 @@ int run(const RunOptions& given) {
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);
   warn_of_unstable_elements(scenario);
+  warn_of_absent_flight_software(scenario);
   const auto simulated = hil::build_simulation(scenario);
   hil::Simulation& simulation = *simulated;
   if (!options.resume.empty()) hil::read_checkpoint(options.resume, scenario, simulation);
