@@ -3,6 +3,7 @@
 campaign.yaml and synthesis.yaml. --check: only reports whether they are current."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -208,12 +209,16 @@ def write_reference(sections):
 
 
 def link(kind, sections):
-    """Returns types with links to their sections."""
-    words = []
-    for word in kind.split():
-        after_name_of = words[-2:] == ["name", "of"]
-        words.append(f"[{word}](#{anchor(sections[word]['title'])})" if word in sections and not after_name_of else word)
-    return " ".join(words).replace("_of_", " of ")
+    """Returns types with links to their sections. Values after `one of` and the kind after `name of` are no types."""
+    def link_alternative(text):
+        types, plain = re.fullmatch(r"(.*?)((?:(?:one|name) of .*)?)", text).groups()
+        return re.sub(r"\w+", link_word, types).replace("_of_", " of ") + plain
+
+    def link_word(match):
+        word = match[0]
+        return f"[{word}](#{anchor(sections[word]['title'])})" if word in sections else word
+
+    return " or ".join(link_alternative(text) for text in kind.split(" or "))
 
 
 def anchor(title):

@@ -143,6 +143,15 @@ class LanguageTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         Draft202012Validator.check_schema(SCHEMA)
 
+    # A value may be called as a section is: `contact`, the type of a sensor.
+    def test_values_in_the_reference_are_no_links_and_types_are(self):
+        reference = (SOURCE / "hil/scenarios/REFERENCE.md").read_text()
+        values = re.findall(r"\bone of (.*?)(?: or | \|)", reference)
+        self.assertGreater(len(values), 50)
+        self.assertEqual([words for words in values if "[" in words], [])
+        self.assertIn("| `type` | one of contact |", reference)
+        self.assertIn("| one of fail catch_up slip skip_output or [catch_up](#overruns) |", reference)
+
     def test_shipped_scenarios_satisfy_the_schema_and_name_it(self):
         files = list_files()
         self.assertGreaterEqual(len(files), 10)
