@@ -6,6 +6,7 @@
 #include "kernel/compile/contacts.h"
 #include "kernel/compile/elements.h"
 #include "kernel/compile/events.h"
+#include "kernel/compile/groups.h"
 #include "kernel/compile/instruction_set.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/loop_nodes.h"
@@ -284,7 +285,8 @@ void compile_parts(const Model& model, PlanData& plan) {
 
 // Third phase: places in memory, and constants there; needs all parts.
 void compile_memory(const Model& model, PlanData& plan) {
-  lay_out_blocks(model, plan);  // numbers the nodes anew: before all that keeps a node or a place
+  // Numbers the nodes anew: before all that keeps a node or a place.
+  lay_out_blocks(model, group_nodes(model, plan.nodes, plan.compliant_axes), plan);
   fill_constants(model, plan);
   compile_loops(model, plan);
   compile_loop_paths(model, plan);  // after compile_loops(): it leads through loop nodes

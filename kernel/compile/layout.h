@@ -1,11 +1,12 @@
-// The layout of a plan's blocks (blocks.h): which bodies lie side by side, and where.
+// The layout of a plan's blocks (blocks.h): where in memory the numbers of each group and body are.
 #pragma once
 
+#include "kernel/compile/groups.h"
 #include "kernel/plan/plan_data.h"
 
 namespace unlatch {
 
-// Orders the nodes of the tree by groups, parents before children, and lays out the blocks. O(n log n) for sorting.
-void lay_out_blocks(const Model& model, PlanData& plan);
+// Takes over the nodes in their groups' order, and lays out the blocks. O(n).
+void lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanData& plan);
 
 }  // namespace unlatch
