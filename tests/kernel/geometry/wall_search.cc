@@ -40,6 +40,13 @@ Vec3 calc_wall_point(const ProfilePoint& from, const ProfilePoint& to, double az
   return {r * std::cos(azimuth), r * std::sin(azimuth), z};
 }
 
+// Distance of a body to the generator of one piece of the wall: convex along it, as the body is.
+double search_generator(const Shape& wall, const PointDistance& distance, std::size_t piece, double azimuth,
+                        int steps) {
+  const ProfilePoint &from = wall.profile[piece], &to = wall.profile[piece + 1];
+  return minimise([&](double share) { return distance(calc_wall_point(from, to, azimuth, share)); }, 0, 1, steps);
+}
+
 // Range of a wall's azimuths, rad.
 struct Azimuths {
   double first, last;
@@ -47,18 +54,18 @@ struct Azimuths {
 
 Azimuths get_azimuths(const Shape& wall) { return wall.half ? Azimuths{-0.5 * kPi, 0.5 * kPi} : Azimuths{-kPi, kPi}; }
 
-// Least value over the wall's azimuths of a function that changes by at most `rate` a radian: at steps of the range
-// where it can be less than the least so far (Piyavskii 1972, Shubert 1972), then by golden section about each of the
-// least steps.
-template <typename Coarse, typename Fine>
-double minimise_around(const Shape& wall, double rate, const Coarse& coarse, const Fine& fine) {
-  constexpr int kSteps = 512, kFirst = 32;  // powers of two
-  constexpr double kSlack = 1e-4;           // m, of the steps' values
+// Least value over the wall's azimuths, or the known one, of a function that changes by at most `rate` a radian: at
+// steps of the range where it can be less than the least so far (Piyavskii 1972, Shubert 1972), then by golden section
+// about each of the least steps.
+template <int kSteps, typename Coarse, typename Fine>
+double minimise_around(const Shape& wall, double rate, double known, const Coarse& coarse, const Fine& fine) {
+  constexpr int kFirst = 32;       // steps that are tried in any case; both are powers of two
+  constexpr double kSlack = 1e-6;  // m, of the steps' values
   const auto [first, last] = get_azimuths(wall);
   const double step = (last - first) / kSteps;
   double values[kSteps + 1];
   std::fill(std::begin(values), std::end(values), std::numeric_limits<double>::infinity());
-  double best = std::numeric_limits<double>::infinity();
+  double best = known;
   const auto measure = [&](int k) { best = std::min(best, values[k] = coarse(first + k * step)); };
   for (int k = 0; k <= kSteps; k += kSteps / kFirst) measure(k);
   for (int width = kSteps / kFirst; width > 1; width /= 2) {
@@ -77,21 +84,28 @@ double minimise_around(const Shape& wall, double rate, const Coarse& coarse, con
   return least;
 }
 
+// Whether the body overlaps one of 128 generators: most of those that overlap the wall.
+bool touches_generator(const Shape& wall, const PointDistance& distance) {
+  const auto [first, last] = get_azimuths(wall);
+  for (std::size_t i = 0; i + 1 < wall.profile.size(); ++i)
+    for (int k = 0; k <= 128; ++k)
+      if (search_generator(wall, distance, i, first + k * (last - first) / 128, 36) == 0) return true;
+  return false;
+}
+
 }  // namespace
 
 double search_wall(const Shape& wall, const Shape& body, const Placement& at) {
   const PointDistance distance(body, at);
+  if (touches_generator(wall, distance)) return 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < wall.profile.size(); ++i) {
-    const ProfilePoint &from = wall.profile[i], &to = wall.profile[i + 1];
-    // A distance to a convex solid is convex along a generator.
-    const auto of_generator = [&](double azimuth, int steps) {
-      return minimise([&](double share) { return distance(calc_wall_point(from, to, azimuth, share)); }, 0, 1, steps);
-    };
     // Points of a generator move by their radius a radian, and a distance changes by no more than its point moves.
-    least = std::min(least, minimise_around(
-                                wall, std::max(from.r, to.r), [&](double azimuth) { return of_generator(azimuth, 24); },
-                                [&](double azimuth) { return of_generator(azimuth, 46); }));
+    const double rate = std::max(wall.profile[i].r, wall.profile[i + 1].r);
+    const auto of_generator = [&](int steps) {
+      return [&, steps](double azimuth) { return search_generator(wall, distance, i, azimuth, steps); };
+    };
+    least = minimise_around<4096>(wall, rate, least, of_generator(36), of_generator(46));
     if (least == 0) return 0;
   }
   return least;
@@ -99,53 +113,42 @@ double search_wall(const Shape& wall, const Shape& body, const Placement& at) {
 
 double search_crossed_wall(const Shape& wall, const Shape& body, const Placement& at) {
   const ProfilePoint &from = wall.profile[0], &to = wall.profile[1];
-  // Translation along n that leads the body out of the strip. A strip is unbounded along its tangent, but for that of a
-  // half wall, which ends on the plane x = 0; n leans from the meridian plane towards that end.
-  const auto calc_way_out = [&](double azimuth, double angle, double lean) {
-    const double c = std::cos(azimuth), s = std::sin(azimuth), side = azimuth < 0 ? -1 : 1;
-    const double along = std::cos(lean) * std::cos(angle), across = std::sin(lean) * side;
-    const Vec3 n{along * c - across * s, along * s + across * c, std::cos(lean) * std::sin(angle)};
-    const auto calc_end = [&](const ProfilePoint& p) {
-      return lean > 0 ? n.y * p.r / s + n.z * p.z : along * p.r + n.z * p.z;
-    };
-    return std::max(calc_end(from), calc_end(to)) + calc_extent(body, at, -n);
+  // Translation along n that leads the body out of the strip at an azimuth. A strip is unbounded along its tangent, but
+  // for that of a half wall, which ends on the plane x = 0.
+  const auto calc_across = [&](double azimuth, double angle) {
+    const double along = std::cos(angle), up = std::sin(angle);
+    const Vec3 n{along * std::cos(azimuth), along * std::sin(azimuth), up};
+    return std::max(along * from.r + up * from.z, along * to.r + up * to.z) + calc_extent(body, at, -n);
   };
-  constexpr double kMostLean = 0.5 * kPi;
+  const auto calc_past_end = [&](double azimuth, const Vec3& n) {
+    const double s = std::sin(azimuth), tangent = n.y * std::cos(azimuth) - n.x * s;
+    if (s == 0 || tangent * s < 0) return std::numeric_limits<double>::infinity();
+    return std::max(n.y * from.r / s + n.z * from.z, n.y * to.r / s + n.z * to.z) + calc_extent(body, at, -n);
+  };
   const auto calc_depth = [&](double azimuth) {
-    constexpr int kAngles = 120, kLeans = 8;
-    const int leans = wall.half && std::fabs(azimuth) > 1e-6 ? kLeans : 0;
-    constexpr double kAngleStep = 2 * kPi / kAngles, kLeanStep = kMostLean / kLeans;
+    constexpr int kAngles = 240;
+    constexpr double kStep = 2 * kPi / kAngles;
     std::vector<double> coarse;
-    for (int lean = 0; lean <= leans; ++lean)
-      for (int k = 0; k < kAngles; ++k) coarse.push_back(calc_way_out(azimuth, k * kAngleStep, lean * kLeanStep));
+    for (int k = 0; k < kAngles; ++k) coarse.push_back(calc_across(azimuth, k * kStep));
     const double least = *std::min_element(coarse.begin(), coarse.end());
+    const auto get = [&](int k) { return coarse[static_cast<std::size_t>((k + kAngles) % kAngles)]; };
     double depth = least;
-    const auto get = [&](int lean, int k) {
-      return coarse[static_cast<std::size_t>(std::clamp(lean, 0, leans) * kAngles + (k + kAngles) % kAngles)];
-    };
-    for (int lean = 0; lean <= leans; ++lean) {
-      for (int k = 0; k < kAngles; ++k) {
-        const double here = get(lean, k);
-        if (here > least + 0.1 ||
-            here > std::min({get(lean, k - 1), get(lean, k + 1), get(lean - 1, k), get(lean + 1, k)}))
-          continue;
-        const double angle = k * kAngleStep, low = std::max(0.0, (lean - 1) * kLeanStep);
-        const double high = std::min(kMostLean, (lean + 1) * kLeanStep);
-        const auto of_angle = [&](double a) {
-          if (leans == 0) return calc_way_out(azimuth, a, 0);
-          return minimise([&](double l) { return calc_way_out(azimuth, a, l); }, low, high, 36);
-        };
-        depth = std::min(depth, minimise(of_angle, angle - kAngleStep, angle + kAngleStep, 36));
-      }
+    for (int k = 0; k < kAngles; ++k) {
+      if (get(k) > get(k - 1) || get(k) > get(k + 1) || get(k) > least + 0.1) continue;
+      const auto of_angle = [&](double angle) { return calc_across(azimuth, angle); };
+      depth = std::min(depth, minimise(of_angle, (k - 1) * kStep, (k + 1) * kStep, 40));
     }
-    return depth;
+    if (!wall.half) return depth;
+    constexpr int kDirections = 400, kStarts = 4;
+    return std::min(depth,
+                    search_directions([&](const Vec3& n) { return calc_past_end(azimuth, n); }, kDirections, kStarts));
   };
   const auto in = [&](double azimuth) { return -calc_depth(azimuth); };
   // A turning strip moves its points, and so its way out, by no more than the body is away from the axis.
   double reach = 0;
   for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}})
     reach = std::max(reach, std::sqrt(2.0) * calc_extent(body, at, n));
-  const double height = minimise_around(wall, reach, in, in);
+  const double height = minimise_around<512>(wall, reach, std::numeric_limits<double>::infinity(), in, in);
   const auto calc_solid_extent = [&](const Vec3& n) {
     const double radial = wall.half && n.x < 0 ? std::fabs(n.y) : std::hypot(n.x, n.y);
     return std::max(from.r * radial + n.z * from.z, to.r * radial + n.z * to.z);

@@ -161,7 +161,7 @@ void expect_the_distance_of_their_points(std::uint64_t seed, int pairs) {
   EXPECT_GT(crossing, pairs / 20);
 }
 
-TEST(GeometryWalls, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(11, 1000); }
+TEST(GeometryWalls, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(11, 600); }
 TEST(GeometryWallsLong, HaveTheDistanceOfTheirPoints) { expect_the_distance_of_their_points(23, 100000); }
 
 void expect_the_depth_of_their_strips(std::uint64_t seed, int pairs) {
@@ -180,8 +180,8 @@ void expect_the_depth_of_their_strips(std::uint64_t seed, int pairs) {
   }
 }
 
-TEST(GeometryWalls, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(24, 100); }
-TEST(GeometryWallsLong, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(25, 10000); }
+TEST(GeometryWalls, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(24, 30); }
+TEST(GeometryWallsLong, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(25, 3000); }
 
 TEST(GeometryWalls, AreContinuousThroughTheTouch) {
   Random random(12);
