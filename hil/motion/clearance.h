@@ -3,24 +3,18 @@
 // hil/meshes/mesh_tree.h, without depths. For reports, off the cyclic thread.
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "hil/motion/pose.h"
 #include "hil/scenario/shapes.h"
 #include "unlatch/model.h"
 #include "unlatch/state.h"
 
 namespace unlatch::hil {
-
-struct Pose {
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
-};
 
 geometry::Placement to_placement(const BodyState& body);
 geometry::Placement to_placement(const Pose& pose);

@@ -1,5 +1,6 @@
 #include "hil/motion/joint_frame.h"
 
+#include "hil/motion/pose.h"
 #include "hil/scenario/from_eigen.h"
 
 namespace unlatch::hil {
@@ -17,10 +18,7 @@ JointGeometry::JointGeometry(const Model& model, int joint) {
     follower_axes_ = to_mat3(*own.follower_axes);
     return;
   }
-  const auto attitude = [&](int body) -> Eigen::Matrix3d {
-    if (body == kGround) return Eigen::Matrix3d::Identity();
-    return model.bodies[static_cast<std::size_t>(body)].q_WB.normalized().toRotationMatrix();
-  };
+  const auto attitude = [&](int body) { return get_start_pose(model, body).q_WB.toRotationMatrix(); };
   follower_axes_ = to_mat3(attitude(follower_).transpose() * attitude(base_) * rotation);
 }
 

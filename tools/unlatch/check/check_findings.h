@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/notices/forecast.h"
+#include "hil/notices/finding.h"
+#include "hil/notices/spring_start.h"
 
 namespace unlatch::tools {
 
