@@ -2,9 +2,10 @@
 //
 //   distance = max(out, in)
 //   out = signed distance of B and the solid S
-//   in  = min over azimuths θ of the signed distance of B and the tangent strip P_θ: the generator at θ, widened across
-//   it
-//         in the tangent plane (of a half wall: not beyond the plane of its edges)
+//   in  = min over azimuths θ of the signed distance of B and the tangent strip P_θ
+//
+// P_θ is the generator at θ, widened across it in the tangent plane; of a half wall until its first corner comes to the
+// plane of the edges.
 //
 // Apart, this is the distance to the wall: neither is more than it, because S and the strips contain the wall; where B
 // is beside or before S, the nearest point of S is on the wall and `out` is exact, or on an open end and the nearest

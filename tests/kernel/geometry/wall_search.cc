@@ -72,7 +72,7 @@ double minimise_around(const Shape& wall, double rate, double known, const Coars
     for (int k = 0; k < kSteps; k += width)
       if (0.5 * (values[k] + values[k + width] - rate * width * step) < best + kSlack) measure(k + width / 2);
   }
-  double least = best;
+  double least = known;
   for (int k = 0; k <= kSteps; ++k) {
     const double left = k > 0 ? values[k - 1] : (wall.half ? values[k] : values[kSteps - 1]);
     const double right = k < kSteps ? values[k + 1] : (wall.half ? values[k] : values[1]);
@@ -113,19 +113,22 @@ double search_wall(const Shape& wall, const Shape& body, const Placement& at) {
 
 double search_crossed_wall(const Shape& wall, const Shape& body, const Placement& at) {
   const ProfilePoint &from = wall.profile[0], &to = wall.profile[1];
-  // Translation along n that leads the body out of the strip at an azimuth. A strip is unbounded along its tangent, but
-  // for that of a half wall, which ends on the plane x = 0.
+  // Translation along n, given by its parts along the azimuth, along the tangent and up, that leads the body out of the
+  // strip. A strip is unbounded along its tangent, but for that of a half wall: it ends where it comes to x = 0.
+  const auto calc_way_out = [&](double azimuth, const Vec3& n, double end) {
+    const double c = std::cos(azimuth), s = std::sin(azimuth);
+    return std::max(n.x * from.r + n.z * from.z, n.x * to.r + n.z * to.z) + n.y * end +
+           calc_extent(body, at, -Vec3{n.x * c - n.y * s, n.x * s + n.y * c, n.z});
+  };
   const auto calc_across = [&](double azimuth, double angle) {
-    const double along = std::cos(angle), up = std::sin(angle);
-    const Vec3 n{along * std::cos(azimuth), along * std::sin(azimuth), up};
-    return std::max(along * from.r + up * from.z, along * to.r + up * to.z) + calc_extent(body, at, -n);
+    return calc_way_out(azimuth, {std::cos(angle), 0, std::sin(angle)}, 0);
   };
+  // Directions away from that end are taken as mirrored ones, so that a search meets no border.
   const auto calc_past_end = [&](double azimuth, const Vec3& n) {
-    const double s = std::sin(azimuth), tangent = n.y * std::cos(azimuth) - n.x * s;
-    if (s == 0 || tangent * s < 0) return std::numeric_limits<double>::infinity();
-    return std::max(n.y * from.r / s + n.z * from.z, n.y * to.r / s + n.z * to.z) + calc_extent(body, at, -n);
+    const double end = std::min(from.r, to.r) * std::cos(azimuth) / std::sin(azimuth);
+    return calc_way_out(azimuth, {n.x, std::copysign(n.y, end), n.z}, end);
   };
-  const auto calc_depth = [&](double azimuth) {
+  const auto calc_depth = [&](double azimuth, int directions, int starts) {
     constexpr int kAngles = 240;
     constexpr double kStep = 2 * kPi / kAngles;
     std::vector<double> coarse;
@@ -138,17 +141,17 @@ double search_crossed_wall(const Shape& wall, const Shape& body, const Placement
       const auto of_angle = [&](double angle) { return calc_across(azimuth, angle); };
       depth = std::min(depth, minimise(of_angle, (k - 1) * kStep, (k + 1) * kStep, 40));
     }
-    if (!wall.half) return depth;
-    constexpr int kDirections = 400, kStarts = 4;
+    if (!wall.half || azimuth == 0) return depth;
     return std::min(depth,
-                    search_directions([&](const Vec3& n) { return calc_past_end(azimuth, n); }, kDirections, kStarts));
+                    search_directions([&](const Vec3& n) { return calc_past_end(azimuth, n); }, directions, starts));
   };
-  const auto in = [&](double azimuth) { return -calc_depth(azimuth); };
+  const auto coarse = [&](double azimuth) { return -calc_depth(azimuth, 400, 4); };
+  const auto fine = [&](double azimuth) { return -calc_depth(azimuth, 4000, 16); };
   // A turning strip moves its points, and so its way out, by no more than the body is away from the axis.
   double reach = 0;
   for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}})
     reach = std::max(reach, std::sqrt(2.0) * calc_extent(body, at, n));
-  const double height = minimise_around<512>(wall, reach, std::numeric_limits<double>::infinity(), in, in);
+  const double height = minimise_around<512>(wall, reach, std::numeric_limits<double>::infinity(), coarse, fine);
   const auto calc_solid_extent = [&](const Vec3& n) {
     const double radial = wall.half && n.x < 0 ? std::fabs(n.y) : std::hypot(n.x, n.y);
     return std::max(from.r * radial + n.z * from.z, to.r * radial + n.z * to.z);

@@ -180,8 +180,8 @@ void expect_the_depth_of_their_strips(std::uint64_t seed, int pairs) {
   }
 }
 
-TEST(GeometryWalls, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(24, 30); }
-TEST(GeometryWallsLong, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(25, 3000); }
+TEST(GeometryWalls, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(24, 20); }
+TEST(GeometryWallsLong, AreCrossedByTheDepthOfTheirStrips) { expect_the_depth_of_their_strips(25, 1000); }
 
 TEST(GeometryWalls, AreContinuousThroughTheTouch) {
   Random random(12);
