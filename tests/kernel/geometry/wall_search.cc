@@ -84,7 +84,7 @@ double minimise_around(const Shape& wall, double rate, double known, const Coars
   return least;
 }
 
-// Whether the body overlaps one of 128 generators: most of those that overlap the wall.
+// True if the body overlaps one of 128 generators: most of those that overlap the wall do.
 bool touches_generator(const Shape& wall, const PointDistance& distance) {
   const auto [first, last] = get_azimuths(wall);
   for (std::size_t i = 0; i + 1 < wall.profile.size(); ++i)
