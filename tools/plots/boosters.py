@@ -125,13 +125,13 @@ def add(figure, tools):
         import matplotlib.pyplot as plt
         drawn, axes = plt.subplots(figsize=(7.5, 3.2), constrained_layout=True)
         base = run_case(bench, CASES[0])
-        for file, label, colour in (("variable-mass", "core and boosters burn", COLOURS[0]), ("central-field", "central field", COLOURS[1])):
+        for k, (file, label) in enumerate((("no-assumptions", "both"), ("variable-mass", "core and boosters burn"), ("central-field", "central field"))):
             run = bench.run(f"boosters/{file}.yaml", UNTIL, EVERY)
             gaps = []
             for one, other in zip(base["samples"], run["samples"]):
                 places = [tools.seen_from(sample["bodies"]["core"], sample["bodies"]["booster1"], (0, 0, 0)) for sample in (one, other)]
                 gaps.append(max(math.dist(*places), 1e-9))
-            axes.semilogy(tools.get_times(run), gaps, color=colour, label=label)
+            axes.semilogy(tools.get_times(run), gaps, color=(COLOURS[3], COLOURS[0], COLOURS[1])[k], label=label, **tools.layer(2 * k, 3))
         axes.set(xlim=(0, UNTIL), ylim=(1e-8, 1), xlabel="t, s", ylabel="difference of place, m")
         axes.set_title("Booster 1 seen from the core, against constant masses in a uniform field", loc="left")
         tools.mark_events(axes, base, ("ties_cut", "cutoff", "release", "liftoff"), labels=False)
