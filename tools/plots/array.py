@@ -13,9 +13,9 @@ DESIGNS = {
 RATIOS = {
     "equal pulleys: springs of 1.48, 1.17, 0.50,\n0.50 N m, cables of 0.92 N m/rad": {
         "root": "1.480771 N m", "second": "1.166904 N m", "outer": "0.497968 N m", "cable": "0.921203 N m/rad"},
-    "ratios 0.35, 0.86, 0.91: springs of 1.48, 1.05,\n0.67, 0.67 N m, cables of 0.36, 0.81, 0.81 N m/rad": {
-        "root": "1.4793265 N m", "second": "1.0504860 N m", "outer": "0.6681521 N m", "cable": "0.8107716 N m/rad", "ratio2": "0.8564316",
-        "ratio3": "0.9126610", "bus_cable": "0.3607397 N m/rad", "ratio1": "0.3538955"},
+    "ratios 0.30, 0.76, 0.87: springs of 1.39, 0.98,\n0.76, 0.76 N m, cables of 0.59, 0.80, 0.80 N m/rad": {
+        "root": "1.3880887 N m", "second": "0.9800083 N m", "outer": "0.7564906 N m", "cable": "0.8023623 N m/rad", "ratio2": "0.7588480",
+        "ratio3": "0.8725585", "bus_cable": "0.5920414 N m/rad", "ratio1": "0.3"},
 }
 
 COLOURS = ("#c1121f", "#457b9d", "#e09f3e", "#2a9d5c", "#6a4c93", "#555555", "#b5838d", "#1d3557")
