@@ -1,10 +1,13 @@
 // One search of a problem of synthesis by one algorithm, from one start: optimizers_bench PROBLEM ALGORITHM START RUNS.
-// Prints JSON: the number of runs, and [run, objective] at each improvement of the best design that meets all
-// constraints. START 1 is the file's; others are random within the bounds, and seed the algorithm. `local` and `global`
-// are those of `unlatch optimize`; others are algorithms of its libraries alone. Driven by bench/optimizers.
+// Prints JSON: the number of runs, and [run, objectives...] of each design that meets all constraints and that none
+// before it equals or exceeds in all objectives. START 1 is the file's; others are random within the bounds, and seed
+// the algorithm. `local`, `global`, `pareto` and `auto` are those of `unlatch optimize`; others are algorithms of its
+// libraries alone. Driven by bench/optimizers.
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 #include <random>
 #include <string>
 
@@ -21,7 +24,7 @@ hil::DesignPoint choose_start(const hil::DesignProblem& problem, std::uint32_t s
   hil::DesignPoint point;
   for (const hil::DesignVariable& variable : problem.variables) {
     const double part = static_cast<double>(random() >> 11U) * 0x1p-53;
-    point.push_back(start == 1 ? variable.start : variable.lower + part * (variable.upper - variable.lower));
+    point.push_back(start == 1 ? variable.start : place(variable, part));
   }
   return point;
 }
@@ -29,9 +32,12 @@ hil::DesignPoint choose_start(const hil::DesignProblem& problem, std::uint32_t s
 hil::ScaledProblem make_problem(const hil::DesignProblem& problem, hil::DesignEvaluations& evaluations,
                                 const hil::DesignMerit& merit, const hil::DesignPoint& from,
                                 const std::vector<double>& shifts) {
-  hil::ScaledProblem scaled = make_scaled(problem, evaluations, merit, list_continuous(problem), from, shifts);
-  scaled.population = (16 + 4 * scaled.variables + 3) / 4 * 4;  // that of `method: global`
-  scaled.generations = 100000;
+  std::vector<std::size_t> all(problem.variables.size());
+  std::iota(all.begin(), all.end(), 0U);
+  hil::ScaledProblem scaled = make_scaled(problem, evaluations, merit, all, from, shifts);
+  // Populations of `method: global` and `method: pareto`. Repeated points cost no run.
+  scaled.population = problem.objectives.size() > 1 ? 40 : (16 + 4 * scaled.variables + 3) / 4 * 4;
+  scaled.generations = 100 * static_cast<std::size_t>(problem.budget.runs) / scaled.population + 1;
   return scaled;
 }
 
@@ -41,15 +47,21 @@ bool search(const std::string& algorithm, const hil::ScaledProblem& scaled) {
          find("unlatch_search_pagmo")(algorithm.c_str(), scaled);
 }
 
-void print(const hil::DesignMerit& merit, const std::vector<hil::DesignSample>& samples, std::size_t runs) {
-  std::printf("{\"runs\": %zu, \"best\": [", runs);
-  bool first = true;
-  double best = 0;
-  for (std::size_t i = 0; i < runs; ++i) {
-    if (!merit.is_feasible(samples[i]) || (!first && !(samples[i].objectives[0] < best))) continue;
-    best = samples[i].objectives[0];
-    std::printf("%s[%zu, %.12g]", first ? "" : ", ", i + 1, best);
-    first = false;
+void print(const hil::DesignMerit& merit, const std::vector<hil::DesignSample>& samples) {
+  std::printf("{\"runs\": %zu, \"best\": [", samples.size());
+  std::vector<std::vector<double>> front;  // scaled, minimised
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!merit.is_feasible(samples[i])) continue;
+    const std::vector<double> one = merit.scale(samples[i]).objectives;
+    const auto is_as_good = [&](const std::vector<double>& other) {
+      return std::ranges::equal(other, one, std::less_equal<>());
+    };
+    if (std::ranges::any_of(front, is_as_good)) continue;
+    std::printf("%s[%zu", front.empty() ? "" : ", ", i + 1);
+    for (const double objective : samples[i].objectives)
+      std::printf(", %.*g", one.size() > 1 ? 7 : 12, objective);  // a front has many points
+    std::printf("]");
+    front.push_back(one);
   }
   std::printf("]}\n");
 }
@@ -63,20 +75,19 @@ int main(int count, char** arguments) {
   }
   const std::string algorithm = arguments[2];
   const auto start = static_cast<std::uint32_t>(std::strtoul(arguments[3], nullptr, 10));
-  const std::int64_t runs = std::strtoll(arguments[4], nullptr, 10);
   hil::DesignProblem problem = hil::load_design_problem(arguments[1]);
   const hil::DesignPoint from = choose_start(problem, start);
   for (std::size_t i = 0; i < from.size(); ++i) problem.variables[i].start = from[i];
   problem.seed = start;
   problem.starts = 1;
-  problem.budget.runs = runs;
+  problem.budget.runs = std::strtoll(arguments[4], nullptr, 10);
   const std::atomic<bool> stop{false};
   hil::DesignEvaluations evaluations(problem, {}, stop);
-  if (algorithm == "local" || algorithm == "global") {
-    problem.method = algorithm == "local" ? hil::SearchMethod::kLocal : hil::SearchMethod::kGlobal;
-    const hil::DesignResult result = search_design(problem, evaluations);
-    const hil::DesignMerit merit(problem, &evaluations.get_samples().front());
-    print(merit, evaluations.get_samples(), static_cast<std::size_t>(result.search_runs));
+  const auto method = std::ranges::find(hil::kSearchMethodNames, algorithm);
+  if (method != hil::kSearchMethodNames.end()) {
+    problem.method = static_cast<hil::SearchMethod>(method - hil::kSearchMethodNames.begin());
+    search_design(problem, evaluations, false);
+    print(hil::DesignMerit(problem, &evaluations.get_samples().front()), evaluations.get_samples());
     return 0;
   }
   std::vector<std::int64_t> first;
@@ -87,6 +98,6 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "optimizers_bench: no algorithm %s\n", algorithm.c_str());
     return 2;
   }
-  print(merit, evaluations.get_samples(), evaluations.get_samples().size());
+  print(merit, evaluations.get_samples());
   return 0;
 }

@@ -3,9 +3,14 @@
 #include <pagmo/algorithm.hpp>
 #include <pagmo/algorithms/cmaes.hpp>
 #include <pagmo/algorithms/gaco.hpp>
+#include <pagmo/algorithms/ihs.hpp>
+#include <pagmo/algorithms/maco.hpp>
+#include <pagmo/algorithms/moead.hpp>
 #include <pagmo/algorithms/nsga2.hpp>
+#include <pagmo/algorithms/nspso.hpp>
 #include <pagmo/algorithms/pso_gen.hpp>
 #include <pagmo/algorithms/sade.hpp>
+#include <pagmo/algorithms/sga.hpp>
 #include <pagmo/batch_evaluators/member_bfe.hpp>
 #include <pagmo/bfe.hpp>
 #include <pagmo/population.hpp>
@@ -94,6 +99,22 @@ extern "C" bool unlatch_search_pagmo(const char* algorithm, const ScaledProblem&
   const auto generations = static_cast<unsigned>(problem.generations);
   if (name == "gaco")
     unlatch_search_global(problem);
+  else if (name == "nsga2")
+    unlatch_search_pareto(problem);
+  else if (name == "moead")
+    evolve(problem, pagmo::moead(generations, "grid", "tchebycheff", 20, 1.0, 0.5, 20.0, 0.9, 2, true, problem.seed));
+  else if (name == "nspso")
+    evolve_in_batches(problem,
+                      pagmo::nspso(generations, 0.6, 2.0, 2.0, 1.0, 0.5, 60, "crowding distance", false, problem.seed));
+  else if (name == "maco")
+    evolve_in_batches(problem, pagmo::maco(generations, static_cast<unsigned>(problem.population), 1.0, 1, 7, 100000,
+                                           0.0, false, problem.seed));
+  else if (name == "sga")
+    evolve(problem,
+           pagmo::sga(generations, 0.9, 1.0, 0.02, 1.0, 2, "exponential", "polynomial", "tournament", problem.seed));
+  else if (name == "ihs")  // one point in each of its generations
+    evolve(problem, pagmo::ihs(generations * static_cast<unsigned>(problem.population), 0.85, 0.35, 0.99, 1e-5, 1.0,
+                               problem.seed));
   else if (name == "sade")
     evolve(problem, pagmo::sade(generations, 2, 1, 0.0, 0.0, false, problem.seed));
   else if (name == "cmaes")

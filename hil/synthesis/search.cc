@@ -25,7 +25,7 @@ class Search {
   Search(const DesignProblem& problem, DesignEvaluations& evaluations)
       : problem_(problem), evaluations_(evaluations), merit_(start()), none_(problem.constraints.size(), 0.0) {}
 
-  DesignResult run() {
+  DesignResult run(bool study) {
     if (!evaluations_.get_samples().empty()) look();
     result_.search_runs = evaluations_.get_runs();
     if (evaluations_.was_stopped())
@@ -34,7 +34,7 @@ class Search {
       result_.end = DesignResult::End::kBudget;
     if (evaluations_.get_samples().empty()) return result_;
     take_best();
-    if (!evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
+    if (study && !evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
     if (!evaluations_.was_stopped()) evaluations_.finish_journal();
     return result_;
   }
@@ -380,8 +380,8 @@ class Search {
 
 }  // namespace
 
-DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations) {
-  return Search(problem, evaluations).run();
+DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations, bool study) {
+  return Search(problem, evaluations).run(study);
 }
 
 }  // namespace unlatch::hil

@@ -39,7 +39,8 @@ struct DesignResult {
   std::vector<std::vector<std::size_t>> slices;  // [variable]: samples that differ from the best in this variable alone
 };
 
-// Runs the search. Throws ModuleError if the libraries are not installed.
-DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations);
+// Runs the search, and the runs around its result (study.h) unless `study` is false. Throws ModuleError if the
+// libraries are not installed.
+DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations, bool study = true);
 
 }  // namespace unlatch::hil
