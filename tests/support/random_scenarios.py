@@ -24,14 +24,15 @@ def draw_body(draw):
     return {"mass": mass, "inertia": [round(mass / 12 * (x * x + y * y), 6) for x, y in ((b, c), (a, c), (a, b))]}
 
 
-def draw_shape(draw):
-    """Draws a shape of about half a metre near the body's origin."""
+def draw_shape(draw, hollow):
+    """Draws a shape of about half a metre near the body's origin, perhaps a hollow one: two of these have no distance."""
     centre, radius = draw_vector(draw, 0.5), round(draw.uniform(0.05, 0.4), 3)
     end = [round(c + e, 3) for c, e in zip(centre, draw_vector(draw, 0.4)[:2] + [0.5])]
+    if hollow and draw.random() < 0.3:
+        return {"hollow_cylinder": {"from": centre, "to": end, "radius": radius}}
     return draw.choice(({"sphere": {"centre": centre, "radius": radius}}, {"capsule": {"from": centre, "to": end, "radius": radius}},
                         {"cylinder": {"from": centre, "to": end, "radius": radius}}, {"cone": {"from": centre, "to": end, "radius": radius}},
-                        {"box": {"centre": centre, "size": [radius, round(2 * radius, 3), 0.3]}},
-                        {"hollow_cylinder": {"from": centre, "to": end, "radius": radius}}))
+                        {"box": {"centre": centre, "size": [radius, round(2 * radius, 3), 0.3]}}))
 
 
 def draw_profile(draw, size):
@@ -96,7 +97,7 @@ class ScenarioDraw:
         draw, bodies, joints = self.draw, self.scenario["bodies"], self.scenario["joints"]
         shaped = [name for name in self.names if draw.random() < 0.6]
         for name in shaped:
-            bodies[name]["shape"] = [draw_shape(draw) for _ in range(draw.randint(1, 3))]
+            bodies[name]["shape"] = [draw_shape(draw, hollow=name == shaped[0]) for _ in range(draw.randint(1, 3))]
         joined = [set(joint["between"]) for joint in joints.values()]
         pairs = [[a, b] for i, a in enumerate(shaped) for b in shaped[i + 1:] if {a, b} not in joined]
         contacts = self.scenario["contacts"] = {}
