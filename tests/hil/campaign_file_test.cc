@@ -230,7 +230,8 @@ TEST_F(CampaignFileTest, LevelsOfAParameterAreAWholeNumberFromTwo) {
 TEST_F(CampaignFileTest, SamplesOfSobolThatAreNoPowerOfTwoAreANote) {
   if (!hil::has_sobol()) GTEST_SKIP() << "built without Boost";
   const std::string rest =
-      "sampling: sobol\nparameters:\n  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n";
+      "set: {flight_software.required: []}\nsampling: sobol\nparameters:\n"
+      "  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n";
   EXPECT_THAT(load("samples: 100\n" + rest).remarks, ElementsAre(HasSubstr("64 or 128, not 100")));
   EXPECT_THAT(load("samples: 128\n" + rest).remarks, ElementsAre());
 }
