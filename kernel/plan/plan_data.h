@@ -229,9 +229,9 @@ struct Knot {
 //   kMode                                                       joints                      number of the mode
 //   kBodyRate, kBurnt                                           bodies
 //   kCommand, kSignal                                           channels, signals
-//   kDistance                                                   PlanData::shapes            the other surface, there
-//   too kClosed                                                     PlanData::contacts kOneSidedForce, kEngaged,
-//   kReach, kWound, kBearing          PlanData::one_sided
+//   kDistance                                                   PlanData::shapes            the other's index
+//   kClosed                                                     PlanData::contacts
+//   kOneSidedForce, kEngaged, kReach, kWound, kBearing          PlanData::one_sided
 struct PlanCondition {
   Condition::Kind kind;
   std::int32_t subject, axis, part_count;
