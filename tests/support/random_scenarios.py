@@ -182,7 +182,9 @@ class ScenarioDraw:
         joints, elements = self.scenario["joints"], list(self.scenario["elements"])
         if kind < 2 and joints:
             joint = draw.choice(list(joints))
-            return {"set_mode": {"joint": joint, "mode": draw.choice(list(joints[joint]["modes"]))}}
+            # Not a cross: its axes would be pulled together at once from wherever they are, which no step resolves.
+            modes = [mode for mode in joints[joint]["modes"] if mode != "cross"]
+            return {"set_mode": {"joint": joint, "mode": draw.choice(modes)}}
         if kind == 2 and elements + list(self.scenario["contacts"]):
             elements += list(self.scenario["contacts"])
             return draw.choice(({"switch": {"element": draw.choice(elements), "to": draw.choice((True, False, 0.5))}},
