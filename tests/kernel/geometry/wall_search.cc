@@ -66,7 +66,7 @@ double minimise_around(const Shape& wall, double rate, double known, const Coars
   double values[kSteps + 1];
   std::fill(std::begin(values), std::end(values), std::numeric_limits<double>::infinity());
   double best = known;
-  const auto measure = [&](int k) { best = std::min(best, values[k] = coarse(first + k * step)); };
+  const auto measure = [&, first = first](int k) { best = std::min(best, values[k] = coarse(first + k * step)); };
   for (int k = 0; k <= kSteps; k += kSteps / kFirst) measure(k);
   for (int width = kSteps / kFirst; width > 1; width /= 2) {
     for (int k = 0; k < kSteps; k += width)
