@@ -2,8 +2,8 @@
 
 #include "bench/solve_solver.h"
 #include "kernel/dispatch/kernels.h"
+#include "kernel/integration/integrator.h"
 #include "kernel/solver/loop_rows.h"
-#include "kernel/step/integrator.h"
 #include "tests/support/solve_comparison.h"
 
 namespace unlatch::bench {

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <climits>
 
-#include "hil/language/count.h"
+#include "hil/text/count.h"
 
 namespace unlatch::bridge {
 namespace {

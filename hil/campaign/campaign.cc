@@ -8,8 +8,9 @@
 #include <set>
 
 #include "hil/campaign/campaign_reader.h"
-#include "hil/language/count.h"
-#include "hil/language/yaml_override.h"
+#include "hil/text/count.h"
+#include "hil/text/suggestion.h"
+#include "hil/yaml/yaml_override.h"
 
 namespace unlatch::hil {
 namespace {

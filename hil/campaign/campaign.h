@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "hil/evaluation/chosen_outputs.h"
-#include "hil/language/setting.h"
 #include "hil/sampling/distribution.h"
 #include "hil/sampling/sampling.h"
 #include "hil/scenario/scenario_tree.h"
+#include "hil/yaml/setting.h"
 
 namespace unlatch::hil {
 

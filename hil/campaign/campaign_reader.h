@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hil/campaign/campaign.h"
-#include "hil/language/yaml_reader.h"
+#include "hil/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 

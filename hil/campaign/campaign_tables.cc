@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "hil/campaign/campaign_reader.h"
-#include "hil/language/count.h"
-#include "hil/language/yaml_override.h"
+#include "hil/text/count.h"
+#include "hil/yaml/yaml_override.h"
 
 namespace unlatch::hil {
 namespace {

@@ -5,7 +5,8 @@
 
 #include "hil/analysis/run_analysis.h"
 #include "hil/campaign/campaign_reader.h"
-#include "hil/language/count.h"
+#include "hil/text/count.h"
+#include "hil/text/suggestion.h"
 
 namespace unlatch::hil {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "hil/campaign/campaign_reader.h"
 #include "hil/sampling/normal.h"
+#include "hil/text/suggestion.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

@@ -21,9 +21,9 @@
 
 #include "hil/evaluation/chosen_outputs.h"
 #include "hil/evaluation/results.h"
-#include "hil/language/setting.h"
 #include "hil/messages/messages.h"
 #include "hil/scenario/scenario_tree.h"
+#include "hil/yaml/setting.h"
 #include "unlatch/bundle.h"
 
 namespace unlatch::hil {

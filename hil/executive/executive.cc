@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "hil/language/count.h"
 #include "hil/messages/event_names.h"
 #include "hil/run/run.h"
+#include "hil/text/count.h"
 
 namespace unlatch::hil {
 namespace {

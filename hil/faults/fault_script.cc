@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/language/yaml_reader.h"
 #include "hil/simulation/simulation.h"
+#include "hil/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 

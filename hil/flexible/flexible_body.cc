@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hil/language/count.h"
+#include "hil/text/count.h"
 #include "unlatch/inertia.h"
 
 namespace unlatch::hil {

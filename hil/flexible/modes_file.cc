@@ -6,8 +6,8 @@
 #include <fstream>
 #include <string_view>
 
-#include "hil/language/count.h"
-#include "hil/language/yaml_reader.h"
+#include "hil/text/count.h"
+#include "hil/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/language/scenario_error.h"
+#include "hil/yaml/scenario_error.h"
 
 namespace unlatch::hil {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <set>
 
-#include "hil/language/yaml_override.h"
-#include "hil/language/yaml_reader.h"
+#include "hil/yaml/yaml_override.h"
+#include "hil/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/language/scenario_error.h"
 #include "hil/language/scenario_sources.h"
-#include "hil/language/yaml_document.h"
+#include "hil/yaml/scenario_error.h"
+#include "hil/yaml/yaml_document.h"
 
 namespace unlatch::hil {
 

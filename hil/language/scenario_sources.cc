@@ -7,8 +7,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "hil/language/count.h"
-#include "hil/language/scenario_error.h"
+#include "hil/text/count.h"
+#include "hil/yaml/scenario_error.h"
 
 namespace unlatch::hil {
 namespace {

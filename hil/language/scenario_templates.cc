@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "hil/language/scenario_parts.h"
-#include "hil/language/yaml_reader.h"
+#include "hil/text/suggestion.h"
+#include "hil/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 namespace {

@@ -9,8 +9,8 @@
 #include <map>
 #include <optional>
 
-#include "hil/language/base64.h"
-#include "hil/language/count.h"
+#include "hil/text/base64.h"
+#include "hil/text/count.h"
 
 namespace unlatch::hil {
 namespace {

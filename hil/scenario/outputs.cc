@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "hil/scenario/scenario.h"
+#include "hil/text/suggestion.h"
 
 namespace unlatch::hil {
 namespace {

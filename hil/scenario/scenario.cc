@@ -7,9 +7,9 @@
 #include <set>
 
 #include "hil/language/scenario_parts.h"
-#include "hil/language/yaml_override.h"
-#include "hil/scenario/scenario_reader.h"
 #include "hil/scenario/scenario_tree.h"
+#include "hil/scenario/sections/scenario_reader.h"
+#include "hil/yaml/yaml_override.h"
 
 namespace unlatch::hil {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hil/language/scenario_sources.h"
-#include "hil/language/setting.h"
 #include "hil/scenario/scenario.h"
+#include "hil/yaml/setting.h"
 
 namespace unlatch::hil {
 

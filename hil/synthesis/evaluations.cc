@@ -14,8 +14,8 @@
 #include <span>
 #include <sstream>
 
-#include "hil/language/setting.h"
 #include "hil/synthesis/side_by_side.h"
+#include "hil/yaml/setting.h"
 
 namespace unlatch::hil {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "hil/optimizers/optimizers.h"
 #include "hil/synthesis/evaluations.h"
-#include "hil/synthesis/optimizers.h"
 
 namespace unlatch::hil {
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "hil/campaign/result_file.h"
-#include "hil/language/expression.h"
-#include "hil/language/scenario_error.h"
 #include "hil/run/run.h"
+#include "hil/samples/result_file.h"
+#include "hil/text/expression.h"
+#include "hil/yaml/scenario_error.h"
 
 namespace unlatch::hil {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "hil/campaign/campaign.h"
 #include "hil/evaluation/evaluation.h"
-#include "hil/language/quantity.h"
-#include "hil/language/setting.h"
 #include "hil/scenario/scenario_tree.h"
+#include "hil/text/quantity.h"
+#include "hil/yaml/setting.h"
 
 namespace unlatch::hil {
 

@@ -3,13 +3,14 @@
 #include <filesystem>
 #include <set>
 
-#include "hil/language/count.h"
-#include "hil/language/expression.h"
-#include "hil/language/scenario_error.h"
 #include "hil/language/scenario_sources.h"
-#include "hil/language/yaml_reader.h"
 #include "hil/synthesis/problem.h"
 #include "hil/synthesis/variable_reader.h"
+#include "hil/text/count.h"
+#include "hil/text/expression.h"
+#include "hil/text/suggestion.h"
+#include "hil/yaml/scenario_error.h"
+#include "hil/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "hil/language/count.h"
-#include "hil/language/expression.h"
+#include "hil/text/count.h"
+#include "hil/text/expression.h"
 
 namespace unlatch::hil {
 namespace {

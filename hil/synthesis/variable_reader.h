@@ -1,8 +1,8 @@
 // Variables of a problem of synthesis: paths, bounds or catalogue, start.
 #pragma once
 
-#include "hil/language/yaml_reader.h"
 #include "hil/synthesis/problem.h"
+#include "hil/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 

@@ -1,8 +1,8 @@
 // The layout of a plan's blocks (blocks.h): where in memory the numbers of each group and body are.
 #pragma once
 
-#include "kernel/compile/groups.h"
 #include "kernel/plan/plan_data.h"
+#include "kernel/tree/groups.h"
 
 namespace unlatch {
 

@@ -30,6 +30,18 @@ CordDrum place_drum(const Model& model, const OneSided& cord) {
   return {to_vec(drum.centre), {cosine * e - sine * across, sine * e + cosine * across, z}, r, bearing};
 }
 
+double calc_start(const Model& model, const Joint& joint, int row) {
+  const Eigen::Matrix3d base = get_attitude(model, joint.base);
+  if (row >= kRotX) {
+    const RotationFrame frame = get_rotation_frame(model, joint);
+    return calc_twist(to_mat(base * frame.base), to_mat(get_attitude(model, joint.follower) * frame.follower),
+                      row - kRotX);
+  }
+  const Eigen::Vector3d line =
+      place(model, joint.follower, joint.point_follower) - place(model, joint.base, joint.point_base);
+  return (base * joint.axes).col(row).dot(line);
+}
+
 double calc_start(const Model& model, const OneSided& force) {
   if (force.drum) {
     const CordDrum drum = place_drum(model, force);
@@ -43,16 +55,7 @@ double calc_start(const Model& model, const OneSided& force) {
         place(model, force.follower, force.point_follower) - place(model, force.base, force.point_base);
     return force.guide ? (get_attitude(model, force.base) * *force.guide).dot(line) : line.norm();
   }
-  const Joint& joint = model.joints[at(force.joint)];
-  const Eigen::Matrix3d base = get_attitude(model, joint.base);
-  if (force.axis >= kRotX) {
-    const RotationFrame frame = get_rotation_frame(model, joint);
-    return calc_twist(to_mat(base * frame.base), to_mat(get_attitude(model, joint.follower) * frame.follower),
-                      force.axis - kRotX);
-  }
-  const Eigen::Vector3d line =
-      place(model, joint.follower, joint.point_follower) - place(model, joint.base, joint.point_base);
-  return (base * joint.axes).col(force.axis).dot(line);
+  return calc_start(model, model.joints[at(force.joint)], force.axis);
 }
 
 double calc_limit(const Model& model, const OneSided& force) {

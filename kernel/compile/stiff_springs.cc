@@ -1,7 +1,9 @@
 #include "kernel/compile/stiff_springs.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "kernel/math/index.h"
@@ -12,7 +14,9 @@ namespace {
 
 using Wrench =
     Eigen::Matrix<double, 12, 1>;  // on the base, then on the follower: force, torque about the centre of mass
-using Rows = Eigen::Matrix<double, 12, Eigen::Dynamic>;
+// Matrices and vectors of a joint's rows: at most kRows, in memory of that size.
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kRows, kRows>;
+using RowVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kRows, 1>;
 
 // The body that carries the mass: a marker's flexible one.
 const Body& get_carrier(const Model& model, const Body& body) {
@@ -58,17 +62,23 @@ double calc_pair_mobility(const Model& model, const Joint& joint, int axis, RowS
     }
     return w;
   };
-  Rows held(12, 0);
+  std::array<Wrench, kRows> held, responses;
+  int count = 0;
   for (int row = 0; row < kRows; ++row)
     if (has_row(rows, row)) {
-      held.conservativeResize(12, held.cols() + 1);
-      held.rightCols<1>() = column(row);
+      held[at(count)] = column(row);
+      responses[at(count)] = inverse_mass.lazyProduct(held[at(count)]);
+      ++count;
     }
-  const Wrench effort = column(axis), motion = inverse_mass * effort;
+  const Wrench effort = column(axis), motion = inverse_mass.lazyProduct(effort);
   const double free = effort.dot(motion);
-  if (held.cols() == 0) return free;
-  const Eigen::MatrixXd A = held.transpose() * inverse_mass * held;
-  const Eigen::VectorXd b = held.transpose() * motion;
+  if (count == 0) return free;
+  RowMatrix A(count, count);
+  RowVector b(count);
+  for (int i = 0; i < count; ++i) {
+    b[i] = held[at(i)].dot(motion);
+    for (int j = 0; j < count; ++j) A(i, j) = held[at(i)].dot(responses[at(j)]);
+  }
   return std::max(0.0, free - b.dot(A.ldlt().solve(b)));
 }
 

@@ -2,7 +2,7 @@
 // set, see kernel/simd/pack.h.
 #pragma once
 
-#include "kernel/dynamics/gravity.h"
+#include "kernel/elements/gravity.h"
 #include "kernel/plan/group_view.h"
 
 namespace unlatch::UNLATCH_ISA {
@@ -34,7 +34,7 @@ void update_angular_velocities(const PlanData& plan, Evaluation& ev) {
 }
 
 // Weight, gyroscopic torque and loads that are fixed in the body, from poses and kinematics. Empty lanes have no mass
-// and are away from the centre of gravity, see kernel/step/load_state.cc.
+// and are away from the centre of gravity, see kernel/integration/load_state.cc.
 template <int kWidest>
 void init_forces(const PlanData& plan, Evaluation& ev) {
   for_bodies<kWidest>(plan, ev, [&]<class V>(const V v) {

@@ -5,12 +5,12 @@
 #include <cstddef>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/dynamics/contacts.h"
 #include "kernel/dynamics/flexible.h"
-#include "kernel/dynamics/gravity.h"
-#include "kernel/dynamics/loads.h"
-#include "kernel/dynamics/one_sided.h"
-#include "kernel/dynamics/springs.h"
+#include "kernel/elements/contacts.h"
+#include "kernel/elements/gravity.h"
+#include "kernel/elements/loads.h"
+#include "kernel/elements/one_sided.h"
+#include "kernel/elements/springs.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
 #include "unlatch/energy.h"
@@ -172,7 +172,6 @@ void add_plane_torsions(const PlanData& plan, const State& state, double t, cons
     const double scale = calc_scale(element, t);
     const PlaneTorsionForce f =
         calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
-    if (!f.acts) continue;
     store(sum, element, t, scale, spring.stiffness, f.angle);
     sum.add(PowerSource::kDampers, -spring.damping * scale * f.rate * f.rate);
   }

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "kernel/dynamics/gravity.h"
+#include "kernel/elements/gravity.h"
 
 namespace unlatch {
 namespace {

@@ -12,7 +12,7 @@
 // becomes one of 6, see flexible_solver.cc. Plain doubles, not lanes; models without flexible bodies do nothing here.
 #pragma once
 
-#include "kernel/dynamics/compliance.h"
+#include "kernel/elements/compliance.h"
 #include "kernel/joints/joint_motion.h"
 #include "kernel/math/lower_triangle.h"
 #include "kernel/plan/evaluation.h"

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/dynamics/compliance.h"
-#include "kernel/dynamics/contacts.h"
 #include "kernel/dynamics/flexible.h"
-#include "kernel/dynamics/friction.h"
-#include "kernel/dynamics/loads.h"
-#include "kernel/dynamics/one_sided.h"
-#include "kernel/dynamics/push.h"
-#include "kernel/dynamics/springs.h"
 #include "kernel/dynamics/varying.h"
+#include "kernel/elements/compliance.h"
+#include "kernel/elements/contacts.h"
+#include "kernel/elements/friction.h"
+#include "kernel/elements/loads.h"
+#include "kernel/elements/one_sided.h"
+#include "kernel/elements/push.h"
+#include "kernel/elements/springs.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {

@@ -3,7 +3,7 @@
 // loads are init_forces()'s (body_motion.h).
 #pragma once
 
-#include "kernel/dynamics/instant.h"
+#include "kernel/elements/instant.h"
 #include "kernel/plan/evaluation.h"
 
 namespace unlatch {

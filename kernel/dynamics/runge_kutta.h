@@ -3,7 +3,7 @@
 // set, see kernel/simd/pack.h.
 //
 //   RK4    k1 … k4 with the weights 1/6, 1/3, 1/3, 1/6: begin_stages, advance_stage twice, finish_stages
-//   ROS2   kernel/dynamics/compliance.h: restart, finish_first_stage, finish_second_stage; `gamma_h` is γ h
+//   ROS2   kernel/elements/compliance.h: restart, finish_first_stage, finish_second_stage; `gamma_h` is γ h
 #pragma once
 
 #include "kernel/dynamics/body_motion.h"

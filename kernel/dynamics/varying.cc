@@ -1,6 +1,6 @@
 #include "kernel/dynamics/varying.h"
 
-#include "kernel/dynamics/gravity.h"
+#include "kernel/elements/gravity.h"
 #include "kernel/math/table.h"
 
 namespace unlatch {

@@ -69,7 +69,7 @@ struct KeptProfile {
   double s, value;  // NaN: empty; N or N m
 };
 
-// A spring that is integrated implicitly, see kernel/dynamics/compliance.h.
+// A spring that is integrated implicitly, see kernel/elements/compliance.h.
 struct CompliantSpring {
   double stiffness, damping;              // times its switch scale
   double first_rate, first_acceleration;  // of its coordinate, k1

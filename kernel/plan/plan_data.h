@@ -120,7 +120,7 @@ struct PlanVarying {
 
 // --- Elements --------------------------------------------------------------------------------------------------------
 
-// A spring that is integrated implicitly, see kernel/dynamics/compliance.h.
+// A spring that is integrated implicitly, see kernel/elements/compliance.h.
 struct PlanCompliant {
   std::int32_t spring;              // into PlanData::joint_springs
   NumberPlace pivot, acceleration;  // what it adds to its freedom's pivot, and that freedom's acceleration
@@ -177,7 +177,7 @@ struct PlanShapes {
   geometry::ShapeGroup group;
 };
 
-// A contact, see kernel/dynamics/contacts.h.
+// A contact, see kernel/elements/contacts.h.
 struct PlanContact {
   std::int32_t base, follower, element;  // into PlanData::shapes; into State::elements
   std::int32_t first_pair, pairs;        // into PlanData::contact_pairs
@@ -190,7 +190,7 @@ struct ContactPair {
   bool closed;                                       // at the start
 };
 
-// A force on one side of a limit, see kernel/dynamics/one_sided.h.
+// A force on one side of a limit, see kernel/elements/one_sided.h.
 struct PlanOneSided {
   std::int32_t number, element;                          // its own place in PlanData::one_sided
   std::int32_t joint, axis, coordinate, base, follower;  // joint, coordinate: kNone between two points

@@ -4,12 +4,12 @@
 #include <array>
 #include <cstring>
 
-#include "kernel/dynamics/compliance.h"
+#include "kernel/elements/compliance.h"
+#include "kernel/events/events.h"
+#include "kernel/events/guards.h"
+#include "kernel/integration/integrator.h"
+#include "kernel/integration/load_state.h"
 #include "kernel/step/bundle.h"
-#include "kernel/step/events.h"
-#include "kernel/step/guards.h"
-#include "kernel/step/integrator.h"
-#include "kernel/step/load_state.h"
 #include "kernel/step/sensors.h"
 
 namespace unlatch {
@@ -212,7 +212,7 @@ class SideBySide {
   void copy_sensors(const BundleMember& member, std::span<double> to) const {
     std::copy_n(ev_.sensors.begin() + member.sensor, to.size(), to.begin());
   }
-  // Those of elements that do not follow from the state alone, see calc_element() in dynamics/readings.cc.
+  // Those of elements that do not follow from the state alone, see calc_element() in elements/readings.cc.
   void copy_readings(const BundleMember& member, Evaluation& to) const {
     std::copy_n(ev_.load_sizes.begin() + member.load, to.load_sizes.size(), to.load_sizes.begin());
     std::copy_n(ev_.friction_sizes.begin() + member.friction, to.friction_sizes.size(), to.friction_sizes.begin());

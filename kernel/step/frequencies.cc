@@ -4,11 +4,11 @@
 
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/flexible.h"
-#include "kernel/dynamics/one_sided.h"
+#include "kernel/elements/one_sided.h"
+#include "kernel/integration/integrator.h"
+#include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/solver/loop_rows.h"
-#include "kernel/step/integrator.h"
-#include "kernel/step/load_state.h"
 
 namespace unlatch {
 namespace {

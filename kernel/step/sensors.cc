@@ -1,7 +1,7 @@
 #include "kernel/step/sensors.h"
 
-#include "kernel/dynamics/contacts.h"
-#include "kernel/dynamics/gravity.h"
+#include "kernel/elements/contacts.h"
+#include "kernel/elements/gravity.h"
 #include "kernel/joints/kinematics.h"
 
 namespace unlatch {

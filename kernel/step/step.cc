@@ -14,12 +14,12 @@
 #include <algorithm>
 #include <cstring>
 
-#include "kernel/step/event_search.h"
-#include "kernel/step/events.h"
-#include "kernel/step/guards.h"
-#include "kernel/step/integrator.h"
-#include "kernel/step/load_state.h"
-#include "kernel/step/run.h"
+#include "kernel/events/event_search.h"
+#include "kernel/events/events.h"
+#include "kernel/events/guards.h"
+#include "kernel/integration/integrator.h"
+#include "kernel/integration/load_state.h"
+#include "kernel/integration/run.h"
 #include "kernel/step/sensors.h"
 
 namespace unlatch {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "hil/language/count.h"
 #include "hil/run/run.h"
+#include "hil/text/count.h"
 #include "library/c/engine.h"
 
 namespace unlatch::library {

@@ -4,8 +4,8 @@
 #include <exception>
 #include <set>
 
-#include "hil/language/quantity.h"
-#include "hil/language/xml_text.h"
+#include "hil/text/quantity.h"
+#include "hil/text/xml_text.h"
 
 namespace unlatch::fmi {
 namespace {

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "hil/language/xml_text.h"
+#include "hil/text/xml_text.h"
 
 namespace unlatch::fmi {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "hil/campaign/campaign.h"
-#include "hil/campaign/sample_record.h"
+#include "hil/samples/sample_record.h"
 #include "hil/sampling/normal.h"
 #include "tests/hil/scenario_support.h"
 

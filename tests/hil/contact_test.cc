@@ -3,7 +3,7 @@
 #include <map>
 
 #include "hil/analysis/accuracy.h"
-#include "hil/notices/forecast.h"
+#include "hil/forecast/forecast.h"
 #include "tests/hil/analysed_run.h"
 
 namespace unlatch::test {

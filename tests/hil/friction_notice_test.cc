@@ -2,7 +2,7 @@
 #include <cmath>
 #include <string>
 
-#include "hil/notices/forecast.h"
+#include "hil/forecast/forecast.h"
 #include "tests/hil/analysed_run.h"
 
 namespace unlatch::test {

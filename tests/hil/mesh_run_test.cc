@@ -1,8 +1,8 @@
 // Runs with triangle meshes: their clearances and requirements compared with those of exact shapes.
 #include <cmath>
 
+#include "hil/forecast/forecast.h"
 #include "hil/meshes/mesh_file.h"
-#include "hil/notices/forecast.h"
 #include "tests/hil/analysed_run.h"
 #include "tests/hil/mesh_support.h"
 

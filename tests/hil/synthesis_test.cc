@@ -8,8 +8,8 @@
 #include <mutex>
 
 #include "hil/modules/module.h"
+#include "hil/optimizers/optimizers.h"
 #include "hil/synthesis/evaluations.h"
-#include "hil/synthesis/optimizers.h"
 #include "hil/synthesis/side_by_side.h"
 
 namespace unlatch::test {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Messages with a number and its noun are right for 1 too, by count() of hil/language/count.h: messages_test.py"""
+"""Messages with a number and its noun are right for 1 too, by count() of hil/text/count.h: messages_test.py"""
 
 import re
 import unittest

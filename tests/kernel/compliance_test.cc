@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernel/dynamics/balance.h"
-#include "kernel/step/integrator.h"
+#include "kernel/integration/integrator.h"
 #include "tests/support/implicit_springs.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"

@@ -11,11 +11,11 @@
 #include <Eigen/Dense>
 
 #include "kernel/dispatch/kernels.h"
-#include "kernel/dynamics/compliance.h"
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/forces.h"
-#include "kernel/dynamics/loads.h"
 #include "kernel/dynamics/varying.h"
+#include "kernel/elements/compliance.h"
+#include "kernel/elements/loads.h"
 #include "kernel/solver/loop_rows.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"

@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 
 #include "kernel/dynamics/balance.h"
+#include "kernel/integration/integrator.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
-#include "kernel/step/integrator.h"
 #include "tests/support/linear_algebra.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"

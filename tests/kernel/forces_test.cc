@@ -1,13 +1,17 @@
 // Forces and torques, against closed-form motion and conservation laws.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <string>
 
 #include "kernel/dynamics/balance.h"
 #include "kernel/joints/kinematics.h"
 #include "tests/support/simulation.h"
 #include "tests/support/small_models.h"
 #include "unlatch/elementary.h"
+#include "unlatch/energy.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::test {
 namespace {
@@ -250,6 +254,55 @@ TEST(Forces, PlaneTorsionsConserveMomentaAndEnergyOnBothSides) {
   });
   EXPECT_LT(lowest, -0.05);
   EXPECT_GT(highest, 0.05);
+}
+
+// On the plane's normal the axis has no direction to go back to, but its angle and energy are those beside it.
+TEST(Forces, APlaneTorsionWhoseAxisStandsOnThePlaneHasAQuarterOfATurnAndItsEnergy) {
+  for (const double side : {1.0, -1.0}) {
+    Model model;
+    model.bodies = {box("a", 3, 1, 1, 1), box("b", 2, 1, 1, 1)};
+    PlaneTorsion torsion;
+    torsion.name = "torsion";
+    torsion.base = 0;
+    torsion.follower = 1;
+    torsion.stiffness = 4;
+    torsion.axis_follower = side * torsion.normal_base;
+    model.plane_torsions.push_back(torsion);
+    Simulation s(model);
+    ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk);
+    const PlaneTorsionForce start = calc_plane_torsion(torsion, s.state.bodies[0], s.state.bodies[1], 1);
+    EXPECT_FALSE(start.acts);
+    EXPECT_EQ(start.size, 0);
+    EXPECT_DOUBLE_EQ(start.angle, side * M_PI_2);
+    EXPECT_DOUBLE_EQ(calc_element(s.plan, s.state, s.workspace, 0).length, side * M_PI_2);
+    EXPECT_DOUBLE_EQ(calc_energy_flow(s.plan, s.state, s.workspace, {0, 0, 0}).strain, 0.5 * 4 * M_PI_2 * M_PI_2);
+  }
+}
+
+TEST(Forces, CoordinatesAtTheStartAreThoseOfTheFirstEvaluation) {
+  Model model = build_pair();
+  Joint joint;
+  joint.name = "joint";
+  joint.base = 0;
+  joint.follower = 1;
+  joint.point_base = {0.2, 0.1, 0.1};
+  joint.point_follower = {-0.2, 0.3, 0.1};
+  joint.follower_axes = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, -2) / 3).toRotationMatrix();
+  joint.modes = {{"free", 0}};
+  model.joints.push_back(joint);
+  for (int row = 0; row < kRows; ++row) {
+    JointSpring spring;
+    spring.name = "spring" + std::to_string(row);
+    spring.axis = row;
+    model.joint_springs.push_back(spring);
+  }
+  Simulation s(model);
+  ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk);
+  for (int row = 0; row < kRows; ++row) {
+    const double coordinate = calc_start(model, joint, row);
+    EXPECT_GT(std::abs(coordinate), 1e-3) << row;  // a test of zeros would show nothing
+    EXPECT_NEAR(coordinate, calc_element(s.plan, s.state, s.workspace, row).length, kRounding) << row;
+  }
 }
 
 TEST(Forces, DampersTakeEnergyAndNoMomentum) {

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "kernel/dynamics/balance.h"
+#include "kernel/integration/integrator.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
-#include "kernel/step/integrator.h"
 #include "tests/support/linkages.h"
 #include "tests/support/random_model.h"
 #include "tests/support/small_models.h"

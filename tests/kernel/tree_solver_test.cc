@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "kernel/dispatch/kernels.h"
+#include "kernel/integration/integrator.h"
 #include "kernel/joints/kinematics.h"
-#include "kernel/step/integrator.h"
 #include "tests/support/random_model.h"
 #include "tests/support/solve_comparison.h"
 

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "kernel/step/integrator.h"
-#include "kernel/step/load_state.h"
+#include "kernel/integration/integrator.h"
+#include "kernel/integration/load_state.h"
 #include "unlatch/step.h"
 
 namespace unlatch::test {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/campaign/runner.h"
+#include "hil/samples/runner.h"
 
 namespace {
 

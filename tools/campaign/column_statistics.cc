@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "hil/language/setting.h"
+#include "hil/yaml/setting.h"
 
 namespace unlatch::tools {
 namespace {

@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "hil/language/count.h"
+#include "hil/text/count.h"
 
 namespace unlatch::tools {
 namespace {

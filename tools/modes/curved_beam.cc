@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hil/language/count.h"
+#include "hil/text/count.h"
 
 namespace unlatch::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "hil/language/count.h"
+#include "hil/text/count.h"
 
 namespace unlatch::tools {
 namespace {

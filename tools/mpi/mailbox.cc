@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
-#include "hil/campaign/result_file.h"
-#include "hil/language/count.h"
+#include "hil/samples/result_file.h"
+#include "hil/text/count.h"
 
 namespace unlatch::tools {
 

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/language/expression.h"
-#include "hil/language/scenario_error.h"
+#include "hil/text/expression.h"
+#include "hil/text/suggestion.h"
+#include "hil/yaml/scenario_error.h"
 #include "tools/program/exit_codes.h"
 
 namespace unlatch::tools {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "hil/language/base64.h"
 #include "hil/scenario/index.h"
+#include "hil/text/base64.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 

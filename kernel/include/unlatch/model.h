@@ -253,7 +253,7 @@ struct OneSided {
 //
 //   −coefficient · r · |R| · v / sqrt(v² + v_s²),   v = r · speed of the axis,   r = 1 along x, y, z, else `radius`
 //
-// R is the reaction of the point–plane rows that hold, found as in kernel/dynamics/friction.h. Regularised: at rest it
+// R is the reaction of the point–plane rows that hold, found as in kernel/elements/friction.h. Regularised: at rest it
 // creeps at v / v_s = load / (μ |R|).
 struct JointFriction {
   std::string name;        // unique among elements

@@ -1,5 +1,5 @@
 // Readings of a state that are neither in it nor in the workspace: forces and strokes of elements, modal rates. For
-// outputs and reports. The step computes each force by the same formula (kernel/dynamics/springs.h).
+// outputs and reports. The step computes each force by the same formula (kernel/elements/springs.h).
 #pragma once
 
 #include <span>
@@ -37,6 +37,20 @@ struct PointSpringForce {
 // switch, 0 to 1.
 PointSpringForce calc_point_spring(const PointSpring& spring, const BodyState& base, const BodyState& follower,
                                    double scale) noexcept;
+
+// A plane torsion, (4.17) with φ = atan2(n_i·n_j, |n_i × n_j|), positive where n_j stands out of the plane along n_i. A
+// turn of the follower about e = n_i × n_j / |n_i × n_j| carries n_j away from n_i, dφ/dt = −e·w_rel, so the restoring
+// moment is +kφ along e. World axes.
+struct PlaneTorsionForce {
+  Vec3 axis{0, 0, 0};          // e
+  double angle = 0, rate = 0;  // φ, rad; dφ/dt, rad/s
+  double size = 0;             // moment about e on the follower, N m
+  bool acts = false;           // false where the axis stands on the plane: no direction is nearer to it than another
+};
+
+// Moment of a plane torsion between bodies with these poses and velocities, as of a point spring.
+PlaneTorsionForce calc_plane_torsion(const PlaneTorsion& torsion, const BodyState& base, const BodyState& follower,
+                                     double scale) noexcept;
 
 // Effort of a joint spring on the follower, N or N m, at a coordinate x of its joint, m or rad, and its rate.
 template <class Spring>
@@ -84,7 +98,9 @@ OneSidedReading calc_one_sided(const Plan& plan, const State& state, const Works
 double calc_one_sided_force(const OneSided& force, double depth, double depth_rate) noexcept;
 double calc_one_sided_energy(const OneSided& force, double depth) noexcept;
 
-// Coordinate of a one-sided force of the model at its initial poses, m or rad, and its limit. Markers are placed.
+// Coordinates at the initial poses of a model whose markers are placed, m or rad: of a joint along or about one of its
+// rows; of a one-sided force, and its limit.
+double calc_start(const Model& model, const Joint& joint, int row);
 double calc_start(const Model& model, const OneSided& force);
 double calc_limit(const Model& model, const OneSided& force);
 

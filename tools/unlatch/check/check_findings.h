@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/notices/finding.h"
-#include "hil/notices/spring_start.h"
+#include "hil/forecast/finding.h"
+#include "hil/forecast/spring_start.h"
 
 namespace unlatch::tools {
 

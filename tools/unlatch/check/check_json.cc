@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hil/notices/forecast.h"
+#include "hil/forecast/forecast.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/unlatch/check/check_findings.h"

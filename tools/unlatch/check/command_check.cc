@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/campaign/campaign.h"
-#include "hil/notices/forecast.h"
+#include "hil/forecast/forecast.h"
 #include "hil/run/run.h"
 #include "hil/sampling/philox.h"
 #include "tools/common/alike.h"

@@ -1,0 +1,221 @@
+#include "kernel/elements/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/elements/push.h"
+#include "kernel/geometry/bounds.h"
+
+namespace unlatch {
+namespace {
+
+// Multiple of the way that bodies go in a step at their present speeds: pairs farther apart than that cannot touch
+// within it.
+constexpr double kMargin = 2;
+
+geometry::Placement get_placement(const BodyFrame& body) { return {body.p, body.R}; }
+
+// Velocity of a body's material at a point of W, world axes, m/s.
+Vec3 calc_velocity(const BodyFrame& body, const Vec3& point) { return body.v + cross(body.w, point - body.p); }
+
+geometry::Distance calc_pair_distance(const PlanData& plan, const ContactPair& pair, const BodyFrame& base,
+                                      const BodyFrame& follower) {
+  const PlanContact& contact = plan.contacts[at(pair.contact)];
+  return geometry::calc_distance(plan.shapes[at(contact.base)].group.shapes[at(pair.base_shape)], get_placement(base),
+                                 plan.shapes[at(contact.follower)].group.shapes[at(pair.follower_shape)],
+                                 get_placement(follower));
+}
+
+Vec3 calc_middle(const geometry::Distance& distance) { return 0.5 * (distance.on_a + distance.on_b); }
+
+// Velocity of the follower's material at a point of W, seen from the base's there, world axes, m/s.
+Vec3 calc_velocity(const BodyFrame& base, const BodyFrame& follower, const Vec3& point) {
+  return calc_velocity(follower, point) - calc_velocity(base, point);
+}
+
+// Rate of the distance, m/s: the witnesses lie along the normal, about which they may turn.
+double calc_rate(const geometry::Distance& distance, const Vec3& velocity) { return dot(distance.normal, velocity); }
+
+bool has_closed_pair(const State& state, const PlanContact& contact) {
+  for (std::int32_t i = 0; i < contact.pairs; ++i)
+    if (state.contacts[at(contact.first_pair + i)].closed != 0) return true;
+  return false;
+}
+
+// Pairs whose bounds are within this part of their size are computed all the same: there an acceleration counts.
+constexpr double kNear = 1e-4;
+
+double calc_speed(const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b, const BodyFrame& at_b) {
+  return geometry::calc_closing_speed(a.group, {at_a.v, norm(at_a.w), 0}, b.group, {at_b.v, norm(at_b.w), 0});
+}
+
+// Least distance of two surfaces that can be told without computing it; negative infinity if they may come near
+// `threshold` within `interval`.
+double calc_far_bound(const PlanShapes& a, const BodyFrame& at_a, const PlanShapes& b, const BodyFrame& at_b,
+                      double threshold, double interval) {
+  const double bound = geometry::calc_lower_bound(a.group, get_placement(at_a), b.group, get_placement(at_b));
+  if (!(bound > threshold)) return -HUGE_VAL;
+  return bound > threshold + kMargin * calc_speed(a, at_a, b, at_b) * interval ? bound : -HUGE_VAL;
+}
+
+// The same of a pair of shapes, for touches; `way`: that bodies may go.
+double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyFrame& base, const BodyFrame& follower,
+                      double way) {
+  const PlanContact& contact = plan.contacts[at(pair.contact)];
+  const geometry::CompiledShape& a = plan.shapes[at(contact.base)].group.shapes[at(pair.base_shape)];
+  const geometry::CompiledShape& b = plan.shapes[at(contact.follower)].group.shapes[at(pair.follower_shape)];
+  const double bound = geometry::calc_lower_bound(a, get_placement(base), b, get_placement(follower));
+  return bound > way + kNear * (a.bound + b.bound) ? bound : -HUGE_VAL;
+}
+
+// Until the next instant at which pairs are looked at: of the parts into which closed contacts cut a step, or the step.
+double calc_interval(const PlanData& plan, const State& state) {
+  for (const ContactState& pair : state.contacts)
+    if (pair.closed != 0) return plan.options.dt / plan.contact_substeps;
+  return plan.options.dt;
+}
+
+}  // namespace
+
+double calc_stored(const PlanContact& contact, double depth) noexcept {
+  if (!(depth > 0)) return 0;
+  return contact.hertzian ? contact.stiffness * (depth * depth) * std::sqrt(depth) / 2.5
+                          : 0.5 * contact.stiffness * (depth * depth);
+}
+
+PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& distance, const BodyFrame& base,
+                          const BodyFrame& follower, double scale) noexcept {
+  PairForce out;
+  out.point = calc_middle(distance);
+  const Vec3 v = calc_velocity(base, follower, out.point);
+  const double parting = calc_rate(distance, v);
+  const Vec3 slip = v - parting * distance.normal;
+  out.rate = -parting;
+  out.slip = norm(slip);
+  if (!(distance.distance < 0)) return out;
+  out.depth = -distance.distance;
+  const double root = contact.hertzian ? std::sqrt(out.depth) : 1;
+  out.stiffness = scale * contact.stiffness * root * (contact.hertzian ? 1.5 : 1);
+  out.elastic = scale * contact.stiffness * out.depth * root;
+  out.stored = scale * calc_stored(contact, out.depth);
+  out.normal = std::max(0.0, out.elastic * (1 + contact.damping * out.rate));
+  const double size = std::sqrt(out.slip * out.slip + contact.slip_speed * contact.slip_speed);
+  const double per_slip = contact.friction * out.normal / size;
+  out.friction = per_slip * out.slip;
+  out.force = out.normal * distance.normal - per_slip * slip;
+  return out;
+}
+
+void add_contacts(const Instant& now, Evaluation& ev) noexcept {
+  const PlanData& plan = now.plan;
+  for (const PlanContact& contact : plan.contacts) {
+    if (!has_closed_pair(now.state, contact)) continue;
+    const double scale = calc_scale(now.state.elements[at(contact.element)], now.t);
+    if (scale == 0) continue;
+    const std::int32_t body_a = plan.shapes[at(contact.base)].body, body_b = plan.shapes[at(contact.follower)].body;
+    const BodyFrame base = get_body_frame(ev, body_a), follower = get_body_frame(ev, body_b);
+    double weight = 0, slip = 0, loss = 0;
+    for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
+      if (now.state.contacts[i].closed == 0) continue;
+      const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
+      const PairForce f = calc_pair_force(contact, distance, base, follower, scale);
+      ev.pair_distances[i] = distance.distance;
+      push(ev, body_b, f.force, cross(f.point - follower.p, f.force));
+      push(ev, body_a, -f.force, cross(f.point - base.p, -f.force));
+      weight += f.normal;
+      slip += f.normal * f.slip;
+      loss += f.calc_loss();
+    }
+    double* rates = ev.auxiliary.rate.data() + contact.auxiliary;
+    rates[0] = weight;
+    rates[1] = weight > 0 ? slip / weight : 0;
+    rates[2] = loss;
+  }
+}
+
+double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, int b) noexcept {
+  const PlanShapes &of_a = plan.shapes[at(a)], &of_b = plan.shapes[at(b)];
+  return geometry::calc_distance(of_a.group, get_placement(get_body_frame(ev, of_a.body)), of_b.group,
+                                 get_placement(get_body_frame(ev, of_b.body)))
+      .least.distance;
+}
+
+double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, int b, double threshold) noexcept {
+  const PlanShapes &of_a = plan.shapes[at(a)], &of_b = plan.shapes[at(b)];
+  const double bound = calc_far_bound(of_a, get_body_frame(ev, of_a.body), of_b, get_body_frame(ev, of_b.body),
+                                      threshold, plan.options.dt);
+  return std::isfinite(bound) ? bound : calc_shape_distance(plan, ev, a, b);
+}
+
+void update_open_pairs(const Instant& now, Evaluation& ev) noexcept {
+  const PlanData& plan = now.plan;
+  const double interval = calc_interval(plan, now.state);
+  for (const PlanContact& contact : plan.contacts) {
+    if (calc_scale(now.state.elements[at(contact.element)], now.t) == 0) continue;
+    const PlanShapes &a = plan.shapes[at(contact.base)], &b = plan.shapes[at(contact.follower)];
+    const BodyFrame base = get_body_frame(ev, a.body), follower = get_body_frame(ev, b.body);
+    const double all = calc_far_bound(a, base, b, follower, 0, plan.options.dt);
+    const bool far = std::isfinite(all);
+    const double way = far ? 0 : kMargin * calc_speed(a, base, b, follower) * interval;
+    for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
+      if (now.state.contacts[i].closed != 0) continue;
+      const ContactPair& pair = plan.contact_pairs[i];
+      const double bound = far ? all : calc_far_bound(plan, pair, base, follower, way);
+      ev.pair_distances[i] = bound;
+      ev.pair_rates[i] = 0;
+      if (std::isfinite(bound)) continue;
+      const geometry::Distance distance = calc_pair_distance(plan, pair, base, follower);
+      ev.pair_distances[i] = distance.distance;
+      ev.pair_rates[i] = calc_rate(distance, calc_velocity(base, follower, calc_middle(distance)));
+    }
+  }
+}
+
+std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& state, int contact) noexcept {
+  const PlanContact& own = plan.data().contacts[at(contact)];
+  return state.contacts.subspan(at(own.first_pair), at(own.pairs));
+}
+
+ContactTotals get_contact_totals(const Plan& plan, const State& state, int contact) noexcept {
+  const double* totals = state.auxiliary.data() + plan.data().contacts[at(contact)].auxiliary;
+  return {totals[0], totals[1], totals[2]};
+}
+
+ContactReading calc_contact(const Plan& owner, const State& state, int contact) noexcept {
+  const PlanData& plan = owner.data();
+  const PlanContact& own = plan.contacts[at(contact)];
+  const double t = plan.get_time(state.header->tick);
+  const double scale = calc_scale(state.elements[at(own.element)], t);
+  ContactReading out;
+  if (scale == 0) return out;
+  const BodyFrame base = calc_body_frame(state, plan.shapes[at(own.base)].body);
+  const BodyFrame follower = calc_body_frame(state, plan.shapes[at(own.follower)].body);
+  Vec3 point{0, 0, 0};
+  for (std::size_t i = at(own.first_pair); i < at(own.first_pair + own.pairs); ++i) {
+    if (state.contacts[i].closed == 0) continue;
+    const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
+    const PairForce f = calc_pair_force(own, distance, base, follower, scale);
+    if (!out.closed) out.point = f.point;
+    out.closed = true;
+    out.depth = std::max(out.depth, f.depth);
+    out.normal += f.normal;
+    out.friction += f.friction;
+    out.stiffness += f.stiffness;
+    out.slip += f.normal * f.slip;
+    out.force += f.force;
+    point += f.normal * f.point;
+  }
+  if (out.normal > 0) {
+    out.point = (1 / out.normal) * point;
+    out.slip /= out.normal;
+  }
+  return out;
+}
+
+geometry::GroupDistance calc_shape_distance(const Plan& owner, const State& state, int a, int b) noexcept {
+  const PlanShapes &of_a = owner.data().shapes[at(a)], &of_b = owner.data().shapes[at(b)];
+  return geometry::calc_distance(of_a.group, get_placement(calc_body_frame(state, of_a.body)), of_b.group,
+                                 get_placement(calc_body_frame(state, of_b.body)));
+}
+
+}  // namespace unlatch

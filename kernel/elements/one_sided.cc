@@ -1,0 +1,146 @@
+#include "kernel/elements/one_sided.h"
+
+#include <algorithm>
+
+#include "kernel/elements/push.h"
+#include "kernel/joints/kinematics.h"
+#include "unlatch/readings.h"
+
+namespace unlatch {
+namespace {
+
+// Coordinate, depth and depth rate of a one-sided force in a joint; direction and arms stay 0.
+OneSidedMotion calc_joint_depth(const Evaluation& ev, const PlanOneSided& own) {
+  OneSidedMotion m{};
+  m.x = ev.coordinates[at(own.coordinate)];
+  m.depth = own.sign * (own.limit - m.x);
+  m.depth_rate = -own.sign * ev.speeds[at(own.coordinate)];
+  return m;
+}
+
+OneSidedMotion calc_joint_motion(const PlanData& plan, const Evaluation& ev, const PlanOneSided& own) {
+  const JointView joint(plan, ev, own.joint);
+  OneSidedMotion m = calc_joint_depth(ev, own);
+  m.direction = joint.get_axis(own.axis);
+  m.r_base = joint.get_arm(false);
+  m.r_follower = joint.get_arm(true);
+  return m;
+}
+
+// Between points of two bodies.
+OneSidedMotion calc_point_motion(const PlanData& plan, const State& state, const PlanOneSided& own,
+                                 const BodyFrame& base, const BodyFrame& follower) {
+  OneSidedMotion m{};
+  m.r_follower = follower.R * own.point_follower;
+  const Vec3 from_base = (follower.p + m.r_follower) - base.p;
+  if (own.drum != kNone) {  // the pull's line passes through the end, where its moments are the same as at the drum
+    m.path = calc_cord_path(plan.drums[at(own.drum)], base.R, from_base, state.bearings[at(own.drum)]);
+    m.direction = m.path.direction;
+    m.r_base = from_base;
+    m.x = m.path.length;
+  } else if (own.guided) {  // the force meets the base where the follower's point is
+    m.direction = base.R * own.guide;
+    m.r_base = from_base;
+    m.x = dot(m.direction, from_base - base.R * own.point_base);
+  } else {
+    m.r_base = base.R * own.point_base;
+    const Vec3 line = from_base - m.r_base;
+    m.x = norm(line);
+    if (m.x > 0) m.direction = (1.0 / m.x) * line;
+  }
+  const Vec3 v = (follower.v + cross(follower.w, m.r_follower)) - (base.v + cross(base.w, m.r_base));
+  m.depth = own.sign * (own.limit - m.x);
+  m.depth_rate = -own.sign * dot(m.direction, v);
+  return m;
+}
+
+// A stiffness by which depths and forces are compared, so that the search for an event meets no corner between them
+// near its crossing: that of the law, or of its force over its stroke. N/m or N m/rad.
+double get_scale(const OneSidedLaw& law) {
+  double scale = law.stiffness;
+  if (law.kind == OneSided::Law::kGas) scale = law.preload / law.gas_length;
+  if (law.kind == OneSided::Law::kTable && law.stroke > 0) scale = law.forces.front() / law.stroke;
+  if (law.kind == OneSided::Law::kLinear && scale == 0 && law.stroke > 0) scale = law.preload / law.stroke;
+  return scale > 0 ? scale : 1;
+}
+
+}  // namespace
+
+OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evaluation& ev,
+                           const PlanOneSided& own) noexcept {
+  if (own.joint != kNone) return calc_joint_motion(plan, ev, own);
+  return calc_point_motion(plan, state, own, get_body_frame(ev, own.base), get_body_frame(ev, own.follower));
+}
+
+void store_bearings(const PlanData& plan, const Evaluation& ev, State& state) noexcept {
+  if (plan.drums.empty()) return;
+  for (const PlanOneSided& own : plan.one_sided)
+    if (own.drum != kNone) state.bearings[at(own.drum)] = calc_motion(plan, state, ev, own).path.bearing;
+}
+
+OneSidedLaw get_law(const PlanData& plan, const PlanOneSided& own) noexcept {
+  OneSidedLaw law = own.law;
+  law.travels = std::span(plan.travels).subspan(at(own.first), at(own.count));
+  law.forces = std::span(plan.travel_forces).subspan(at(own.first), at(own.count));
+  return law;
+}
+
+bool is_on(const ElementState& element, double t) noexcept { return element.to != 0 || calc_scale(element, t) != 0; }
+
+double calc_force(const PlanData& plan, const State& state, double t, const PlanOneSided& own,
+                  const OneSidedMotion& motion) noexcept {
+  if (state.engaged[at(own.number)] == 0) return 0;
+  const double scale = calc_scale(state.elements[at(own.element)], t);
+  if (scale == 0) return 0;
+  return scale * std::max(0.0, calc_sum(get_law(plan, own), motion.depth, motion.depth_rate));
+}
+
+double calc_reach(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept {
+  const OneSidedLaw law = get_law(plan, own);
+  return std::min(get_scale(law) * motion.depth, calc_sum(law, motion.depth, motion.depth_rate));
+}
+
+bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSidedMotion& motion) noexcept {
+  const OneSidedLaw law = get_law(plan, own);
+  return motion.depth <= 0 || get_scale(law) * motion.depth < calc_sum(law, motion.depth, motion.depth_rate);
+}
+
+void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept {
+  const PlanData& plan = now.plan;
+  for (const PlanOneSided& own : plan.one_sided) {
+    if (now.state.engaged[at(own.number)] == 0) continue;
+    const OneSidedMotion m = calc_motion(plan, now.state, ev, own);
+    const Vec3 force = (own.sign * calc_force(plan, now.state, now.t, own, m)) * m.direction;
+    if (own.joint != kNone && own.axis >= kRotX)
+      turn_apart(ev, own.base, own.follower, force);
+    else
+      push_apart(ev, own.base, own.follower, m.r_base, m.r_follower, force);
+  }
+}
+
+OneSidedReading calc_one_sided(const Plan& owner, const State& state, const Workspace& workspace, int number) noexcept {
+  const PlanData& plan = owner.data();
+  const PlanOneSided& own = plan.one_sided[at(number)];
+  const double t = plan.get_time(state.header->tick);
+  const OneSidedMotion m = own.joint != kNone ? calc_joint_depth(workspace.data().kept.evaluation, own)
+                                              : calc_point_motion(plan, state, own, calc_body_frame(state, own.base),
+                                                                  calc_body_frame(state, own.follower));
+  return {m.x,
+          m.depth,
+          m.depth_rate,
+          calc_force(plan, state, t, own, m),
+          calc_scale(state.elements[at(own.element)], t),
+          std::max(0.0, m.path.winding),
+          m.path.on_drum,
+          m.path.bearing};
+}
+
+double calc_one_sided_force(const OneSided& force, double depth, double depth_rate) noexcept {
+  return std::max(0.0, calc_sum(get_law(force), depth, depth_rate));
+}
+
+double calc_one_sided_energy(const OneSided& force, double depth) noexcept {
+  return depth > 0 ? calc_stored_energy(get_law(force), depth) : 0;
+}
+
+}  // namespace unlatch

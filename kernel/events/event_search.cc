@@ -1,0 +1,243 @@
+#include "kernel/events/event_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/events/crossing.h"
+#include "kernel/events/guards.h"
+#include "kernel/integration/integrator.h"
+
+namespace unlatch {
+namespace {
+
+// Part of a guard's change over the sub-step: events that would cross within it are taken as simultaneous.
+constexpr double kSimultaneous = 1e-6;
+// Part of the sub-step: an event is located when the next try would be nearer than this to the last one.
+constexpr double kLocated = 1e-6;
+constexpr int kMostTries = 24;
+constexpr int kMostLooks = 8;  // tries of a sub-step that look for touches within it
+
+// Tries the sub-step from its start to `end`: an evaluation of the latter, guards included.
+bool try_substep(Run& run, const SubstepStart& start, double end) {
+  ++run.report.substeps;
+  const Instant now = run.get_instant(end);
+  if (!run.check(integrate(now, start, end, run.ev()))) return false;
+  if (!run.check(evaluate(now, Changed::kVelocities, run.ev()))) return false;
+  update_guards(now, run.ev(), run.search().stack);
+  return true;
+}
+
+void keep_low(Run& run) {
+  std::copy(run.ev().guards.begin(), run.ev().guards.end(), run.search().guards_low.begin());
+  std::copy(run.ev().pair_rates.begin(), run.ev().pair_rates.end(), run.search().rates_low.begin());
+}
+
+void keep_high(Run& run) {
+  std::copy(run.ev().guards.begin(), run.ev().guards.end(), run.search().guards_high.begin());
+  std::copy(run.ev().pair_rates.begin(), run.ev().pair_rates.end(), run.search().rates_high.begin());
+}
+
+// --- Crossings -------------------------------------------------------------------------------------------------------
+
+bool crosses(const Run& run, std::size_t e) {
+  return (e >= run.state().events.size() || run.state().events[e].phase == EventPhase::kArmed) &&
+         run.search().guards_low[e] < 0 && run.search().guards_high[e] >= 0;
+}
+
+int count_crossings(const Run& run) {
+  const double* high = run.search().guards_high.data();
+  int count = 0;
+  for (std::size_t e = 0; e < run.ev().guards.size(); ++e)
+    if (high[e] >= 0 && crosses(run, e)) ++count;  // few stand there: the rest in two instructions
+  return count;
+}
+
+// The first crossing within the bracket whose ends are in guards_low and guards_high, its third point in guards_middle.
+// `first`: its guard.
+Crossing estimate(const Run& run, const Bracket& bracket, std::size_t& first) {
+  const EventSearch& s = run.search();
+  Crossing earliest{bracket.to, false};
+  bool found = false;
+  for (std::size_t e = 0; e < run.ev().guards.size(); ++e) {
+    if (!crosses(run, e)) continue;
+    const Crossing own = interpolate(bracket, s.guards_low[e], s.guards_high[e], s.guards_middle[e]);
+    if (found && !(own.time < earliest.time)) continue;
+    earliest = own;
+    first = e;
+    found = true;
+  }
+  return earliest;
+}
+
+// The bracket less what the latest try, at `x`, rules out.
+void narrow(const Run& run, double x, Bracket& bracket) {
+  const EventSearch& s = run.search();
+  bool crossed = false;
+  for (std::size_t e = 0; e < run.ev().guards.size(); ++e) crossed |= run.ev().guards[e] >= 0 && crosses(run, e);
+  const std::span<double> end = crossed ? s.guards_high : s.guards_low;
+  std::copy(end.begin(), end.end(), s.guards_middle.begin());
+  std::copy(run.ev().guards.begin(), run.ev().guards.end(), end.begin());
+  bracket.narrow(x, crossed);
+}
+
+// Some event that crosses begins within its tolerance of zero, as the lift of a contact that has just closed.
+bool begins_at_zero(const Run& run) {
+  const EventSearch& s = run.search();
+  bool found = false;
+  for (std::size_t e = 0; e < run.ev().guards.size(); ++e)
+    found |= crosses(run, e) && -s.guards_low[e] <= s.tolerances[e];
+  return found;
+}
+
+// The latest try has the guard of an event about as near to zero as it is taken for zero; that of a step in it has not.
+bool is_near_zero(const Run& run, std::size_t e) {
+  constexpr double kSteep = 10;  // slope at the crossing over that of the whole sub-step
+  return std::fabs(run.ev().guards[e]) <= kSteep * run.search().tolerances[e];
+}
+
+// The number that a report gives a guard: that of its event; behind the events that of its pair's contact.
+std::int32_t get_reported_guard(const PlanData& plan, std::size_t guard) {
+  const std::size_t events = plan.events.size();
+  if (guard < events) return static_cast<std::int32_t>(guard);
+  return static_cast<std::int32_t>(events) + plan.contact_pairs[guard - events].contact;
+}
+
+// The tries ran out: the instant of the event `first` is known to an interval that is wider than the tolerance.
+void note_unlocated(Run& run, std::size_t first, double interval) {
+  OpenSearch& open = run.report.open;
+  ++open.unlocated;
+  if (open.guard != kNone && interval <= open.interval) return;
+  open.interval = interval;
+  open.guard = get_reported_guard(run.plan, first);
+}
+
+// Locates the first crossing within the sub-step whose ends are in guards_low and guards_high. Leaves the evaluation of
+// that instant and returns its time, or kFailed. `first`: its guard.
+//
+// Tries follow the inverse parabola, after the second only where it is through values that rise; else the middle of the
+// bracket is tried. A guard that begins at zero and first falls would hold the parabola there: then the middle is tried
+// until it falls short. Ends when the next try would be within the tolerance of the last one, where the guard is near
+// zero: one that has a step may hold the parabola beside it.
+double locate(Run& run, const SubstepStart& start, double end, std::size_t& first) {
+  const double shortest = run.plan.get_slack(), tolerance = std::max(kLocated * (end - start.t), shortest);
+  const bool at_zero = begins_at_zero(run);
+  Bracket bracket{0, end - start.t, 0};
+  Crossing next = estimate(run, bracket, first);
+  bool falls = false;    // a try just behind the beginning of the bracket did not cross: the guard falls there
+  bool stuck = false;    // the estimate stays at the latest try, whose guard is not near zero
+  bool located = false;  // the latest try is at the crossing
+  double reached = end;
+  for (int i = 0; i < kMostTries && !located; ++i) {
+    double x = next.time;
+    const bool held = at_zero && x - bracket.from < tolerance;  // the estimate stays at the beginning of the bracket
+    const bool nudged = held && next.sure && !falls;            // this try is just behind it
+    if (nudged)
+      x = std::max(x, bracket.from + shortest);
+    else if (held || falls || stuck || (i > 1 && !next.sure))
+      x = 0.5 * (bracket.from + bracket.to);
+    reached = std::min(start.t + x, end);  // the length may be rounded up
+    if (!try_substep(run, start, reached)) return kFailed;
+    narrow(run, x, bracket);
+    if (bracket.from == x) falls = nudged;
+    std::size_t other = first;
+    next = estimate(run, bracket, other);
+    const bool close = (next.sure || !at_zero) && std::fabs(next.time - x) <= tolerance;
+    stuck = close && !is_near_zero(run, other);
+    located = i > 0 && ((close && !stuck) || bracket.to - bracket.from <= tolerance);
+    if (!located) first = other;
+  }
+  if (!located) note_unlocated(run, first, bracket.to - bracket.from);
+  return reached;
+}
+
+// --- Touches within a sub-step ---------------------------------------------------------------------------------------
+
+// A pair of shapes that is open at both ends of a sub-step, as a guard's flanks: it rises where they approach.
+Flank get_flank(const Run& run, std::size_t pair, double time, std::span<const double> guards,
+                std::span<const double> rates) {
+  return {time, get_pair_guards(run.plan, guards)[pair], run.state().contacts[pair].closed != 0 ? 0 : -rates[pair]};
+}
+
+// The looks ran out: `pair` may touch between two flanks that are apart.
+void note_unseen(Run& run, std::size_t pair, const Flank& left, const Flank& right) {
+  OpenSearch& open = run.report.open;
+  ++open.unseen;
+  const double depth = calc_bound(left, right);
+  if (open.contact != kNone && depth <= open.depth) return;
+  open.depth = depth;
+  open.contact = run.plan.contact_pairs[pair].contact;
+}
+
+// Looks for a touch of `pair` between two flanks that are apart. Returns its time from the start of the sub-step (as
+// flanks have it), that of `right` if there is none, or kFailed. The evaluation is of the latest try. `looks`: those
+// that are left.
+[[gnu::noinline]] double find_touch(Run& run, const SubstepStart& start, std::size_t pair, Flank left, Flank right,
+                                    int& looks) {
+  const double end = right.time;
+  for (; looks > 0 && may_peak(left, right); --looks) {
+    const double x = calc_peak(left, right);
+    if (!try_substep(run, start, start.t + x)) return kFailed;
+    const Flank peak = get_flank(run, pair, x, run.ev().guards, run.ev().pair_rates);
+    if (peak.value >= 0) return x;
+    (peak.rate > 0 ? left : right) = peak;
+  }
+  if (may_peak(left, right)) note_unseen(run, pair, left, right);
+  return end;
+}
+
+// Pairs of shapes that touch and part again within the sub-step have guards below zero at both ends. Returns a time (of
+// the step, not of the sub-step) up to which at least one has touched, its guards in guards_high, or `end`; or kFailed.
+// `most`: looks.
+double find_touches(Run& run, const SubstepStart& start, double end, int most) {
+  EventSearch& s = run.search();
+  const double h = end - start.t;
+  double reached = h;
+  int looks = most;
+  for (std::size_t i = 0; i < run.state().contacts.size(); ++i) {
+    if (!(s.rates_low[i] < 0 && s.rates_high[i] > 0)) continue;
+    const Flank left = get_flank(run, i, 0, s.guards_low, s.rates_low);
+    const Flank right = get_flank(run, i, reached, s.guards_high, s.rates_high);
+    const double touch = find_touch(run, start, i, left, right, looks);
+    if (touch == kFailed) return kFailed;
+    if (touch == reached) continue;
+    reached = touch;
+    keep_high(run);
+  }
+  if (reached < h) return start.t + reached;
+  return looks == most || try_substep(run, start, end) ? end : kFailed;
+}
+
+// Tolerances of guards: how far below zero that of an event may stand which still acts with the first.
+void update_tolerances(Run& run) {
+  EventSearch& s = run.search();
+  for (std::size_t e = 0; e < s.tolerances.size(); ++e)
+    s.tolerances[e] = crosses(run, e) ? kSimultaneous * (s.guards_high[e] - s.guards_low[e]) : 0;
+}
+
+// The first of the crossings up to `end`. Out of line, so that a sub-step without events needs few registers.
+[[gnu::noinline]] Reached stop_at_first(Run& run, const SubstepStart& start, double end) {
+  EventSearch& s = run.search();
+  std::size_t first = run.ev().guards.size();
+  update_tolerances(run);
+  const double reached = locate(run, start, end, first);
+  if (reached == kFailed) return {kFailed, false};
+  s.tolerances[first] = std::max(s.tolerances[first], -run.ev().guards[first]);
+  return {reached, true};
+}
+
+}  // namespace
+
+Reached advance_to_event(Run& run, double now, double target, bool may_split) noexcept {
+  keep_low(run);
+  const SubstepStart start = begin_substep(run.plan, now, run.ev());
+  if (!try_substep(run, start, target)) return {kFailed, false};
+  keep_high(run);
+  const double end = find_touches(run, start, target, may_split ? kMostLooks : 0);
+  if (end == kFailed) return {kFailed, false};
+  const int crossings = count_crossings(run);
+  if (crossings > 0 && may_split) return stop_at_first(run, start, end);
+  run.report.postponed += crossings;
+  return {end, false};
+}
+
+}  // namespace unlatch

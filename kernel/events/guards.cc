@@ -1,0 +1,176 @@
+#include "kernel/events/guards.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernel/elements/contacts.h"
+#include "kernel/elements/one_sided.h"
+#include "kernel/joints/kinematics.h"
+
+namespace unlatch {
+namespace {
+
+// Parts that hold or do not, and cannot change within a sub-step: so large that in an all or any they leave the
+// real-valued parts as they are, which the search for the crossing needs.
+constexpr double kYes = 1e100, kNo = -1e100;
+
+// Readings of rare guards stay out of line, so that the frequent ones need few registers.
+
+[[gnu::noinline]] double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
+  return calc_reaction_size(ev, static_cast<int>(joint), static_cast<int>(first));
+}
+
+// ≥ 0 where it is to be engaged; `below`: > 0 where it is to be so no longer.
+[[gnu::noinline]] double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
+  const PlanOneSided& own = now.plan.one_sided[at(c.subject)];
+  if (!is_on(now.state.elements[at(own.element)], now.t)) return kNo;
+  const double reach = calc_reach(now.plan, own, calc_motion(now.plan, now.state, ev, own));
+  return c.below ? -reach - std::numeric_limits<double>::min() : reach;
+}
+
+[[gnu::noinline]] double calc_one_sided_force(const Instant& now, const Evaluation& ev, std::size_t number) {
+  const PlanOneSided& own = now.plan.one_sided[number];
+  return calc_force(now.plan, now.state, now.t, own, calc_motion(now.plan, now.state, ev, own));
+}
+
+[[gnu::noinline]] CordPath calc_path(const Instant& now, const Evaluation& ev, std::size_t number) {
+  return calc_motion(now.plan, now.state, ev, now.plan.one_sided[number]).path;
+}
+
+// A condition without parts; `subject` and `axis` are those of PlanCondition's table.
+UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
+  const PlanData& plan = now.plan;
+  const State& state = now.state;
+  const std::size_t subject = at(c.subject);
+  double value = 0;
+  switch (c.kind) {
+    case Condition::Kind::kTime:
+      value = now.t;
+      break;
+    case Condition::Kind::kReaction:
+      if (!has_row(plan.modes[at(c.first_mode) + static_cast<std::size_t>(state.joints[subject].mode)], c.axis))
+        return kNo;
+      value = c.multiplier.in(ev.blocks.data());
+      break;
+    case Condition::Kind::kDisplacement:
+    case Condition::Kind::kAngle:
+      value = ev.coordinates[subject];
+      break;
+    case Condition::Kind::kSpeed:
+      value = ev.speeds[subject];
+      break;
+    case Condition::Kind::kBodyRate:
+      value = norm(read(ev.blocks.data(), ev.places[subject], &BodyLane::motion).w);
+      break;
+    case Condition::Kind::kCommand:
+      value = now.inputs.commands[subject];
+      break;
+    case Condition::Kind::kBurnt:
+      value = ev.auxiliary.now[at(plan.bodies[subject].varying)];
+      break;
+    case Condition::Kind::kForceSize:
+      value = calc_size(ev, subject, kX);
+      break;
+    case Condition::Kind::kMomentSize:
+      value = calc_size(ev, subject, kRotX);
+      break;
+    case Condition::Kind::kOneSidedForce:
+      value = calc_one_sided_force(now, ev, subject);
+      break;
+    case Condition::Kind::kWound:
+      value = calc_path(now, ev, subject).winding;
+      break;
+    case Condition::Kind::kBearing:
+      value = calc_path(now, ev, subject).bearing;
+      break;
+    case Condition::Kind::kReach:
+      return calc_reach_guard(now, ev, c);
+    case Condition::Kind::kEngaged:
+      return state.engaged[subject] != 0 ? kYes : kNo;
+    case Condition::Kind::kSignal:
+      return state.signals[subject] != 0 ? kYes : kNo;
+    case Condition::Kind::kMode:
+      return state.joints[subject].mode == c.axis ? kYes : kNo;
+    case Condition::Kind::kDistance:
+      value = calc_guarded_distance(plan, ev, c.subject, c.axis, c.threshold);
+      break;
+    case Condition::Kind::kClosed: {
+      const PlanContact& contact = plan.contacts[subject];
+      for (std::int32_t i = 0; i < contact.pairs; ++i)
+        if (state.contacts[at(contact.first_pair + i)].closed != 0) return kYes;
+      return kNo;
+    }
+    case Condition::Kind::kAll:
+    case Condition::Kind::kAny:
+    case Condition::Kind::kNot:
+      break;  // evaluated by the caller
+  }
+  return c.below ? c.threshold - value : value - c.threshold;
+}
+
+// Parts that must all hold, those that cannot change within a sub-step first.
+double calc_all(const Instant& now, const Evaluation& ev, std::span<const PlanCondition> parts) {
+  double value = calc_elementary(now, ev, parts[0]);
+  for (std::size_t i = 1; i < parts.size() && value != kNo; ++i)
+    value = std::min(value, calc_elementary(now, ev, parts[i]));
+  return value;
+}
+
+double calc_nested(const Instant& now, const Evaluation& ev, std::span<double> stack,
+                   std::span<const PlanCondition> postfix) {
+  std::size_t top = 0;
+  for (const PlanCondition& c : postfix) {
+    const std::size_t parts = at(c.part_count);
+    const bool combines = c.kind == Condition::Kind::kAll || c.kind == Condition::Kind::kAny;
+    if (c.kind == Condition::Kind::kNot) {
+      stack[top - 1] = -stack[top - 1];
+    } else if (combines) {
+      double value = stack[top - parts];
+      for (std::size_t k = top - parts + 1; k < top; ++k)
+        value = c.kind == Condition::Kind::kAll ? std::min(value, stack[k]) : std::max(value, stack[k]);
+      top -= parts;
+      stack[top++] = value;
+    } else {
+      stack[top++] = calc_elementary(now, ev, c);
+    }
+  }
+  return stack[0];
+}
+
+// Touch of open pairs, lift of closed ones; a contact that is off is apart.
+void update_pair_guards(const Instant& now, Evaluation& ev) {
+  update_open_pairs(now, ev);
+  const std::span<double> guards = get_pair_guards(now.plan, ev.guards);
+  for (std::size_t i = 0; i < ev.pair_distances.size(); ++i) {
+    const ContactState& pair = now.state.contacts[i];
+    const std::int32_t element = now.plan.contacts[at(now.plan.contact_pairs[i].contact)].element;
+    const bool off = calc_scale(now.state.elements[at(element)], now.t) == 0;
+    if (pair.closed != 0)
+      guards[i] = off ? kYes : ev.pair_distances[i] - pair.edge;
+    else
+      guards[i] = off ? kNo : pair.edge - ev.pair_distances[i];
+  }
+}
+
+}  // namespace
+
+void update_guards(const Instant& now, Evaluation& ev, std::span<double> stack) noexcept {
+  const PlanCondition* conditions = now.plan.conditions.data();
+  const EventState* state = now.state.events.data();
+  double* guard = ev.guards.data();
+  for (const PlanEvent& event : now.plan.events) {
+    const EventPhase phase = (state++)->phase;
+    const bool can_cross = phase == EventPhase::kArmed || (phase == EventPhase::kSpent && event.repeat);
+    const PlanCondition* first = conditions + event.first_condition;
+    if (!can_cross)
+      *guard++ = kNo;
+    else if (event.flat_parts > 0)
+      *guard++ = calc_all(now, ev, {first, at(event.flat_parts)});
+    else
+      *guard++ = calc_nested(now, ev, stack, {first, at(event.condition_count)});
+  }
+  if (!ev.pair_distances.empty()) update_pair_guards(now, ev);
+}
+
+}  // namespace unlatch

@@ -1,0 +1,228 @@
+#include "kernel/integration/integrator.h"
+
+#include "kernel/dispatch/kernels.h"
+#include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/forces.h"
+#include "kernel/dynamics/varying.h"
+#include "kernel/elements/compliance.h"
+#include "kernel/elements/friction.h"
+#include "kernel/elements/loads.h"
+#include "kernel/integration/load_state.h"
+#include "kernel/joints/coordinates.h"
+#include "kernel/joints/residuals.h"
+#include "kernel/solver/loop_rows.h"
+#include "kernel/solver/redundant_rows.h"
+
+namespace unlatch {
+namespace {
+
+constexpr Sweep kCorrection{.source = Source::kNothing, .multipliers = false};
+
+// Kernels that move bodies leave the kinematics of rigid ones, whose masses are constant.
+void complete_kinematics(const PlanData& plan, double t, Evaluation& ev) {
+  if (plan.rigid) return;
+  update_masses(plan, t, ev);
+  update_kinematics(plan, ev);
+}
+
+// Frames and targets of the joints where poses and modes have not changed since update_joints(), for accelerations.
+void update_joint_velocities(const PlanData& plan, const State& state, Evaluation& ev) {
+  get_kernels(plan).update_joint_velocities(plan, ev);
+  if (!plan.rigid) update_marker_biases(plan, RowTarget::kAcceleration, ev);
+  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
+}
+
+// Before a solve: no friction yet. True if solve_friction() is to follow.
+bool begin_friction(const Instant& now, Evaluation& ev) {
+  if (now.plan.frictions.empty()) return false;
+  clear_friction(ev);
+  return has_friction(now);
+}
+
+// After a solve: the friction that belongs to its reactions, again and again.
+void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  for (int i = 0; i < kFrictionSweeps; ++i) {
+    update_friction(now, ev);
+    update_forces(now, ev);
+    get_kernels(plan).solve(plan, ev, sweep);
+    if (ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
+  }
+}
+
+// At the present joint frames and loads.
+int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
+  const bool rubs = begin_friction(now, ev);
+  update_forces(now, ev);
+  Sweep own = sweep;
+  own.multipliers = sweep.multipliers || rubs;
+  const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, own, independent_rows);
+  if (node != kNone) return node;
+  if (own.multipliers && ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
+  if (rubs) solve_friction(now, own, ev);
+  if (!plan.rigid) update_modal_rates(plan, ev);
+  return kNone;
+}
+
+// Stages at one instant share the sizes of loads.
+enum class Loads { kUpdate, kKeep };
+
+int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, Evaluation& ev) {
+  complete_kinematics(now.plan, now.t, ev);
+  if (loads == Loads::kUpdate) update_loads(now, ev);
+  update_joints(now.plan, now.state, RowTarget::kAcceleration, ev);
+  return solve_dynamics(now, {.multipliers = false, .gamma_h = now.implicit.gamma_h}, start.independent_rows, ev);
+}
+
+// The end of a sub-step, on its rows: one position and one velocity projection, with one factorisation.
+int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
+  const PlanData& plan = end.plan;
+  const Kernels& kernels = get_kernels(plan);
+  complete_kinematics(plan, end.t, ev);
+  update_joints(plan, end.state, RowTarget::kPosition, ev);
+  const int node = kernels.factor_and_solve(plan, end.state, ev, kCorrection, start.independent_rows);
+  if (node != kNone) return node;
+  kernels.add_displacements(plan, ev);
+  if (!plan.rigid) add_modal_displacements(plan, ev);
+
+  // The velocities take the new frames, but the factor of the old ones, which differs by the displacement: of the
+  // velocity residual a part as small as the drift of one sub-step is left.
+  if (!plan.rigid) update_kinematics(plan, ev);
+  update_joints(plan, end.state, RowTarget::kVelocity, ev);
+  kernels.solve(plan, ev, kCorrection);
+  kernels.add_velocities(plan, ev);
+  if (plan.rigid) return kNone;
+  add_modal_velocities(plan, ev);
+  update_velocities(plan, ev);
+  return kNone;
+}
+
+int integrate_explicitly(const Instant& middle, const Instant& end, const SubstepStart& start, Evaluation& ev) {
+  const PlanData& plan = end.plan;
+  const Kernels& kernels = get_kernels(plan);
+  const double h = end.t - start.t;
+  constexpr double kOuter = 1.0 / 6.0, kInner = 1.0 / 3.0;
+  kernels.begin_stages(plan, ev, kOuter, 0.5 * h);
+  if (const int node = evaluate_stage(middle, Loads::kUpdate, start, ev); node != kNone) return node;
+  kernels.advance_stage(plan, ev, kInner, 0.5 * h);
+  if (const int node = evaluate_stage(middle, Loads::kKeep, start, ev); node != kNone) return node;
+  kernels.advance_stage(plan, ev, kInner, h);
+  if (const int node = evaluate_stage(end, Loads::kUpdate, start, ev); node != kNone) return node;
+  kernels.finish_stages(plan, ev, kOuter, h);
+  return project(end, start, ev);
+}
+
+// ROS2, see kernel/elements/compliance.h.
+int integrate_implicitly(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) {
+  const PlanData& plan = now.plan;
+  const Kernels& kernels = get_kernels(plan);
+  const double h = end - start.t;
+  const Implicit first = begin_compliance(plan, now.state, start.t, h, ev);
+  kernels.restart(plan, ev);
+  const Instant first_stage{plan, now.inputs, now.state, start.t, first};
+  if (const int node = evaluate_stage(first_stage, Loads::kUpdate, start, ev); node != kNone) return node;
+  lead_modal_rates(plan, first, ev);
+  kernels.finish_first_stage(plan, ev, h, first.gamma_h);
+  const Implicit second = begin_second_stage(plan, first, ev);
+  const Instant second_stage{plan, now.inputs, now.state, end, second};
+  if (const int node = evaluate_stage(second_stage, Loads::kUpdate, start, ev); node != kNone) return node;
+  lead_modal_rates(plan, second, ev);
+  kernels.finish_second_stage(plan, ev, h, second.gamma_h);
+  return project({plan, now.inputs, now.state, end}, start, ev);
+}
+
+// Forces alone are new: the factor serves.
+int evaluate_commands(const Instant& now, Evaluation& ev) {
+  update_loads(now, ev);
+  const bool rubs = begin_friction(now, ev);
+  update_forces(now, ev);
+  get_kernels(now.plan).solve(now.plan, ev, {});
+  if (ev.loop_redundant > 0) split_redundant_rows(now.plan, now.state, ev);
+  if (rubs) solve_friction(now, {}, ev);
+  if (!now.plan.rigid) update_modal_rates(now.plan, ev);
+  return kNone;
+}
+
+}  // namespace
+
+void update_kinematics(const PlanData& plan, Evaluation& ev) noexcept {
+  update_markers(plan, ev);
+  get_kernels(plan).update_kinematics(plan, ev);
+  update_varying_kinematics(plan, ev);
+  update_flexible_kinematics(plan, ev);
+}
+
+void update_velocities(const PlanData& plan, Evaluation& ev) noexcept {
+  update_markers(plan, ev);
+  get_kernels(plan).update_angular_velocities(plan, ev);
+}
+
+void update_coordinates(const PlanData& plan, const State& state, CoordinateSet set, Evaluation& ev) noexcept {
+  if (set == CoordinateSet::kDriven && plan.driven_coordinates == 0) return;
+  const std::size_t rotations = measure_coordinates(plan, state, set, ev);
+  if (rotations == 0) return;
+  get_kernels(plan).update_angles(ev.rotation_sines.data(), ev.rotation_cosines.data(), rotations);
+  unwind_angles(plan, state, set, ev);
+}
+
+void update_forces(const Instant& now, Evaluation& ev) noexcept {
+  get_kernels(now.plan).init_forces(now.plan, ev);
+  add_forces(now, ev);
+}
+
+void update_joints(const PlanData& plan, const State& state, RowTarget target, Evaluation& ev) noexcept {
+  get_kernels(plan).update_joints(plan, ev, target);
+  if (!plan.rigid) update_marker_biases(plan, target, ev);
+  if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, target, ev);
+}
+
+int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
+  const PlanData& plan = now.plan;
+  switch (changed) {
+    case Changed::kCommands:
+      return evaluate_commands(now, ev);
+    case Changed::kVelocities:
+      update_joint_velocities(plan, now.state, ev);
+      break;
+    case Changed::kState:
+      load_modes(plan, now.state, ev);
+      [[fallthrough]];
+    case Changed::kMotion:
+      load_motion(plan, now.state, ev);
+      update_masses(plan, now.t, ev);
+      update_kinematics(plan, ev);
+      [[fallthrough]];
+    case Changed::kModes:
+      update_loads(now, ev);
+      update_joints(plan, now.state, RowTarget::kAcceleration, ev);
+  }
+  return solve_dynamics(now, {}, kAllRows, ev);
+}
+
+SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept {
+  get_kernels(plan).begin_substep(plan, ev);
+  return {t, ev.loop_count - ev.loop_redundant};
+}
+
+int integrate(const Instant& now, const SubstepStart& start, double end, Evaluation& ev) noexcept {
+  const double h = end - start.t;
+  if (is_stiff(now.plan, now.state, start.t + 0.5 * h)) return integrate_implicitly(now, start, end, ev);
+  const Instant middle_stages{now.plan, now.inputs, now.state, start.t + 0.5 * h};
+  return integrate_explicitly(middle_stages, {now.plan, now.inputs, now.state, end}, start, ev);
+}
+
+int apply_impulse(const PlanData& plan, Source source, State& state, Evaluation& ev) noexcept {
+  const Kernels& kernels = get_kernels(plan);
+  update_joints(plan, state, RowTarget::kVelocity, ev);
+  const int node = kernels.factor_and_solve(plan, state, ev, {.source = source}, kAllRows);
+  if (node != kNone) return node;
+  kernels.add_velocities(plan, ev);
+  if (!plan.rigid) add_modal_velocities(plan, ev);
+  update_markers(plan, ev);
+  store_motion(plan, ev, state);
+  return kNone;
+}
+
+}  // namespace unlatch

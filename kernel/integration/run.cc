@@ -1,0 +1,32 @@
+#include "kernel/integration/run.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace unlatch {
+namespace {
+
+// False if what the factorisation takes in at a node, masses and arms, is not finite.
+bool has_finite_block(const PlanData& plan, const Evaluation& ev, int node) {
+  const TreeNode& n = plan.nodes[at(node)];
+  const Place& place = plan.places[at(n.body)];
+  const double* blocks = ev.blocks.data();
+  const auto is_finite = [](const auto& numbers) {
+    double all[sizeof(numbers) / sizeof(double)], sum = 0;
+    std::memcpy(all, &numbers, sizeof(numbers));
+    for (const double number : all) sum += number;
+    return std::isfinite(sum);
+  };
+  return is_finite(read(blocks, place, &SharedLane::inertia)) &&
+         (n.leaf || is_finite(read(blocks, place, &SubtreeLane::A))) &&
+         (n.joint == kNone || (is_finite(read(blocks, place, &SolverLane::arm_child)) &&
+                               is_finite(read(blocks, place, &SolverLane::offset))));
+}
+
+}  // namespace
+
+StepStatus get_pivot_status(const PlanData& plan, const Evaluation& ev, int node) noexcept {
+  return has_finite_block(plan, ev, node) ? StepStatus::kSingular : StepStatus::kNotFinite;
+}
+
+}  // namespace unlatch

@@ -1,0 +1,39 @@
+// Run: one step under way, all that its parts share.
+#pragma once
+
+#include "kernel/elements/instant.h"
+#include "kernel/plan/evaluation.h"
+#include "unlatch/motion.h"
+#include "unlatch/step.h"
+
+namespace unlatch {
+
+// Status of a factorisation that stopped at a node: the motion has blown up, or its geometry is singular.
+StepStatus get_pivot_status(const PlanData& plan, const Evaluation& ev, int node) noexcept;
+
+struct Run {
+  const PlanData& plan;
+  const Inputs& inputs;
+  WorkspaceData& data;
+  MotionLog* log;  // null if nobody wants it
+  StepReport report{};
+  int node = kNone;  // the node whose pivot vanished
+
+  State& state() const { return data.kept.state; }         // how far the step has got
+  Evaluation& ev() const { return data.kept.evaluation; }  // of the latest try from there
+  EventSearch& search() const { return data.search; }
+  EventRecord& events() const { return data.events; }
+
+  bool fail(StepStatus status) {
+    report.status = status;
+    return false;
+  }
+  // False, with the report's status, if a factorisation stopped at `failed_node`.
+  bool check(int failed_node) {
+    node = failed_node;
+    return failed_node == kNone || fail(get_pivot_status(plan, ev(), failed_node));
+  }
+  Instant get_instant(double t) const { return {plan, inputs, state(), t}; }
+};
+
+}  // namespace unlatch
