@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "hil/meshes/mesh_tree.h"
 
@@ -14,6 +15,10 @@ using geometry::CompiledShape;
 using geometry::Distance;
 using geometry::Placement;
 using Model = fcl::BVHModel<fcl::OBBRSSd>;
+
+// Bytes. FCL's library reads transforms as SSE2 and NEON want them, as Eigen aligns them by default. Here Eigen does
+// not (EIGEN_DONT_VECTORIZE), and a transform on the stack may lie where FCL's reads fault.
+constexpr std::size_t kFclAlignment = 16;
 
 constexpr double kRounding = 1e-12;  // relative to the sizes: margin of the boxes for rounding
 
@@ -54,7 +59,9 @@ class FclTree final : public MeshTree {
     const auto& that = static_cast<const FclTree&>(other);
     fcl::DistanceRequestd request(true);
     fcl::DistanceResultd result;
-    fcl::distance(&model_, to_transform(at), &that.model_, to_transform(at_other), request, result);
+    alignas(kFclAlignment) const fcl::Transform3d own = to_transform(at);
+    alignas(kFclAlignment) const fcl::Transform3d others = to_transform(at_other);
+    fcl::distance(&model_, own, &that.model_, others, request, result);
     if (!(result.min_distance < limit)) return {};
     Distance out;
     out.distance = result.min_distance;
