@@ -86,7 +86,7 @@ void open_folder(const OptimizeOptions& options, const hil::DesignProblem& probl
     const auto had = nlohmann::ordered_json::parse(file, nullptr, false);
     if (!had.is_object())
       refuse_option("--resume", manifest.string() + " is missing or damaged; choose another folder");
-    if (had.value("fingerprint", "") != now.at("fingerprint"))
+    if (had.value("fingerprint", "") != now.at("fingerprint").get<std::string>())
       refuse_option("--resume", options.out + " is of another problem: its " + describe_difference(had, now) +
                                     " differs; choose another folder");
   } else {
