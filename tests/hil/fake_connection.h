@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hil/realtime/clock.h"
+#include "hil/realtime/nonblocking.h"
 #include "hil/session/connection.h"
 
 namespace unlatch::test {
@@ -13,11 +14,13 @@ namespace unlatch::test {
 class FakeConnection final : public hil::Connection {
  public:
   bool send(const hil::Message& message) noexcept override {
+    const hil::MayWait own_memory;
     if (is_full) return false;
     sent.push_back(message);
     return true;
   }
   bool receive(hil::Arrival& arrival) noexcept override {
+    const hil::MayWait own_memory;  // a queue of the test, from which the cyclic thread of a run never reads
     if (arrivals.empty()) return false;
     arrival = arrivals.front();
     arrivals.pop_front();

@@ -182,7 +182,7 @@ TEST(Contact, ACapsuleInATubeAgreesWithAnIndependentIntegrationAfterTenBounces) 
   const std::vector<Logged> events = run(s, model, static_cast<int>(std::lround(reference["t"].get<double>() / kStep)));
   ASSERT_EQ(events.size(), reference["events"].size());
   for (std::size_t i = 0; i < events.size(); ++i) {
-    EXPECT_EQ(events[i].name, reference["events"][i]["name"]) << i;
+    EXPECT_EQ(events[i].name, reference["events"][i]["name"].get<std::string>()) << i;
     EXPECT_NEAR(events[i].time, reference["events"][i]["t"].get<double>(), kTime) << i;
   }
   const std::vector<double> end = reference["state"];
