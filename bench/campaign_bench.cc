@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/campaign/campaign.h"
-#include "hil/evaluation/evaluation.h"
+#include "hil/study/campaign/campaign.h"
+#include "hil/study/evaluation/evaluation.h"
 
 namespace unlatch::bench {
 namespace {

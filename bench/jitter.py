@@ -4,7 +4,7 @@ others: bench/jitter.py BIN_FOLDER [SECONDS]. Writes bench/results/jitter.csv an
 
 Both threads are SCHED_FIFO 80, pinned to the last CPU, with absolute deadlines a period apart and phases of their own.
 "together": at the same time. "in turn": in slices, one after the other, since two threads of 10 kHz would wait for each
-other. Yardsticks (hil/realtime/yardsticks.h) run beside the executive: work that is the same each time, so that what stretches
+other. Yardsticks (hil/session/realtime/yardsticks.h) run beside the executive: work that is the same each time, so that what stretches
 it is the machine. steadiness_bench does the same back to back. The load is stress-ng on all other CPUs.
 Needs rt-tests and stress-ng (tools/setup bench), and the right to SCHED_FIFO."""
 

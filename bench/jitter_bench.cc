@@ -1,6 +1,7 @@
 // The cyclic executive in real time, without flight software: wake-up latency and time of its steps. Beside it, on the
-// same CPU, run the yardsticks of hil/realtime/yardsticks.h and a read of 128 KiB, once after other programs have used
-// the caches, and once again. Prints one JSON object. bench/jitter.py runs it beside cyclictest, with and without load.
+// same CPU, run the yardsticks of hil/session/realtime/yardsticks.h and a read of 128 KiB, once after other programs
+// have used the caches, and once again. Prints one JSON object. bench/jitter.py runs it beside cyclictest, with and
+// without load.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -10,13 +11,13 @@
 #include <thread>
 
 #include "bench/panel_array.h"
-#include "hil/executive/executive.h"
-#include "hil/realtime/clock.h"
-#include "hil/realtime/histogram.h"
-#include "hil/realtime/real_time.h"
-#include "hil/realtime/yardsticks.h"
 #include "hil/run/run.h"
-#include "hil/session/ring_connection.h"
+#include "hil/session/executive/executive.h"
+#include "hil/session/participants/ring_connection.h"
+#include "hil/session/realtime/clock.h"
+#include "hil/session/realtime/histogram.h"
+#include "hil/session/realtime/real_time.h"
+#include "hil/session/realtime/yardsticks.h"
 
 namespace unlatch::bench {
 namespace {

@@ -11,9 +11,9 @@
 #include <random>
 #include <string>
 
-#include "hil/modules/module.h"
-#include "hil/synthesis/scaled_space.h"
-#include "hil/synthesis/search.h"
+#include "hil/scenario/modules/module.h"
+#include "hil/study/optimize/scaled_space.h"
+#include "hil/study/optimize/search.h"
 
 namespace {
 

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "hil/campaign/campaign.h"
-#include "hil/evaluation/evaluation.h"
 #include "hil/run/run.h"
+#include "hil/study/campaign/campaign.h"
+#include "hil/study/evaluation/evaluation.h"
 
 namespace {
 

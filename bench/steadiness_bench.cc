@@ -10,10 +10,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "hil/realtime/clock.h"
-#include "hil/realtime/real_time.h"
-#include "hil/realtime/yardsticks.h"
 #include "hil/run/run.h"
+#include "hil/session/realtime/clock.h"
+#include "hil/session/realtime/real_time.h"
+#include "hil/session/realtime/yardsticks.h"
 
 namespace unlatch::bench {
 namespace {

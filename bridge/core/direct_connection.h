@@ -3,8 +3,8 @@
 #pragma once
 
 #include "bridge/core/port.h"
-#include "hil/realtime/clock.h"
-#include "hil/session/connection.h"
+#include "hil/session/participants/connection.h"
+#include "hil/session/realtime/clock.h"
 
 namespace unlatch::bridge {
 

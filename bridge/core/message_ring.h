@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "hil/messages/messages.h"
+#include "hil/session/messages/messages.h"
 
 namespace unlatch::bridge {
 

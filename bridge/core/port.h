@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hil/messages/messages.h"
+#include "hil/session/messages/messages.h"
 
 namespace unlatch::bridge {
 

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "bridge/core/port.h"
-#include "hil/session/ring_connection.h"
+#include "hil/session/participants/ring_connection.h"
 
 namespace unlatch::bridge {
 

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <climits>
 
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 
 namespace unlatch::bridge {
 namespace {

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hil/messages/messages.h"
+#include "hil/session/messages/messages.h"
 
 namespace unlatch::bridge {
 

@@ -1,4 +1,4 @@
-"""hil/messages/messages.h and .cc: plain structs, the tagged union of them, and the LCM wire codec that allocates nothing."""
+"""hil/session/messages/messages.h and .cc: plain structs, the tagged union of them, and the LCM wire codec that allocates nothing."""
 
 import re
 
@@ -116,7 +116,7 @@ def header(d):
     return "\n".join(out) + "\n"
 
 
-SOURCE_HEAD = BANNER + """#include "hil/messages/messages.h"
+SOURCE_HEAD = BANNER + """#include "hil/session/messages/messages.h"
 
 #include <algorithm>
 #include <bit>

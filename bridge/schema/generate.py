@@ -32,8 +32,8 @@ def main(arguments):
         print(f"messages.yaml: {error}", file=sys.stderr)
         return 2
     files = {
-        ROOT / "hil/messages/messages.h": emit_cpp.header(definition),
-        ROOT / "hil/messages/messages.cc": emit_cpp.source(definition),
+        ROOT / "hil/session/messages/messages.h": emit_cpp.header(definition),
+        ROOT / "hil/session/messages/messages.cc": emit_cpp.source(definition),
         HERE / "unlatch.idl": emit_idl.idl(definition),
         HERE / "unlatch_wire.h": emit_c.header(definition),
         HERE / "dds_layout.h": emit_layout.header(definition),

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "hil/recording/replay_reader.h"
+#include "hil/run/recording/replay_reader.h"
 #include "hil/run/run.h"
 
 namespace unlatch::hil {

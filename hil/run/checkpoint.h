@@ -1,12 +1,13 @@
 // Checkpoints: a run up to T has the same bits as one up to t, stored, and continued from t to T. A checkpoint is a
-// file of one sealed event (hil/recording/log_format.h): the data with which a recording from that tick would begin.
+// file of one sealed event (hil/run/recording/log_format.h): the data with which a recording from that tick would
+// begin.
 #pragma once
 
 #include <string>
 
-#include "hil/recording/log_format.h"
+#include "hil/run/recording/log_format.h"
+#include "hil/run/simulation/simulation.h"
 #include "hil/scenario/scenario.h"
-#include "hil/simulation/simulation.h"
 
 namespace unlatch::hil {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/recording/replay_reader.h"
-#include "hil/simulation/simulation.h"
-#include "hil/simulation/state_fields.h"
+#include "hil/run/recording/replay_reader.h"
+#include "hil/run/simulation/simulation.h"
+#include "hil/run/simulation/state_fields.h"
 
 namespace unlatch::hil {
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "hil/analysis/run_analysis.h"
-#include "hil/recording/replay_reader.h"
+#include "hil/run/analysis/run_analysis.h"
+#include "hil/run/recording/replay_reader.h"
 
 namespace unlatch::hil {
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <utility>
 
-#include "hil/realtime/clock.h"
-#include "hil/realtime/executive_timing.h"
+#include "hil/session/realtime/clock.h"
+#include "hil/session/realtime/executive_timing.h"
 
 namespace unlatch::hil {
 

@@ -7,11 +7,11 @@
 #include <memory>
 #include <string>
 
-#include "hil/analysis/run_analysis.h"
-#include "hil/recording/recorder.h"
+#include "hil/run/analysis/run_analysis.h"
+#include "hil/run/recording/recorder.h"
 #include "hil/run/run_record.h"
+#include "hil/run/simulation/simulation.h"
 #include "hil/scenario/scenario.h"
-#include "hil/simulation/simulation.h"
 
 namespace unlatch::hil {
 

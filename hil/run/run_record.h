@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "hil/recording/recorder.h"
-#include "hil/simulation/simulation.h"
+#include "hil/run/recording/recorder.h"
+#include "hil/run/simulation/simulation.h"
 
 namespace unlatch::hil {
 

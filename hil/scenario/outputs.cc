@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "hil/scenario/scenario.h"
-#include "hil/text/suggestion.h"
+#include "hil/scenario/text/suggestion.h"
 
 namespace unlatch::hil {
 namespace {

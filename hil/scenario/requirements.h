@@ -1,5 +1,5 @@
 // Requirements on a run: a quantity, its reduction to one value, and a limit. They do not influence the run and are not
-// part of its model. hil/analysis/requirements.h evaluates them.
+// part of its model. hil/run/analysis/requirements.h evaluates them.
 #pragma once
 
 #include <Eigen/Core>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "hil/scenario/index.h"
+#include "hil/scenario/model/index.h"
 
 namespace unlatch::hil {
 namespace {

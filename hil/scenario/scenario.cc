@@ -6,10 +6,10 @@
 #include <iterator>
 #include <set>
 
-#include "hil/language/scenario_parts.h"
+#include "hil/scenario/language/scenario_parts.h"
 #include "hil/scenario/scenario_tree.h"
 #include "hil/scenario/sections/scenario_reader.h"
-#include "hil/yaml/yaml_override.h"
+#include "hil/scenario/yaml/yaml_override.h"
 
 namespace unlatch::hil {
 namespace {

@@ -7,16 +7,16 @@
 #include <utility>
 #include <vector>
 
-#include "hil/language/scenario_sources.h"
-#include "hil/messages/messages.h"
+#include "hil/scenario/language/scenario_sources.h"
 #include "hil/scenario/outputs.h"
 #include "hil/scenario/rates.h"
 #include "hil/scenario/requirements.h"
-#include "hil/scenario/shapes.h"
+#include "hil/scenario/shapes/shapes.h"
+#include "hil/scenario/text/quantity.h"
 #include "hil/scenario/timing_options.h"
-#include "hil/text/quantity.h"
-#include "hil/yaml/scenario_error.h"
-#include "hil/yaml/yaml_numbers.h"
+#include "hil/scenario/yaml/scenario_error.h"
+#include "hil/scenario/yaml/yaml_numbers.h"
+#include "hil/session/messages/messages.h"
 #include "unlatch/model.h"
 
 namespace unlatch::hil {

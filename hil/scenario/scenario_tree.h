@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/language/scenario_sources.h"
+#include "hil/scenario/language/scenario_sources.h"
 #include "hil/scenario/scenario.h"
-#include "hil/yaml/setting.h"
+#include "hil/scenario/yaml/setting.h"
 
 namespace unlatch::hil {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/evaluation/evaluation.h"
+#include "hil/study/evaluation/evaluation.h"
 #include "library/c/catalogue.h"
 #include "library/c/engine.h"
 #include "library/include/unlatch.h"

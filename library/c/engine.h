@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/run_analysis.h"
-#include "hil/recording/replay_reader.h"
+#include "hil/run/analysis/run_analysis.h"
+#include "hil/run/recording/replay_reader.h"
 #include "hil/run/run_record.h"
+#include "hil/run/simulation/simulation.h"
 #include "hil/scenario/scenario.h"
-#include "hil/simulation/simulation.h"
 #include "library/c/catalogue.h"
 #include "library/c/errors.h"
 #include "library/c/options.h"

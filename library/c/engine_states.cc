@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "hil/run/run.h"
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 #include "library/c/engine.h"
 
 namespace unlatch::library {

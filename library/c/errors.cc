@@ -5,9 +5,9 @@
 #include <new>
 #include <vector>
 
-#include "hil/language/scenario_sources.h"
-#include "hil/modules/module.h"
-#include "hil/recording/log_file.h"
+#include "hil/run/recording/log_file.h"
+#include "hil/scenario/language/scenario_sources.h"
+#include "hil/scenario/modules/module.h"
 
 namespace unlatch::library {
 namespace {

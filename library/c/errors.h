@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "hil/yaml/scenario_error.h"
+#include "hil/scenario/yaml/scenario_error.h"
 #include "library/c/handles.h"
 #include "library/include/unlatch.h"
 

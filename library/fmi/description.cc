@@ -4,8 +4,8 @@
 #include <exception>
 #include <set>
 
-#include "hil/text/quantity.h"
-#include "hil/text/xml_text.h"
+#include "hil/scenario/text/quantity.h"
+#include "hil/scenario/text/xml_text.h"
 
 namespace unlatch::fmi {
 namespace {

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "hil/text/xml_text.h"
+#include "hil/scenario/text/xml_text.h"
 
 namespace unlatch::fmi {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "hil/messages/messages.h"
+#include "hil/session/messages/messages.h"
 
 namespace unlatch::test {
 

@@ -12,7 +12,7 @@
 
 #include "bridge/core/direct_connection.h"
 #include "bridge/core/threaded_connection.h"
-#include "hil/recording/replay_reader.h"
+#include "hil/run/recording/replay_reader.h"
 #include "tests/bridge/computer.h"
 #include "tests/hil/session_support.h"
 #include "unlatch/contacts.h"

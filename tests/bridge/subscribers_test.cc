@@ -15,10 +15,10 @@
 
 #include "bridge/core/port.h"
 #include "bridge/core/threaded_connection.h"
-#include "hil/realtime/clock.h"
-#include "hil/realtime/histogram.h"
-#include "hil/realtime/real_time.h"
 #include "hil/run/run.h"
+#include "hil/session/realtime/clock.h"
+#include "hil/session/realtime/histogram.h"
+#include "hil/session/realtime/real_time.h"
 
 namespace unlatch::test {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/campaign/campaign.h"
-#include "hil/synthesis/problem.h"
+#include "hil/study/campaign/campaign.h"
+#include "hil/study/optimize/problem.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

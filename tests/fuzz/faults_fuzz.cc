@@ -1,6 +1,6 @@
 // The reader of fault scripts, and the injector of faults.
-#include "hil/faults/fault_injector.h"
-#include "hil/faults/fault_script.h"
+#include "hil/session/faults/fault_injector.h"
+#include "hil/session/faults/fault_script.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

@@ -13,8 +13,8 @@
 #include <string>
 
 #include "hil/run/run.h"
+#include "hil/run/simulation/simulation.h"
 #include "hil/scenario/scenario.h"
-#include "hil/simulation/simulation.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include "bridge/udp/udp_packet.h"
-#include "hil/flexible/flexible_body.h"
-#include "hil/flexible/modes_file.h"
 #include "hil/run/checkpoint.h"
+#include "hil/scenario/flexible/flexible_body.h"
+#include "hil/scenario/flexible/modes_file.h"
 #include "library/fmi/zip.h"
 #include "tests/bridge/random_messages.h"
 #include "tests/fuzz/fuzz.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "hil/messages/messages.h"
+#include "hil/session/messages/messages.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

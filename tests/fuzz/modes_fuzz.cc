@@ -1,8 +1,8 @@
 // The reader of modes files, and the flexible bodies made from them.
 #include <stdexcept>
 
-#include "hil/flexible/flexible_body.h"
-#include "hil/flexible/modes_file.h"
+#include "hil/scenario/flexible/flexible_body.h"
+#include "hil/scenario/flexible/modes_file.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/messages/bytes.h"
-#include "hil/recording/log_file.h"
+#include "hil/run/recording/log_file.h"
+#include "hil/session/messages/bytes.h"
 
 namespace unlatch::fuzz {
 

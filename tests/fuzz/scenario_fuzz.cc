@@ -1,6 +1,6 @@
 // The scenario loader: a text gives a scenario, or a ScenarioError; a loaded scenario compiles and steps, or gives a
 // reason.
-#include "hil/analysis/run_analysis.h"
+#include "hil/run/analysis/run_analysis.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "hil/executive/executive.h"
-#include "hil/realtime/clock.h"
+#include "hil/session/executive/executive.h"
+#include "hil/session/realtime/clock.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace unlatch;

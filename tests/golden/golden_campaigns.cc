@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "hil/samples/result_file.h"
+#include "hil/study/campaign/samples/result_file.h"
 #include "tests/golden/golden_run.h"
 
 namespace {

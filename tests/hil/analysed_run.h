@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/run_analysis.h"
+#include "hil/run/analysis/run_analysis.h"
 #include "hil/run/run.h"
 
 namespace unlatch::test {

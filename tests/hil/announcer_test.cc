@@ -1,5 +1,5 @@
 // Hello, catalog and source: all at the beginning, then in turn.
-#include "hil/session/announcer.h"
+#include "hil/session/participants/announcer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/campaign/campaign.h"
-#include "hil/samples/sample_record.h"
-#include "hil/sampling/normal.h"
+#include "hil/study/campaign/campaign.h"
+#include "hil/study/campaign/samples/sample_record.h"
+#include "hil/study/sampling/normal.h"
 #include "tests/hil/scenario_support.h"
 
 namespace unlatch::test {

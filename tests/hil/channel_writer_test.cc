@@ -1,5 +1,5 @@
 // Channels set by commands, policies and faults, and the record of it.
-#include "hil/executive/channel_writer.h"
+#include "hil/session/executive/channel_writer.h"
 
 #include <gtest/gtest.h>
 

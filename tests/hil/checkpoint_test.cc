@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "hil/recording/replay_reader.h"
+#include "hil/run/recording/replay_reader.h"
 #include "tests/hil/session_support.h"
 #include "unlatch/contacts.h"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/realtime/clock.h"
-#include "hil/realtime/executive_timing.h"
-#include "hil/realtime/real_time.h"
+#include "hil/session/realtime/clock.h"
+#include "hil/session/realtime/executive_timing.h"
+#include "hil/session/realtime/real_time.h"
 #include "tests/hil/scenario_support.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hil/motion/extreme.h"
+#include "hil/run/motion/extreme.h"
 #include "tests/hil/analysed_run.h"
 #include "tests/support/random.h"
 

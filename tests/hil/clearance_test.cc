@@ -1,5 +1,5 @@
 // Distances between shapes, against closed-form geometry.
-#include "hil/motion/clearance.h"
+#include "hil/scenario/shapes/clearance.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "hil/scenario/from_eigen.h"
+#include "hil/scenario/model/from_eigen.h"
 
 namespace unlatch::test {
 namespace {

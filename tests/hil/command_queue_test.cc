@@ -1,5 +1,5 @@
 // The command queue: order, ticks, refusals.
-#include "hil/session/command_queue.h"
+#include "hil/session/participants/command_queue.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <map>
 
-#include "hil/analysis/accuracy.h"
-#include "hil/forecast/forecast.h"
+#include "hil/run/analysis/accuracy.h"
+#include "hil/run/findings/findings.h"
 #include "tests/hil/analysed_run.h"
 
 namespace unlatch::test {
@@ -122,7 +122,7 @@ TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
   EXPECT_NE(find_notice(run, "contact")->text.find("closed at the start"), std::string::npos);
   const auto at_start = hil::build_simulation(run.scenario);
   bool found = false;
-  for (const hil::Finding& finding : hil::find_surprises(run.scenario, *at_start))
+  for (const hil::Finding& finding : hil::list_findings(run.scenario, *at_start))
     found = found || (finding.name == "contact" && finding.where == "contact 'blow'");
   EXPECT_TRUE(found);
 }
@@ -137,7 +137,7 @@ TEST(Contacts, AStepThatDoesNotResolveABlowIsTold) {
 TEST(Contacts, ABlowOfHertzThatTheStepDoesNotResolveIsForeseen) {
   const auto find = [](const std::string& text) -> std::string {
     const hil::Scenario scenario = hil::load_scenario_text(text, "s.yaml");
-    for (const hil::Finding& finding : hil::find_surprises(scenario, *hil::build_simulation(scenario)))
+    for (const hil::Finding& finding : hil::list_findings(scenario, *hil::build_simulation(scenario)))
       if (finding.name == "contact") return finding.text;
     return "";
   };

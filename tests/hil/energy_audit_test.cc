@@ -1,5 +1,5 @@
 // The audit of energy and the notices of a run, against closed forms.
-#include "hil/notices/energy_audit.h"
+#include "hil/run/notices/energy_audit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "hil/notices/notices.h"
+#include "hil/run/notices/notices.h"
 #include "hil/run/run.h"
 #include "hil/scenario/scenario.h"
 #include "tests/hil/scenario_support.h"
@@ -53,7 +53,7 @@ struct Audited {
 
   const hil::Scenario scenario;
   const std::unique_ptr<hil::Simulation> simulation;
-  hil::AccuracyWatch watch;
+  hil::NoticeWatch watch;
 };
 
 std::string spring(const std::string& stiffness, const std::string& damping) {
@@ -195,7 +195,7 @@ elements:
   for (const auto& [ticks, told] : {std::pair{4, true}, {40, false}}) {
     const hil::Scenario scenario = hil::load_scenario_text(text, "s.yaml");
     const auto simulation = hil::build_simulation(scenario);
-    hil::AccuracyWatch watch(scenario, *simulation);
+    hil::NoticeWatch watch(scenario, *simulation);
     watch.update(StepReport{});
     for (int tick = 0; tick < 400; ++tick) {
       simulation->set_channel(0, (tick / ticks) % 2 == 0 ? 1 : -1);

@@ -1,6 +1,6 @@
 // Facts about one sample of a scenario: it has the bits of a separate run, independent of the thread and of earlier
 // samples.
-#include "hil/evaluation/evaluation.h"
+#include "hil/study/evaluation/evaluation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <cmath>
 #include <thread>
 
-#include "hil/campaign/campaign.h"
-#include "hil/outputs/run_outputs.h"
+#include "hil/run/outputs/run_outputs.h"
 #include "hil/run/run.h"
+#include "hil/study/campaign/campaign.h"
 #include "tests/hil/scenario_support.h"
 
 namespace unlatch::test {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "hil/realtime/clock.h"
-#include "hil/simulation/source_text.h"
+#include "hil/run/simulation/source_text.h"
+#include "hil/session/realtime/clock.h"
 #include "tests/hil/session_support.h"
 #include "tests/support/malloc_guard.h"
 

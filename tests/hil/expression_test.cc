@@ -1,5 +1,5 @@
 // Quantities with units: valid ones have the nearest bits, invalid ones give a reason.
-#include "hil/text/expression.h"
+#include "hil/scenario/text/expression.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,9 +5,9 @@
 #include <deque>
 #include <vector>
 
-#include "hil/realtime/clock.h"
-#include "hil/realtime/nonblocking.h"
-#include "hil/session/connection.h"
+#include "hil/session/participants/connection.h"
+#include "hil/session/realtime/clock.h"
+#include "hil/session/realtime/nonblocking.h"
 
 namespace unlatch::test {
 

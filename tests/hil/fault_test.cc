@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hil/faults/fault_injector.h"
+#include "hil/session/faults/fault_injector.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

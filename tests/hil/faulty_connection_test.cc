@@ -1,9 +1,9 @@
 // Faults between the executive and its connection, and on channels; on any clock, including one that has just begun.
-#include "hil/faults/faulty_connection.h"
+#include "hil/session/faults/faulty_connection.h"
 
 #include <gtest/gtest.h>
 
-#include "hil/faults/channel_faults.h"
+#include "hil/session/faults/channel_faults.h"
 #include "tests/hil/fake_connection.h"
 #include "tests/hil/session_support.h"
 

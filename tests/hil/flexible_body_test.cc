@@ -1,5 +1,5 @@
 // Flexible bodies from modes: conditioning, invariants, selection.
-#include "hil/flexible/flexible_body.h"
+#include "hil/scenario/flexible/flexible_body.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "hil/faults/fault_injector.h"
+#include "hil/session/faults/fault_injector.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

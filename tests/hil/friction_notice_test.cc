@@ -2,7 +2,7 @@
 #include <cmath>
 #include <string>
 
-#include "hil/forecast/forecast.h"
+#include "hil/run/findings/findings.h"
 #include "tests/hil/analysed_run.h"
 
 namespace unlatch::test {
@@ -16,7 +16,7 @@ const hil::RunNotice* find_notice(const AnalysedRun& run, const std::string& nam
 
 std::string find_forecast(const std::string& text, const std::string& name, const std::string& where) {
   const hil::Scenario scenario = hil::load_scenario_text(text, "run.yaml");
-  for (const hil::Finding& finding : hil::find_surprises(scenario, *hil::build_simulation(scenario)))
+  for (const hil::Finding& finding : hil::list_findings(scenario, *hil::build_simulation(scenario)))
     if (finding.name == name && finding.where == where) return finding.text;
   return "";
 }

@@ -1,5 +1,5 @@
 // Facts about samples that are distributed to workers, and about the threads that run them.
-#include "hil/samples/handout.h"
+#include "hil/study/campaign/samples/handout.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 #include <map>
 #include <numeric>
 
-#include "hil/samples/runner.h"
-#include "hil/samples/sample_pool.h"
+#include "hil/study/campaign/samples/runner.h"
+#include "hil/study/campaign/samples/sample_pool.h"
 #include "tests/hil/scenario_support.h"
 
 namespace unlatch::test {

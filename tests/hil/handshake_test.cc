@@ -1,5 +1,5 @@
 // Answers to Hello: participants that take part, are refused, leave, return.
-#include "hil/session/handshake.h"
+#include "hil/session/participants/handshake.h"
 
 #include <gtest/gtest.h>
 

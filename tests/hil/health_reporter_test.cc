@@ -1,5 +1,5 @@
 // Health, Reactions and counts of a run; on any clock, also one that has just begun.
-#include "hil/executive/health_reporter.h"
+#include "hil/session/executive/health_reporter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The cyclic thread's sign of life.
-#include "hil/executive/heartbeat.h"
+#include "hil/session/executive/heartbeat.h"
 
 #include <gtest/gtest.h>
 

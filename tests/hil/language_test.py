@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The table of the scenario language (hil/language/language.yaml), the files generated from it, and the loader agree.
+"""The table of the scenario language (hil/scenario/language/language.yaml), the files generated from it, and the loader agree.
 
 language_test.py PROBE SOURCE_DIR [TEST...]"""
 
@@ -22,7 +22,7 @@ from language import load_sections, load_yaml, parse_type  # noqa: E402
 
 SECTIONS = load_sections()
 SCHEMA = json.loads((SOURCE / "hil/scenarios/unlatch.schema.json").read_text())
-EVERYTHING = load_yaml((SOURCE / "hil/language/everything.yaml").read_text())
+EVERYTHING = load_yaml((SOURCE / "hil/scenario/language/everything.yaml").read_text())
 PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.obj"))
 
 # Keys that are processed before the loader's reader asks for any, so it does not list them.
@@ -139,7 +139,7 @@ class LanguageTest(unittest.TestCase):
         return [e.message for e in Draft202012Validator(SCHEMA).iter_errors(document)]
 
     def test_schema_and_reference_are_made_of_the_table(self):
-        done = subprocess.run([sys.executable, "-B", SOURCE / "hil/language/generate.py", "--check"], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-B", SOURCE / "hil/scenario/language/generate.py", "--check"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         Draft202012Validator.check_schema(SCHEMA)
 
@@ -291,7 +291,7 @@ class LanguageTest(unittest.TestCase):
         for section in SECTIONS.values():
             for key in section["keys"].values():
                 words |= self.list_words(parse_type(key["is"], SECTIONS))
-        words |= set(load_yaml((SOURCE / "hil/language/language.yaml").read_text())["sections"])
+        words |= set(load_yaml((SOURCE / "hil/scenario/language/language.yaml").read_text())["sections"])
         for word in sorted(words - {"1"}):
             self.assertEqual(yaml.safe_load(word), word)
             self.assertNotIn(word.lower(), ("yes", "no", "on", "off", "n", "true", "false", "null"))

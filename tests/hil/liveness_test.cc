@@ -1,5 +1,5 @@
 // Answers, timeouts and policies; on any clock, including one that has just begun.
-#include "hil/session/liveness.h"
+#include "hil/session/participants/liveness.h"
 
 #include <gtest/gtest.h>
 

@@ -277,7 +277,8 @@ TEST(StateFields, DistanceCountsTheNumbersBetween) {
   EXPECT_EQ((hil::FieldDifference{"", "mode", false, 1, 2}.calc_ulps()), std::nullopt);
 }
 
-// Fails if a word of the state was added to kernel/include/unlatch/state.h and not to hil/simulation/state_fields.cc.
+// Fails if a word of the state was added to kernel/include/unlatch/state.h and not to
+// hil/run/simulation/state_fields.cc.
 TEST(StateFields, EveryWordOfTheStateHasANameOfItsOwn) {
   const hil::Scenario scenario = hil::load_scenario_text(kSessionScenario, "session.yaml");
   const auto a = hil::build_simulation(scenario), b = hil::build_simulation(scenario);

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "hil/meshes/mesh_tree.h"
-#include "hil/motion/clearance.h"
+#include "hil/scenario/meshes/mesh_tree.h"
+#include "hil/scenario/shapes/clearance.h"
 #include "tests/hil/mesh_support.h"
 #include "tests/support/random.h"
 

@@ -1,8 +1,8 @@
 // Runs with triangle meshes: their clearances and requirements compared with those of exact shapes.
 #include <cmath>
 
-#include "hil/forecast/forecast.h"
-#include "hil/meshes/mesh_file.h"
+#include "hil/run/findings/findings.h"
+#include "hil/scenario/meshes/mesh_file.h"
 #include "tests/hil/analysed_run.h"
 #include "tests/hil/mesh_support.h"
 
@@ -110,7 +110,7 @@ clearance: all
 )" + hold("plate.stl", build_box_facets({2, 2, 0.25}));
   const hil::Scenario scenario = hil::load_scenario_text(text, "run.yaml");
   bool found = false;
-  for (const hil::Finding& finding : hil::find_surprises(scenario, *hil::build_simulation(scenario)))
+  for (const hil::Finding& finding : hil::list_findings(scenario, *hil::build_simulation(scenario)))
     found = found || (finding.name == "overlap" && finding.text.find("touches or crosses plate") != std::string::npos &&
                       finding.text.find("triangles have no depth") != std::string::npos);
   EXPECT_TRUE(found);

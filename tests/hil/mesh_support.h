@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/meshes/mesh_file.h"
+#include "hil/scenario/meshes/mesh_file.h"
 
 namespace unlatch::test {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <numbers>
 
-#include "hil/flexible/modes_file.h"
+#include "hil/scenario/flexible/modes_file.h"
 #include "tests/support/lumped_flexible.h"
 
 namespace unlatch::test {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "hil/outputs/run_outputs.h"
+#include "hil/run/outputs/run_outputs.h"
 #include "hil/run/run.h"
 
 namespace unlatch::test {

@@ -10,8 +10,8 @@
 #include <set>
 #include <thread>
 
-#include "hil/messages/event_names.h"
-#include "hil/realtime/clock.h"
+#include "hil/session/messages/event_names.h"
+#include "hil/session/realtime/clock.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

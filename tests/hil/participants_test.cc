@@ -1,5 +1,5 @@
 // The list of participants, and the commands seen from each.
-#include "hil/session/participants.h"
+#include "hil/session/participants/participants.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Preflight: findings on a machine that is described by files, and their verdicts.
-#include "hil/realtime/preflight.h"
+#include "hil/session/realtime/preflight.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/realtime/clock.h"
-#include "hil/realtime/real_time.h"
-#include "hil/realtime/watchdog.h"
+#include "hil/session/realtime/clock.h"
+#include "hil/session/realtime/real_time.h"
+#include "hil/session/realtime/watchdog.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

@@ -1,10 +1,10 @@
 // Messages that a run publishes: their numbers, ticks, limits, and their texts for people.
-#include "hil/executive/publisher.h"
+#include "hil/session/executive/publisher.h"
 
 #include <gtest/gtest.h>
 
-#include "hil/executive/warm_up.h"
 #include "hil/run/run.h"
+#include "hil/session/executive/warm_up.h"
 #include "tests/hil/fake_connection.h"
 #include "tests/hil/session_support.h"
 

@@ -1,5 +1,5 @@
 // Messages from participants: the part that each goes to, the cut-off, refusals; on any clock.
-#include "hil/executive/reception.h"
+#include "hil/session/executive/reception.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Facts about the result file: it may be cut anywhere, or its disk may be full; its complete records are read.
-#include "hil/samples/result_file.h"
+#include "hil/study/campaign/samples/result_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -14,7 +14,7 @@
 #include <random>
 #include <sstream>
 
-#include "hil/samples/result_table.h"
+#include "hil/study/campaign/samples/result_table.h"
 
 namespace unlatch::test {
 namespace {

@@ -1,5 +1,5 @@
 // Facts about random numbers, quantiles and points of the unit cube.
-#include "hil/sampling/sampling.h"
+#include "hil/study/sampling/sampling.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <set>
 
-#include "hil/sampling/distribution.h"
-#include "hil/sampling/normal.h"
-#include "hil/sampling/philox.h"
+#include "hil/study/sampling/distribution.h"
+#include "hil/study/sampling/normal.h"
+#include "hil/study/sampling/philox.h"
 
 namespace unlatch::test {
 namespace {

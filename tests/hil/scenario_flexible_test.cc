@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hil/flexible/flexible_body.h"
+#include "hil/scenario/flexible/flexible_body.h"
 #include "tests/hil/modes_support.h"
 #include "tests/hil/scenario_support.h"
 #include "tests/support/simulation.h"

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "hil/yaml/yaml_document.h"
+#include "hil/scenario/yaml/yaml_document.h"
 #include "tests/hil/scenario_support.h"
 
 namespace unlatch::test {

@@ -15,10 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "hil/executive/executive.h"
 #include "hil/run/replay.h"
 #include "hil/run/run.h"
-#include "hil/session/ring_connection.h"
+#include "hil/session/executive/executive.h"
+#include "hil/session/participants/ring_connection.h"
 
 namespace unlatch::test {
 

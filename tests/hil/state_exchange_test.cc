@@ -1,5 +1,5 @@
 // The exchange of a tick: silence, answers, missing commands; on any clock, also one that has just begun.
-#include "hil/executive/state_exchange.h"
+#include "hil/session/executive/state_exchange.h"
 
 #include <gtest/gtest.h>
 

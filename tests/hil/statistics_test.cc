@@ -1,6 +1,6 @@
 // Facts about the statistics of campaigns: against closed forms and published numbers. tests/tools/campaign_test.py
 // compares with OpenTURNS.
-#include "hil/statistics/statistics.h"
+#include "hil/study/statistics/statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <span>
 
-#include "hil/sampling/sampling.h"
+#include "hil/study/sampling/sampling.h"
 
 namespace unlatch::test {
 namespace {

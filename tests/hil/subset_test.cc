@@ -1,6 +1,6 @@
 // Facts about subset simulation: known probabilities, the same bits in any order, and the spread of its estimates.
 // Oracle: closed forms, named at each margin below. tests/tools/campaign_test.py compares with OpenTURNS.
-#include "hil/sampling/subset.h"
+#include "hil/study/sampling/subset.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <numeric>
 #include <random>
 
-#include "hil/sampling/normal.h"
+#include "hil/study/sampling/normal.h"
 
 namespace unlatch::test {
 namespace {

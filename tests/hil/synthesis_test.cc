@@ -7,10 +7,10 @@
 #include <fstream>
 #include <mutex>
 
-#include "hil/modules/module.h"
-#include "hil/optimizers/optimizers.h"
-#include "hil/synthesis/evaluations.h"
-#include "hil/synthesis/side_by_side.h"
+#include "hil/scenario/modules/module.h"
+#include "hil/study/optimize/evaluations.h"
+#include "hil/study/optimize/libraries/optimizers.h"
+#include "hil/study/optimize/side_by_side.h"
 
 namespace unlatch::test {
 namespace {

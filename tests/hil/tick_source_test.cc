@@ -1,12 +1,12 @@
 // Tick sources of the cyclic thread: the clock, and descriptors from outside. No fact depends on delays.
-#include "hil/realtime/tick_source.h"
+#include "hil/session/realtime/tick_source.h"
 
 #include <gtest/gtest.h>
 #include <sys/eventfd.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include "hil/realtime/clock.h"
+#include "hil/session/realtime/clock.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

@@ -1,7 +1,7 @@
 // A warm-up step before each tick changes nothing but the time.
 #include <gtest/gtest.h>
 
-#include "hil/realtime/clock.h"
+#include "hil/session/realtime/clock.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {

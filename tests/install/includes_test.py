@@ -10,9 +10,12 @@ ROOT = Path(__file__).resolve().parents[2]
 MODULES = ("kernel", "hil", "library", "bridge", "tools")  # lowest first
 KERNEL = ("include", "math", "geometry", "simd", "model", "plan", "joints", "elements", "dynamics", "tree", "compile", "solver", "dispatch",
           "integration", "events", "step")  # lowest first
-HIL = ("modules", "messages", "text", "yaml", "language", "flexible", "meshes", "scenario", "realtime", "simulation", "recording", "motion",
-       "notices", "forecast", "separations", "analysis", "outputs", "run", "evaluation", "sampling", "statistics", "campaign", "samples",
-       "optimizers", "synthesis", "session", "faults", "executive")  # lowest first
+HIL = ("scenario/modules", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/flexible", "scenario/meshes",
+       "scenario/model", "scenario/shapes", "scenario", "session/realtime", "run/simulation", "run/recording", "run/motion", "run/notices", "run/findings",
+       "run/analysis", "run/outputs", "run", "session/participants", "session/faults", "session/executive", "study/sampling",
+       "study/statistics", "study/evaluation", "study/campaign", "study/campaign/samples", "study/optimize/libraries",
+       "study/optimize")  # lowest first
+HIL_GROUPS = ("scenario", "run", "session", "study")
 LIBRARY = ("include", "c", "python", "fmi")  # lowest first
 TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "synthesis",
          "unlatch/options", "unlatch/results", "unlatch/studies", "unlatch/check", "unlatch/run", "unlatch/recordings", "unlatch/files",
@@ -50,8 +53,10 @@ class IncludesTest(unittest.TestCase):
             self.assertIsNotNone(folder, f"{path}: a folder without a layer")
             if ours.startswith(module + "/"):
                 self.assertIn(find_layer(Path(ours), folders), folders[:folders.index(folder) + 1], f"{path} includes {ours}")
-        for folder in folders:
-            self.assertTrue((ROOT / module / folder / "README.md").is_file(), f"{module}/{folder} has no README.md")
+        for folder in folders:  # a folder of a group is described in the group's page
+            path = ROOT / module / folder
+            pages = [path / "README.md", path.parent / "README.md", path.parent.parent / "README.md"]
+            self.assertTrue(any(page.is_file() for page in pages), f"{module}/{folder} has no README.md")
 
     def test_folders_of_the_kernel_include_only_what_is_below_them(self):
         self.check_folders("kernel", KERNEL)
@@ -59,9 +64,16 @@ class IncludesTest(unittest.TestCase):
     def test_folders_of_hil_include_only_what_is_below_them(self):
         self.check_folders("hil", HIL)
 
-    def test_the_table_of_hil_lists_its_folders_from_below(self):
-        table = re.findall(r"^\| \[(\w+)\]\(\1/README\.md\)", (ROOT / "hil/README.md").read_text(encoding="utf-8"), re.M)
-        self.assertEqual(tuple(table), HIL)
+    def test_studies_need_no_flight_software(self):
+        for path, ours, _ in list_includes("hil"):
+            if path.parts[1] == "study":
+                self.assertNotRegex(ours, r"^hil/session/(participants|faults|executive)/", path)
+
+    def test_each_group_of_hil_has_a_readme_that_the_page_of_hil_lists(self):
+        page = (ROOT / "hil/README.md").read_text(encoding="utf-8")
+        for group in HIL_GROUPS:
+            self.assertTrue((ROOT / "hil" / group / "README.md").is_file(), group)
+            self.assertIn(f"[{group}]({group}/README.md)", page)
 
     def test_folders_of_the_library_include_only_what_is_below_them(self):
         self.check_folders("library", LIBRARY)

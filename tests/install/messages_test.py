@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Messages with a number and its noun are right for 1 too, by count() of hil/text/count.h: messages_test.py"""
+"""Messages with a number and its noun are right for 1 too, by count() of hil/scenario/text/count.h: messages_test.py"""
 
 import re
 import unittest
@@ -15,8 +15,8 @@ OTHERS = {"s", "ms", "us", "ns", "is", "was", "has", "its", "as", "this", "diffe
           "outside", "across", "shapes"}  # "pair 1 of shapes"
 # Numbers that are never 1, each with its reason.
 NEVER_ONE = {
-    "hil/realtime/preflight.cc: bytes": "a limit of memory",
-    "hil/language/scenario_sources.cc: bytes": "a limit",
+    "hil/session/realtime/preflight.cc: bytes": "a limit of memory",
+    "hil/scenario/language/scenario_sources.cc: bytes": "a limit",
     "kernel/model/validate.cc: bodies": "more than the most",
 }
 

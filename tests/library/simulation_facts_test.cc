@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "hil/analysis/run_analysis.h"
+#include "hil/run/analysis/run_analysis.h"
 #include "hil/run/run.h"
 #include "tests/library/handles.h"
 #include "tests/support/malloc_guard.h"

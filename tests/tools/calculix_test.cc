@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hil/flexible/flexible_body.h"
+#include "hil/scenario/flexible/flexible_body.h"
 #include "tools/modes/mesh_modes.h"
 
 namespace unlatch::tools {

@@ -36,13 +36,13 @@ class HabitsTest(ProcessTest):
     def test_checks_before_a_commit_refuse_what_is_wrong_and_name_it(self):
         self.copy_tree()
         self.run_ok(self.folder / "tools/hooks", "install")
-        path = self.folder / "hil/realtime/new.h"
+        path = self.folder / "hil/session/realtime/new.h"
         path.write_text("#pragma once\nint  badly_formatted( );\n")
         self.git("add", path)
-        self.assertIn("hil/realtime/new.h:2", self.git("commit", "-qm", "format", code=1))
+        self.assertIn("hil/session/realtime/new.h:2", self.git("commit", "-qm", "format", code=1))
         path.write_text('#pragma once\n#include "tools/program/exit_codes.h"\n')
         self.git("add", path)
-        self.assertIn("hil/realtime/new.h includes tools/program/exit_codes.h", self.git("commit", "-qm", "includes", code=1))
+        self.assertIn("hil/session/realtime/new.h includes tools/program/exit_codes.h", self.git("commit", "-qm", "includes", code=1))
         path.write_text("#pragma once\n")
         reference = self.folder / "hil/scenarios/REFERENCE.md"
         reference.write_text(reference.read_text() + "more\n")

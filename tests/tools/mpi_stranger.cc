@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/samples/runner.h"
+#include "hil/study/campaign/samples/runner.h"
 
 namespace {
 

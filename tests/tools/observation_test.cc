@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "hil/simulation/source_text.h"
+#include "hil/run/simulation/source_text.h"
 #include "tools/common/text.h"
 #include "tools/watch/screen.h"
 

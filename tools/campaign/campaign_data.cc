@@ -7,8 +7,8 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "hil/recording/log_format.h"
-#include "hil/yaml/setting.h"
+#include "hil/run/recording/log_format.h"
+#include "hil/scenario/yaml/setting.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/common/unfinished_file.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/samples/rare_failure.h"
-#include "hil/samples/result_table.h"
+#include "hil/study/campaign/samples/rare_failure.h"
+#include "hil/study/campaign/samples/result_table.h"
 
 namespace unlatch::tools {
 
@@ -24,7 +24,7 @@ std::string get_manifest_path(const std::string& folder);
 std::string get_results_path(const std::string& folder);
 
 // A folder read back, or the first rows of it. Rows are in the order of the samples, each once; their numbers stay in
-// the folder, see hil/samples/result_table.h.
+// the folder, see hil/study/campaign/samples/result_table.h.
 struct CampaignData {
   Json manifest;
   std::shared_ptr<const hil::ResultTable> table;

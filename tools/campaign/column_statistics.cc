@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "hil/yaml/setting.h"
+#include "hil/scenario/yaml/setting.h"
 
 namespace unlatch::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "hil/sampling/subset.h"
-#include "hil/statistics/statistics.h"
+#include "hil/study/sampling/subset.h"
+#include "hil/study/statistics/statistics.h"
 #include "tools/campaign/column_statistics.h"
 
 namespace unlatch::tools {

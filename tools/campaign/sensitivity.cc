@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "hil/sampling/sampling.h"
+#include "hil/study/sampling/sampling.h"
 #include "tools/campaign/column_statistics.h"
 
 namespace unlatch::tools {

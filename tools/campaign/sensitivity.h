@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hil/statistics/statistics.h"
+#include "hil/study/statistics/statistics.h"
 #include "tools/campaign/campaign_data.h"
 
 namespace unlatch::tools {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "hil/statistics/statistics.h"
+#include "hil/study/statistics/statistics.h"
 #include "tools/campaign/column_statistics.h"
 #include "tools/campaign/event_orders.h"
 #include "tools/campaign/failures.h"

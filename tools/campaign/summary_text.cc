@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "hil/yaml/setting.h"
+#include "hil/scenario/yaml/setting.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hil/scenario/shapes.h"
+#include "hil/scenario/shapes/shapes.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::tools {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 #include "unlatch/model.h"
 
 namespace unlatch::tools {

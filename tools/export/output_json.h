@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 
-#include "hil/outputs/output_reader.h"
+#include "hil/run/outputs/output_reader.h"
 
 namespace unlatch::tools {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/run_analysis.h"
-#include "hil/outputs/output_reader.h"
+#include "hil/run/analysis/run_analysis.h"
+#include "hil/run/outputs/output_reader.h"
+#include "hil/run/simulation/simulation.h"
 #include "hil/scenario/scenario.h"
-#include "hil/simulation/simulation.h"
 
 namespace unlatch::tools {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "hil/recording/log_format.h"
+#include "hil/run/recording/log_format.h"
 #include "tools/export/selection.h"
 
 namespace unlatch::tools {

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "hil/yaml/setting.h"
+#include "hil/scenario/yaml/setting.h"
 #include "tools/common/text.h"
 #include "tools/export/sink.h"
 

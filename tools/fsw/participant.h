@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bridge/core/port.h"
-#include "hil/session/other_sessions.h"
+#include "hil/session/participants/other_sessions.h"
 #include "tools/fsw/control_law.h"
 #include "tools/fsw/vehicle.h"
 

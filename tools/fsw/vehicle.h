@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/messages/messages.h"
+#include "hil/session/messages/messages.h"
 
 namespace unlatch::fsw {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/scenario/from_eigen.h"
+#include "hil/scenario/model/from_eigen.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::tools {

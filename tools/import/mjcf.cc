@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 #include "tools/import/imported.h"
 
 namespace unlatch::tools {

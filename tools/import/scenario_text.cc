@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "hil/yaml/yaml_reader.h"
+#include "hil/scenario/yaml/yaml_reader.h"
 #include "tools/import/imported.h"
 
 namespace unlatch::tools {

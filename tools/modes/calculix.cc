@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 
 namespace unlatch::tools {
 namespace {

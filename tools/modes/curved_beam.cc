@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 
 namespace unlatch::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 
 namespace unlatch::tools {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/flexible/modes_file.h"
+#include "hil/scenario/flexible/modes_file.h"
 #include "tools/modes/calculix.h"
 
 namespace unlatch::tools {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hil/flexible/modes_file.h"
+#include "hil/scenario/flexible/modes_file.h"
 #include "tools/modes/curved_beam.h"
 #include "tools/modes/shell_mesh.h"
 

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "hil/samples/sample_pool.h"
+#include "hil/study/campaign/samples/sample_pool.h"
 
 namespace unlatch::tools {
 namespace {

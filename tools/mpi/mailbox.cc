@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
-#include "hil/samples/result_file.h"
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
+#include "hil/study/campaign/samples/result_file.h"
 
 namespace unlatch::tools {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/text/expression.h"
-#include "hil/text/suggestion.h"
-#include "hil/yaml/scenario_error.h"
+#include "hil/scenario/text/expression.h"
+#include "hil/scenario/text/suggestion.h"
+#include "hil/scenario/yaml/scenario_error.h"
 #include "tools/program/exit_codes.h"
 
 namespace unlatch::tools {

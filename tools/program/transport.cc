@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "hil/modules/module.h"
+#include "hil/scenario/modules/module.h"
 
 namespace unlatch::tools {
 

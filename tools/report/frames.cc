@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "hil/scenario/index.h"
-#include "hil/text/base64.h"
+#include "hil/scenario/model/index.h"
+#include "hil/scenario/text/base64.h"
 #include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 

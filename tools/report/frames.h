@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "hil/analysis/run_analysis.h"
+#include "hil/run/analysis/run_analysis.h"
 
 namespace unlatch::tools {
 

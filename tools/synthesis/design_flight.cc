@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/outputs/output_reader.h"
+#include "hil/run/outputs/output_reader.h"
 #include "hil/run/run.h"
 
 namespace unlatch::tools {

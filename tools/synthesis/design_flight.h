@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/synthesis/problem.h"
+#include "hil/study/optimize/problem.h"
 
 namespace unlatch::tools {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/synthesis/search.h"
+#include "hil/study/optimize/search.h"
 #include "tools/synthesis/design_flight.h"
 
 namespace unlatch::tools {

@@ -5,10 +5,10 @@
 #include <cstring>
 
 #include "bridge/core/port.h"
-#include "hil/modules/module.h"
-#include "hil/recording/log_file.h"
-#include "hil/simulation/simulation.h"
-#include "hil/synthesis/evaluations.h"
+#include "hil/run/recording/log_file.h"
+#include "hil/run/simulation/simulation.h"
+#include "hil/scenario/modules/module.h"
+#include "hil/study/optimize/evaluations.h"
 #include "tools/common/output.h"
 #include "tools/modes/calculix.h"
 #include "tools/program/exit_codes.h"

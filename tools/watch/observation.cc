@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "hil/messages/event_names.h"
 #include "hil/run/run.h"
+#include "hil/session/messages/event_names.h"
 #include "tools/common/text.h"
 
 namespace unlatch::tools {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <string_view>
 
-#include "hil/messages/messages.h"
+#include "hil/run/simulation/source_text.h"
 #include "hil/scenario/scenario.h"
-#include "hil/session/other_sessions.h"
-#include "hil/simulation/source_text.h"
+#include "hil/session/messages/messages.h"
+#include "hil/session/participants/other_sessions.h"
 #include "tools/watch/view.h"
 
 namespace unlatch::tools {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bridge/core/port.h"
-#include "hil/messages/messages.h"
-#include "hil/motion/clearance.h"
+#include "hil/scenario/shapes/clearance.h"
+#include "hil/session/messages/messages.h"
 
 namespace unlatch::tools {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "hil/scenario/sections/scenario_reader.h"
-#include "hil/text/count.h"
+#include "hil/scenario/text/count.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "hil/scenario/sections/scenario_reader.h"
-#include "hil/text/count.h"
-#include "hil/text/suggestion.h"
+#include "hil/scenario/text/count.h"
+#include "hil/scenario/text/suggestion.h"
 
 namespace unlatch::hil {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "hil/flexible/flexible_body.h"
+#include "hil/scenario/flexible/flexible_body.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
 namespace unlatch::hil {

@@ -4,7 +4,7 @@
 
 #include "hil/scenario/measurable.h"
 #include "hil/scenario/sections/scenario_reader.h"
-#include "hil/text/suggestion.h"
+#include "hil/scenario/text/suggestion.h"
 
 namespace unlatch::hil {
 namespace {

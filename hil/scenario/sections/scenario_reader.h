@@ -1,5 +1,5 @@
-// Internals of the scenario loader: one reader that fills a Scenario section by section. The files beside this one define
-// the methods of a section each.
+// Internals of the scenario loader: one reader that fills a Scenario section by section. The files beside this one
+// define the methods of a section each.
 #pragma once
 
 #include <functional>
@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "hil/flexible/flexible_body.h"
-#include "hil/language/scenario_sources.h"
+#include "hil/scenario/flexible/flexible_body.h"
+#include "hil/scenario/language/scenario_sources.h"
 #include "hil/scenario/scenario.h"
-#include "hil/yaml/yaml_reader.h"
+#include "hil/scenario/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
 

@@ -1,8 +1,8 @@
 // Shapes of bodies, and the points whose path is drawn.
 #include <algorithm>
 
-#include "hil/meshes/mesh_file.h"
-#include "hil/scenario/from_eigen.h"
+#include "hil/scenario/meshes/mesh_file.h"
+#include "hil/scenario/model/from_eigen.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
 namespace unlatch::hil {

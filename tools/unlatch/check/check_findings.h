@@ -1,4 +1,5 @@
-// Findings of `check` about a valid scenario: its springs as they begin, and surprises.
+// Findings of `check` about a valid scenario: its springs at the start, and facts that an engineer would want to know
+// before the run.
 #pragma once
 
 #include <cstdio>
@@ -6,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/forecast/finding.h"
-#include "hil/forecast/spring_start.h"
+#include "hil/run/findings/finding.h"
+#include "hil/run/findings/spring_start.h"
 
 namespace unlatch::tools {
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hil/forecast/forecast.h"
+#include "hil/run/findings/findings.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/unlatch/check/check_findings.h"
@@ -84,7 +84,7 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
   }
   json["requirements"] = build_requirement_checks(scenario);
   json["springs"] = build_springs_json(hil::list_springs(scenario));
-  json["warnings"] = build_findings_json(scenario, hil::find_surprises(scenario, simulation));
+  json["warnings"] = build_findings_json(scenario, hil::list_findings(scenario, simulation));
   json["counts"] = {{"channels", model.channels.size()},
                     {"sensor_values", plan.get_sensor_count()},
                     {"signals", model.signals.size()},

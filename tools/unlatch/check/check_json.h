@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "hil/run/simulation/simulation.h"
 #include "hil/scenario/scenario.h"
-#include "hil/simulation/simulation.h"
 #include "unlatch/redundancy.h"
 
 namespace unlatch::tools {

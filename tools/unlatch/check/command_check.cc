@@ -3,10 +3,10 @@
 #include <cstdarg>
 #include <nlohmann/json.hpp>
 
-#include "hil/campaign/campaign.h"
-#include "hil/forecast/forecast.h"
+#include "hil/run/findings/findings.h"
 #include "hil/run/run.h"
-#include "hil/sampling/philox.h"
+#include "hil/study/campaign/campaign.h"
+#include "hil/study/sampling/philox.h"
 #include "tools/common/alike.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
@@ -135,7 +135,7 @@ void print_plan(const hil::Scenario& scenario, hil::Simulation& simulation,
   print_elements(scenario.model, simulation);
   print_requirement_checks(scenario);
   print_springs(stdout, hil::list_springs(scenario));
-  print_findings(stdout, scenario, hil::find_surprises(scenario, simulation));
+  print_findings(stdout, scenario, hil::list_findings(scenario, simulation));
   print_heading(stdout, "Memory");
   std::printf("  state %s, workspace %s\n", count(plan.get_state_bytes(), "byte").c_str(),
               count(plan.get_workspace_bytes(), "byte").c_str());

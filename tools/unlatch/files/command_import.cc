@@ -1,8 +1,8 @@
 // unlatch import: another tool's description as a starting point for a scenario.
 #include <filesystem>
 
-#include "hil/modules/module.h"
 #include "hil/run/run.h"
+#include "hil/scenario/modules/module.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/import/guard.h"

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "hil/yaml/yaml_reader.h"
+#include "hil/scenario/yaml/yaml_reader.h"
 #include "tools/program/exit_codes.h"
 #include "tools/unlatch/files/starters.h"
 #include "tools/unlatch/files/verbs.h"

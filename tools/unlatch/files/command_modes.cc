@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-#include "hil/flexible/flexible_body.h"
+#include "hil/scenario/flexible/flexible_body.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"

@@ -1,7 +1,7 @@
 #include "tools/unlatch/files/completion.h"
 
 #include "hil/scenario/scenario.h"
-#include "hil/yaml/yaml_document.h"
+#include "hil/scenario/yaml/yaml_document.h"
 
 namespace unlatch::tools {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hil/campaign/campaign.h"
+#include "hil/study/campaign/campaign.h"
 #include "tools/campaign/campaign_data.h"
 
 namespace unlatch::tools {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hil/realtime/real_time.h"
-#include "hil/realtime/tick_source.h"
+#include "hil/session/realtime/real_time.h"
+#include "hil/session/realtime/tick_source.h"
 #include "tools/program/command_line.h"
 
 namespace unlatch::tools {

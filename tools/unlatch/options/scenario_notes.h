@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hil/notices/resolution.h"
+#include "hil/run/notices/resolution.h"
 #include "hil/scenario/scenario.h"
 
 namespace unlatch::tools {

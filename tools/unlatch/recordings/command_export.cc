@@ -3,8 +3,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "hil/modules/module.h"
-#include "hil/motion/clearance.h"
+#include "hil/scenario/modules/module.h"
+#include "hil/scenario/shapes/clearance.h"
 #include "library/fmi/write_fmu.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "hil/analysis/accuracy.h"
-#include "hil/analysis/run_analysis.h"
-#include "hil/outputs/run_outputs.h"
+#include "hil/run/analysis/accuracy.h"
+#include "hil/run/analysis/run_analysis.h"
+#include "hil/run/outputs/run_outputs.h"
 #include "hil/run/replay.h"
 
 namespace unlatch::tools {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "hil/text/xml_text.h"
+#include "hil/scenario/text/xml_text.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "hil/recording/log_file.h"
+#include "hil/run/recording/log_file.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/program/exit_codes.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "hil/realtime/preflight.h"
+#include "hil/session/realtime/preflight.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "hil/modules/module.h"
-#include "hil/simulation/simulation.h"
+#include "hil/run/simulation/simulation.h"
+#include "hil/scenario/modules/module.h"
 #include "tools/fsw/separation_sequence.h"
 #include "tools/program/command_line.h"
 

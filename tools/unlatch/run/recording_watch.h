@@ -1,7 +1,7 @@
 // Reports once, and immediately, that a recording has stopped, so that no long run is lost.
 #pragma once
 
-#include "hil/recording/recorder.h"
+#include "hil/run/recording/recorder.h"
 #include "tools/common/terminal.h"
 
 namespace unlatch::tools {

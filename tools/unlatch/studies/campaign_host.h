@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "hil/samples/result_file.h"
+#include "hil/study/campaign/samples/result_file.h"
 #include "tools/program/command_line.h"
 
 namespace unlatch::tools {

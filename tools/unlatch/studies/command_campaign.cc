@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "hil/samples/runner.h"
+#include "hil/study/campaign/samples/runner.h"
 #include "tools/campaign/campaign_data.h"
 #include "tools/campaign/page.h"
 #include "tools/campaign/summary.h"

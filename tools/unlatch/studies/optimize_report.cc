@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "hil/statistics/statistics.h"
+#include "hil/study/statistics/statistics.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "hil/synthesis/search.h"
+#include "hil/study/optimize/search.h"
 
 namespace unlatch::tools {
 

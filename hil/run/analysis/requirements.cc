@@ -1,0 +1,313 @@
+#include "hil/run/analysis/requirements.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/scenario/model/from_eigen.h"
+#include "hil/scenario/model/index.h"
+
+namespace unlatch::hil {
+namespace {
+
+using Measure = Requirement::Measure;
+using Take = Requirement::Take;
+
+constexpr double kTwoPi = 6.283185307179586;
+
+bool takes_low(Take take) { return take != Take::kMaximum && take != Take::kFinal; }
+bool takes_high(Take take) { return take != Take::kMinimum && take != Take::kFinal; }
+
+// True for the smallest clearance of the whole run: the clearance history finds it, and computes only distances that
+// can be the smallest.
+bool is_smallest_clearance(const Requirement& r) {
+  return r.quantity == Measure::kClearance && r.take == Take::kMinimum && !r.at.is_named() && !r.from.is_named() &&
+         !r.to.is_named();
+}
+
+// True for the force and the depth of a contact: poses and velocities of the bodies determine them.
+bool is_of_motion(const Requirement& r) {
+  using Value = Requirement::ContactValue;
+  const auto value = static_cast<Value>(r.axis);
+  return r.quantity == Measure::kContact && (value == Value::kForce || value == Value::kDepth);
+}
+
+// Returns the component of a vector along a direction, or its size if the direction is zero.
+double take_part(const Vec3& v, const Eigen::Vector3d& direction) {
+  return direction.isZero(0) ? norm(v) : dot(v, to_vec3(direction));
+}
+
+// Sets value, limit and margin; of two limits the nearer one counts.
+void set_margin(const Requirement& requirement, double value, double time, Verdict& verdict) {
+  const double above = value - requirement.least, below = requirement.most - value;
+  verdict.evaluated = true;
+  verdict.value = value;
+  verdict.time = time;
+  verdict.margin = std::min(above, below);
+  verdict.limit = above <= below ? requirement.least : requirement.most;
+}
+
+}  // namespace
+
+// --- The quantities -------------------------------------------------------------------------------------------------
+
+RequirementMonitor::RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances,
+                                       const ContactHistory& contacts)
+    : scenario_(scenario),
+      clearances_(clearances),
+      contacts_(contacts),
+      times_(scenario.model.events.size(), std::nan("")) {
+  const Model model = scenario.requirements.empty() ? Model{} : place_markers(scenario.model);
+  for (const Requirement& requirement : scenario.requirements) {
+    Track track;
+    track.requirement = &requirement;
+    const Measure quantity = requirement.quantity;
+    if (quantity == Measure::kClearance) {
+      track.pair = requirement.pair;
+      track.low = track.high = Smallest(clearances.get_resolution(track.pair));
+    }
+    if (quantity == Measure::kDisplacement || quantity == Measure::kAngle || quantity == Measure::kSpeed)
+      track.joint.emplace(model, requirement.a);
+    if (quantity == Measure::kSensor)
+      for (int i = 0; i < requirement.a; ++i) track.first += at(sensor_width(model.sensors[at(i)].kind));
+    if (requirement.at.is_named() || requirement.from.is_named()) track.phase = Phase::kWaiting;
+    tracks_.push_back(std::move(track));
+  }
+}
+
+bool RequirementMonitor::is_sampled(const Requirement& requirement) const {
+  return requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kSensor ||
+         (requirement.quantity == Measure::kContact && !is_of_motion(requirement));
+}
+
+double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& knot) const {
+  const Requirement& r = *track.requirement;
+  std::span<const double> values = knot.sensors;
+  if (r.quantity == Measure::kContact)
+    return contacts_.calc(knot.state, r.a, static_cast<Requirement::ContactValue>(r.axis));
+  if (r.quantity == Measure::kReaction) {
+    const std::size_t first = at(r.a) * kRows;
+    if (r.axis >= 0) return knot.multipliers[first + at(r.axis)];
+    values = knot.multipliers.subspan(first + (r.axis == Requirement::kForce ? 0 : kRotX), 3);
+  } else {
+    values = values.subspan(track.first, at(sensor_width(scenario_.model.sensors[at(r.a)].kind)));
+    if (r.axis >= 0) return values[at(r.axis)];
+  }
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum);
+}
+
+template <class BodyAt>
+double RequirementMonitor::calc_of_bodies(const Track& track, const BodyAt& body_at) const {
+  const Requirement& r = *track.requirement;
+  if (track.joint) {
+    const BodyState base = body_at(track.joint->get_base()), follower = body_at(track.joint->get_follower());
+    if (r.quantity == Measure::kSpeed) return track.joint->calc_speed(base, follower, r.axis);
+    const double value = track.joint->calc_coordinate(base, follower, r.axis);
+    if (r.quantity == Measure::kDisplacement) return value;
+    return value - kTwoPi * std::nearbyint((value - (track.has_last ? track.last : value)) / kTwoPi);  // turns counted
+  }
+  const BodyState a = body_at(r.a), b = body_at(r.b);
+  const Mat3 R_a = rotation_matrix(a.q), R_b = rotation_matrix(b.q);
+  switch (r.quantity) {
+    case Measure::kRate:
+      return std::abs(take_part(a.w - transpose_times(R_a, R_b * b.w), r.direction));
+    case Measure::kVelocity:
+      return take_part(transpose_times(R_b, a.v - b.v), r.direction);
+    case Measure::kPosition:
+      return take_part(transpose_times(R_b, a.p - b.p), r.direction);
+    default: {
+      const Vec3 axis = R_a * to_vec3(r.direction), other = R_b * to_vec3(r.other);
+      return std::atan2(norm(cross(axis, other)), dot(axis, other));
+    }
+  }
+}
+
+double RequirementMonitor::calc_at(const Track& track, const MotionKnot& knot) const {
+  if (is_sampled(*track.requirement) || is_of_motion(*track.requirement)) return calc_sample(track, knot);
+  if (track.pair >= 0) return clearances_.get_now(track.pair);
+  return calc_of_bodies(track, [&](int body) { return body < 0 ? get_rest() : knot.state.bodies[at(body)]; });
+}
+
+double RequirementMonitor::calc_within(const Track& track, const MotionWindow& window, double time) const {
+  const Requirement& r = *track.requirement;
+  if (is_sampled(r)) return track.curve.calc(time);
+  if (is_of_motion(r)) {
+    const ContactReading reading = contacts_.calc(window, r.a, time);
+    return static_cast<Requirement::ContactValue>(r.axis) == Requirement::ContactValue::kForce ? reading.normal
+                                                                                               : reading.depth;
+  }
+  if (track.pair >= 0) return clearances_.calc(window, track.pair, time);
+  return calc_of_bodies(track, [&](int body) { return window.calc_body(body, time); });
+}
+
+// --- The run --------------------------------------------------------------------------------------------------------
+
+void RequirementMonitor::add_events(std::span<const FiredEvent> events, const MotionKnot& before,
+                                    const MotionKnot& after) {
+  for (const FiredEvent& fired : events) {
+    double& time = times_[at(fired.event)];
+    if (!std::isfinite(time)) time = fired.time;
+  }
+  const auto is_here = [&](const EventName& name) {
+    return name.is_named() && std::any_of(events.begin(), events.end(),
+                                          [&](const FiredEvent& fired) { return fired.event == name.event; });
+  };
+  for (Track& track : tracks_) {
+    const Requirement& r = *track.requirement;
+    if (r.is_of_events()) continue;
+    if (track.phase == Phase::kOpen && is_here(r.to)) {
+      if (window_ != nullptr) finish(track, *window_);
+      track.phase = Phase::kClosed;
+    } else if (track.phase == Phase::kWaiting && is_here(r.at)) {
+      track.last = calc_at(track, before);
+      track.last_time = before.time;
+      track.has_last = true;
+      track.phase = Phase::kClosed;
+    } else if (track.phase == Phase::kWaiting && is_here(r.from)) {
+      track.phase = Phase::kOpen;
+      track.fresh = true;
+      track.last = calc_at(track, after);
+      track.last_time = after.time;
+      track.has_last = true;
+      track.low.add(after.time, track.last);
+      track.high.add(after.time, -track.last);
+    }
+  }
+}
+
+void RequirementMonitor::finish(Track& track, const MotionWindow& window) const {
+  track.low.finish([&](double time) { return calc_within(track, window, time); });
+  track.high.finish([&](double time) { return -calc_within(track, window, time); });
+}
+
+void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to) {
+  window_ = &window;
+  for (Track& track : tracks_) {
+    const Requirement& r = *track.requirement;
+    if (r.is_of_events()) continue;
+    // Turns of an angle are counted from the beginning of the run, whatever the interval.
+    if (track.phase == Phase::kClosed || (track.phase == Phase::kWaiting && r.quantity != Measure::kAngle)) continue;
+    if (is_smallest_clearance(r)) {
+      track.has_last = true;
+      continue;
+    }
+    const bool begins = track.fresh || !window.is_smooth();
+    double start = track.last;
+    if (begins) start = track.pair >= 0 ? clearances_.calc(window, track.pair, from.time) : calc_at(track, from);
+    if (begins && !track.fresh) finish(track, window);
+    if (is_sampled(r) && begins) track.curve.add(from.time, start, true);
+    track.last = start;
+    track.has_last = true;
+    const double end = calc_at(track, to);
+    if (is_sampled(r)) track.curve.add(to.time, end, false);
+    if (track.phase == Phase::kOpen && takes_low(r.take))
+      track.low.add(from.time, start, to.time, end, begins,
+                    [&](double time) { return calc_within(track, window, time); });
+    if (track.phase == Phase::kOpen && takes_high(r.take)) {
+      track.high.add(from.time, -start, to.time, -end, begins,
+                     [&](double time) { return -calc_within(track, window, time); });
+    }
+    track.last = end;
+    track.last_time = to.time;
+    track.fresh = false;
+  }
+}
+
+double RequirementMonitor::get_now(std::size_t i) const {
+  const Track& track = tracks_[i];
+  const bool open = track.phase == Phase::kOpen && track.has_last && !track.requirement->is_of_events();
+  if (!open) return std::nan("");
+  return is_smallest_clearance(*track.requirement) ? clearances_.get_now(track.pair) : track.last;
+}
+
+// --- The verdict ----------------------------------------------------------------------------------------------------
+
+const EventName* RequirementMonitor::find_missing(const Requirement& requirement) const {
+  std::vector<const EventName*> names{&requirement.at, &requirement.from, &requirement.to};
+  for (const EventName& name : requirement.events) names.push_back(&name);
+  for (const EventName* name : names)
+    if (name->is_named() && (name->event == kNone || !std::isfinite(times_[at(name->event)]))) return name;
+  return nullptr;
+}
+
+Verdict RequirementMonitor::judge_times(const Requirement& requirement) const {
+  Verdict verdict;
+  const auto time = [&](std::size_t i) { return times_[at(requirement.events[i].event)]; };
+  if (requirement.quantity == Measure::kTime) {
+    set_margin(requirement, time(0) - (requirement.events.size() > 1 ? time(1) : 0), time(0), verdict);
+    return verdict;
+  }
+  std::size_t worst = 1;
+  for (std::size_t i = 1; i < requirement.events.size(); ++i)
+    if (time(i) - time(i - 1) < time(worst) - time(worst - 1)) worst = i;
+  set_margin(requirement, time(worst) - time(worst - 1), time(worst), verdict);
+  return verdict;
+}
+
+Verdict RequirementMonitor::judge(Track track, const MotionWindow& window) const {
+  const Requirement& r = *track.requirement;
+  Verdict verdict;
+  if (const EventName* missing = find_missing(r)) {
+    verdict.why = "event '" + missing->text + (missing->event == kNone ? "' is left out" : "' did not occur");
+    return verdict;
+  }
+  if (r.is_of_events()) return judge_times(r);
+  if (track.phase == Phase::kOpen && r.to.is_named()) {
+    verdict.why = "event '" + r.to.text + "' did not occur after '" + r.from.text + "'";
+    return verdict;
+  }
+  if (!track.has_last) {
+    verdict.why = "the run has no step in its interval";
+    return verdict;
+  }
+  if (r.at.is_named() || r.take == Take::kFinal) {
+    set_margin(r, track.last, track.last_time, verdict);
+    return verdict;
+  }
+  if (is_smallest_clearance(r)) {
+    // The latest interval is searched when the next one arrives, or here.
+    const MotionPiece& piece = window.get_present();
+    const Clearance& clearance = clearances_.get()[at(track.pair)];
+    const auto function = [&](double time) { return calc_within(track, window, time); };
+    track.low.add(clearance.time, clearance.smallest);
+    track.low.add(piece.from, function(piece.from), piece.to, clearance.now, true, function);
+  } else if (track.phase == Phase::kOpen) {
+    finish(track, window);
+  }
+  const double low = track.low.get_value(), high = -track.high.get_value();
+  const double low_time = track.low.get_time(), high_time = track.high.get_time();
+  switch (r.take) {
+    case Take::kMinimum:
+      set_margin(r, low, low_time, verdict);
+      break;
+    case Take::kMaximum:
+      set_margin(r, high, high_time, verdict);
+      break;
+    case Take::kPeak:
+      set_margin(r, std::max(-low, high), -low > high ? low_time : high_time, verdict);
+      break;
+    default:
+      if (low - r.least <= r.most - high) {
+        set_margin(r, low, low_time, verdict);
+        verdict.limit = r.least;
+        verdict.margin = low - r.least;
+      } else {
+        set_margin(r, high, high_time, verdict);
+        verdict.limit = r.most;
+        verdict.margin = r.most - high;
+      }
+  }
+  return verdict;
+}
+
+std::vector<Verdict> RequirementMonitor::judge(const MotionWindow& window) const {
+  std::vector<Verdict> verdicts;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    verdicts.push_back(judge(tracks_[i], window));
+    verdicts.back().requirement = i;
+  }
+  return verdicts;
+}
+
+}  // namespace unlatch::hil

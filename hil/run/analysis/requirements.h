@@ -1,0 +1,79 @@
+// Verdict of a run: the value of each requirement, its margin, its time, and the decision "met" or "not met". Minima
+// and maxima are located inside the steps; values at an event are those of its instant.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/run/motion/clearance_history.h"
+#include "hil/run/motion/contact_history.h"
+#include "hil/run/motion/extreme.h"
+#include "hil/run/motion/joint_frame.h"
+#include "hil/run/motion/motion_window.h"
+#include "hil/run/motion/sampled_curve.h"
+#include "hil/scenario/scenario.h"
+#include "unlatch/step.h"
+
+namespace unlatch::hil {
+
+struct Verdict {
+  std::size_t requirement = 0;  // index into Scenario::requirements
+  bool evaluated = false;       // false: `why` gives the reason
+  std::string why;              // "event 'release:booster1' did not occur"
+  double value = 0, limit = 0;  // in the requirement's unit; the nearest limit
+  double margin = 0;            // distance of the value from the limit, positive within it; below 0: not met
+  double time = 0;              // time of the value, s
+  [[nodiscard]] bool is_met() const { return evaluated && margin >= 0; }
+};
+
+class RequirementMonitor {
+ public:
+  // Keeps references to all arguments.
+  RequirementMonitor(const Scenario& scenario, const ClearanceHistory& clearances, const ContactHistory& contacts);
+
+  // Adds events that acted at an instant; `before` and `after`: the knots around it.
+  void add_events(std::span<const FiredEvent> events, const MotionKnot& before, const MotionKnot& after);
+  // Adds the piece between these knots, to which the window and the clearances have already moved.
+  void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  // Verdicts on the run so far, whose end is the end of the window.
+  [[nodiscard]] std::vector<Verdict> judge(const MotionWindow& window) const;
+  // Quantity of requirement number i at the latest knot, in the requirement's unit; NaN outside its interval, and for
+  // requirements on events.
+  [[nodiscard]] double get_now(std::size_t i) const;
+
+ private:
+  enum class Phase { kWaiting, kOpen, kClosed };
+  struct Track {
+    const Requirement* requirement = nullptr;
+    std::optional<JointGeometry> joint;
+    int pair = -1;          // number of the clearance pair
+    std::size_t first = 0;  // index of a sensor's first value
+    Phase phase = Phase::kOpen;
+    Smallest low, high;  // `high`: minimum of the negative
+    SampledCurve curve;
+    bool has_last = false, fresh = true;
+    double last = 0, last_time = 0;  // value and time at the end of the latest piece, or of the instant
+  };
+
+  // True for quantities that are known at knots alone.
+  [[nodiscard]] bool is_sampled(const Requirement& requirement) const;
+  [[nodiscard]] double calc_sample(const Track& track, const MotionKnot& knot) const;
+  template <class BodyAt>
+  [[nodiscard]] double calc_of_bodies(const Track& track, const BodyAt& body_at) const;
+  [[nodiscard]] double calc_at(const Track& track, const MotionKnot& knot) const;
+  [[nodiscard]] double calc_within(const Track& track, const MotionWindow& window, double time) const;
+  void finish(Track& track, const MotionWindow& window) const;
+  [[nodiscard]] Verdict judge(Track track, const MotionWindow& window) const;
+  [[nodiscard]] Verdict judge_times(const Requirement& requirement) const;
+  [[nodiscard]] const EventName* find_missing(const Requirement& requirement) const;
+
+  const Scenario& scenario_;
+  const ClearanceHistory& clearances_;
+  const ContactHistory& contacts_;
+  std::vector<Track> tracks_;
+  std::vector<double> times_;  // s, first occurrence of each event; NaN before it
+  const MotionWindow* window_ = nullptr;
+};
+
+}  // namespace unlatch::hil

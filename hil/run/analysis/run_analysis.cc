@@ -1,0 +1,96 @@
+#include "hil/run/analysis/run_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace unlatch::hil {
+
+RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const AnalysisRequest& request)
+    : scenario_(scenario),
+      simulation_(simulation),
+      request_(request),
+      clearance_(scenario),
+      contacts_(scenario, simulation),
+      peaks_(scenario.model.joints.size()),
+      requirements_(scenario, clearance_, contacts_),
+      separations_(scenario, request.pushes) {
+  if (request.accuracy) accuracy_.emplace(scenario, simulation);
+  simulation.keep_motion();
+}
+
+void RunAnalysis::update(const StepReport& report) {
+  if (accuracy_) accuracy_->update(report);
+  audits.insert(audits.end(), report.audits.begin(), report.audits.end());
+  search.postponed += report.postponed;
+  search.unlocated += report.open.unlocated;
+  search.unseen += report.open.unseen;
+
+  if (request_.redundancy) update_shared(report);
+
+  if (report.substeps == 0) {
+    clearance_.begin(simulation_.get_time(), simulation_.state().bodies);
+    contacts_.begin(simulation_.state());
+    peaks_.begin(simulation_.get_time(), simulation_.workspace().multipliers);
+  } else {
+    add_motion(report.events);
+  }
+}
+
+// Updates the shared reactions. The set of redundant rows changes only with their number and with events. At first no
+// step has reported it.
+void RunAnalysis::update_shared(const StepReport& report) {
+  const double time = simulation_.get_time();
+  if (!redundant_ || *redundant_ != report.redundant || !report.events.empty()) {
+    std::vector<RedundantRows> now =
+        list_redundant_rows(simulation_.plan(), simulation_.state(), simulation_.workspace());
+    for (SharedReactions& entry : shared)
+      entry.lasts =
+          entry.lasts && std::erase_if(now, [&](const RedundantRows& rows) { return rows == entry.rows; }) > 0;
+    for (RedundantRows& rows : now) shared.push_back({std::move(rows), time, time, true});
+    redundant_ = report.redundant;
+  }
+  for (SharedReactions& entry : shared)
+    if (entry.lasts) entry.until = time;
+}
+
+// Adds the pieces of motion between the knots of the step; a knot that begins anew inside the step is just after
+// events.
+void RunAnalysis::add_motion(std::span<const FiredEvent> events) {
+  const std::span<const MotionKnot> knots = simulation_.get_motion();
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const MotionKnot &from = knots[i - 1], &to = knots[i];
+    if (!to.begins) {
+      window_.move_on(from, to);
+      clearance_.add(window_);
+      contacts_.add(window_, from, to);
+      if (request_.reactions) peaks_.add(from, to, window_.is_smooth());
+      requirements_.add_piece(window_, from, to);
+      separations_.add_piece(window_, from, to);
+      continue;
+    }
+    contacts_.add_events(from, to);
+    std::size_t count = 0;
+    while (count < events.size() && events[count].time == to.time) add_event(events[count++], to);
+    separations_.add_events(from, to, clearance_);
+    requirements_.add_events(events.first(count), from, to);
+    events = events.subspan(count);
+  }
+}
+
+void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& after) {
+  const Model& model = scenario_.model;
+  const Event& event = model.events[static_cast<std::size_t>(fired.event)];
+  timeline.push_back({fired.time, event.name, event.subject});
+  for (const Action& action : event.then) {
+    if (action.kind != Action::Kind::kSetMode) continue;
+    const Joint& joint = model.joints[static_cast<std::size_t>(action.subject)];
+    if (joint.modes[static_cast<std::size_t>(action.mode)].rows != 0) continue;
+    const auto body = static_cast<std::size_t>(joint.follower);
+    const std::string base = joint.base == kGround ? "ground" : model.bodies[static_cast<std::size_t>(joint.base)].name;
+    tip_offs.push_back({fired.time, model.bodies[body].name, base, joint.name, after.state.bodies[body].w});
+  }
+}
+
+std::int64_t calc_nearest_tick(double time, double dt) { return std::llround(time / dt); }
+
+}  // namespace unlatch::hil

@@ -1,0 +1,98 @@
+// Results of a run for engineers, gathered step by step off the cyclic thread: the event timeline, clearances,
+// separations, peak reactions, audits, and the verdict on the requirements. A run in the loop is analysed by replaying
+// it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/run/analysis/analysis_request.h"
+#include "hil/run/analysis/peak_reactions.h"
+#include "hil/run/analysis/requirements.h"
+#include "hil/run/analysis/separations.h"
+#include "hil/run/motion/clearance_history.h"
+#include "hil/run/motion/contact_history.h"
+#include "hil/run/motion/motion_window.h"
+#include "hil/run/notices/notices.h"
+#include "hil/run/simulation/simulation.h"
+#include "hil/scenario/scenario.h"
+#include "unlatch/redundancy.h"
+
+namespace unlatch::hil {
+
+struct TimelineEntry {
+  double time = 0;  // s
+  std::string name, subject;
+};
+
+// Release of a body: its state at the instant at which a joint to it became free.
+struct TipOff {
+  double time = 0;
+  std::string body, base, joint;  // base: the body at the other side of the joint
+  Vec3 w{};                       // angular velocity, body axes, rad/s
+};
+
+// Reactions that were not unique during an interval: rows of their joints were redundant.
+struct SharedReactions {
+  RedundantRows rows;
+  double from = 0, until = 0;  // s
+  bool lasts = false;          // still redundant at the latest state
+};
+
+// Events that the searches within steps left open because they reached a bound on their work.
+struct SearchTotals {
+  std::int64_t postponed = 0;  // instants of events that were left to a later tick
+  std::int64_t unlocated = 0;  // instants of events that are less accurate than the tolerance of the search
+  std::int64_t unseen = 0;     // cases in which shapes may have touched and separated within a step
+};
+
+class RunAnalysis {
+ public:
+  // Makes the simulation keep its motion from now on.
+  RunAnalysis(const Scenario& scenario, Simulation& simulation, const AnalysisRequest& request = {});
+
+  // Analyses the present state and the report of its step (a default report for the initial state).
+  void update(const StepReport& report);
+
+  std::vector<TimelineEntry> timeline;
+  std::vector<TipOff> tip_offs;
+  std::vector<EventAudit> audits;
+  std::vector<SharedReactions> shared;  // in the order of their beginning
+  // Peaks are located inside the steps.
+  [[nodiscard]] PeakReaction get_peak(std::size_t joint, std::size_t row) const { return peaks_.get(joint, row); }
+  const std::vector<Clearance>& clearances() const { return clearance_.get(); }
+  // Witness points and nearest shapes of clearance number `pair` at its smallest value.
+  [[nodiscard]] PairDistance calc_witnesses(int pair) const { return clearance_.calc_witnesses(pair); }
+  // Verdicts on the run so far.
+  [[nodiscard]] std::vector<Verdict> judge() const { return requirements_.judge(window_); }
+  [[nodiscard]] std::vector<Separation> list_separations() const { return separations_.list(clearance_); }
+  [[nodiscard]] std::vector<ContactRecord> list_contacts() const { return contacts_.list(); }
+  // Present value of requirement number i, see RequirementMonitor::get_now().
+  [[nodiscard]] double get_requirement_now(std::size_t i) const { return requirements_.get_now(i); }
+  const NoticeWatch& accuracy() const { return accuracy_.value(); }  // notices and energy; only if requested
+  SearchTotals search;
+
+ private:
+  void add_motion(std::span<const FiredEvent> events);
+  void add_event(const FiredEvent& fired, const MotionKnot& after);
+  void update_shared(const StepReport& report);
+
+  const Scenario& scenario_;
+  const Simulation& simulation_;
+  const AnalysisRequest request_;
+  std::optional<std::int32_t> redundant_;  // number of redundant rows at the latest state
+  MotionWindow window_;
+  ClearanceHistory clearance_;
+  ContactHistory contacts_;
+  PeakReactions peaks_;
+  RequirementMonitor requirements_;
+  SeparationMonitor separations_;
+  std::optional<NoticeWatch> accuracy_;
+};
+
+// Returns the tick nearest to a time.
+std::int64_t calc_nearest_tick(double time, double dt);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+#include "hil/run/findings/finding_parts.h"
+#include "hil/run/notices/contact_resolution.h"
+#include "hil/run/notices/format.h"
+#include "hil/run/notices/friction_resolution.h"
+#include "hil/run/notices/resolution.h"
+#include "hil/scenario/model/index.h"
+#include "unlatch/contacts.h"
+
+namespace unlatch::hil {
+namespace {
+
+// Steps that a pusher's stroke, a ramp, a table's interval or a delay needs; ten of them locate its end to some 1e-3.
+constexpr double kStepsToResolve = 10;
+
+void add_short(const std::string& where, const char* what, double duration, double dt, std::vector<Finding>& findings) {
+  if (!(duration > 0) || duration >= kStepsToResolve * dt) return;
+  findings.push_back({"step", where,
+                      format("%s takes %.4g s, %.2g steps of %.4g s: at least %.0f resolve it", what, duration,
+                             duration / dt, dt, kStepsToResolve)});
+}
+
+void judge_springs(const Model& model, const Simulation& simulation, double dt, std::vector<Finding>& findings) {
+  for (const SpringResolution& spring : calc_resolutions(simulation)) {
+    const std::string where = quoted("element", model.element_name(spring.element));
+    const auto i = static_cast<std::size_t>(spring.element) - model.loads.size();
+    if (i < model.point_springs.size() && model.point_springs[i].push_only && spring.largest_omega > 0)
+      add_short(where, "its stroke, a quarter of its period,", 0.5 * std::numbers::pi / spring.largest_omega, dt,
+                findings);
+    const double worst = dt * spring.get_worst();
+    if (worst > kAccurate)
+      findings.push_back(
+          {"step", where,
+           format("h*omega or h*decay comes to %.3g%s%s%s: %s", worst, spring.where.empty() ? "" : " with ",
+                  spring.where.c_str(), spring.implicit ? ", implicitly" : "",
+                  spring.implicit   ? "second order, damps what the step does not resolve"
+                  : worst > kStable ? "unstable; make the step smaller, or the element softer"
+                                    : "stable, but not resolved accurately")});
+  }
+}
+
+void judge_loads(const Model& model, double dt, std::vector<Finding>& findings) {
+  for (const Load& load : model.loads) {
+    const std::vector<double>& times = load.profile.times;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < times.size(); ++i) shortest = std::min(shortest, times[i] - times[i - 1]);
+    if (load.profile.kind == Profile::Kind::kTable && times.size() > 1 && shortest < dt)
+      findings.push_back({"step", quoted("element", load.name),
+                          format("its table has an interval of %.4g s, less than a step of %.4g s", shortest, dt)});
+    if (load.profile.kind == Profile::Kind::kExponential && load.profile.tau < dt / kAccurate)
+      findings.push_back(
+          {"step", quoted("element", load.name),
+           format("its time constant, %.4g s, is less than five steps of %.4g s", load.profile.tau, dt)});
+  }
+}
+
+void judge_contacts(const Model& model, const Simulation& simulation, double dt, std::vector<Finding>& findings) {
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    const Contact& contact = model.contacts[i];
+    const std::string where = quoted("contact", contact.name);
+    const ContactReading reading = calc_contact(simulation.plan(), simulation.state(), static_cast<int>(i));
+    if (reading.closed)
+      findings.push_back(
+          {"contact", where, format("is closed at the start, %.4g m deep: that is no touch", reading.depth)});
+    const double speed = estimate_speed(model, simulation.state(), contact);
+    const std::string text =
+        describe_unresolved(reading.closed ? calc_rates(model, simulation.state(), contact, reading)
+                                           : estimate_rates(model, contact, speed),
+                            dt / model.contact_substeps);
+    const bool of_speed = !reading.closed && contact.exponent > 1;
+    if (!text.empty())
+      findings.push_back({"contact", where, text + (of_speed ? format(" (for a blow of %.3g m/s)", speed) : "")});
+  }
+}
+
+void judge_frictions(const Model& model, const Simulation& simulation, double dt, std::vector<Finding>& findings) {
+  if (!has_friction(model)) return;
+  const std::vector<ElementMobility> mobilities = calc_mobilities(simulation);
+  for (const FrictionRate& rate : calc_friction_rates(simulation, mobilities))
+    if (const std::string text = describe_unresolved(rate, dt); !text.empty())
+      findings.push_back({"friction", quoted("element", model.element_name(rate.element)), text});
+}
+
+void judge_turns(const Model& model, double dt, std::vector<Finding>& findings) {
+  for (const Body& body : model.bodies) {
+    const double size = body.w_WB_B.norm() * dt;
+    if (!body.marker && size > kAccurate)
+      findings.push_back(
+          {"step", quoted("body", body.name), format("begins with |w|*h %.3g: beyond %.2g", size, kAccurate)});
+  }
+}
+
+}  // namespace
+
+void add_step_findings(const Scenario& scenario, const Simulation& simulation, std::vector<Finding>& findings) {
+  const Model& model = scenario.model;
+  judge_springs(model, simulation, scenario.dt, findings);
+  judge_loads(model, scenario.dt, findings);
+  judge_contacts(model, simulation, scenario.dt, findings);
+  judge_frictions(model, simulation, scenario.dt, findings);
+  judge_turns(model, scenario.dt, findings);
+}
+
+}  // namespace unlatch::hil

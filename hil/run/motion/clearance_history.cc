@@ -1,0 +1,313 @@
+#include "hil/run/motion/clearance_history.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/scenario/model/index.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr double kTie = 1e-6;        // m: a distance that changes less is reported as constant
+constexpr double kRounding = 1e-13;  // relative to the size of a pair: shallower dips are rounding
+// Relative to the size of a pair: motions of rigidly joined bodies, which change the distance by no more than its
+// error.
+constexpr double kStill = 1e-10;
+
+}  // namespace
+
+ClearanceHistory::ClearanceHistory(const Scenario& scenario, Skipping skipping)
+    : skipping_(skipping), monitor_(scenario.clearance, scenario.shapes), now_(monitor_.get()), tracks_(now_.size()) {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    tracks_[i].size = monitor_.get_size(i);
+    tracks_[i].whole = tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));
+  }
+  places_.resize(scenario.model.bodies.size());
+  bodies_.resize(scenario.model.bodies.size());
+  for (const Clearance& pair : now_)
+    for (const int body : {pair.a, pair.b})
+      if (!contains(watched_, body)) watched_.push_back(body);
+}
+
+const std::vector<Clearance>& ClearanceHistory::get() const {
+  for (std::size_t i = 0; i < now_.size(); ++i) refresh(i);
+  return now_;
+}
+
+void ClearanceHistory::refresh(std::size_t pair) const {
+  if (!tracks_[pair].stale) return;
+  tracks_[pair].stale = false;
+  const MotionPiece& piece = window_->get_present();
+  const double before = calc(*window_, static_cast<int>(pair), piece.from);
+  now_[pair].now = calc(*window_, static_cast<int>(pair), piece.to);
+  if (piece.to > piece.from) now_[pair].rate = (now_[pair].now - before) / (piece.to - piece.from);
+}
+
+ClearanceHistory::Place ClearanceHistory::get_place(const BodyState& body, const Spatial& acceleration) {
+  const geometry::Placement at = to_placement(body);
+  return {at, body.v, at.R_WB * body.w, acceleration};
+}
+
+ClearanceHistory::Relative ClearanceHistory::calc_relative(std::size_t pair, const Place& a, const Place& b) const {
+  const ClearanceMonitor::Reach& reach = monitor_.get_reach(pair);
+  const Place &seen = reach.of_b ? b : a, &from = reach.of_b ? a : b;
+  const Vec3 arm = seen.at.R_WB * reach.centre, between = (seen.at.p_WB + arm) - from.at.p_WB;
+  const Vec3 turn = seen.w - from.w;
+  const Vec3 v = ((seen.v + cross(seen.w, arm)) - from.v) - cross(from.w, between);
+  const Mat3 &R = from.at.R_WB, &S = seen.at.R_WB;
+  return {transpose_times(R, between),
+          {transpose_times(R, S.x), transpose_times(R, S.y), transpose_times(R, S.z)},
+          norm(v) + reach.bound * norm(turn),
+          norm(seen.acceleration.lin - from.acceleration.lin) +
+              reach.bound * norm(seen.acceleration.ang - from.acceleration.ang)};
+}
+
+// Bound on a distance's change. The difference of two attitudes moves a point at distance r from the centre by at most
+// r |R − R'| / √2 (Frobenius).
+double ClearanceHistory::calc_change(std::size_t pair, const Relative& from, const Relative& to) const {
+  const Vec3 x = to.R.x - from.R.x, y = to.R.y - from.R.y, z = to.R.z - from.R.z;
+  return norm(to.centre - from.centre) +
+         monitor_.get_reach(pair).bound * std::sqrt(0.5 * ((dot(x, x) + dot(y, y)) + dot(z, z)));
+}
+
+// Distance below which a result may change: a new smallest value, or a tie with it.
+double ClearanceHistory::get_limit(std::size_t pair) const {
+  const Track& track = tracks_[pair];
+  return kTie + (track.after_release ? std::max(track.whole.get_value(), track.released.get_value())
+                                     : track.whole.get_value());
+}
+
+// Tests a bound that is cheaper than that of skip(), and wider: paths of the origins and sums of rotation angles.
+// Inside the piece the interpolated motion departs from its end by less than twice the greater speed times the step.
+bool ClearanceHistory::is_far(const MotionPiece& piece, std::size_t pair) const {
+  const Track& track = tracks_[pair];
+  const ClearanceMonitor::Reach& reach = monitor_.get_reach(pair);
+  const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
+  const double h = piece.to - piece.from;
+  const double speed = std::max(norm(piece.start[b].v - piece.start[a].v), norm(piece.end[b].v - piece.end[a].v));
+  const double increase =
+      std::max(norm(piece.at_start[b].lin - piece.at_start[a].lin), norm(piece.at_end[b].lin - piece.at_end[a].lin));
+  const double way = norm((piece.end[b].p - piece.end[a].p) - track.between) + (2 * speed * h + increase * (h * h));
+  const double turned_a = bodies_[a].turned - track.turned_a, turned_b = bodies_[b].turned - track.turned_b;
+  const double size = norm(reach.centre) + reach.bound;
+  const double from = reach.of_b ? turned_a : turned_b;  // rotates the whole distance between the two
+  const double most = way + (turned_a + turned_b) * size + from * (norm(track.between) + way);
+  return track.value - most > get_limit(pair);
+}
+
+const ClearanceHistory::Place& ClearanceHistory::get_end(const MotionPiece& piece, std::size_t body) {
+  if (!bodies_[body].fresh) places_[body] = get_place(piece.end[body], piece.at_end[body]);
+  bodies_[body].fresh = true;
+  return places_[body];
+}
+
+// Notes that the distance has been computed at the end of the piece.
+void ClearanceHistory::set_reference(const MotionPiece& piece, std::size_t pair, double value) {
+  Track& track = tracks_[pair];
+  const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
+  track.reference = track.latest;
+  track.between = piece.end[b].p - piece.end[a].p;
+  track.turned_a = bodies_[a].turned;
+  track.turned_b = bodies_[b].turned;
+  track.value = value;
+  track.moved = 0;
+}
+
+// Returns true if the pair cannot become smaller in the present piece than before, or does not move.
+bool ClearanceHistory::skip(const MotionWindow& window, std::size_t pair) {
+  const MotionPiece& piece = window.get_present();
+  Track& track = tracks_[pair];
+  if (!std::isfinite(monitor_.get_reach(pair).bound)) return false;
+  const bool still = track.idle && !track.stale;  // in the piece before: there the wide bound has no margin
+  if (skipping_ == Skipping::kOn && !still && is_far(piece, pair)) {
+    track.followed = false;
+    track.stale = true;
+    return true;
+  }
+  const auto a = static_cast<std::size_t>(now_[pair].a), b = static_cast<std::size_t>(now_[pair].b);
+  const double h = piece.to - piece.from;
+  if (!window.is_smooth() || !track.followed) {
+    track.latest =
+        calc_relative(pair, get_place(piece.start[a], piece.at_start[a]), get_place(piece.start[b], piece.at_start[b]));
+    track.moved = calc_change(pair, track.reference, track.latest);
+  }
+  const Relative before = track.latest;
+  const double moved_before = track.moved;
+  track.latest = calc_relative(pair, get_end(piece, a), get_end(piece, b));
+  track.followed = true;
+  track.moved = calc_change(pair, track.reference, track.latest);
+  // Inside the piece the interpolated motion departs from the knots by less than twice the greater speed times the
+  // step.
+  const double path =
+      2 * std::max(before.speed, track.latest.speed) * h + std::max(before.increase, track.latest.increase) * h * h;
+  const double most = std::max(moved_before, track.moved) + path;
+  if (most <= kStill * track.size) {
+    now_[pair].now = track.value;
+    now_[pair].rate = 0;
+    track.stale = false;
+    if (track.value <= track.tie + kTie && piece.to > now_[pair].tie.to) {
+      now_[pair].tie.to = piece.to;
+      ++now_[pair].tie.count;
+    }
+    return true;
+  }
+  const double room = track.value - get_limit(pair);
+  if (skipping_ == Skipping::kOff || !(room > most)) return false;
+  track.stale = true;
+  // From a new reference the wide bound is useful again.
+  constexpr double kUsed = 0.25;
+  if (track.moved > kUsed * room) set_reference(piece, pair, calc(window, static_cast<int>(pair), piece.to));
+  return true;
+}
+
+double ClearanceHistory::get_resolution(int pair) const {
+  return kRounding * monitor_.get_size(static_cast<std::size_t>(pair));
+}
+
+double ClearanceHistory::calc(const MotionWindow& window, int pair, double time) const {
+  const Clearance& clearance = now_[static_cast<std::size_t>(pair)];
+  return monitor_
+      .calc(static_cast<std::size_t>(pair), to_placement(window.calc_body(clearance.a, time)),
+            to_placement(window.calc_body(clearance.b, time)))
+      .least.distance;
+}
+
+PairDistance ClearanceHistory::calc_witnesses(int pair) const {
+  const Track& track = tracks_[static_cast<std::size_t>(pair)];
+  return monitor_.calc(static_cast<std::size_t>(pair), track.at_a, track.at_b);
+}
+
+void ClearanceHistory::add_value(std::size_t pair, double time, double value) {
+  Clearance& clearance = now_[pair];
+  Track& track = tracks_[pair];
+  clearance.now = value;
+  publish(pair);
+  if (track.whole.get_value() < track.tie - kTie) {
+    track.tie = track.whole.get_value();
+    clearance.tie = {.from = track.whole.get_time(), .to = track.whole.get_time(), .count = 1};
+  }
+  if (value <= track.tie + kTie && time > clearance.tie.to) {
+    clearance.tie.to = time;
+    ++clearance.tie.count;
+  }
+}
+
+void ClearanceHistory::publish(std::size_t pair) {
+  Clearance& clearance = now_[pair];
+  const Track& track = tracks_[pair];
+  clearance.smallest = track.whole.get_value();
+  clearance.time = track.whole.get_time();
+  if (track.after_release && track.released.has_value())
+    clearance.after_release = {track.release_time, track.released.get_value(), track.released.get_time()};
+}
+
+void ClearanceHistory::begin(double time, std::span<const BodyState> bodies) {
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    Track& track = tracks_[i];
+    track.at_a = to_placement(bodies[static_cast<std::size_t>(now_[i].a)]);
+    track.at_b = to_placement(bodies[static_cast<std::size_t>(now_[i].b)]);
+    const double value = monitor_.calc(i, track.at_a, track.at_b).least.distance;
+    track.whole.add(time, value);
+    track.value = value;
+    track.moved = 0;
+    track.idle = track.stale = false;
+    const auto a = static_cast<std::size_t>(now_[i].a), b = static_cast<std::size_t>(now_[i].b);
+    track.between = bodies[b].p - bodies[a].p;
+    track.turned_a = bodies_[a].turned;
+    track.turned_b = bodies_[b].turned;
+    const Spatial none{{0, 0, 0}, {0, 0, 0}};
+    track.reference = calc_relative(i, get_place(bodies[a], none), get_place(bodies[b], none));
+    track.tie = value;
+    now_[i].tie = {.from = time, .to = time, .count = 1};
+    if (value <= 0) now_[i].touch = time;
+    add_value(i, time, value);
+  }
+}
+
+void ClearanceHistory::keep_places(const MotionWindow& window, std::size_t pair) {
+  Track& track = tracks_[pair];
+  track.at_a = to_placement(window.calc_body(now_[pair].a, track.whole.get_time()));
+  track.at_b = to_placement(window.calc_body(now_[pair].b, track.whole.get_time()));
+}
+
+// First zero, by bisection: between the knots, or before the bottom of a dip between them.
+void ClearanceHistory::find_touch(const MotionWindow& window, std::size_t pair, bool crosses,
+                                  const TimeFunction& function) {
+  constexpr int kHalvings = 40;
+  const Smallest& whole = tracks_[pair].whole;
+  if (now_[pair].touch || !(whole.get_value() <= 0)) return;
+  double from = window.get_present().from, to = window.get_present().to;
+  if (!crosses) {
+    to = whole.get_time();
+    if (to <= from) from = window.get_previous().from;
+  }
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (from + to);
+    (function(middle) <= 0 ? to : from) = middle;
+  }
+  now_[pair].touch = to;
+}
+
+void ClearanceHistory::add(const MotionWindow& window) {
+  const MotionPiece& piece = window.get_present();
+  window_ = &window;
+  const double h = piece.to - piece.from;
+  for (const int body : watched_) {
+    const auto b = static_cast<std::size_t>(body);
+    const double speed = std::max(norm(piece.start[b].w), norm(piece.end[b].w));
+    const double increase = std::max(norm(piece.at_start[b].ang), norm(piece.at_end[b].ang));
+    bodies_[b] = {.turned = bodies_[b].turned + (2 * speed * h + increase * (h * h)), .fresh = false};
+  }
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const int pair = static_cast<int>(i);
+    const auto function = [&](double time) { return calc(window, pair, time); };
+    Track& track = tracks_[i];
+    const double smallest_time = track.whole.get_time();
+    const bool skips = skip(window, i), ends = !track.idle && (skips || !window.is_smooth());
+    if (skips && track.idle) continue;
+    if (ends) {
+      track.whole.finish(function);
+      if (track.after_release) track.released.finish(function);
+    }
+    if (skips) {
+      track.idle = true;
+      if (track.whole.get_time() != smallest_time) keep_places(window, i);
+      find_touch(window, i, false, function);
+      publish(i);
+      continue;
+    }
+    const double before = track.idle ? function(piece.from) : now_[i].now, value = function(piece.to);
+    const bool begins = track.idle || !window.is_smooth();
+    track.idle = track.stale = false;
+    set_reference(piece, i, value);
+    track.whole.add(piece.from, before, piece.to, value, begins, function);
+    if (track.after_release) track.released.add(piece.from, before, piece.to, value, begins, function);
+    if (track.whole.get_time() != smallest_time) keep_places(window, i);
+    find_touch(window, i, before > 0 && value <= 0, function);
+    if (piece.to > piece.from) now_[i].rate = (value - before) / (piece.to - piece.from);
+    add_value(i, piece.to, value);
+  }
+}
+
+void ClearanceHistory::release(double time, const std::vector<int>& a, const std::vector<int>& b) {
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const Clearance& pair = now_[i];
+    if (!((contains(a, pair.a) && contains(b, pair.b)) || (contains(a, pair.b) && contains(b, pair.a)))) continue;
+    refresh(i);
+    tracks_[i].after_release = true;
+    tracks_[i].release_time = time;
+    tracks_[i].released = Smallest(get_resolution(static_cast<int>(i)));
+    tracks_[i].released.add(time, pair.now);
+    now_[i].after_release = {time, pair.now, time};
+  }
+}
+
+void ClearanceHistory::join(const std::vector<int>& bodies) {
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    if (!contains(bodies, now_[i].a) || !contains(bodies, now_[i].b)) continue;
+    tracks_[i].after_release = false;
+    now_[i].after_release.reset();
+  }
+}
+
+}  // namespace unlatch::hil

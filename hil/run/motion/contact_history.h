@@ -1,0 +1,67 @@
+// Contacts of a run: touches and lifts, peak force located inside the steps, depth, impulse, slip and dissipation.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/run/motion/extreme.h"
+#include "hil/run/motion/motion_window.h"
+#include "hil/run/simulation/simulation.h"
+#include "hil/scenario/scenario.h"
+#include "unlatch/contacts.h"
+
+namespace unlatch::hil {
+
+struct ContactRecord {
+  std::string name;
+  bool closed_at_start = false, closed = false;  // closed: at the end of the run
+  int touches = 0;                               // without the contact at the start
+  std::optional<double> touch, lift;             // the first touch and the latest lift, s
+  double duration = 0;                           // time closed, s
+  double peak_force = 0, peak_time = 0;          // F_n, N; s
+  double depth = 0;                              // largest, m
+  ContactTotals totals;                          // N s, m, J
+};
+
+class ContactHistory {
+ public:
+  ContactHistory(const Scenario& scenario, const Simulation& simulation);
+
+  void begin(const State& state);  // Begins at the state of the start.
+  // Adds events that acted between two knots of one instant.
+  void add_events(const MotionKnot& before, const MotionKnot& after);
+  // Adds the piece between these knots, to which the window has moved.
+  void add(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
+  // Records of the run so far, in the order of the model.
+  [[nodiscard]] std::vector<ContactRecord> list() const;
+
+  // Contact at a time of the window's two pieces, the later of which was added last. Totals are those of the beginning
+  // of the piece.
+  [[nodiscard]] ContactReading calc(const MotionWindow& window, int contact, double time) const;
+  [[nodiscard]] ContactReading calc(const State& state, int contact) const;
+  [[nodiscard]] double calc(const State& state, int contact, Requirement::ContactValue value) const;
+
+ private:
+  struct Track {
+    ContactRecord record;
+    Smallest force, depth;  // minima of the negatives
+    bool fresh = true;      // no piece yet since the contact closed
+  };
+  [[nodiscard]] bool is_closed(const State& state, std::size_t contact) const;
+  void finish(Track& track, int contact) const;
+
+  const Simulation& simulation_;
+  std::vector<Track> tracks_;
+  const MotionWindow* window_ = nullptr;
+  // Scratch: states of the window's pieces, for which pairs are closed in them.
+  struct Scratch {
+    explicit Scratch(const Plan& plan);
+    std::vector<std::uint64_t> block;
+    State state;
+  };
+  mutable Scratch present_, previous_;
+};
+
+}  // namespace unlatch::hil

@@ -1,0 +1,85 @@
+#include "hil/run/notices/contact_resolution.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hil/run/notices/format.h"
+
+namespace unlatch::hil {
+namespace {
+
+const Body* find_body(const Model& model, int surface) {
+  const int body = model.surfaces[static_cast<std::size_t>(surface)].body;
+  if (body == kGround) return nullptr;
+  const Body& own = model.bodies[static_cast<std::size_t>(body)];
+  return own.marker ? &model.bodies[static_cast<std::size_t>(own.marker->body)] : &own;
+}
+
+// Mobility, 1/kg: acceleration along u of a point of a body, per force along u there.
+double calc_mobility(const Model& model, const State& state, int surface, const Vec3& point, const Vec3& u) {
+  const Body* const body = find_body(model, surface);
+  if (body == nullptr) return 0;
+  const BodyState& at = state.bodies[static_cast<std::size_t>(body - model.bodies.data())];
+  const Vec3 arm = transpose_times(rotation_matrix(at.q), cross(point - at.p, u));
+  const Eigen::Vector3d lever(arm.x, arm.y, arm.z);
+  return 1 / body->mass + lever.dot(body->inertia.ldlt().solve(lever));
+}
+
+}  // namespace
+
+ContactRates calc_rates(const Model& model, const State& state, const Contact& contact, const ContactReading& reading) {
+  ContactRates rates;
+  if (!reading.closed || !(reading.normal > 0)) return rates;
+  const auto calc = [&](const Vec3& u) {
+    return calc_mobility(model, state, contact.base, reading.point, u) +
+           calc_mobility(model, state, contact.follower, reading.point, u);
+  };
+  // Friction turns the force away from the normal by less than atan μ.
+  const Vec3 n = (1 / norm(reading.force)) * reading.force;
+  const Vec3 helper = std::abs(n.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 across = cross(n, helper), t = (1 / norm(across)) * across;
+  const double along_n = calc(n), along_t = std::max(calc(t), calc(cross(n, t)));
+  rates.omega = std::sqrt(reading.stiffness * along_n);
+  const double speed = std::hypot(reading.slip, contact.slip_speed);
+  rates.decay = contact.friction * reading.normal / speed * along_t;
+  return rates;
+}
+
+double estimate_speed(const Model& model, const State& state, const Contact& contact) {
+  constexpr double kLeast = 1e-3, kAssumed = 1;  // m/s
+  if (contact.restitution) return contact.speed;
+  const auto get_body = [&](int surface) -> const BodyState* {
+    const int body = model.surfaces[static_cast<std::size_t>(surface)].body;
+    return body == kGround ? nullptr : &state.bodies[static_cast<std::size_t>(body)];
+  };
+  const BodyState *base = get_body(contact.base), *follower = get_body(contact.follower);
+  const Vec3 none{0, 0, 0};
+  const Vec3 gap = (follower ? follower->p : none) - (base ? base->p : none);
+  const Vec3 v = (follower ? follower->v : none) - (base ? base->v : none);
+  return dot(gap, v) < 0 && norm(v) > kLeast ? norm(v) : kAssumed;
+}
+
+ContactRates estimate_rates(const Model& model, const Contact& contact, double speed) {
+  const auto get_mobility = [&](int surface) {
+    const Body* const body = find_body(model, surface);
+    return body == nullptr ? 0 : 1 / body->mass;
+  };
+  const double mobility = get_mobility(contact.base) + get_mobility(contact.follower);
+  double stiffness = contact.stiffness;
+  if (contact.exponent > 1) {
+    // ½ m v² = k δ^2.5 / 2.5 at the greatest depth of an elastic impact
+    const double energy = speed * speed / (2 * mobility);
+    stiffness *= 1.5 * std::sqrt(std::pow(2.5 * energy / contact.stiffness, 0.4));
+  }
+  return {std::sqrt(stiffness * mobility), 0};
+}
+
+std::string describe_unresolved(const ContactRates& rates, double h) {
+  const double size = h * rates.get_worst();
+  if (!(size > kAccurate)) return "";
+  return format("%s %.3g: %s; a step of %.3g s would do, or more contact_substeps",
+                rates.omega > rates.decay ? "sqrt(k/m)·h" : "h times the rate at which friction stops the slip", size,
+                size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate / rates.get_worst());
+}
+
+}  // namespace unlatch::hil

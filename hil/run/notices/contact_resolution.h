@@ -1,0 +1,29 @@
+// Natural frequency and decay rate of a contact, for judging the step. They are computed as if no joint held its two
+// bodies, which gives their greatest mobility.
+#pragma once
+
+#include "hil/run/notices/resolution.h"
+#include "unlatch/contacts.h"
+#include "unlatch/model.h"
+
+namespace unlatch::hil {
+
+struct ContactRates {
+  double omega = 0;  // rad/s: √(dF_n/dδ · mobility along the normal)
+  double decay = 0;  // 1/s: of the slip by friction, or of the depth by damping, whichever is faster
+  [[nodiscard]] double get_worst() const { return omega > decay ? omega : decay; }
+};
+
+// Rates of a contact in its present state.
+ContactRates calc_rates(const Model& model, const State& state, const Contact& contact, const ContactReading& reading);
+
+// Rates of a blow in the middle of both bodies. For n = 1.5 they depend on its speed.
+ContactRates estimate_rates(const Model& model, const Contact& contact, double speed);
+// Speed of a blow that is still to come: that of its restitution; or that of the two bodies now, if they come nearer at
+// more than 1 mm/s; else 1 m/s.
+double estimate_speed(const Model& model, const State& state, const Contact& contact);
+
+// Reason why a step of h = dt / contact_substeps does not resolve the contact; empty if it does.
+std::string describe_unresolved(const ContactRates& rates, double h);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,182 @@
+#include "hil/run/notices/energy_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace unlatch::hil {
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+constexpr double kStill = 1e-6;  // m/s: the energy of slower bodies is not judged; for bodies at rest it is rounding
+
+std::span<std::byte> align(std::vector<std::byte>& memory, std::size_t bytes) {
+  void* first = memory.data();
+  std::size_t space = memory.size();
+  return {static_cast<std::byte*>(std::align(kAlignment, bytes, first, space)), bytes};
+}
+
+std::vector<int> find_implicit(const Simulation& simulation, Workspace& workspace) {
+  std::vector<int> elements;
+  for (const ElementFrequency& element : calc_frequencies(simulation.plan(), simulation.state(), workspace))
+    if (element.implicit) elements.push_back(element.element);
+  return elements;
+}
+
+bool has_implicit_modes(const Model& model, double dt) {
+  return std::any_of(model.bodies.begin(), model.bodies.end(), [dt](const Body& body) {
+    return body.flexible && body.flexible->frequencies.size() > 0 &&
+           dt * body.flexible->frequencies.maxCoeff() > kResolved;
+  });
+}
+
+// System that no joint holds to the ground, relative to its centre of mass: first a frame near it, then the correction.
+struct Seen {
+  EnergyFlow flow;
+  Vec3 frame;
+};
+Seen look(const Simulation& simulation) {
+  const Vec3 near = calc_audit_frame(simulation.plan(), simulation.state(), simulation.workspace());
+  const EnergyFlow flow = calc_energy_flow(simulation.plan(), simulation.state(), simulation.workspace(), near);
+  if (near.x == 0 && near.y == 0 && near.z == 0) return {flow, near};
+  const Vec3 rest = (1 / flow.mass) * flow.momentum;
+  return {change_frame(flow, rest), near + rest};
+}
+bool is_at_rest(const Vec3& frame) { return frame.x == 0 && frame.y == 0 && frame.z == 0; }
+
+}  // namespace
+
+EnergyAudit::EnergyAudit(const Simulation& simulation)
+    : simulation_(simulation),
+      implicit_modes_(has_implicit_modes(simulation.model(), simulation.plan().get_options().dt)),
+      memory_(simulation.plan().get_workspace_bytes() + kAlignment),
+      workspace_(simulation.plan(), align(memory_, simulation.plan().get_workspace_bytes())),
+      block_(simulation.plan().get_state_bytes() / sizeof(std::uint64_t)),
+      before_(simulation.plan(), std::as_writable_bytes(std::span(block_))) {
+  implicit_ = find_implicit(simulation, workspace_);
+}
+
+void EnergyAudit::update(const StepReport& report) {
+  if (begun_)
+    add_tick(report);
+  else
+    begin();
+}
+
+void EnergyAudit::begin() {
+  begun_ = true;
+  const auto [flow, frame] = look(simulation_);
+  balance_.scale = std::max(flow.kinetic + flow.strain, 0.5 * flow.mass * kStill * kStill);
+  keep(flow, frame);
+}
+
+EnergyFlow EnergyAudit::calc_start() {
+  const std::span<const double> inputs = simulation_.get_inputs();
+  if (std::equal(inputs.begin(), inputs.end(), inputs_.begin(), inputs_.end())) return now_;
+  smooth_ = false;
+  if (update_outputs(simulation_.plan(), Inputs{inputs}, before_, workspace_) != StepStatus::kOk) return now_;
+  return calc_energy_flow(simulation_.plan(), before_, workspace_, frame_);
+}
+
+// Adds work by the trapezoidal rule. For a power that only rises, or only falls, its error is at most h/2 of the
+// change: that much if a force begins from zero with a high power of time.
+void EnergyAudit::add_work(const EnergyFlow& from, const EnergyFlow& to, double h) {
+  double change = 0;
+  for (std::size_t i = 0; i < balance_.work.size(); ++i) {
+    const double work = 0.5 * h * (from.power[i] + to.power[i]);
+    change += to.power[i] - from.power[i];
+    balance_.work[i] += work;
+    tick_work_ += work;
+  }
+  coarse_ += 0.5 * h * std::abs(change);
+  add_stored(from, to);
+}
+
+// Adds stored energy. Losses of contacts need no integral over time: contacts accumulate them.
+void EnergyAudit::add_stored(const EnergyFlow& from, const EnergyFlow& to) {
+  balance_.strain += from.strain - to.strain;
+  balance_.contacts += from.dissipated - to.dissipated;
+  tick_work_ += (from.strain - to.strain) + (from.dissipated - to.dissipated);
+}
+
+void EnergyAudit::add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h) {
+  for (std::size_t i = 0; i < balance_.work.size(); ++i) {
+    const double work = h / 12 * (5 * to.power[i] + 8 * from.power[i] - earlier_.power[i]);
+    balance_.work[i] += work;
+    tick_work_ += work;
+  }
+  add_stored(from, to);
+}
+
+bool EnergyAudit::is_implicit() const {
+  const State& state = simulation_.state();
+  return implicit_modes_ || std::any_of(implicit_.begin(), implicit_.end(), [&state](int element) {
+           const ElementState& s = state.elements[static_cast<std::size_t>(element)];
+           return s.from != 0 || s.to != 0;
+         });
+}
+
+void EnergyAudit::add_tick(const StepReport& report) {
+  const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
+  const auto [flow, frame] = look(simulation_);
+  const bool at_rest = is_at_rest(frame_) || is_at_rest(frame);
+  const auto see = [at_rest](const EnergyFlow& seen, const Vec3& from) {
+    return at_rest ? change_frame(seen, -from) : seen;
+  };
+  const auto see_event = [at_rest](const EnergyFlow& seen) {
+    return at_rest ? seen : change_frame(seen, (1 / seen.mass) * seen.momentum);
+  };
+  smooth_ = smooth_ && at_rest == at_rest_;
+  const EnergyFlow start = see(calc_start(), frame_), reached = see(flow, frame);
+  tick_work_ = 0;
+  if (report.audits.empty()) {
+    if (smooth_)
+      add_smooth_work(start, reached, dt);
+    else
+      add_work(start, reached, dt);
+  } else {
+    EnergyFlow from = start;
+    double time = end - dt;
+    for (const EventAudit& audit : report.audits) {
+      add_work(from, see_event(audit.flow_before), audit.time - time);
+      balance_.impulses += audit.allowed.kinetic;
+      tick_work_ += audit.allowed.kinetic;
+      from = see_event(audit.flow_after);
+      time = audit.time;
+    }
+    add_work(from, reached, end - time);
+  }
+  const double gained = reached.kinetic - start.kinetic, unexplained = gained - tick_work_;
+  balance_.kinetic += gained;
+  (unexplained < 0 && is_implicit() ? balance_.numerical : balance_.unexplained) += unexplained;
+  balance_.scale = std::max(balance_.scale, reached.kinetic + reached.strain);
+  if (!(std::abs(balance_.unexplained) <= std::abs(balance_.largest))) {
+    balance_.largest = balance_.unexplained;
+    balance_.largest_time = end;
+  }
+  smooth_ = report.audits.empty();
+  at_rest_ = at_rest;
+  earlier_ = start;
+  keep(flow, frame);
+}
+
+void EnergyAudit::keep(const EnergyFlow& flow, const Vec3& frame) {
+  now_ = flow;
+  frame_ = frame;
+  const std::span<const std::byte> bytes = simulation_.state().get_bytes();
+  std::memcpy(block_.data(), bytes.data(), bytes.size());
+  inputs_.assign(simulation_.get_inputs().begin(), simulation_.get_inputs().end());
+  fastest_ = std::max(fastest_, now_.kinetic + 0.5 * now_.mass * dot(frame_, frame_));
+}
+
+double EnergyAudit::calc_doubt() const {
+  // Each tick rounds every velocity about once: the errors add like a random walk, with a margin of some ten
+  // operations.
+  constexpr double kOperations = 16;
+  const double ticks = std::sqrt(static_cast<double>(std::max<std::int64_t>(simulation_.get_tick(), 1)));
+  return coarse_ + kOperations * std::numeric_limits<double>::epsilon() * fastest_ * ticks;
+}
+
+}  // namespace unlatch::hil

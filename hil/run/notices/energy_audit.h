@@ -1,0 +1,72 @@
+// Audit of energy over a whole run: the work of each source, and the energy that no force explains.
+//
+// Between two ticks the change of kinetic and stored energy must equal the work of loads, weight, motors, dampers,
+// modes and leaving mass; an event may add the energy that its plastic impulse removes. Work is the integral of powers
+// at the ticks: by the parabola through three of them (Adams–Moulton, error h⁴/24 d³P/dt³ a tick), by the trapezoidal
+// rule next to events and changed commands. All energies are relative to the centre of mass, so that a flight speed of
+// km/s hides nothing; ticks in which a joint or contact holds a body to the ground are relative to the ground.
+// Cost: one pass over bodies and elements a tick; off the cyclic thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "hil/run/simulation/simulation.h"
+#include "unlatch/energy.h"
+
+namespace unlatch::hil {
+
+// Energies, J, all from the start of the run.
+struct EnergyBalance {
+  std::array<double, kPowerSources> work{};  // by PowerSource
+  double impulses = 0;                       // energy that closing rows removed from the motion, ≤ 0
+  double strain = 0;                         // energy that springs, modes and contacts returned to the motion
+  double contacts = 0;                       // energy that contacts dissipated, ≤ 0
+  double kinetic = 0;                        // gained
+  double numerical = 0;                      // lost to numerical damping while an implicit element is on, ≤ 0
+  double unexplained = 0;                    // kinetic less all of these
+  double largest = 0, largest_time = 0;      // unexplained energy of the largest size so far; s
+  double scale = 0;  // largest kinetic and stored energy so far, at least that of 1 µm/s: the scale of the others
+};
+
+class EnergyAudit {
+ public:
+  explicit EnergyAudit(const Simulation& simulation);
+
+  // Updates the balance after the initial state (a default report) and after each step.
+  void update(const StepReport& report);
+  [[nodiscard]] const EnergyBalance& get() const { return balance_; }
+  // Energy that rounding and the integrals of powers may explain, J.
+  [[nodiscard]] double calc_doubt() const;
+
+ private:
+  void begin();
+  void add_tick(const StepReport& report);
+  // Powers at the start of the last tick, with the commands of its step, which may be new.
+  EnergyFlow calc_start();
+  void add_work(const EnergyFlow& from, const EnergyFlow& to, double h);
+  void add_stored(const EnergyFlow& from, const EnergyFlow& to);
+  void add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h);
+  [[nodiscard]] bool is_implicit() const;
+  void keep(const EnergyFlow& flow, const Vec3& frame);
+
+  const Simulation& simulation_;
+  std::vector<int> implicit_;      // elements that the plan integrates implicitly
+  bool implicit_modes_ = false;    // implicit modes of flexible bodies
+  std::vector<std::byte> memory_;  // memory of the audit's own evaluations
+  Workspace workspace_;
+  std::vector<std::uint64_t> block_;  // state before the last step
+  State before_;
+  std::vector<double> inputs_;
+  Vec3 frame_{};                         // velocity of the observer of now_
+  EnergyFlow earlier_{}, now_{};         // at the last tick but one, and at the last, relative to the centre of mass
+  bool begun_ = false, smooth_ = false;  // smooth_: no event or command between the two
+  bool at_rest_ = false;                 // both are relative to the ground
+  double tick_work_ = 0, fastest_ = 0;   // J, work of the tick; J, largest kinetic energy relative to rest
+  double coarse_ = 0;                    // J: possible error of the trapezoidal rule
+  EnergyBalance balance_;
+};
+
+}  // namespace unlatch::hil

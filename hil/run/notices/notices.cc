@@ -1,0 +1,244 @@
+#include "hil/run/notices/notices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "hil/run/notices/contact_resolution.h"
+#include "hil/run/notices/format.h"
+#include "hil/run/notices/friction_resolution.h"
+#include "hil/run/notices/resolution.h"
+#include "hil/scenario/model/index.h"
+#include "unlatch/readings.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+constexpr double kDrift = 1e-9;  // m or rad: a thousand times a projection's residual, plus rounding of the positions
+constexpr double kNorm = 1e-12;  // norm error of a quaternion, which every step normalises
+
+std::string describe_size(const char* what, double size) {
+  return format("%s %.3g: %s, the step resolves %.2g", what, size,
+                size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate);
+}
+
+// Name of a guard: an index into the model's events, then into its contacts.
+const std::string& get_guard_name(const Model& model, int guard) {
+  const std::size_t i = at(guard), events = model.events.size();
+  return i < events ? model.events[i].name : model.contacts[i - events].name;
+}
+
+}  // namespace
+
+NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation)
+    : scenario_(scenario),
+      simulation_(simulation),
+      dt_(simulation.plan().get_options().dt),
+      audit_(simulation),
+      turning_(scenario.model.bodies.size()),
+      denormal_(scenario.model.bodies.size()),
+      stiff_(static_cast<std::size_t>(scenario.model.element_count())),
+      restless_(scenario.model.channels.size()),
+      pointless_(scenario.model.point_springs.size()),
+      unresolved_(scenario.model.contacts.size()),
+      sticking_(static_cast<std::size_t>(scenario.model.element_count())),
+      courses_(scenario.model.channels.size()),
+      memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
+  void* first = memory_.data();
+  std::size_t space = memory_.size();
+  const std::size_t bytes = simulation.plan().get_workspace_bytes();
+  workspace_ =
+      Workspace(simulation.plan(), {static_cast<std::byte*>(std::align(kAlignment, bytes, first, space)), bytes});
+}
+
+void NoticeWatch::add(std::string name, std::string subject, std::string text) {
+  notices_.push_back({simulation_.get_time(), std::move(name), std::move(subject), std::move(text)});
+}
+
+void NoticeWatch::update(const StepReport& report) {
+  audit_.update(report);
+  watch_bodies();
+  if (!begun_) {
+    for (const Body& body : scenario_.model.bodies) {
+      if (!body.flexible || body.flexible->frequencies.size() == 0) continue;
+      const double size = dt_ * body.flexible->frequencies.maxCoeff();
+      if (size > kAccurate) {
+        add("mode", body.name,
+            size > kResolved ? format("dt·omega %.3g of its fastest mode: integrated implicitly, which damps it", size)
+                             : describe_size("dt·omega of its fastest mode", size));
+      }
+    }
+  }
+  if (!begun_ || !report.events.empty()) watch_springs();
+  watch_directions();
+  watch_contacts();
+  watch_friction(!begun_ || !report.events.empty());
+  watch_commands();
+  watch_drift();
+  watch_search(report);
+  watch_energy();
+  begun_ = true;
+}
+
+void NoticeWatch::watch_bodies() {
+  const double limit = kAccurate / dt_;
+  for (std::size_t b = 0; b < turning_.size(); ++b) {
+    const BodyState& state = simulation_.state().bodies[b];
+    const double rate2 = dot(state.w, state.w);
+    if (rate2 > limit * limit && !turning_[b]) {
+      turning_[b] = true;
+      add("rotation", scenario_.model.bodies[b].name, describe_size("|w|·dt", std::sqrt(rate2) * dt_));
+    }
+    const Quat& q = state.q;
+    const double excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1;
+    if (std::abs(excess) > 2 * kNorm && !denormal_[b]) {
+      denormal_[b] = true;
+      add("norm", scenario_.model.bodies[b].name, format("the norm of its quaternion is off by %.3g", 0.5 * excess));
+    }
+  }
+}
+
+// Watches springs. Modes, switches and poses determine their rates; the first two change at events.
+void NoticeWatch::watch_springs() {
+  if (scenario_.model.element_count() == static_cast<int>(scenario_.model.loads.size())) return;
+  for (const ElementFrequency& e : calc_frequencies(simulation_.plan(), simulation_.state(), workspace_)) {
+    const auto i = static_cast<std::size_t>(e.element);
+    const ElementState& state = simulation_.state().elements[i];
+    const double size = dt_ * std::max(e.omega, e.decay) * (state.from == 0 && state.to == 0 ? 0 : 1);
+    if (size <= kAccurate || stiff_[i]) continue;
+    stiff_[i] = true;
+    const char* const what = e.omega > e.decay ? "dt·omega" : "dt·decay";
+    add("spring", scenario_.model.element_name(e.element),
+        e.implicit ? format("%s %.3g: integrated implicitly, of second order; damps what the step does not resolve",
+                            what, size)
+                   : describe_size(what, size));
+  }
+}
+
+void NoticeWatch::watch_directions() {
+  for (std::size_t i = 0; i < pointless_.size(); ++i) {
+    const PointSpring& spring = scenario_.model.point_springs[i];
+    const SpringReading reading = calc_point_spring(simulation_.plan(), simulation_.state(), static_cast<int>(i));
+    const double force = spring.stiffness * spring.free_length * reading.scale;
+    if (pointless_[i] || reading.length > kCoincident || force == 0) continue;
+    pointless_[i] = true;
+    add("direction", spring.name,
+        format("its two points coincide, to %.1g m, with %.4g N in it: the force has no direction", reading.length,
+               force));
+  }
+}
+
+void NoticeWatch::watch_contacts() {
+  const double h = dt_ / scenario_.model.contact_substeps;
+  for (std::size_t i = 0; i < unresolved_.size(); ++i) {
+    const Contact& contact = scenario_.model.contacts[i];
+    if (unresolved_[i] && begun_) continue;
+    const ContactReading reading = calc_contact(simulation_.plan(), simulation_.state(), static_cast<int>(i));
+    if (!begun_ && reading.closed)
+      add("contact", contact.name, format("it is closed at the start, %.3g m deep", reading.depth));
+    const std::string text = describe_unresolved(calc_rates(scenario_.model, simulation_.state(), contact, reading), h);
+    if (text.empty()) continue;
+    unresolved_[i] = true;
+    add("contact", contact.name, text);
+  }
+}
+
+// Watches friction. Modes determine the mobilities; reactions and speeds determine the friction.
+void NoticeWatch::watch_friction(bool modes_are_new) {
+  if (!has_friction(scenario_.model)) return;
+  if (modes_are_new) mobilities_ = calc_mobilities(simulation_.plan(), simulation_.state(), workspace_);
+  for (const FrictionRate& rate : calc_friction_rates(simulation_, mobilities_)) {
+    const auto i = static_cast<std::size_t>(rate.element);
+    const std::string text = sticking_[i] ? "" : describe_unresolved(rate, dt_);
+    if (text.empty()) continue;
+    sticking_[i] = true;
+    add("friction", scenario_.model.element_name(rate.element), text);
+  }
+}
+
+// Watches commands. Half a period is the time between two reversals. Three quick ones in succession are an oscillation.
+void NoticeWatch::watch_commands() {
+  constexpr int kOscillates = 3;
+  constexpr double kPi = 3.14159265358979323846;
+  const std::span<const double> values = simulation_.get_inputs();
+  for (std::size_t c = 0; c < courses_.size(); ++c) {
+    Course& course = courses_[c];
+    const double change = values[c] - course.value;
+    course.value = values[c];
+    if (!begun_ || change == 0 || restless_[c]) continue;
+    const int direction = change > 0 ? 1 : -1;
+    const bool turns = course.direction == -direction;
+    course.direction = direction;
+    if (!turns) continue;
+    const std::int64_t tick = simulation_.get_tick();
+    const double size = kPi / static_cast<double>(std::max<std::int64_t>(tick - course.turned, 1));
+    course.quick_turns = course.turned >= 0 && size > kAccurate ? course.quick_turns + 1 : 0;
+    course.turned = tick;
+    if (course.quick_turns < kOscillates) continue;
+    restless_[c] = true;
+    add("command", scenario_.model.channels[c].name,
+        format("its loop swings at dt·omega %.3g: the delay of a tick and the hold turn its phase by %.0f deg", size,
+               1.5 * size * 180 / kPi));
+  }
+}
+
+void NoticeWatch::watch_drift() {
+  if (drifted_ || scenario_.model.joints.empty()) return;
+  double farthest = 1;
+  for (const BodyState& body : simulation_.state().bodies) farthest = std::max(farthest, norm(body.p));
+  constexpr double kRoundings = 64;
+  const double limit = kDrift + kRoundings * std::numeric_limits<double>::epsilon() * farthest;
+  const double drift = calc_drift(simulation_.plan(), simulation_.state(), simulation_.workspace());
+  if (drift <= limit) return;
+  drifted_ = true;
+  add("drift", "", format("a joint's rows are off by %.3g m or rad, beyond %.3g", drift, limit));
+}
+
+void NoticeWatch::watch_search(const StepReport& report) {
+  const OpenSearch& open = report.open;
+  if (report.postponed > 0 && !postponed_) {
+    postponed_ = true;
+    add("search", "",
+        format("a step had more instants with events than its %d: the rest were left to the next tick",
+               simulation_.plan().get_options().max_splits));
+  }
+  if (open.unlocated > 0 && !unlocated_) {
+    unlocated_ = true;
+    add("search", get_guard_name(scenario_.model, open.guard),
+        format("its instant is known to %.2g s only: the tries of a step ran out; a smaller step would do",
+               open.interval));
+  }
+  if (open.unseen > 0 && !unseen_) {
+    unseen_ = true;
+    add("search", scenario_.model.contacts[at(open.contact)].name,
+        format("it may have touched and parted again within a step, up to %.2g m deep: the looks of a step ran out; a "
+               "smaller step would do",
+               open.depth));
+  }
+}
+
+void NoticeWatch::watch_energy() {
+  const EnergyBalance& energy = audit_.get();
+  const double size = std::abs(energy.unexplained) - audit_.calc_doubt();
+  if (!failed_ && !(size <= kEnergyFailure * energy.scale)) {
+    failed_ = true;
+    failed_time_ = simulation_.get_time();
+  }
+  if (unexplained_ || size <= kEnergyNotice * energy.scale) return;
+  unexplained_ = true;
+  add("energy", "",
+      format("no force explains %+.3g J of the motion, beyond %.1g of its largest energy, %.3g J", energy.unexplained,
+             kEnergyNotice, energy.scale));
+}
+
+std::string NoticeWatch::describe_failure() const {
+  if (!failed_) return "";
+  return format(
+      "no force explains %+.3g J of the motion, from %.6g s on more than a tenth of its largest energy, %.3g J: "
+      "the step does not resolve it",
+      audit_.get().largest, failed_time_, audit_.get().scale);
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,171 @@
+#include "hil/scenario/shapes/clearance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "hil/scenario/meshes/mesh_tree.h"
+
+namespace unlatch::hil {
+namespace {
+
+enum class Meshes { kLeftOut, kAsSpheres };
+
+geometry::ShapeGroup build_group(const std::string& name, const std::vector<BodyShape>& shapes,
+                                 const std::vector<int>& chosen, Meshes about = Meshes::kLeftOut) {
+  std::vector<geometry::Shape> list;
+  for (const int i : chosen) {
+    if (i < 0 || static_cast<std::size_t>(i) >= shapes.size())
+      throw std::invalid_argument("clearance: " + name + " has no shape " + std::to_string(i));
+    const BodyShape& shape = shapes[static_cast<std::size_t>(i)];
+    if (!shape.mesh)
+      list.push_back(shape.shape);
+    else if (about == Meshes::kAsSpheres)
+      list.push_back(
+          {.kind = geometry::ShapeKind::kSphere, .from = shape.mesh->get_centre(), .radius = shape.mesh->get_bound()});
+  }
+  return geometry::build_group(name, list);
+}
+
+bool has_mesh(const std::vector<BodyShape>& shapes, int i) {
+  return i >= 0 && static_cast<std::size_t>(i) < shapes.size() && shapes[static_cast<std::size_t>(i)].mesh;
+}
+
+// Groups the kernel's shapes of `a` by the shapes of `b` that remain for them after the exceptions.
+std::map<std::vector<int>, std::vector<int>> split(const ClearancePair& pair, const std::vector<BodyShape>& a,
+                                                   const std::vector<BodyShape>& b) {
+  std::map<std::vector<int>, std::vector<int>> parts;
+  for (const int i : pair.a.shapes) {
+    if (has_mesh(a, i)) continue;
+    std::vector<int> left;
+    for (const int k : pair.b.shapes)
+      if (!has_mesh(b, k) && !pair.is_excepted(i, k)) left.push_back(k);
+    if (!left.empty()) parts[left].push_back(i);
+  }
+  return parts;
+}
+
+}  // namespace
+
+const char* get_method_name(DistanceMethod method) {
+  return method == DistanceMethod::kMesh ? "mesh (triangles)" : "exact";
+}
+
+geometry::Placement to_placement(const BodyState& body) { return {body.p, rotation_matrix(body.q)}; }
+
+geometry::Placement to_placement(const Pose& pose) {
+  const Eigen::Vector3d& p = pose.p_WB;
+  const Eigen::Quaterniond& q = pose.q_WB;
+  return {{p.x(), p.y(), p.z()}, rotation_matrix(Quat{q.w(), q.x(), q.y(), q.z()})};
+}
+
+ClearanceMonitor::ClearanceMonitor(const std::vector<ClearancePair>& pairs,
+                                   const std::vector<std::vector<BodyShape>>& shapes) {
+  const auto get_shapes = [&](const ShapeSet& set) -> const std::vector<BodyShape>& {
+    if (set.body < 0 || static_cast<std::size_t>(set.body) >= shapes.size() || set.shapes.empty())
+      throw std::invalid_argument("clearance: " + set.name + " has no shape");
+    return shapes[static_cast<std::size_t>(set.body)];
+  };
+  for (const ClearancePair& pair : pairs) {
+    clearances_.push_back({.a = pair.a.body, .b = pair.b.body, .name_a = pair.a.name, .name_b = pair.b.name});
+    std::vector<Part>& parts = parts_.emplace_back();
+    const std::vector<BodyShape>&of_pair_a = get_shapes(pair.a), &of_pair_b = get_shapes(pair.b);
+    for (const auto& [of_b, of_a] : split(pair, of_pair_a, of_pair_b))
+      parts.push_back({.a = build_group(pair.a.name, of_pair_a, of_a),
+                       .b = build_group(pair.b.name, of_pair_b, of_b),
+                       .shapes_a = of_a,
+                       .shapes_b = of_b});
+    add_meshes(pair, of_pair_a, of_pair_b);
+    const geometry::ShapeGroup a = build_group(pair.a.name, of_pair_a, pair.a.shapes, Meshes::kAsSpheres);
+    const geometry::ShapeGroup b = build_group(pair.b.name, of_pair_b, pair.b.shapes, Meshes::kAsSpheres);
+    const bool of_b = std::isfinite(b.bound) && !(a.bound < b.bound);
+    reaches_.push_back({.of_b = of_b, .centre = of_b ? b.centre : a.centre, .bound = of_b ? b.bound : a.bound});
+    if (parts.empty() && mesh_parts_.back().empty())
+      throw std::invalid_argument("clearance: " + pair.a.name + " – " + pair.b.name + " has no shape");
+  }
+}
+
+void ClearanceMonitor::add_meshes(const ClearancePair& pair, const std::vector<BodyShape>& a,
+                                  const std::vector<BodyShape>& b) {
+  std::vector<MeshPart>& parts = mesh_parts_.emplace_back();
+  for (const int i : pair.a.shapes)
+    for (const int k : pair.b.shapes) {
+      if (pair.is_excepted(i, k) || !(has_mesh(a, i) || has_mesh(b, k))) continue;
+      const BodyShape &of_a = a.at(static_cast<std::size_t>(i)), &of_b = b.at(static_cast<std::size_t>(k));
+      MeshPart part;
+      part.mesh_is_a = of_a.mesh != nullptr;
+      part.shape_a = i;
+      part.shape_b = k;
+      part.mesh = part.mesh_is_a ? of_a.mesh : of_b.mesh;
+      const BodyShape& other = part.mesh_is_a ? of_b : of_a;
+      part.other_mesh = other.mesh;
+      if (!other.mesh) part.other = geometry::compile_shape(other.shape);
+      parts.push_back(std::move(part));
+    }
+  if (!parts.empty()) clearances_.back().method = DistanceMethod::kMesh;
+}
+
+geometry::Distance ClearanceMonitor::calc_mesh(const MeshPart& part, const geometry::Placement& a,
+                                               const geometry::Placement& b, double limit) {
+  const geometry::Placement &own = part.mesh_is_a ? a : b, &other = part.mesh_is_a ? b : a;
+  const MeshTree& tree = part.mesh->get_tree();
+  geometry::Distance d = part.other_mesh ? tree.calc_distance(own, part.other_mesh->get_tree(), other, limit)
+                                         : tree.calc_distance(own, part.other, other, limit);
+  if (!part.mesh_is_a) {
+    std::swap(d.on_a, d.on_b);
+    d.normal = -d.normal;
+  }
+  return d;
+}
+
+PairDistance ClearanceMonitor::calc(std::size_t pair, const geometry::Placement& a,
+                                    const geometry::Placement& b) const {
+  PairDistance out;
+  const geometry::Placement near_a{{0, 0, 0}, a.R_WB}, near_b{b.p_WB - a.p_WB, b.R_WB};
+  for (const Part& part : parts_[pair]) {
+    if (geometry::calc_lower_bound(part.a, near_a, part.b, near_b) > out.least.distance) continue;
+    const geometry::GroupDistance found = geometry::calc_distance(part.a, near_a, part.b, near_b);
+    if (found.least.distance < out.least.distance)
+      out = {found.least, part.shapes_a[static_cast<std::size_t>(found.shape_a)],
+             part.shapes_b[static_cast<std::size_t>(found.shape_b)]};
+  }
+  for (const MeshPart& part : mesh_parts_[pair]) {
+    const geometry::Distance found = calc_mesh(part, near_a, near_b, out.least.distance);
+    if (found.distance < out.least.distance) out = {found, part.shape_a, part.shape_b};
+  }
+  out.least.on_a += a.p_WB;
+  out.least.on_b += a.p_WB;
+  return out;
+}
+
+double ClearanceMonitor::get_size(std::size_t pair) const {
+  double size = 0;
+  for (const Part& part : parts_[pair])
+    for (const geometry::ShapeGroup* group : {&part.a, &part.b})
+      if (std::isfinite(group->bound)) size = std::max(size, group->bound + norm(group->centre));
+  for (const MeshPart& part : mesh_parts_[pair]) {
+    for (const auto& mesh : {part.mesh, part.other_mesh})
+      if (mesh) size = std::max(size, mesh->get_bound() + norm(mesh->get_centre()));
+    if (!part.other_mesh && std::isfinite(part.other.bound))
+      size = std::max(size, part.other.bound + norm(part.other.p_BS));
+  }
+  return size;
+}
+
+void ClearanceMonitor::update(double time, const std::vector<Pose>& poses) {
+  for (std::size_t i = 0; i < clearances_.size(); ++i) {
+    Clearance& clearance = clearances_[i];
+    const PairDistance found = calc(i, to_placement(poses.at(static_cast<std::size_t>(clearance.a))),
+                                    to_placement(poses.at(static_cast<std::size_t>(clearance.b))));
+    clearance.now = found.least.distance;
+    if (clearance.now <= 0 && !clearance.touch) clearance.touch = time;
+    if (clearance.now < clearance.smallest) {
+      clearance.smallest = clearance.now;
+      clearance.time = time;
+    }
+  }
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,159 @@
+#include "hil/scenario/yaml/yaml_override.h"
+
+#include <charconv>
+#include <optional>
+
+#include "hil/scenario/text/suggestion.h"
+#include "hil/scenario/yaml/scenario_error.h"
+
+namespace unlatch::hil {
+namespace {
+
+// Largest length of a list that an override creates.
+constexpr std::size_t kMaxInsertedItems = 16;
+
+std::vector<std::string> split_path(const std::string& path, const SourceMark& mark) {
+  std::vector<std::string> parts;
+  std::string part;
+  const auto close = [&] {
+    if (part.empty()) throw YamlError(mark, "an empty part in the path '" + path + "'", "write a.b[0]=value");
+    parts.push_back(std::move(part));
+    part.clear();
+  };
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const char c = path[i];
+    if (c == ']') {
+      if (i + 1 < path.size() && path[i + 1] != '.' && path[i + 1] != '[')
+        throw YamlError(mark, "text after ']' in the path '" + path + "'", "write a[0].b=value");
+    } else if (c == '.' || c == '[') {
+      close();
+    } else {
+      part += c;
+    }
+  }
+  close();
+  if (parts.size() > 16) throw YamlError(mark, "a path of more than 16 parts", "no scenario is that deep");
+  return parts;
+}
+
+std::optional<std::size_t> parse_index(const std::string& part) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  if (error != std::errc() || end != part.data() + part.size()) return std::nullopt;
+  return index;
+}
+
+bool has_text(const YamlNode* node, std::string_view text) { return node && node->is_text(text); }
+
+// Entry of a list of mappings that `part` names: `id`, `name` or `name:subject`; null if there is none.
+const YamlNode* find_entry(const YamlNode& list, const std::string& part, const SourceMark& mark) {
+  const std::size_t colon = part.find(':');
+  const YamlNode* found = nullptr;
+  for (const YamlNode& item : list.items) {
+    const YamlNode* const id = item.find("id");
+    if (!has_text(id ? id : item.find("name"), part.substr(0, colon))) continue;
+    if (colon != std::string::npos && !has_text(item.find("subject"), part.substr(colon + 1))) continue;
+    if (found) throw YamlError(mark, "several entries are called '" + part + "'", "write name:subject, or its number");
+    found = &item;
+  }
+  return found;
+}
+
+YamlNode& find_named(YamlNode& list, const std::string& part, const SourceMark& mark) {
+  const YamlNode* const found = find_entry(list, part, mark);
+  if (!found) throw YamlError(mark, "no entry '" + part + "' in this list", "give a number from 0, or an entry's name");
+  return const_cast<YamlNode&>(*found);  // a member of `list`
+}
+
+YamlNode& step_into_list(YamlNode& list, const std::string& part, const SourceMark& mark) {
+  const auto index = parse_index(part);
+  if (!index) return find_named(list, part, mark);
+  if (list.sparse && *index < kMaxInsertedItems)
+    while (list.items.size() <= *index) list.items.push_back({YamlNode::Kind::kNull, mark, "", {}, {}, false});
+  if (*index >= list.items.size())
+    throw YamlError(mark, "no entry [" + part + "]: the list has " + std::to_string(list.items.size()),
+                    "entries count from 0");
+  return list.items[*index];
+}
+
+std::string without_digits(std::string name) {
+  std::erase_if(name, [](char c) { return c >= '0' && c <= '9'; });
+  return name;
+}
+
+// Refuses a path that continues into an absent key whose name is close to an existing one: a misspelling, unless the
+// two differ in a number (spring4 beside spring3).
+void refuse_misspelt(const YamlNode& mapping, const std::string& part, const SourceMark& mark) {
+  std::vector<std::string> known;
+  for (const auto& key : mapping.keys) known.push_back(key.text);
+  const std::string* const nearest = find_nearest(part, known, part.size() < 6 ? 1 : 2);
+  if (part.size() >= 4 && nearest && without_digits(*nearest) != without_digits(part))
+    throw YamlError(mark, "there is no '" + part + "'",
+                    "did you mean '" + *nearest + "'? To add one give it whole: " + part + "={key: value, ...}");
+}
+
+// Returns the child that `part` names; inserts a missing key, and creates a missing container.
+YamlNode& step_into(YamlNode& node, const std::string& part, const SourceMark& mark) {
+  if (node.kind == YamlNode::Kind::kNull) {
+    node.sparse = parse_index(part).has_value();
+    node.kind = node.sparse ? YamlNode::Kind::kSequence : YamlNode::Kind::kMapping;
+    node.mark = mark;
+  }
+  if (node.is_sequence()) return step_into_list(node, part, mark);
+  if (node.is_scalar())
+    throw YamlError(mark, "'" + part + "' would be inside the single value '" + node.text + "'",
+                    "shorten the path, or give the whole mapping: a={key: value}");
+  if (YamlNode* child = node.find(part)) return *child;
+  node.keys.push_back({part, mark});
+  node.items.push_back({YamlNode::Kind::kNull, mark, "", {}, {}, false});
+  return node.items.back();
+}
+
+}  // namespace
+
+void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root) {
+  const std::vector<std::string> parts = split_path(path, mark);
+  for (const char* gone : {"include", "templates", "instances", "set"})
+    if (parts[0] == gone)
+      throw YamlError(mark, "'" + parts[0] + "' is worked out before values are replaced",
+                      "name what it makes: bodies.booster1.mass");
+  YamlNode* node = &root;
+  for (const std::string& part : parts) {
+    if (node->kind == YamlNode::Kind::kMapping && &part != &parts.back() && !node->find(part))
+      refuse_misspelt(*node, part, mark);
+    node = &step_into(*node, part, mark);
+  }
+  *node = std::move(value);
+}
+
+std::pair<std::string, YamlNode> split_override(const std::string& text, int override_index) {
+  const SourceMark mark{0, 0, override_index};
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw YamlError(mark, "no PATH=VALUE", "write for example bodies.core.mass=98000");
+  YamlNode value = parse_yaml(text.substr(equals + 1), override_index);
+  if (value.kind == YamlNode::Kind::kNull) throw YamlError(mark, "no value", "write for example step.dt=0.002");
+  return {text.substr(0, equals), std::move(value)};
+}
+
+void apply_override(const std::string& text, int override_index, YamlNode& root) {
+  auto [path, value] = split_override(text, override_index);
+  replace_value(path, {0, 0, override_index}, std::move(value), root);
+}
+
+const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root) {
+  const YamlNode* node = &root;
+  for (const std::string& part : split_path(path, mark)) {
+    if (node->is_sequence()) {
+      const auto index = parse_index(part);
+      if (index && *index >= node->items.size()) return nullptr;
+      node = index ? &node->items[*index] : find_entry(*node, part, mark);
+    } else {
+      node = node->find(part);
+    }
+    if (node == nullptr) return nullptr;
+  }
+  return node;
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,25 @@
+// Overrides, PATH=VALUE, of the command line or a scenario's `set`, put into a YAML tree before it is read, so that
+// they are checked like the file itself. PATH goes down through mappings by `.key` and through lists by `[3]` or `.3`;
+// an entry of a list that has a name is reached by `.name`, or `.name:subject` where several share the name (events).
+// Missing keys are inserted.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "hil/scenario/yaml/yaml_document.h"
+
+namespace unlatch::hil {
+
+// Splits PATH=VALUE into path and value. Throws YamlError with the override's number as its place; so does
+// apply_override().
+std::pair<std::string, YamlNode> split_override(const std::string& text, int override_index);
+void apply_override(const std::string& text, int override_index, YamlNode& root);
+
+// Does the same for a path and a value in a file. Throws YamlError at `mark`.
+void replace_value(const std::string& path, const SourceMark& mark, YamlNode value, YamlNode& root);
+
+// Node at a path; null if there is none. Throws YamlError at `mark` if the path itself is wrong.
+const YamlNode* find_value(const std::string& path, const SourceMark& mark, const YamlNode& root);
+
+}  // namespace unlatch::hil

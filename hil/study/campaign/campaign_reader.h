@@ -1,0 +1,79 @@
+// Internals of the campaign loader: one reader that fills a Campaign, and the check of the values that may be drawn.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hil/scenario/yaml/yaml_reader.h"
+#include "hil/study/campaign/campaign.h"
+
+namespace unlatch::hil {
+
+class CampaignReader {
+ public:
+  CampaignReader(Campaign& campaign, Mistakes& mistakes) : campaign_(campaign), mistakes_(mistakes) {}
+  void read(const YamlNode& root, const std::vector<std::string>& overrides);
+
+ private:
+  void read_scenario(YamlMap& top, const std::vector<std::string>& overrides);
+  void read_constants();
+  void read_plan(YamlMap& top);
+  double read_whole(YamlMap& map, const char* key, double fallback, double least, double most);
+  int read_levels(YamlMap& map, int fallback);
+  void read_parameters(YamlMap& top);
+  void read_parameter(const std::string& name, const YamlNode& node);
+  [[nodiscard]] std::optional<Dimension> find_dimension(const std::string& path) const;
+  void read_correlations(YamlMap& top);
+  void read_table(YamlMap& top);
+  void finish_plan(YamlMap& top);
+
+  // Defined in chosen_outputs_reader.cc.
+  void read_outputs(YamlMap& top);
+  void read_chosen_value(const YamlNode& node, const std::vector<Output>& outputs);
+  void read_curves(const YamlNode& node, const std::vector<Output>& outputs);
+  std::vector<Output::Column> read_output_names(const YamlNode& node, const std::vector<Output>& outputs);
+
+  // Defined in rare_failure.cc.
+  void read_subset(YamlMap& top);
+  void read_failure(YamlMap& map, RareFailure& to);
+
+  // Defined in distribution_reader.cc.
+  struct Reading {  // of one parameter: its unit, and its value in the scenario
+    const YamlNode* nominal = nullptr;
+    std::optional<Dimension> dimension;
+  };
+  bool read_distribution(YamlMap& map, CampaignParameter& to, Reading& reading);
+  double read_value(YamlMap& map, const std::string& key, Reading& reading, std::optional<double> fallback = {});
+  double read_sigma(YamlMap& map, double mean, Reading& reading);
+  void read_cut(YamlMap& map, double mean, double sigma, Distribution& to, Reading& reading);
+  void read_normal(const YamlNode& node, bool logarithmic, Distribution& to, Reading& reading);
+  void read_triangular(const YamlNode& node, Distribution& to, Reading& reading);
+  void read_discrete(const YamlNode& node, CampaignParameter& to, Reading& reading);
+  void read_empirical(const YamlNode& node, CampaignParameter& to);
+  void read_cone(const YamlNode& node, CampaignParameter& to, Reading& reading);
+
+  Campaign& campaign_;
+  Mistakes& mistakes_;
+  std::vector<std::pair<std::string, std::vector<std::size_t>>> groups_;  // names as written, and their parameters
+  int levels_ = 0;
+};
+
+// Returns the paths that match a path with *, each with the texts that the stars stand for, joined by ':'. A path
+// without * is returned as it is, even if nothing is at that place. Throws YamlError at `mark`.
+std::vector<std::pair<std::string, std::string>> expand_path(const std::string& path, const SourceMark& mark,
+                                                             const YamlNode& root);
+
+// Table of numbers with a header of names; " [unit]" after a name is removed.
+struct NumberTable {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> rows;
+};
+// Throws YamlError at `mark`.
+NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
+
+// Adds a mistake for each parameter of which a value makes no valid scenario, with the probability of such values: the
+// ends of a distribution and every discrete value are tried; for values together the corners, and their probability is
+// estimated from draws.
+void check_draws(const Campaign& campaign, Mistakes& mistakes);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,126 @@
+// Tables of numbers, and expansion of paths with *.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "hil/scenario/text/count.h"
+#include "hil/scenario/yaml/yaml_override.h"
+#include "hil/study/campaign/campaign_reader.h"
+
+namespace unlatch::hil {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostMet = 500, kMostTableBytes = std::size_t{256} << 20;
+
+std::vector<std::string> split(const std::string& line, char separator) {
+  std::vector<std::string> cells(1);
+  for (const char c : line)
+    if (c == separator)
+      cells.emplace_back();
+    else if (c != '\r' && c != '"')
+      cells.back() += c;
+  return cells;
+}
+
+std::string trim(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(' '), end = text.find_last_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
+}
+
+// Returns the part of `text` that * stands for; nothing if the pattern, with one *, does not match.
+std::optional<std::string> match(const std::string& pattern, const std::string& text) {
+  const std::size_t star = pattern.find('*'), after = pattern.size() - star - 1;
+  if (text.size() < star + after || text.compare(0, star, pattern, 0, star) != 0) return std::nullopt;
+  if (text.compare(text.size() - after, after, pattern, star + 1, after) != 0) return std::nullopt;
+  return text.substr(star, text.size() - star - after);
+}
+
+// Lists the names by which a path reaches the children of a node.
+std::vector<std::string> list_children(const YamlNode& node) {
+  std::vector<std::string> names;
+  for (const YamlKey& key : node.keys) names.push_back(key.text);
+  if (!node.is_sequence()) return names;
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const YamlNode& item = node.items[i];
+    const YamlNode *const id = item.find("id"), *const name = item.find("name"), *const subject = item.find("subject");
+    if (id != nullptr)
+      names.push_back(id->text);
+    else if (name != nullptr)
+      names.push_back(name->text + (subject != nullptr ? ":" + subject->text : ""));
+    else
+      names.push_back(std::to_string(i));
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> expand_path(const std::string& path, const SourceMark& mark,
+                                                             const YamlNode& root) {
+  std::vector<std::pair<std::string, std::string>> met{{"", ""}};
+  for (const std::string& part : split(path, '.')) {
+    const bool starred = part.find('*') != std::string::npos;
+    if (starred && std::count(part.begin(), part.end(), '*') > 1)
+      throw YamlError(mark, "two * in one part of '" + path + "'", "write one");
+    std::vector<std::pair<std::string, std::string>> next;
+    for (const auto& [before, stars] : met) {
+      const std::string dot = before.empty() ? "" : before + ".";
+      if (!starred) {
+        next.emplace_back(dot + part, stars);
+        continue;
+      }
+      const YamlNode* const node = before.empty() ? &root : find_value(before, mark, root);
+      if (node == nullptr) continue;
+      for (const std::string& name : list_children(*node))
+        if (const auto star = match(part, name))
+          next.emplace_back(dot + name, stars + (stars.empty() ? "" : ":") + *star);
+    }
+    met = std::move(next);
+    if (met.size() > kMostMet) throw YamlError(mark, "'" + path + "' meets more than 500 values", "write it closer");
+  }
+  if (met.empty()) throw YamlError(mark, "nothing in the scenario is met by '" + path + "'", "look at the names there");
+  return met;
+}
+
+NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark) {
+  std::string text;
+  try {
+    text = read_text_file((fs::path(folder) / name).string(), "table", kMostTableBytes);
+  } catch (const ScenarioError& error) {
+    const ScenarioMistake& why = error.mistakes.at(0);
+    const bool too_long = why.what.starts_with("it has ");
+    throw YamlError(mark, "table '" + name + "': " + why.what,
+                    too_long ? why.mend : "a path from this file to a CSV file");
+  }
+  NumberTable table;
+  std::size_t number = 0;
+  for (const std::string& line : split(text, '\n')) {
+    ++number;
+    if (trim(line).empty()) continue;
+    const std::vector<std::string> cells = split(line, ',');
+    if (table.names.empty()) {
+      for (const std::string& cell : cells) table.names.push_back(trim(cell.substr(0, cell.find(" ["))));
+      continue;
+    }
+    const std::string where = "table '" + name + "', line " + std::to_string(number);
+    if (cells.size() != table.names.size())
+      throw YamlError(mark, where + " has " + count(cells.size(), "cell"),
+                      "as many as the header: " + std::to_string(table.names.size()));
+    std::vector<double>& row = table.rows.emplace_back();
+    for (const std::string& cell : cells) {
+      const std::string word = trim(cell);
+      double value = 0;
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+      if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+        throw YamlError(mark, where + ": '" + word + "' is not a number", "a number in SI units, with a point");
+      row.push_back(value);
+    }
+  }
+  if (table.names.empty()) throw YamlError(mark, "table '" + name + "' is empty", "a header and a row a sample");
+  return table;
+}
+
+}  // namespace unlatch::hil

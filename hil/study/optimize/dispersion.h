@@ -1,0 +1,41 @@
+// A design under the dispersions of a campaign: margins of all samples; the quantile of the margin decides a constraint
+// with a probability. All designs use the same samples, so that differences of designs are not those of draws (common
+// random numbers; Glasserman and Yao 1992), and the quantile is as smooth in the design as a single run.
+#pragma once
+
+#include <memory>
+
+#include "hil/study/optimize/problem.h"
+
+namespace unlatch::hil {
+
+class DispersedDesign {
+ public:
+  // `check`: use the samples that verify a result. Keeps a reference to the problem. Throws ScenarioError if the
+  // campaign has a mistake with this design.
+  DispersedDesign(const DesignProblem& problem, const DesignPoint& point, bool check);
+
+  [[nodiscard]] std::int64_t count_samples() const { return campaign_.plan.samples; }
+  // Runs `number` samples from `first` on, SampleEvaluator::kSideBySide at the most. Threads may run different ones at
+  // a time. A sample that fails misses all constraints. False: `stop` ended them.
+  bool fly(std::int64_t first, std::size_t number, const std::atomic<bool>& stop);
+
+  // Margin of a constraint with a probability, after all samples: the margin that this part of them reaches; NaN if it
+  // depends on a sample without a result.
+  [[nodiscard]] double calc_margin(std::size_t constraint) const;
+  // Limit of a constraint with a probability in the campaign's scenario with this design.
+  [[nodiscard]] double get_limit(std::size_t constraint) const;
+  [[nodiscard]] std::int64_t count_failures(std::size_t constraint) const;
+
+ private:
+  void keep(std::int64_t sample, const SampleResult& result);
+
+  const DesignProblem& problem_;
+  const Campaign campaign_;
+  const SampleEvaluator evaluator_;
+  std::vector<std::vector<double>> margins_;  // [constraint][sample]; empty: constraint of the nominal run
+};
+
+bool has_probabilities(const DesignProblem& problem);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,103 @@
+#include "hil/study/optimize/problem.h"
+
+#include <cmath>
+
+#include "hil/run/run.h"
+#include "hil/scenario/text/expression.h"
+#include "hil/scenario/yaml/scenario_error.h"
+#include "hil/study/campaign/samples/result_file.h"
+
+namespace unlatch::hil {
+namespace {
+
+double get_number(const DesignVariable& variable, double value) {
+  if (!variable.is_catalogue()) return value;
+  return variable.numbers.empty() ? value : variable.numbers.at(static_cast<std::size_t>(value));
+}
+
+}  // namespace
+
+const std::vector<std::string> kSearchMethodNames{"auto", "local", "global", "pareto"};
+
+std::string write_value(const DesignVariable& variable, double value) {
+  if (variable.is_catalogue())
+    return to_text(Setting{"", variable.catalogue.at(static_cast<std::size_t>(value))}).substr(1);
+  return to_text(value) + (variable.unit.empty() ? "" : " " + variable.unit);
+}
+
+DesignPoint get_start(const DesignProblem& problem) {
+  DesignPoint start;
+  for (const DesignVariable& variable : problem.variables) start.push_back(variable.start);
+  return start;
+}
+
+std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point) {
+  std::vector<Setting> settings;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const DesignVariable& variable = problem.variables[i];
+    const YamlNode value = variable.is_catalogue() ? variable.catalogue.at(static_cast<std::size_t>(point[i]))
+                                                   : make_scalar(write_value(variable, point[i]));
+    for (const std::string& path : variable.paths) settings.push_back({path, value});
+  }
+  return settings;
+}
+
+Campaign make_campaign(const DesignCampaign& campaign, const std::vector<Setting>& design, bool check) {
+  std::vector<std::string> overrides = campaign.overrides;
+  for (const Setting& setting : design) overrides.push_back(to_text(setting));
+  Campaign made = load_campaign_text(campaign.text, campaign.file, campaign.folder, overrides);
+  made.plan.samples = check ? campaign.checks : campaign.samples;
+  if (check) ++made.plan.seed;
+  return made;
+}
+
+std::uint64_t calc_fingerprint(const DesignProblem& problem) {
+  std::string all = UNLATCH_VERSION;
+  const auto add = [&](const std::string& text) { (all += '\0') += text; };
+  const auto add_scenario = [&](const Scenario& scenario) {
+    add(scenario.text);
+    for (const std::string& text : scenario.overrides) add(text);
+    add(std::to_string(build_simulation(scenario)->get_model_hash()));  // includes the binary files that it names
+  };
+  add(problem.text);
+  add_scenario(problem.tree->get_nominal());
+  if (problem.campaign) {
+    add(std::to_string(get_shape(*problem.campaign->nominal, *problem.campaign->evaluator).fingerprint));
+    add_scenario(problem.campaign->nominal->tree->get_nominal());
+  }
+  return calc_digest(all);
+}
+
+double get_limit(const Requirement& requirement) {
+  return std::isfinite(requirement.least) ? requirement.least : requirement.most;
+}
+
+std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint& point) {
+  std::vector<double> limits;
+  for (const DesignConstraint& constraint : problem.constraints) limits.push_back(constraint.limit);
+  const auto take = [&](const Scenario& scenario, bool dispersed) {
+    for (std::size_t i = 0; i < limits.size(); ++i)
+      for (const Requirement& requirement : scenario.requirements)
+        if (requirement.id == problem.constraints[i].id && (problem.constraints[i].probability > 0) == dispersed)
+          limits[i] = get_limit(requirement);
+  };
+  try {
+    const std::vector<Setting> settings = make_settings(problem, point);
+    take(problem.tree->read(settings), false);
+    if (problem.campaign) take(make_campaign(*problem.campaign, settings, false).tree->get_nominal(), true);
+  } catch (const ScenarioError&) {  // the design's run has told it
+  }
+  return limits;
+}
+
+Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point) {
+  Constants constants;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const DesignVariable& variable = problem.variables[i];
+    if (!variable.is_catalogue() || !variable.numbers.empty())
+      constants[variable.name] = {get_number(variable, point[i]), variable.dimension};
+  }
+  return evaluate_expression(objective.text, constants);
+}
+
+}  // namespace unlatch::hil

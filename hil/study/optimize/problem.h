@@ -1,0 +1,119 @@
+// A problem of synthesis: a scenario, variables with bounds, objectives and constraints, read from a YAML file.
+// hil/scenarios/SYNTHESIS.md describes the language.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/scenario/scenario_tree.h"
+#include "hil/scenario/text/quantity.h"
+#include "hil/scenario/yaml/setting.h"
+#include "hil/study/campaign/campaign.h"
+#include "hil/study/evaluation/evaluation.h"
+
+namespace unlatch::hil {
+
+// A number between two bounds, or one entry of a catalogue; all paths get it.
+struct DesignVariable {
+  std::string name;
+  std::vector<std::string> paths;
+  double lower = 0, upper = 0, start = 0;  // SI; for a catalogue: indices of its entries
+  Dimension dimension;                     // dimension of the bounds; for a catalogue of numbers: of its first entry
+  std::string unit;                        // SI unit, as the language writes it; "": none
+  std::vector<YamlNode> catalogue;         // empty: continuous
+  std::vector<double> numbers;             // values of a catalogue of numbers, SI
+  SourceMark mark;
+
+  [[nodiscard]] bool is_catalogue() const { return !catalogue.empty(); }
+};
+
+// A column of the results, or an expression of the variables.
+struct Objective {
+  std::string text;  // text in the file
+  bool maximise = false;
+  std::string unit;  // SI
+  bool is_column = false;
+  std::size_t column = 0;  // column of the evaluator
+};
+
+// A requirement of the nominal run, or one that a part of a campaign's samples must meet.
+struct DesignConstraint {
+  std::size_t requirement = 0;        // index in the scenario, or in the campaign's scenario
+  std::string name, id, unit;         // name: "distance1", "distance1@0.95"; SI
+  std::size_t value = 0, margin = 0;  // columns of the evaluator
+  double limit = 0;                   // limit of the scenario; that of a design may differ (calc_limits)
+  bool at_least = false;              // false: at most
+  bool both = false;                  // the requirement has two limits
+  double probability = 0;             // required probability in the campaign; 0: constraint of the nominal run
+};
+
+// Dispersions: every design is run with the same samples of a campaign (common random numbers), whose `nominal` values
+// are the design's. Afterwards other samples of the same distributions check the result.
+struct DesignCampaign {
+  std::string file, text, folder;
+  std::int64_t samples = 0, checks = 0;
+  std::vector<std::string> overrides;  // overrides of the problem's `set`
+  std::shared_ptr<const Campaign> nominal;
+  std::shared_ptr<const SampleEvaluator> evaluator;  // evaluator of the campaign's columns
+};
+
+enum class SearchMethod { kAuto, kLocal, kGlobal, kPareto };
+extern const std::vector<std::string> kSearchMethodNames;  // "auto" …, in the order of the enum
+
+struct DesignBudget {
+  std::int64_t runs = 500;
+  double seconds = 0;  // s of wall time; 0: no limit
+};
+
+struct DesignProblem {
+  std::string file, text, name, title;
+  std::string scenario;                // path
+  std::vector<std::string> overrides;  // PATH=VALUE: `set`
+  std::vector<DesignVariable> variables;
+  std::vector<Objective> objectives;
+  std::vector<DesignConstraint> constraints;
+  SearchMethod method = SearchMethod::kAuto;
+  std::int64_t starts = 1;  // of the local search
+  std::uint32_t seed = 1;
+  DesignBudget budget;
+  std::optional<DesignCampaign> campaign;
+  std::shared_ptr<const ScenarioTree> tree;
+  std::shared_ptr<const SampleEvaluator> evaluator;
+};
+
+// Returns true if the text is a problem of synthesis, false if it is a scenario.
+bool is_design_problem(const std::string& text);
+
+// Loads a problem. Throws ScenarioError with every mistake of the file, of the scenario, and of the bounds: values at
+// them that make no valid scenario.
+DesignProblem load_design_problem(const std::string& path);
+// `folder`: folder of the scenario.
+DesignProblem load_design_problem_text(const std::string& text, const std::string& file, const std::string& folder);
+
+// Campaign with the design's values. `check`: use the other samples. Throws ScenarioError.
+Campaign make_campaign(const DesignCampaign& campaign, const std::vector<Setting>& design, bool check);
+
+// Hash of everything that determines the samples of a search, so that none continues another's journal: the problem,
+// the texts of scenario and campaign, their values and the version of the program.
+std::uint64_t calc_fingerprint(const DesignProblem& problem);
+
+// A point of the design space: a number for each variable, SI; for a catalogue an index.
+using DesignPoint = std::vector<double>;
+
+DesignPoint get_start(const DesignProblem& problem);
+std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point);
+// Value of one variable as the language writes it: "9000 N".
+std::string write_value(const DesignVariable& variable, double value);
+// Limit of a requirement: the lower one if it has two.
+double get_limit(const Requirement& requirement);
+// Limits of the constraints of a design, whose variables may be limits, or values from which limits are computed. Those
+// of the scenario if the design makes no valid one.
+std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint& point);
+// Value of an objective that is an expression of the variables. Throws ExpressionError.
+Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,387 @@
+#include "hil/study/optimize/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "hil/scenario/modules/module.h"
+#include "hil/study/optimize/scaled_space.h"
+#include "hil/study/optimize/study.h"
+#include "hil/study/sampling/sampling.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr double kForPolish = 0.25;   // part of the budget, after a global search
+constexpr double kForFeasible = 0.5;  // part of the remaining budget, for a phase that searches a first feasible point
+constexpr double kAgainst = 0.99;     // relative to the largest violation: such constraints limit it together
+
+class Search {
+ public:
+  Search(const DesignProblem& problem, DesignEvaluations& evaluations)
+      : problem_(problem), evaluations_(evaluations), merit_(start()), none_(problem.constraints.size(), 0.0) {}
+
+  DesignResult run(bool study) {
+    if (!evaluations_.get_samples().empty()) look();
+    result_.search_runs = evaluations_.get_runs();
+    if (evaluations_.was_stopped())
+      result_.end = DesignResult::End::kStopped;
+    else if (cut_)
+      result_.end = DesignResult::End::kBudget;
+    if (evaluations_.get_samples().empty()) return result_;
+    take_best();
+    if (study && !evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
+    if (!evaluations_.was_stopped()) evaluations_.finish_journal();
+    return result_;
+  }
+
+ private:
+  // Evaluates the first sample, whose values are the scales, whatever the deadline.
+  DesignMerit start() {
+    evaluations_.set_limit(problem_.budget.runs);
+    std::vector<std::int64_t> first;
+    cut_ = !evaluations_.evaluate({get_start(problem_)}, first);
+    evaluations_.set_deadline(problem_.budget.seconds);
+    return DesignMerit(problem_, cut_ ? nullptr : &evaluations_.get_samples().front());
+  }
+
+  void look() {
+    const bool several = problem_.objectives.size() > 1, automatic = problem_.method == SearchMethod::kAuto;
+    const bool catalogue = list_continuous(problem_).size() < problem_.variables.size();
+    result_.method = several ? SearchMethod::kPareto : problem_.method;
+    if (try_all()) return;
+    if (several) return search_pareto();
+    if (problem_.method == SearchMethod::kGlobal || (automatic && catalogue)) return search_global();
+    result_.method = SearchMethod::kLocal;
+    search_from_starts(!automatic);
+    if (automatic && !is_feasible(get_best()) && !is_spent()) search_global();
+  }
+
+  // Searches from the problem's start, then from others within the bounds. Each has an equal part of the runs that are
+  // left, as has a last search from the best point, if the one that has found it was cut. The end is that of the search
+  // that has found the best.
+  void search_from_starts(bool last) {
+    std::vector<DesignPoint> starts{get_start(problem_)};
+    if (problem_.starts > 1) add_starts(starts);
+    bool cut = false;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      const std::size_t parts = starts.size() - i + (starts.size() > 1 ? 1 : 0), best = update(whole_);
+      end_ =
+          evaluations_.get_runs() + (problem_.budget.runs - evaluations_.get_runs()) / static_cast<std::int64_t>(parts);
+      search_local(starts[i], last);
+      if (i == 0 || update(whole_) != best) cut = cut_;
+    }
+    end_ = problem_.budget.runs;
+    if (starts.size() > 1 && cut && is_feasible(get_best()) && !is_spent()) {
+      search_local(get_best().point, last);
+      cut = cut_;
+    }
+    cut_ = cut || evaluations_.was_stopped() || evaluations_.is_late();
+  }
+
+  // Adds the best points of a Latin hypercube, none near another (Rinnooy Kan and Timmer 1987).
+  void add_starts(std::vector<DesignPoint>& starts) {
+    const std::size_t n = problem_.variables.size();
+    const auto wanted = static_cast<std::size_t>(problem_.starts);
+    SamplingPlan plan;
+    plan.sampling = Sampling::kLatinHypercube;
+    plan.seed = problem_.seed;
+    plan.samples = std::min(kTriedEach * (problem_.starts - 1), problem_.budget.runs / 4);
+    plan.dimensions = n;
+    const double apart = kApart * std::pow(static_cast<double>(plan.samples), -1.0 / static_cast<double>(n));
+    std::vector<std::vector<double>> units;
+    std::vector<DesignPoint> points;
+    for (std::int64_t i = 0; i < plan.samples; ++i) {
+      units.push_back(calc_point(plan, i));
+      points.emplace_back();
+      for (std::size_t k = 0; k < n; ++k) points.back().push_back(place(problem_.variables[k], units.back()[k]));
+    }
+    std::vector<std::int64_t> indices;
+    cut_ = !evaluations_.evaluate(points, indices);
+    if (cut_) return;
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const auto get = [&](std::size_t i) { return evaluations_.get_samples()[static_cast<std::size_t>(indices[i])]; };
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return merit_.is_better(get(a), get(b)); });
+    std::vector<std::size_t> chosen;
+    for (const std::size_t i : order) {
+      if (starts.size() == wanted) break;
+      const auto is_near = [&](std::size_t other) {
+        double distance = 0;
+        for (std::size_t k = 0; k < n; ++k) distance = std::max(distance, std::abs(units[i][k] - units[other][k]));
+        return distance < apart;
+      };
+      if (std::ranges::any_of(chosen, is_near)) continue;
+      chosen.push_back(i);
+      starts.push_back(points[i]);
+    }
+  }
+
+  // Tries all combinations, if there are only catalogues and the budget is large enough.
+  bool try_all() {
+    if (!list_continuous(problem_).empty()) return false;
+    double count = 1;
+    for (const DesignVariable& variable : problem_.variables) count *= static_cast<double>(variable.catalogue.size());
+    if (count > static_cast<double>(problem_.budget.runs)) return false;
+    std::vector<DesignPoint> points{DesignPoint(problem_.variables.size(), 0.0)};
+    for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
+      std::vector<DesignPoint> more;
+      for (const DesignPoint& point : points)
+        for (std::size_t k = 0; k < problem_.variables[i].catalogue.size(); ++k) {
+          more.push_back(point);
+          more.back()[i] = static_cast<double>(k);
+        }
+      points = std::move(more);
+    }
+    std::vector<std::int64_t> indices;
+    for (std::size_t at = 0; at < points.size() && !cut_; at += kBatch) {
+      const auto begin = points.begin() + static_cast<std::ptrdiff_t>(at);
+      const std::vector<DesignPoint> batch(
+          begin, points.begin() + static_cast<std::ptrdiff_t>(std::min(points.size(), at + kBatch)));
+      cut_ = !evaluations_.evaluate(batch, indices);
+    }
+    if (result_.method == SearchMethod::kAuto) result_.method = SearchMethod::kGlobal;
+    result_.exhaustive = !cut_;
+    return true;
+  }
+
+  // Searches the continuous variables around `from`, with its catalogue entries. From a point that misses constraints:
+  // the problem itself; then the least violation, until a point meets all; then the problem from there. The first two
+  // have a part of the budget each, so that neither uses all of it. `last`: no other search follows; the least
+  // violation may use all that is left.
+  void search_local(const DesignPoint& from, bool last) {
+    if (list_continuous(problem_).empty() || is_spent()) return;
+    begin_phase(1);
+    std::vector<std::int64_t> first;
+    cut_ = !evaluations_.evaluate({from}, first);
+    if (cut_) return;
+    own_ = {evaluations_.get_samples().size(), static_cast<std::size_t>(first[0])};
+    search_phases(from, last);
+    result_.searches.push_back({static_cast<std::size_t>(first[0]), update(own_)});
+  }
+
+  void search_phases(const DesignPoint& from, bool last) {
+    const bool lost = !is_feasible();
+    search_problem(from, lost ? kForFeasible : 1);
+    if (!lost || is_spent()) return;
+    if (is_feasible()) {
+      if (cut_) search_problem(get_own().point, 1);
+      return;
+    }
+    search_least_violation(get_own().point, kForFeasible);
+    if (last && cut_ && !is_feasible() && !is_spent()) search_least_violation(get_own().point, 1);
+    if (is_feasible() && !is_spent()) search_problem(get_own().point, 1);
+  }
+
+  // `share`: part of the remaining runs.
+  void begin_phase(double share) {
+    const double left = static_cast<double>(end_ - evaluations_.get_runs());
+    evaluations_.set_limit(evaluations_.get_runs() + static_cast<std::int64_t>(std::ceil(share * left)));
+    cut_ = false;
+  }
+
+  void search_problem(const DesignPoint& from, double share) {
+    begin_phase(share);
+    if (!find_local()(prepare(list_continuous(problem_), from))) cut_ = true;
+  }
+
+  // Searches the least t that no violation exceeds.
+  void search_least_violation(const DesignPoint& from, double share) {
+    begin_phase(share);
+    ScaledProblem least = prepare(list_continuous(problem_), from);
+    ++least.variables;
+    least.impatient = true;
+    least.start.push_back(std::clamp(merit_.calc_violation(get_own()).size / kLargest + kLeastTarget, 0.0, 1.0));
+    const auto evaluate = least.evaluate;
+    least.evaluate = [&](const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
+      if (is_feasible()) return false;  // found: the next phase begins here
+      std::vector<std::vector<double>> real = points;
+      for (std::vector<double>& point : real) point.pop_back();
+      if (!evaluate(real, samples)) return false;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double t = points[i].back() - kLeastTarget;
+        samples[i].objectives = {t};
+        for (double& constraint : samples[i].constraints) constraint = constraint / kLargest - t;
+      }
+      return true;
+    };
+    if (find_local()(least)) {
+      least_violation_ = std::min(least_violation_, merit_.calc_violation(get_own()).size);
+    } else if (!is_feasible()) {
+      cut_ = true;
+    }
+  }
+
+  void search_global() {
+    result_.method = SearchMethod::kGlobal;
+    const bool polish = !list_continuous(problem_).empty();
+    const auto left = static_cast<double>(problem_.budget.runs - evaluations_.get_runs());
+    evolve("unlatch_search_global", kColony + kColonyEach * problem_.variables.size(),
+           evaluations_.get_runs() + static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * left));
+    if (polish) search_local(get_best().point, true);
+  }
+
+  // Searches a front. As long as no point meets all constraints, the last part of the budget is for the least
+  // violation: a population does not converge to it.
+  void search_pareto() {
+    const bool polish = !list_continuous(problem_).empty();
+    const auto runs = static_cast<double>(problem_.budget.runs);
+    const auto evolved = static_cast<std::int64_t>((polish ? 1 - kForPolish : 1) * runs);
+    evolve("unlatch_search_pareto", kParetoSize, problem_.objectives.size() == 2 ? evolved : problem_.budget.runs,
+           evolved);
+    if (!polish || is_spent()) return;
+    if (is_feasible()) return fill_gaps();
+    search_least_violation(get_best().point, 1);
+    if (is_feasible()) cut_ = true;  // the front is of that one point
+  }
+
+  // Fills the widest gaps of a front of two objectives by local searches: the best first objective with which the
+  // second is in the middle of the gap, or better (epsilon constraints; Haimes et al. 1971).
+  void fill_gaps() {
+    if (problem_.objectives.size() != 2) return;
+    const auto each = static_cast<std::int64_t>(kGapEach * (problem_.variables.size() + 1));
+    std::set<std::pair<std::size_t, std::size_t>> tried;
+    while (!is_spent()) {
+      const std::optional<Gap> gap = find_gap(tried);
+      if (!gap) break;
+      tried.insert({gap->from, gap->to});
+      const DesignSample& from = evaluations_.get_samples()[gap->to];  // meets the limit of the second objective
+      ScaledProblem one = prepare(list_continuous(problem_), from.point);
+      one.objectives = 1;
+      ++one.constraints;
+      one.impatient = true;
+      const auto evaluate = one.evaluate;
+      one.evaluate = [&](const std::vector<std::vector<double>>& points, std::vector<ScaledSample>& samples) {
+        if (!evaluate(points, samples)) return false;
+        for (ScaledSample& sample : samples) {
+          sample.constraints.push_back(sample.objectives[1] - gap->second);
+          sample.objectives.pop_back();
+        }
+        return true;
+      };
+      evaluations_.set_limit(std::min(problem_.budget.runs, evaluations_.get_runs() + each));
+      find_local()(one);
+    }
+    cut_ = true;
+  }
+
+  // Two neighbours of a front, by the first objective, and the middle of their second objectives, scaled.
+  struct Gap {
+    std::size_t from = 0, to = 0;
+    double second = 0;
+  };
+  [[nodiscard]] std::optional<Gap> find_gap(const std::set<std::pair<std::size_t, std::size_t>>& tried) const {
+    const std::vector<DesignSample>& samples = evaluations_.get_samples();
+    const std::vector<std::size_t> front = merit_.find_front(samples);
+    if (front.size() < 2) return std::nullopt;
+    const auto get = [&](std::size_t i, std::size_t k) { return merit_.scale(samples[front[i]]).objectives[k]; };
+    const std::size_t last = front.size() - 1;
+    const double first_range = get(last, 0) - get(0, 0), second_range = get(0, 1) - get(last, 1);
+    std::optional<Gap> widest;
+    double width = 0;
+    for (std::size_t i = 0; i < last; ++i) {
+      const double one =
+          std::max((get(i + 1, 0) - get(i, 0)) / first_range, (get(i, 1) - get(i + 1, 1)) / second_range);
+      if (one <= width || tried.count({front[i], front[i + 1]}) != 0) continue;
+      width = one;
+      widest = {front[i], front[i + 1], 0.5 * (get(i, 1) + get(i + 1, 1))};
+    }
+    return widest;
+  }
+
+  // Evolves a population. Repeated points cost nothing, so there may be more generations than the budget has runs for.
+  // `hopeless`: number of runs after which it ends if no point meets all constraints.
+  void evolve(const char* function, std::size_t population, std::int64_t limit,
+              std::int64_t hopeless = std::numeric_limits<std::int64_t>::max()) {
+    std::vector<std::size_t> list(problem_.variables.size());
+    for (std::size_t i = 0; i < list.size(); ++i) list[i] = i;
+    ScaledProblem scaled = prepare(list, get_start(problem_));
+    scaled.population = (population + 3) / 4 * 4;
+    scaled.generations = 2 * static_cast<std::size_t>(problem_.budget.runs) / scaled.population + 1;
+    evaluations_.set_limit(std::max(evaluations_.get_runs(), limit));
+    cut_ = false;
+    scaled.evaluate = [this, hopeless, evaluate = scaled.evaluate](const std::vector<std::vector<double>>& points,
+                                                                   std::vector<ScaledSample>& samples) {
+      if (evaluations_.get_runs() < hopeless || is_feasible()) return evaluate(points, samples);
+      cut_ = true;
+      return false;
+    };
+    find_function<GlobalSearch>(kOptimizersModule, function)(scaled);
+  }
+
+  ScaledProblem prepare(std::vector<std::size_t> list, DesignPoint base) {
+    ScaledProblem scaled = make_scaled(problem_, evaluations_, merit_, std::move(list), std::move(base), none_);
+    scaled.evaluate = [this, evaluate = scaled.evaluate](const std::vector<std::vector<double>>& points,
+                                                         std::vector<ScaledSample>& samples) {
+      if (evaluate(points, samples)) return true;
+      cut_ = true;
+      return false;
+    };
+    return scaled;
+  }
+
+  static LocalSearch* find_local() { return find_function<LocalSearch>(kOptimizersModule, "unlatch_search_local"); }
+
+  // Returns true if the budget has ended the search before the next phase.
+  bool is_spent() {
+    const bool spent = evaluations_.was_stopped() || evaluations_.is_late() || evaluations_.get_runs() >= end_;
+    cut_ = cut_ || spent;
+    return spent;
+  }
+  // Best of the samples from some on; each is compared once.
+  struct Best {
+    std::size_t seen = 0, best = 0;
+  };
+  std::size_t update(Best& one) const {
+    const std::vector<DesignSample>& samples = evaluations_.get_samples();
+    for (; one.seen < samples.size(); ++one.seen)
+      if (merit_.is_better(samples[one.seen], samples[one.best])) one.best = one.seen;
+    return one.best;
+  }
+  const DesignSample& get_best() { return evaluations_.get_samples()[update(whole_)]; }
+  const DesignSample& get_own() { return evaluations_.get_samples()[update(own_)]; }
+  [[nodiscard]] bool is_feasible() { return is_feasible(get_own()); }
+  [[nodiscard]] bool is_feasible(const DesignSample& sample) const { return merit_.is_feasible(sample); }
+
+  void take_best() {
+    const DesignSample& best = get_best();
+    result_.best = whole_.best;
+    result_.violation = merit_.calc_violation(best);
+    result_.feasible = result_.violation.size == 0;
+    result_.settled = result_.exhaustive || result_.violation.size >= kAgainst * least_violation_;
+    for (std::size_t i = 0; i < problem_.constraints.size() && !result_.feasible; ++i)
+      if (merit_.calc_violation(best, i) >= kAgainst * result_.violation.size) result_.against.push_back(i);
+    if (problem_.objectives.size() == 1 || !result_.feasible) return;
+    result_.front = merit_.find_front(evaluations_.get_samples());
+    result_.best = merit_.find_middle(evaluations_.get_samples(), result_.front);
+  }
+
+  static constexpr double kLargest = 10;          // largest violation in the range of t
+  static constexpr double kLeastTarget = 0.1;     // t may fall below 0, when all are met
+  static constexpr std::int64_t kTriedEach = 10;  // points of which one becomes a start
+  static constexpr std::size_t kGapEach = 12;     // runs of a gap, for each variable and one more
+  static constexpr double kApart = 0.5;           // of the mean distance of the points tried
+  static constexpr std::size_t kBatch = 64, kParetoSize = 40, kColony = 16, kColonyEach = 4;
+
+  const DesignProblem& problem_;
+  DesignEvaluations& evaluations_;
+  bool cut_ = false;  // the limit ended the last phase
+  const DesignMerit merit_;
+  const std::vector<double> none_;
+  DesignResult result_;
+  Best whole_, own_;                         // of all samples, and of the local search
+  std::int64_t end_ = problem_.budget.runs;  // number of runs at which the local search ends
+  double least_violation_ = HUGE_VAL;        // result of a search of the least violation that has converged
+};
+
+}  // namespace
+
+DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations, bool study) {
+  return Search(problem, evaluations).run(study);
+}
+
+}  // namespace unlatch::hil

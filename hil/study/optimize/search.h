@@ -1,0 +1,46 @@
+// Search of a problem of synthesis: choice of the method, its phases and their shares of the budget, the best of all
+// samples. A seed gives the same samples in the same order, whatever the number of threads.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hil/study/optimize/merit.h"
+
+namespace unlatch::hil {
+
+struct ConstraintStudy {
+  bool active = false;           // within a thousandth of its limit
+  std::optional<double> shadow;  // change of the optimum for each unit of relaxation of its limit, SI
+};
+
+// A local search: the samples at which it began, and the best that it has found.
+struct LocalResult {
+  std::size_t first = 0, best = 0;
+};
+
+struct DesignResult {
+  enum class End { kConverged, kBudget, kStopped };
+  End end = End::kConverged;
+  SearchMethod method = SearchMethod::kLocal;  // the method that was used
+  bool exhaustive = false;                     // all combinations of the catalogues were tried
+  bool feasible = false;
+  bool settled = false;               // no point meets all constraints: the search of the least violation has converged
+  std::size_t best = 0;               // index of the optimum, or of the least violation
+  Violation violation;                // violation of the best sample
+  std::vector<std::size_t> against;   // constraints that are all near the largest violation: they limit it together
+  std::vector<std::size_t> front;     // samples, by the first objective; for several objectives
+  std::vector<LocalResult> searches;  // local searches, in their order
+  std::int64_t search_runs = 0;
+  std::vector<ConstraintStudy> constraints;
+  // [variable][objectives, then constraints]; empty for a catalogue. SI for each unit of the variable.
+  std::vector<std::vector<double>> sensitivities;
+  std::vector<std::vector<std::size_t>> slices;  // [variable]: samples that differ from the best in this variable alone
+};
+
+// Runs the search, and the runs around its result (study.h) unless `study` is false. Throws ModuleError if the
+// libraries are not installed.
+DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations, bool study = true);
+
+}  // namespace unlatch::hil

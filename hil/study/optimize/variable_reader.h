@@ -1,0 +1,12 @@
+// Variables of a problem of synthesis: paths, bounds or catalogue, start.
+#pragma once
+
+#include "hil/scenario/yaml/yaml_reader.h"
+#include "hil/study/optimize/problem.h"
+
+namespace unlatch::hil {
+
+// Reads variables; those without mistakes are added to the problem.
+void read_variables(YamlMap& top, DesignProblem& problem, Mistakes& mistakes);
+
+}  // namespace unlatch::hil

@@ -1,0 +1,236 @@
+#include "hil/study/statistics/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "hil/study/sampling/philox.h"
+
+namespace unlatch::hil {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), by Lentz's method.
+double calc_beta_fraction(double a, double b, double x) {
+  constexpr double kTiny = 1e-300, kSame = 1e-15;
+  constexpr int kMost = 10000;
+  const auto guard = [](double v) { return std::abs(v) < kTiny ? kTiny : v; };
+  double c = 1, d = 1 / guard(1 - (a + b) * x / (a + 1)), h = d;
+  for (int m = 1; m < kMost; ++m) {
+    const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
+    d = 1 / guard(1 + even * d);
+    c = guard(1 + even / c);
+    h *= d * c;
+    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
+    d = 1 / guard(1 + odd * d);
+    c = guard(1 + odd / c);
+    h *= d * c;
+    if (std::abs(d * c - 1) < kSame) break;
+  }
+  return h;
+}
+
+// Regularised incomplete beta function I_x(a, b).
+double calc_beta(double a, double b, double x) {
+  if (x <= 0) return 0;
+  if (x >= 1) return 1;
+  const double front =
+      std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
+  if (x < (a + 1) / (a + b + 2)) return front * calc_beta_fraction(a, b, x) / a;
+  return 1 - front * calc_beta_fraction(b, a, 1 - x) / b;
+}
+
+// Finds x with I_x(a, b) = p, by bisection.
+double calc_beta_quantile(double a, double b, double p) {
+  double low = 0, high = 1;
+  constexpr int kHalvings = 200;
+  for (int i = 0; i < kHalvings && high - low > 1e-16 * high; ++i) {
+    const double middle = 0.5 * (low + high);
+    (calc_beta(a, b, middle) < p ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+std::vector<double> calc_ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return values[i] < values[j]; });
+  std::vector<double> ranks(values.size());
+  for (std::size_t i = 0; i < order.size();) {
+    std::size_t j = i;
+    while (j < order.size() && values[order[j]] == values[order[i]]) ++j;
+    for (std::size_t k = i; k < j; ++k) ranks[order[k]] = 0.5 * static_cast<double>(i + j - 1);
+    i = j;
+  }
+  return ranks;
+}
+
+double calc_mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double calc_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const double mean_a = calc_mean(a), mean_b = calc_mean(b);
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean_a) * (a[i] - mean_a);
+    bb += (b[i] - mean_b) * (b[i] - mean_b);
+    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : kNaN;
+}
+
+bool has_gaps(const std::vector<double>& values) {
+  return std::ranges::any_of(values, [](double value) { return std::isnan(value); });
+}
+
+}  // namespace
+
+double calc_quantile(const std::vector<double>& sorted, double p) {
+  if (sorted.empty()) return kNaN;
+  const double at = p * static_cast<double>(sorted.size() - 1);
+  const auto k = static_cast<std::size_t>(at);
+  if (k + 1 >= sorted.size()) return sorted.back();
+  return sorted[k] + (at - static_cast<double>(k)) * (sorted[k + 1] - sorted[k]);
+}
+
+double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p) {
+  if (k < 0) return 0;
+  if (k >= trials) return 1;
+  return 1 - calc_beta(static_cast<double>(k) + 1, static_cast<double>(trials - k), p);
+}
+
+// Finds x(r) ≤ quantile < x(s) with P(r ≤ count < s), for the count of values below the quantile.
+std::optional<Interval> calc_quantile_interval(const std::vector<double>& sorted, double p, double confidence) {
+  const auto n = static_cast<std::int64_t>(sorted.size());
+  const double tail = 0.5 * (1 - confidence);
+  const auto find = [&](double probability) {  // least k with P(count ≤ k) ≥ probability
+    std::int64_t low = 0, high = n;
+    while (low < high) {
+      const std::int64_t middle = (low + high) / 2;
+      if (calc_binomial_cdf(middle, n, p) >= probability)
+        high = middle;
+      else
+        low = middle + 1;
+    }
+    return low;
+  };
+  const std::int64_t r = find(tail), s = find(1 - tail) + 1;  // ranks from 1
+  // P(count < r) ≤ tail: x(r) is below the quantile with the confidence; x(s) above.
+  if (r < 1 || s > n) return std::nullopt;
+  return Interval{sorted[static_cast<std::size_t>(r - 1)], sorted[static_cast<std::size_t>(s - 1)]};
+}
+
+Interval calc_clopper_pearson(std::int64_t hits, std::int64_t trials, double confidence) {
+  if (trials <= 0) return {0, 1};
+  const double tail = 0.5 * (1 - confidence), k = static_cast<double>(hits), n = static_cast<double>(trials);
+  return {hits == 0 ? 0 : calc_beta_quantile(k, n - k + 1, tail),
+          hits == trials ? 1 : calc_beta_quantile(k + 1, n - k, 1 - tail)};
+}
+
+std::int64_t calc_wilks_trials(double coverage, double confidence) {
+  return static_cast<std::int64_t>(std::ceil(std::log1p(-confidence) / std::log(coverage)));
+}
+
+// Greatest rank r with P(fewer than r of the trials are above the quantile) ≤ 1 − confidence.
+std::int64_t calc_wilks_rank(std::int64_t trials, double coverage, double confidence) {
+  std::int64_t rank = 0;
+  while (rank < trials && calc_binomial_cdf(rank, trials, 1 - coverage) <= 1 - confidence) ++rank;
+  return rank;
+}
+
+double calc_spearman(const std::vector<double>& x_in, const std::vector<double>& y_in) {
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < x_in.size(); ++i) {
+    if (std::isnan(x_in[i]) || std::isnan(y_in[i])) continue;
+    x.push_back(x_in[i]);
+    y.push_back(y_in[i]);
+  }
+  return x.size() < 3 ? kNaN : calc_correlation(calc_ranks(x), calc_ranks(y));
+}
+
+void RankedVariables::add(const std::vector<double>& x) {
+  std::vector<double> present;
+  for (const double value : x)
+    if (!std::isnan(value)) present.push_back(value);
+  const std::vector<double> ranks = calc_ranks(present);
+  Ranks& own = variables_.emplace_back();
+  own.gaps = present.size() < x.size();
+  own.twice.reserve(x.size());
+  std::size_t next = 0;
+  for (const double value : x)
+    own.twice.push_back(std::isnan(value) ? kNoRank : static_cast<std::uint32_t>(2 * ranks[next++]));
+}
+
+// Ranks of a part of the samples follow from the ranks of all.
+std::vector<double> RankedVariables::calc_spearman(const std::vector<double>& y) const {
+  const bool gaps = y.size() < 3 || has_gaps(y);
+  const std::vector<double> ranks = gaps ? std::vector<double>() : calc_ranks(y);
+  std::vector<double> all, own;
+  for (const Ranks& variable : variables_) {
+    own.clear();
+    for (const std::uint32_t twice : variable.twice) own.push_back(twice == kNoRank ? kNaN : 0.5 * twice);
+    all.push_back(gaps || variable.gaps ? hil::calc_spearman(own, y) : calc_correlation(own, ranks));
+  }
+  return all;
+}
+
+MorrisEffect calc_morris(const std::vector<double>& effects) {
+  MorrisEffect effect;
+  const auto n = static_cast<double>(effects.size());
+  for (const double e : effects) {
+    effect.mean_size += std::abs(e) / n;
+    effect.mean += e / n;
+  }
+  for (const double e : effects) effect.deviation += (e - effect.mean) * (e - effect.mean);
+  effect.deviation = n > 1 ? std::sqrt(effect.deviation / (n - 1)) : 0;
+  return effect;
+}
+
+std::vector<SobolIndex> calc_sobol_indices(const std::vector<double>& a, const std::vector<double>& b,
+                                           std::span<const std::vector<double>> ab, std::uint64_t seed) {
+  const std::size_t n = a.size();
+  std::vector<std::vector<double>> firsts(ab.size()), totals(ab.size());
+  const auto add = [&](const std::vector<std::size_t>& rows) {
+    double mean = 0, square = 0;
+    const auto count = static_cast<double>(rows.size());
+    for (const std::size_t i : rows) mean += (a[i] + b[i]) / (2 * count);
+    for (const std::size_t i : rows)  // centred: the product of the means would cancel badly
+      square += ((a[i] - mean) * (a[i] - mean) + (b[i] - mean) * (b[i] - mean)) / (2 * count);
+    for (std::size_t axis = 0; axis < ab.size(); ++axis) {
+      double first = 0, total = 0;
+      for (const std::size_t i : rows) {
+        first += (b[i] - mean) * (ab[axis][i] - a[i]) / count;
+        total += (a[i] - ab[axis][i]) * (a[i] - ab[axis][i]) / (2 * count);
+      }
+      firsts[axis].push_back(first / square);
+      totals[axis].push_back(total / square);
+    }
+  };
+  std::vector<std::size_t> rows(n);
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  add(rows);  // the estimate
+  std::vector<SobolIndex> indices;
+  for (std::size_t axis = 0; axis < ab.size(); ++axis) indices.push_back({firsts[axis][0], totals[axis][0], {}, {}});
+  constexpr std::uint32_t kResamples = 1000;
+  for (std::uint32_t k = 0; k < kResamples; ++k) {
+    for (std::size_t i = 0; i < n; ++i)
+      rows[i] = static_cast<std::size_t>(draw_unit(seed, RandomStream::kResampling, i, k) * static_cast<double>(n));
+    add(rows);
+  }
+  constexpr double kTail = 0.5 * (1 - kConfidence);
+  const auto find = [](std::vector<double>& estimates) {  // the first is not a resampled one
+    std::sort(estimates.begin() + 1, estimates.end());
+    const std::vector<double> sorted(estimates.begin() + 1, estimates.end());
+    return Interval{calc_quantile(sorted, kTail), calc_quantile(sorted, 1 - kTail)};
+  };
+  for (std::size_t axis = 0; axis < ab.size(); ++axis) {
+    indices[axis].first_interval = find(firsts[axis]);
+    indices[axis].total_interval = find(totals[axis]);
+  }
+  return indices;
+}
+
+}  // namespace unlatch::hil
