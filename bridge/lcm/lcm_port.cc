@@ -1,5 +1,5 @@
 // The LCM transport: one channel per message, UNLATCH_STATE and so on. Messages go out through liblcm, from a buffer
-// that the codec of hil/messages fills, so that nothing allocates on our side; they come in through LcmSocket.
+// that the codec of hil/session/messages fills, so that nothing allocates on our side; they come in through LcmSocket.
 #include <lcm/lcm.h>
 
 #include <array>

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "hil/run/simulation/model_messages.h"
+
 namespace unlatch::hil {
 
 RunRecord::RunRecord(const Simulation& simulation, Recorder* recorder)
@@ -17,8 +19,8 @@ void RunRecord::state(RunStatus status) noexcept {
   message.sequence = sequence_++;
   message.hash = simulation_.calc_hash();
   message.status = static_cast<std::int32_t>(status);
-  for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) {
-    simulation_.fill_state(part, dt_ns_, message);
+  for (std::int32_t part = count_state_parts(simulation_) - 1; part >= 0; --part) {
+    fill_state(simulation_, part, dt_ns_, message);
     recorder_->state(message);
   }
 }

@@ -1,5 +1,5 @@
 // Quantities that a run can write to files, each with name, unit, frame and length, and the selection of some of them.
-// They do not influence the run and are not part of its model. hil/outputs reads their values; every export, the
+// They do not influence the run and are not part of its model. hil/run/outputs reads their values; every export, the
 // samples of `--json` and the libraries use this one list.
 #pragma once
 

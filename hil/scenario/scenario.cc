@@ -6,6 +6,7 @@
 #include <iterator>
 #include <set>
 
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/language/scenario_parts.h"
 #include "hil/scenario/scenario_tree.h"
 #include "hil/scenario/sections/scenario_reader.h"
@@ -15,8 +16,6 @@ namespace unlatch::hil {
 namespace {
 
 constexpr double kMaxTicks = 1e12;
-constexpr double kMaxDelay = 1000;                       // ticks
-constexpr double kMinQueue = 16, kMaxQueue = 1'000'000;  // commands
 
 }  // namespace
 
@@ -225,12 +224,8 @@ void ScenarioReader::read_step(YamlMap& top) {
   YamlMap map(*node, "step", mistakes_);
   const double dt = scenario_.dt = map.number("dt", "s");
   const double until = scenario_.until = map.number("until", "s");
-  const double parts = map.number("contact_substeps", "", 1.0);
-  if (parts >= 1 && parts <= kMaxContactSubsteps && parts == std::floor(parts))
-    model_.contact_substeps = static_cast<int>(parts);
-  else
-    mistakes_.add(map.find("contact_substeps")->mark, "this number of parts of a step is not usable",
-                  "a whole number, 1 to " + std::to_string(kMaxContactSubsteps));
+  model_.contact_substeps =
+      static_cast<int>(read_bounded(map, get_number_key("scenario.step.contact_substeps"), 1.0, mistakes_));
   map.finish();
   if (mistakes_.count() != before) return;
   const auto mark = [&](const char* key) { return node->find(key)->mark; };
@@ -270,30 +265,13 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
       software.required.push_back(name);
     }
   }
-  software.timeout = map.number("timeout", "s", software.timeout);
-  if (!(software.timeout > 0 && software.timeout <= 3600))
-    mistakes_.add(map.node().find("timeout")->mark, "this time-out is not usable", "more than 0, at most 3600 s");
-  software.pause_limit = map.number("pause_limit", "s", software.pause_limit);
-  if (!(software.pause_limit > 0 && software.pause_limit <= 1e6))
-    mistakes_.add(map.node().find("pause_limit")->mark, "this limit is not usable", "more than 0, at most 1e6 s");
-  software.cutoff = map.number("cutoff", "", software.cutoff);
-  if (!(software.cutoff > 0 && software.cutoff <= 1))
-    mistakes_.add(map.node().find("cutoff")->mark, "this cut-off is not usable",
-                  "a fraction of the tick, more than 0, at most 1");
-  const double delay = map.number("delay", "", software.delay);
-  if (delay >= 0 && delay <= kMaxDelay && delay == std::floor(delay))
-    software.delay = static_cast<int>(delay);
-  else
-    mistakes_.add(map.node().find("delay")->mark, "this delay is not usable", "whole ticks, 0 to 1000");
-  software.horizon = map.number("horizon", "s", software.horizon);
-  if (!(software.horizon > 0 && software.horizon <= 1e9))
-    mistakes_.add(map.node().find("horizon")->mark, "this horizon is not usable", "more than 0, at most 1e9 s");
-  const double queue = map.number("queue", "", software.queue);
-  if (queue >= kMinQueue && queue <= kMaxQueue && queue == std::floor(queue))
-    software.queue = static_cast<int>(queue);
-  else
-    mistakes_.add(map.node().find("queue")->mark, "this number of commands is not usable",
-                  "a whole number, 16 to 1000000");
+  const auto read = [&](const NumberKey& key, double fallback) { return read_bounded(map, key, fallback, mistakes_); };
+  software.timeout = read(get_number_key("scenario.flight_software.timeout"), software.timeout);
+  software.pause_limit = read(get_number_key("scenario.flight_software.pause_limit"), software.pause_limit);
+  software.cutoff = read(get_number_key("scenario.flight_software.cutoff"), software.cutoff);
+  software.delay = static_cast<int>(read(get_number_key("scenario.flight_software.delay"), software.delay));
+  software.horizon = read(get_number_key("scenario.flight_software.horizon"), software.horizon);
+  software.queue = static_cast<int>(read(get_number_key("scenario.flight_software.queue"), software.queue));
   const int policy = map.choice("policy", "policy", kPolicyNames, static_cast<int>(software.policy));
   if (policy >= 0) software.policy = static_cast<Policy>(policy);
   map.finish();

@@ -1,4 +1,4 @@
-// The codec of hil/messages against the classes that lcm-gen generates, and its helpers.
+// The codec of hil/session/messages against the classes that lcm-gen generates, and its helpers.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -16,6 +16,7 @@
 #include "bridge/core/port.h"
 #include "bridge/core/threaded_connection.h"
 #include "hil/run/run.h"
+#include "hil/run/simulation/model_messages.h"
 #include "hil/session/realtime/clock.h"
 #include "hil/session/realtime/histogram.h"
 #include "hil/session/realtime/real_time.h"
@@ -107,7 +108,7 @@ class Cycle {
       hil::sleep_until_ns(deadline_ns);
       const std::int64_t begin_ns = hil::get_monotonic_ns();
       (void)simulation_->step();
-      simulation_->fill_state(0, kTick_ns, state);
+      hil::fill_state(*simulation_, 0, kTick_ns, state);
       connection_.send(state);
       const std::int64_t took_ns = hil::get_monotonic_ns() - begin_ns;
       ++sent_;

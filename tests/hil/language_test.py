@@ -16,14 +16,14 @@ import yaml
 from jsonschema import Draft202012Validator
 
 PROBE, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
-sys.path.insert(0, str(SOURCE / "hil/language"))
+sys.path.insert(0, str(SOURCE / "hil/scenario/language"))
 sys.dont_write_bytecode = True
 from language import load_sections, load_yaml, parse_type  # noqa: E402
 
 SECTIONS = load_sections()
 SCHEMA = json.loads((SOURCE / "hil/scenarios/unlatch.schema.json").read_text())
 EVERYTHING = load_yaml((SOURCE / "hil/scenario/language/everything.yaml").read_text())
-PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.obj"))
+PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/scenario/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.obj"))
 
 # Keys that are processed before the loader's reader asks for any, so it does not list them.
 NOT_OF_SCENARIOS = {"unlatch_part"}
@@ -34,7 +34,7 @@ def is_scenario(path):
 
 
 def list_files():
-    folders = ["hil/scenarios", "hil/language", "tools/unlatch/files/starters", "bridge/examples"]
+    folders = ["hil/scenarios", "hil/scenario/language", "tools/unlatch/files/starters", "bridge/examples"]
     return sorted(p for folder in folders for p in (SOURCE / folder).rglob("*.yaml") if is_scenario(p))
 
 

@@ -204,7 +204,7 @@ TEST_F(MeshScenario, BadFilesAreRefusedAtTheirPlace) {
   expect("nothing.stl", "there is no such file");
   expect("s.yaml", "its name ends neither in .stl nor in .obj");
   EXPECT_THAT(load_errors(with_mesh("scale: 1 mm")), HasSubstr("mesh has no file"));
-  EXPECT_THAT(load_errors(with_mesh("file: parts/box.stl, scale: 0")), HasSubstr("this scale is not usable"));
+  EXPECT_THAT(load_errors(with_mesh("file: parts/box.stl, scale: 0")), HasSubstr("'scale' is out of its range"));
   EXPECT_THAT(load_errors(with_mesh("file: parts/box.stl, size: 2")), HasSubstr("unknown key 'size'"));
 }
 

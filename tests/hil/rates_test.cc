@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/run/simulation/model_messages.h"
 #include "tests/hil/session_support.h"
 
 namespace unlatch::test {
@@ -35,7 +36,7 @@ TEST(Rates, SensorsAreHeldBetweenTheirSamples) {
   bool moved = false;
   for (int tick = 0; tick <= 20; ++tick) {
     hil::StateMessage state;
-    simulation->fill_state(0, 1'000'000, state);
+    hil::fill_state(*simulation, 0, 1'000'000, state);
     if (tick % 4 == 0) held = simulation->workspace().sensors[2];
     EXPECT_EQ(state.sensors[2], held) << "tick " << tick;
     moved = moved || state.sensors[2] != simulation->workspace().sensors[2];

@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 from optimize_test import SCENARIO
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
 
-sys.path.insert(0, str(SOURCE / "hil/language"))
+sys.path.insert(0, str(SOURCE / "hil/scenario/language"))
 sys.dont_write_bytecode = True
 from language import load_sections, load_yaml, parse_type  # noqa: E402
 

@@ -24,6 +24,7 @@ std::unique_ptr<bridge::Port> open(const TransportOptions& options, bridge::Role
     std::fprintf(stderr, "%s\n", describe(options.udp).c_str());
     return port;
   }
+  if (options.name != "dds") throw bridge::PortError("no transport is called '" + options.name + "': dds, lcm or udp");
   auto port = bridge::open_dds_port(role, options.dds);
   std::fprintf(stderr, "%s\n", describe(options.dds).c_str());
   return port;

@@ -7,8 +7,6 @@
 #include <new>
 #include <utility>
 
-#include "hil/scenario/outputs.h"
-
 namespace unlatch::hil {
 namespace {
 
@@ -27,28 +25,6 @@ Plan compile_or_throw(const Model& model, const PlanOptions& options) {
   PlanResult result = compile_plan(model, options);
   if (!result.plan) throw SimulationError(std::move(result.errors));
   return *std::move(result.plan);
-}
-
-// Number of `total` items in part `part`, of `capacity` items each.
-std::int32_t calc_share(std::size_t total, std::int32_t part, std::size_t capacity) {
-  const std::size_t first = static_cast<std::size_t>(part) * capacity;
-  return total <= first ? 0 : static_cast<std::int32_t>(std::min(total - first, capacity));
-}
-
-std::size_t calc_parts(std::size_t total, std::size_t capacity) { return (total + capacity - 1) / capacity; }
-
-BodyStateMessage to_message(const BodyState& body) {
-  return {body.p.x, body.p.y, body.p.z, body.q.w, body.q.x, body.q.y, body.q.z,
-          body.v.x, body.v.y, body.v.z, body.w.x, body.w.y, body.w.z};
-}
-
-CatalogMessage make_item(CatalogKind kind, std::size_t index, const std::string& name, const char* unit) {
-  CatalogMessage item;
-  item.kind = static_cast<std::int32_t>(kind);
-  item.index = static_cast<std::int32_t>(index);
-  set_name(item.name, name);
-  set_name(item.unit, unit);
-  return item;
 }
 
 std::vector<double> get_initial_channels(const Model& model) {
@@ -184,72 +160,6 @@ bool Simulation::is_possible(const State& state) const noexcept {
   return std::all_of(state.events.begin(), state.events.end(), [](const EventState& event) {
     return event.phase >= EventPhase::kArmed && event.phase <= EventPhase::kSpent;
   });
-}
-
-std::int32_t Simulation::get_part_count() const noexcept {
-  const std::size_t parts = std::max({calc_parts(state_.bodies.size(), kBodiesPerPart),
-                                      calc_parts(workspace_.sensors.size(), kSensorsPerPart),
-                                      calc_parts(state_.joints.size(), kJointsPerPart), std::size_t{1}});
-  return static_cast<std::int32_t>(parts);
-}
-
-void Simulation::fill_state(std::int32_t part, std::int64_t dt_ns, StateMessage& message) const noexcept {
-  message.tick = get_tick();
-  message.time_ns = get_tick() * dt_ns;
-  message.part = part;
-  message.parts = get_part_count();
-  message.body_count = calc_share(state_.bodies.size(), part, kBodiesPerPart);
-  message.sensor_count = calc_share(workspace_.sensors.size(), part, kSensorsPerPart);
-  message.joint_count = calc_share(state_.joints.size(), part, kJointsPerPart);
-  const auto first = static_cast<std::size_t>(part);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(message.body_count); ++i) {
-    message.bodies[i] = to_message(state_.bodies[first * kBodiesPerPart + i]);
-  }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(message.sensor_count); ++i) {
-    message.sensors[i] = held_.get_sensors()[first * kSensorsPerPart + i];
-  }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(message.joint_count); ++i) {
-    message.modes[i] = static_cast<std::uint8_t>(state_.joints[first * kJointsPerPart + i].mode);
-  }
-}
-
-std::vector<CatalogMessage> build_catalog(const Model& model) {
-  std::vector<CatalogMessage> items;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    items.push_back(make_item(CatalogKind::kBody, i, model.bodies[i].name, ""));
-  }
-  for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    items.push_back(make_item(CatalogKind::kJoint, i, model.joints[i].name, ""));
-  }
-  for (std::size_t i = 0; i < model.channels.size(); ++i) {
-    const Channel& channel = model.channels[i];
-    CatalogMessage item = make_item(CatalogKind::kChannel, i, channel.name, channel.unit.c_str());
-    item.minimum = channel.minimum;
-    item.maximum = channel.maximum;
-    item.initial = channel.initial;
-    item.safe = channel.safe;
-    items.push_back(item);
-  }
-  std::size_t value = 0;
-  for (const Sensor& sensor : model.sensors) {
-    for (const char* component : get_sensor_components(sensor.kind)) {
-      items.push_back(make_item(CatalogKind::kSensor, value++, sensor.name + component, sensor_unit(sensor.kind)));
-    }
-  }
-  for (std::size_t i = 0; i < model.signals.size(); ++i) {
-    items.push_back(make_item(CatalogKind::kSignal, i, model.signals[i], "1"));
-  }
-  return items;
-}
-
-std::vector<EventMessage> build_event_messages(const Model& model) {
-  std::vector<EventMessage> messages;
-  for (const Event& event : model.events) {
-    EventMessage& message = messages.emplace_back();
-    set_name(message.name, event.name);
-    set_name(message.subject, event.subject);
-  }
-  return messages;
 }
 
 }  // namespace unlatch::hil

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "hil/scenario/rates.h"
-#include "hil/session/messages/messages.h"
 #include "hil/session/realtime/nonblocking.h"
 #include "unlatch/bundle.h"
 #include "unlatch/frequencies.h"
@@ -84,11 +83,6 @@ class Simulation {
 
   // True if the State of this tick is to be sent.
   bool is_state_due() const noexcept { return held_.is_state_due(get_tick()); }
-  // State messages that one tick takes.
-  std::int32_t get_part_count() const noexcept;
-  // Writes bodies, sensors (held ones as last sampled) and joint modes of one part, and its counts; session, sequence,
-  // status and hash are the caller's.
-  void fill_state(std::int32_t part, std::int64_t dt_ns, StateMessage& message) const noexcept;
 
  private:
   struct Free {
@@ -110,10 +104,5 @@ class Simulation {
   SampleAndHold held_;  // last of these: it begins with the channels and sensors of the initial state
   const std::int64_t model_hash_;
 };
-
-// Messages, one per body, joint, channel, sensor value and signal; session is left 0.
-std::vector<CatalogMessage> build_catalog(const Model& model);
-// Messages of the model's events, with name and subject alone.
-std::vector<EventMessage> build_event_messages(const Model& model);
 
 }  // namespace unlatch::hil

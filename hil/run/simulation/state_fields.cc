@@ -6,7 +6,7 @@
 #include <functional>
 #include <span>
 
-#include "hil/run/simulation/simulation.h"
+#include "hil/run/simulation/model_messages.h"
 
 namespace unlatch::hil {
 namespace {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes hil/scenarios/REFERENCE.md and unlatch.schema.json from language.yaml, campaign.schema.json and synthesis.schema.json from
-campaign.yaml and synthesis.yaml. --check: only reports whether they are current."""
+campaign.yaml and synthesis.yaml, and number_keys.h, the bounds of numbers, from all three. --check: only reports whether they are current."""
 
 import json
 import re
@@ -226,10 +226,45 @@ def anchor(title):
     return kept.replace(" ", "-")
 
 
+# --- The bounds that the readers use ----------------------------------------------------------------------------------
+
+HEADER = """// Numbers of the language that have a least or a greatest value, for read_bounded() (bounded_number.h). Written by generate.py
+// from language.yaml, campaign.yaml and synthesis.yaml, which alone state these bounds.
+// clang-format off
+#pragma once
+
+#include <limits>
+
+#include "hil/scenario/language/number_key.h"
+
+namespace unlatch::hil {
+
+inline constexpr NumberKey kNumberKeys[] = {
+"""
+
+
+def write_number_keys(tables):
+    lines = []
+    for table, sections in tables.items():
+        for section_name, section in sections.items():
+            for key_name, key in section["keys"].items():
+                kinds = str(key["is"]).split(" or ")
+                kind, unit = kinds[0], str(key.get("unit", ""))
+                if kind not in ("number", "whole") or " or " in unit or unit.startswith("that of") or not {"least", "most", "above"} & key.keys():
+                    continue
+                least = key.get("above", key.get("least"))
+                limits = "std::numeric_limits<double>::infinity()"
+                lines.append(f'    {{"{table}.{section_name}.{key_name}", "{unit}", {f"-{limits}" if least is None else repr(float(least))}, '
+                             f'{repr(float(key["most"])) if "most" in key else limits}, {"true" if "above" in key else "false"}, '
+                             f'{"true" if kind == "whole" else "false"}}},\n')
+    return HEADER + "".join(lines) + "};\n\n}  // namespace unlatch::hil\n"
+
+
 def main():
     sections = load_sections()
     files = {OUT / "unlatch.schema.json": json.dumps(Schema(sections).build(), indent=1, ensure_ascii=False) + "\n",
-             OUT / "REFERENCE.md": write_reference(sections)}
+             OUT / "REFERENCE.md": write_reference(sections),
+             HERE / "number_keys.h": write_number_keys({"scenario": sections, "campaign": load_sections("campaign"), "synthesis": load_sections("synthesis")})}
     for top in ("campaign", "synthesis"):
         schema = Schema(load_sections(top)).build_plain(top)
         files[OUT / f"{top}.schema.json"] = json.dumps(schema, indent=1, ensure_ascii=False) + "\n"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/language/scenario_parts.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/scenario/yaml/yaml_reader.h"
@@ -13,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMaxNodes = 200'000;  // nodes of all instances together
 constexpr std::size_t kMaxDepth = 32, kMaxText = 1024;
-constexpr double kMaxCount = 1000;
 
 struct Binding {
   std::string name;
@@ -184,12 +184,8 @@ class Expander {
     std::vector<Bindings> rows;
     const std::string by = map.only_one_of({"for", "count"}, "to say how many");
     if (by == "count") {
-      const double count = map.number("count", "");
+      const double count = read_bounded(map, get_number_key("scenario.instance.count"), {}, mistakes_);
       const YamlNode& node = *map.find("count");
-      if (!(count >= 1 && count <= kMaxCount) || count != std::floor(count)) {
-        mistakes_.add(node.mark, "this count is not usable", "a whole number, 1 to 1000");
-        return rows;
-      }
       for (int i = 1; i <= static_cast<int>(count); ++i)
         rows.push_back({{kCounter, {YamlNode::Kind::kScalar, node.mark, std::to_string(i), {}, {}, false}}});
     } else if (by == "for") {

@@ -1,6 +1,7 @@
 // Shapes of bodies, and the points whose path is drawn.
 #include <algorithm>
 
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/meshes/mesh_file.h"
 #include "hil/scenario/model/from_eigen.h"
 #include "hil/scenario/sections/scenario_reader.h"
@@ -78,18 +79,13 @@ std::shared_ptr<const TriangleMesh> ScenarioReader::read_mesh_shape(const YamlNo
   YamlMap map(node, kMesh, mistakes_);
   const YamlNode* file = map.require("file");
   MeshPlace place;
-  place.scale = map.number("scale", "m", place.scale);
+  place.scale = read_bounded(map, get_number_key("scenario.mesh.scale"), place.scale, mistakes_);
   place.origin = to_vec3(map.vector("origin", "m", Eigen::Vector3d::Zero()));
   if (const YamlNode* attitude = map.find("attitude")) {
     const Eigen::Quaterniond q = read_attitude(*attitude);
     place.q_BM = {q.w(), q.x(), q.y(), q.z()};
   }
   map.finish();
-  constexpr double kLeast = 1e-9, kMost = 1e9;
-  if (!(place.scale >= kLeast && place.scale <= kMost)) {
-    mistakes_.add(map.find("scale")->mark, "this scale is not usable", "the length of one unit of the file: 1 mm, 1 m");
-    return nullptr;
-  }
   if (file == nullptr) return nullptr;
   const std::string name = read_text(*file, mistakes_);
   try {

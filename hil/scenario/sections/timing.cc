@@ -2,14 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr double kMaxSpin = 0.01, kMaxWatchdog = 3600;  // s
-constexpr double kMaxEvery = 1e9;                       // ticks
-constexpr double kSameTime = 1e-6;                      // relative to a step: the rounding of a decimal period
+constexpr double kSameTime = 1e-6;  // relative to a step: the rounding of a decimal period
 
 bool is_whole(double value) { return value == std::floor(value); }
 
@@ -21,9 +20,7 @@ void ScenarioReader::read_timing(YamlMap& top) {
   TimingOptions& timing = scenario_.timing;
   YamlMap map(*node, "timing", mistakes_);
   if (const YamlNode* overruns = map.find("overruns")) read_overruns(*overruns);
-  timing.spin = map.number("spin", "s", timing.spin);
-  if (timing.spin < 0 || timing.spin > kMaxSpin)
-    mistakes_.add(node->find("spin")->mark, "this spin is not usable", "0 to 10 ms; 100 us is a good start");
+  timing.spin = read_bounded(map, get_number_key("scenario.timing.spin"), timing.spin, mistakes_);
   if (const YamlNode* watchdog = map.find("watchdog")) read_watchdog(*watchdog);
   timing.per_tick = map.boolean("per_tick", timing.per_tick);
   if (const YamlNode* states = map.find("states")) {
@@ -44,13 +41,8 @@ void ScenarioReader::read_overruns(const YamlNode& node) {
     return;
   }
   YamlMap map(node, "overruns", mistakes_);
-  const double ticks = map.number("catch_up", "");
-  if (!(ticks >= 1 && ticks <= kMaxEvery && is_whole(ticks))) {
-    if (node.find("catch_up"))
-      mistakes_.add(node.find("catch_up")->mark, "this bound is not usable", "a whole number of ticks from 1");
-  } else {
-    policy = {OverrunPolicy::Kind::kCatchUp, static_cast<std::int64_t>(ticks)};
-  }
+  const double ticks = read_bounded(map, get_number_key("scenario.catch_up.catch_up"), {}, mistakes_);
+  if (ticks > 0) policy = {OverrunPolicy::Kind::kCatchUp, static_cast<std::int64_t>(ticks)};
   map.finish();
 }
 
@@ -59,14 +51,13 @@ void ScenarioReader::read_watchdog(const YamlNode& node) {
   TimingOptions& timing = scenario_.timing;
   if (!node.is_mapping()) {
     timing.watchdog = read_number(node, "s", timing.watchdog, mistakes_);
+    check_bounds(timing.watchdog, get_number_key("scenario.timing.watchdog"), node.mark, mistakes_);
   } else {
     YamlMap map(node, "watchdog", mistakes_);
-    timing.watchdog = map.number("limit", "s", timing.watchdog);
+    timing.watchdog = read_bounded(map, get_number_key("scenario.watchdog.limit"), timing.watchdog, mistakes_);
     timing.watchdog_aborts = map.choice("action", "action", {"report", "abort"}, 0) == 1;
     map.finish();
   }
-  if (timing.watchdog < 0 || timing.watchdog > kMaxWatchdog)
-    mistakes_.add(node.mark, "this limit is not usable", "0 (no watchdog) to 3600 s");
 }
 
 // Reads {every: ticks} or {period: s}, and {phase: ticks}.
@@ -82,11 +73,12 @@ Rate ScenarioReader::read_rate(YamlMap& map) {
     every = std::abs(ticks - std::round(ticks)) <= kSameTime ? std::round(ticks) : 0;
   }
   const double phase = map.number("phase", "", 0.0);
-  if (!(every >= 1 && every <= kMaxEvery && is_whole(every))) {
-    mistakes_.add(mark, timed ? "this period is not a whole number of steps" : "this rate is not usable",
-                  timed ? "a multiple of step.dt" : "a whole number of ticks from 1");
+  constexpr const NumberKey& kEvery = get_number_key("scenario.rate.every");
+  if (timed && !kEvery.holds(every)) {
+    mistakes_.add(mark, "this period is not a whole number of steps", "a multiple of step.dt");
     return rate;
   }
+  if (!check_bounds(every, kEvery, mark, mistakes_)) return rate;
   if (!(phase >= 0 && phase < every && is_whole(phase))) {
     mistakes_.add(map.node().find("phase")->mark, "this phase is not usable",
                   "a whole number of ticks from 0, below the rate's own");

@@ -17,23 +17,6 @@ constexpr std::chrono::milliseconds kLockstepWait(5);  // longest sleep between 
 constexpr int kFinalStates = 3;                        // the last State, repeated for transports that lose messages
 constexpr std::int64_t kFinalInterval_ns = 5'000'000;
 
-std::vector<std::string> get_required(const SessionOptions& options) {
-  return options.pace == Pace::kFast ? std::vector<std::string>{} : options.flight_software.required;
-}
-
-std::int64_t calc_horizon_ticks(const FlightSoftware& flight_software, const HelloMessage& hello) {
-  constexpr double kMost = 0x1p53;
-  return static_cast<std::int64_t>(
-      std::min(std::ceil(flight_software.horizon * 1e9 / static_cast<double>(hello.dt_ns)), kMost));
-}
-
-Announcer build_announcer(const Simulation& simulation, const std::string& scenario, const ExecutiveOptions& options,
-                          Connection& connection) {
-  std::vector<CatalogMessage> catalog = build_session_catalog(simulation, options);
-  const HelloMessage hello = build_hello(simulation, scenario, options, catalog);
-  return {hello, std::move(catalog), options.source, connection, *options.clock, options.announce_ns};
-}
-
 }  // namespace
 
 Executive::Executive(Simulation& simulation, Connection& connection, Recorder& recorder, const std::string& scenario,
@@ -42,45 +25,16 @@ Executive::Executive(Simulation& simulation, Connection& connection, Recorder& r
       clock_(*options.clock),
       simulation_(simulation),
       recorder_(recorder),
-      participants_(get_required(options)),
-      faulty_connection_(options.faults == nullptr
-                             ? nullptr
-                             : std::make_unique<FaultyConnection>(
-                                   connection, *options.faults, participants_, clock_,
-                                   [this](Participant& participant) { reception_.resume(participant); })),
-      connection_(faulty_connection_ ? *faulty_connection_ : connection),
-      announcer_(build_announcer(simulation, scenario, options, connection_)),
-      handshake_(announcer_.get_hello(), participants_),
-      liveness_(participants_, options.flight_software.policy, announcer_.get_hello().timeout_ns),
-      commands_(simulation.model().channels,
-                {.session = options.session,
-                 .delay_ticks = options.flight_software.delay,
-                 .accept_late = options.pace == Pace::kRealtime,
-                 .horizon_ticks = calc_horizon_ticks(options.flight_software, announcer_.get_hello()),
-                 .places = static_cast<std::size_t>(options.flight_software.queue)},
-                participants_, rejects_),
-      publisher_(simulation, recorder, connection_, options.faults, options.session),
-      exchange_(simulation, clock_, participants_, liveness_, commands_, publisher_, timing_.round_trip),
-      reception_({.connection = connection_,
-                  .simulation = simulation,
-                  .clock = clock_,
-                  .participants = participants_,
-                  .handshake = handshake_,
-                  .liveness = liveness_,
-                  .commands = commands_,
-                  .rejects = rejects_,
-                  .publisher = publisher_,
-                  .heartbeat = heartbeat_,
-                  .session = options.session}),
+      session_(simulation, connection, recorder, scenario, options, heartbeat_, timing_.round_trip),
       channels_(simulation, recorder, options.faults),
       health_({.timing = timing_,
-               .participants = participants_,
-               .commands = commands_,
-               .rejects = rejects_,
-               .connection = connection_},
-              publisher_),
-      own_ticks_(std::make_unique<MonotonicTicks>(announcer_.get_hello().dt_ns, std::llround(options.timing.spin * 1e9),
-                                                  clock_)),
+               .participants = session_.participants(),
+               .commands = session_.commands(),
+               .rejects = session_.rejects(),
+               .connection = session_.connection()},
+              session_.publisher()),
+      own_ticks_(std::make_unique<MonotonicTicks>(session_.announcer().get_hello().dt_ns,
+                                                  std::llround(options.timing.spin * 1e9), clock_)),
       ticks_(options.ticks != nullptr ? *options.ticks : *own_ticks_) {}
 
 LogEnd Executive::run() {
@@ -112,57 +66,57 @@ Executive::Next Executive::await_tick() noexcept {
   if (ticks_.is_backlogged()) now_.held_up_by = HeldUpBy::kTickBefore;
   timing_.wakeup.record(now_.wakeup_ns);
   // The State was sent a period before this tick was due.
-  const HelloMessage& hello = announcer_.get_hello();
-  reception_.set_cutoff(ticks_.get_due_ns() - hello.dt_ns + hello.cutoff_ns);
+  const HelloMessage& hello = session_.announcer().get_hello();
+  session_.set_cutoff(ticks_.get_due_ns() - hello.dt_ns + hello.cutoff_ns);
   return wait_realtime();
 }
 
 // No step waits for a participant.
 Executive::Next Executive::wait_realtime() noexcept {
-  reception_.receive();
+  session_.receive();
   const std::int64_t now_ns = clock_.get_ns();
-  (void)exchange_.is_answered(now_ns);  // for its round trip alone
-  Participant* const overdue = liveness_.find_overdue(now_ns);
+  (void)session_.exchange().is_answered(now_ns);  // for its round trip alone
+  Participant* const overdue = session_.liveness().find_overdue(now_ns);
   return overdue != nullptr ? lose(*overdue) : Next::kStep;
 }
 
 Executive::Next Executive::wait_lockstep() noexcept {
-  if (liveness_.get_tick() != simulation_.get_tick()) return Next::kStep;  // no State, no answers
-  std::int64_t sent_ns = *liveness_.get_sent_ns();
+  if (session_.liveness().get_tick() != simulation_.get_tick()) return Next::kStep;  // no State, no answers
+  std::int64_t sent_ns = *session_.liveness().get_sent_ns();
   while (true) {
-    reception_.receive();
+    session_.receive();
     const std::int64_t now_ns = clock_.get_ns();
-    if (exchange_.is_answered(now_ns)) return Next::kStep;
+    if (session_.exchange().is_answered(now_ns)) return Next::kStep;
     if (stop_.load(std::memory_order_relaxed)) return stop("interrupted");
-    if (Participant* const overdue = liveness_.find_overdue(now_ns)) {
+    if (Participant* const overdue = session_.liveness().find_overdue(now_ns)) {
       if (lose(*overdue) == Next::kStop) return Next::kStop;
       continue;
     }
-    if (now_ns - exchange_.get_quiet_since_ns(sent_ns) >= options_.resend_ns) {
-      exchange_.repeat(simulation_.get_tick() == 0 ? RunStatus::kArmed : RunStatus::kRunning);
+    if (now_ns - session_.exchange().get_quiet_since_ns(sent_ns) >= options_.resend_ns) {
+      session_.exchange().repeat(simulation_.get_tick() == 0 ? RunStatus::kArmed : RunStatus::kRunning);
       sent_ns = now_ns;
     }
-    announcer_.announce(now_ns);
-    connection_.wait(kLockstepWait);
+    session_.announcer().announce(now_ns);
+    session_.connection().wait(kLockstepWait);
   }
 }
 
 // A required participant has not answered in time, or leaves: the policy is applied.
 Executive::Next Executive::lose(Participant& participant) noexcept {
-  const Policy policy = liveness_.get_policy();
+  const Policy policy = session_.liveness().get_policy();
   char name[kNameLength] = {};
   const std::string_view policy_name = get_text(policy);
   kPolicyPrefix.copy(name, kPolicyPrefix.size());
   policy_name.copy(name + kPolicyPrefix.size(), sizeof name - kPolicyPrefix.size() - 1);
-  publisher_.publish_notice(name, participant.name);
-  const bool left = liveness_.lose(participant);
+  session_.publisher().publish_notice(name, participant.name);
+  const bool left = session_.liveness().lose(participant);
   if (policy == Policy::kPause) return pause(participant);
   if (policy == Policy::kAbort) {
     return stop("the flight software '" + participant.name + "' " + (left ? "has left" : "did not answer in time") +
                 " (policy: abort)");
   }
-  commands_.remove(participant);
-  channels_.apply_policy(policy, participants_.get_index(participant));
+  session_.commands().remove(participant);
+  channels_.apply_policy(policy, session_.participants().get_index(participant));
   return Next::kStep;
 }
 
@@ -179,16 +133,16 @@ Executive::Next Executive::pause(Participant& participant) noexcept {
                   std::to_string(limit_s) + " s");
     }
     if (!resend_at_ns || now_ns >= *resend_at_ns) {
-      exchange_.repeat(RunStatus::kPaused);
+      session_.exchange().repeat(RunStatus::kPaused);
       resend_at_ns = now_ns + std::max(options_.resend_ns, kPausePoll_ns);
     }
-    announcer_.announce(now_ns);
+    session_.announcer().announce(now_ns);
     clock_.sleep_until_ns(now_ns + kPausePoll_ns);
-    reception_.receive();
+    session_.receive();
   }
   const std::int64_t now_ns = clock_.get_ns();
   ticks_.restart(now_ns);  // the pause is no overrun
-  liveness_.restart(now_ns);
+  session_.liveness().restart(now_ns);
   return Next::kStep;
 }
 
@@ -222,13 +176,13 @@ Executive::Next Executive::cycle() noexcept {
 
 void Executive::apply_commands() noexcept {
   const MayWait without_deadlines(!is_realtime());
-  publisher_.publish_fault_notices();
-  commands_.take_due(simulation_.get_tick(), [this](const CommandQueue::Pending& pending) {
+  session_.publisher().publish_fault_notices();
+  session_.commands().take_due(simulation_.get_tick(), [this](const CommandQueue::Pending& pending) {
     const CommandMessage& command = pending.command;
-    applied_ns_ = reception_.get_command_ns();
+    applied_ns_ = session_.get_command_ns();
     channels_.set({.channel = command.channel,
                    .cause = pending.late ? ChangeCause::kLateCommand : ChangeCause::kCommand,
-                   .participant = participants_.get_index(*pending.sender),
+                   .participant = session_.participants().get_index(*pending.sender),
                    .sequence = command.sequence,
                    .value = command.value});
   });
@@ -239,17 +193,17 @@ void Executive::begin_faults() noexcept {
   if (options_.faults == nullptr) return;
   const MayWait without_deadlines(!is_realtime());
   const auto end_freeze = [this](Participant& participant) {
-    publisher_.publish_fault_notices();
-    reception_.resume(participant);
+    session_.publisher().publish_fault_notices();
+    session_.resume(participant);
   };
-  options_.faults->begin_tick(simulation_.get_tick(), clock_.get_ns(), participants_, end_freeze);
-  publisher_.publish_fault_notices();
+  options_.faults->begin_tick(simulation_.get_tick(), clock_.get_ns(), session_.participants(), end_freeze);
+  session_.publisher().publish_fault_notices();
   channels_.update_faults();
 }
 
 void Executive::publish(const StepReport& report) noexcept {
   const MayWait without_deadlines(!is_realtime());
-  for (const FiredEvent& fired : report.events) publisher_.publish_event(fired);
+  for (const FiredEvent& fired : report.events) session_.publisher().publish_event(fired);
   const bool is_last = simulation_.get_tick() == options_.last_tick;
   if (!is_last && !simulation_.is_state_due()) return;
   if (!is_last && is_realtime() && options_.timing.overruns.kind == OverrunPolicy::Kind::kSkipOutput &&
@@ -257,8 +211,8 @@ void Executive::publish(const StepReport& report) noexcept {
     ++timing_.skipped_outputs;
     return;
   }
-  exchange_.publish(is_last ? RunStatus::kDone : RunStatus::kRunning, hash_);
-  if (applied_ns_) timing_.turnaround.record(*liveness_.get_sent_ns() - *applied_ns_);
+  session_.exchange().publish(is_last ? RunStatus::kDone : RunStatus::kRunning, hash_);
+  if (applied_ns_) timing_.turnaround.record(*session_.liveness().get_sent_ns() - *applied_ns_);
   applied_ns_.reset();
 }
 
@@ -268,14 +222,14 @@ Executive::Next Executive::account(std::int64_t step_end_ns) noexcept {
   now_.output_ns = now_ns - step_end_ns;
   if (options_.timing.per_tick) recorder_.timing(now_);
   health_.publish_due(now_ns);
-  announcer_.announce(now_ns);
-  publisher_.begin_tick();
+  session_.announcer().announce(now_ns);
+  session_.publisher().begin_tick();
   if (is_realtime() && now_ns > ticks_.get_next_due_ns()) return account_overrun(now_ns);
   return Next::kStep;
 }
 
 Executive::Next Executive::account_overrun(std::int64_t now_ns) noexcept {
-  publisher_.publish_overrun(timing_.account_overrun(now_, now_ns - ticks_.get_next_due_ns()));
+  session_.publisher().publish_overrun(timing_.account_overrun(now_, now_ns - ticks_.get_next_due_ns()));
   const OverrunPolicy& policy = options_.timing.overruns;
   if (policy.kind == OverrunPolicy::Kind::kSlip) timing_.slipped_ns += ticks_.slip(now_ns);
   overrun_ends_ = policy.kind == OverrunPolicy::Kind::kFail ||
@@ -287,32 +241,21 @@ Executive::Next Executive::account_overrun(std::int64_t now_ns) noexcept {
 
 std::optional<std::string> Executive::begin() {
   if (options_.pace == Pace::kFast) {
-    announcer_.send_all();
+    session_.announcer().send_all();
     begin_faults();
   } else {
-    const SessionStart start({.options = options_,
-                              .clock = clock_,
-                              .announcer = announcer_,
-                              .handshake = handshake_,
-                              .participants = participants_,
-                              .liveness = liveness_,
-                              .exchange = exchange_,
-                              .reception = reception_,
-                              .stop = stop_,
-                              .begin_faults = [this] { begin_faults(); },
-                              .timeout_ns = options_.start_timeout_ns,
-                              .resend_ns = options_.resend_ns});
+    const SessionStart start(session_, options_, stop_, [this] { begin_faults(); });
     if (auto failure = start.run(hash_)) return failure;
-    commands_.expect_repeats(0);
-    exchange_.resend(RunStatus::kArmed);
-    publisher_.set_resent(0);
+    session_.commands().expect_repeats(0);
+    session_.exchange().resend(RunStatus::kArmed);
+    session_.publisher().set_resent(0);
   }
-  announcer_.set_status(RunStatus::kRunning);
-  handshake_.begin_run();
+  session_.announcer().set_status(RunStatus::kRunning);
+  session_.handshake().begin_run();
   const std::int64_t started_ns = clock_.get_ns();
   health_.begin_run(started_ns);
   if (options_.pace == Pace::kFast) {
-    exchange_.publish(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning, hash_);
+    session_.exchange().publish(options_.last_tick == 0 ? RunStatus::kDone : RunStatus::kRunning, hash_);
   }
   timing_.begin_counts();
   ticks_.restart(started_ns);
@@ -343,16 +286,16 @@ LogEnd Executive::conclude_stop() {
 }
 
 LogEnd Executive::conclude(RunStatus status, std::string message) {
-  publisher_.publish_fault_notices();
+  session_.publisher().publish_fault_notices();
   heartbeat_.beat(RunPlace::kEnding);
-  announcer_.set_status(status);
-  announcer_.send_farewell();
-  while (announcer_.send_unsent_source_part()) heartbeat_.beat(RunPlace::kEnding);
+  session_.announcer().set_status(status);
+  session_.announcer().send_farewell();
+  while (session_.announcer().send_unsent_source_part()) heartbeat_.beat(RunPlace::kEnding);
   for (int i = 0; i < kFinalStates; ++i) {
-    exchange_.resend(status);
+    session_.exchange().resend(status);
     clock_.sleep_until_ns(clock_.get_ns() + kFinalInterval_ns);
   }
-  publisher_.set_resent(publisher_.get_resent() - kFinalStates);
+  session_.publisher().set_resent(session_.publisher().get_resent() - kFinalStates);
   health_.publish_health(clock_.get_ns());
   if (status != RunStatus::kFaulted) health_.publish_reactions(clock_.get_ns());
 

@@ -12,9 +12,9 @@
 // comes back (hold, zero, safe) or for good (evict), waits for it (pause) or ends (abort). The protocol:
 // hil/PROTOCOL.md.
 //
-// Executive is the cycle alone. Its parts, each with a test of its own: Announcer, Handshake, Participants, Liveness
-// and CommandQueue (hil/session), FaultyConnection (hil/faults), SessionStart, Reception, StateExchange, ChannelWriter,
-// Publisher, HealthReporter, Heartbeat and WarmUp (beside it).
+// Executive is the cycle alone. A Session (session.h) owns what concerns participants: Participants, Handshake,
+// Liveness, CommandQueue, Publisher and StateExchange. ChannelWriter, HealthReporter, Heartbeat and WarmUp are the
+// executive's own. Each part has a test of its own.
 #pragma once
 
 #include <atomic>
@@ -25,41 +25,19 @@
 
 #include "hil/run/recording/recorder.h"
 #include "hil/run/simulation/simulation.h"
-#include "hil/scenario/scenario.h"
 #include "hil/session/executive/channel_writer.h"
+#include "hil/session/executive/executive_options.h"
 #include "hil/session/executive/health_reporter.h"
 #include "hil/session/executive/heartbeat.h"
-#include "hil/session/executive/publisher.h"
-#include "hil/session/executive/reception.h"
+#include "hil/session/executive/session.h"
 #include "hil/session/executive/session_start.h"
-#include "hil/session/executive/state_exchange.h"
 #include "hil/session/executive/warm_up.h"
-#include "hil/session/faults/fault_injector.h"
-#include "hil/session/faults/faulty_connection.h"
-#include "hil/session/participants/announcer.h"
-#include "hil/session/participants/command_queue.h"
-#include "hil/session/participants/connection.h"
-#include "hil/session/participants/handshake.h"
-#include "hil/session/participants/liveness.h"
-#include "hil/session/participants/participants.h"
-#include "hil/session/participants/reject_counts.h"
-#include "hil/session/participants/session_options.h"
 #include "hil/session/realtime/clock.h"
 #include "hil/session/realtime/executive_timing.h"
 #include "hil/session/realtime/nonblocking.h"
 #include "hil/session/realtime/tick_source.h"
 
 namespace unlatch::hil {
-
-struct ExecutiveOptions : SessionOptions {
-  TimingOptions timing;
-  FaultInjector* faults = nullptr;                 // deliberate faults; null for none
-  TickSource* ticks = nullptr;                     // real time: the source of ticks; null for the clock
-  const Clock* clock = &kMonotonicClock;           // clock of all times of the session
-  std::int64_t start_timeout_ns = 20'000'000'000;  // limit for the introductions of all required participants
-  std::int64_t resend_ns = 20'000'000;             // lockstep: interval of States without an answer
-  std::int64_t announce_ns = 10'000'000;           // Announcer: one message of Hello and the catalog, one of the source
-};
 
 class Executive {
  public:
@@ -75,7 +53,7 @@ class Executive {
 
   // One watching thread.
   [[nodiscard]] std::int64_t get_tick() const noexcept { return heartbeat_.get_tick(); }
-  [[nodiscard]] bool take_notice(EventMessage& event) noexcept { return publisher_.take_notice(event); }
+  [[nodiscard]] bool take_notice(EventMessage& event) noexcept { return session_.publisher().take_notice(event); }
   // Call about once a second from the watching thread. Counts before the previous call are ignored: page faults and
   // preemptions until then explain no later overrun. The cyclic thread makes no system calls for it.
   void watch_counts() { timing_.watch_counts(); }
@@ -116,17 +94,7 @@ class Executive {
 
   Timing timing_;
   Heartbeat heartbeat_;
-  Participants participants_;
-  RejectCounts rejects_;
-  std::unique_ptr<FaultyConnection> faulty_connection_;
-  Connection& connection_;  // the faulty one, if there is a fault script
-  Announcer announcer_;
-  Handshake handshake_;
-  Liveness liveness_;
-  CommandQueue commands_;
-  Publisher publisher_;
-  StateExchange exchange_;
-  Reception reception_;
+  Session session_;
   ChannelWriter channels_;
   HealthReporter health_;
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "hil/run/simulation/model_messages.h"
 #include "hil/session/messages/event_names.h"
 
 namespace unlatch::hil {
@@ -19,7 +20,7 @@ Publisher::Publisher(const Simulation& simulation, Recorder& recorder, Connectio
       model_events_(build_event_messages(simulation.model())) {}
 
 void Publisher::send_state_part(std::int32_t part, RunStatus status) noexcept {
-  simulation_.fill_state(part, dt_ns_, state_);
+  fill_state(simulation_, part, dt_ns_, state_);
   state_.status = static_cast<std::int32_t>(status);
   if (faults_ != nullptr) faults_->distort(state_);
   connection_.send(state_);
@@ -30,14 +31,14 @@ void Publisher::publish_state(RunStatus status, std::int64_t hash) noexcept {
   state_.session = session_;
   state_.sequence = state_sequence_++;
   state_.hash = hash;
-  for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) {  // part 0, the token, comes last
+  for (std::int32_t part = count_state_parts(simulation_) - 1; part >= 0; --part) {  // part 0, the token, comes last
     send_state_part(part, status);
     if (record) recorder_.state(state_);
   }
 }
 
 void Publisher::resend_state(RunStatus status) noexcept {
-  for (std::int32_t part = simulation_.get_part_count() - 1; part >= 0; --part) send_state_part(part, status);
+  for (std::int32_t part = count_state_parts(simulation_) - 1; part >= 0; --part) send_state_part(part, status);
   ++resent_;
 }
 

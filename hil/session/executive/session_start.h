@@ -7,37 +7,20 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
-#include "hil/session/executive/reception.h"
-#include "hil/session/executive/state_exchange.h"
-#include "hil/session/participants/announcer.h"
-#include "hil/session/participants/handshake.h"
-#include "hil/session/participants/liveness.h"
-#include "hil/session/participants/participants.h"
-#include "hil/session/participants/session_options.h"
-#include "hil/session/realtime/clock.h"
+#include "hil/session/executive/executive_options.h"
+#include "hil/session/executive/session.h"
 
 namespace unlatch::hil {
 
 class SessionStart {
  public:
-  // Parts of the session; all must outlive the start.
-  struct Parts {
-    const SessionOptions& options;
-    const Clock& clock;
-    Announcer& announcer;
-    const Handshake& handshake;
-    const Participants& participants;
-    Liveness& liveness;
-    StateExchange& exchange;
-    Reception& reception;
-    const std::atomic<bool>& stop;       // set: the run ends
-    std::function<void()> begin_faults;  // faults of tick 0, before its State
-    std::int64_t timeout_ns;             // limit for introductions, and for answers
-    std::int64_t resend_ns;              // interval of States without an answer
-  };
-
-  explicit SessionStart(const Parts& parts) : parts_(parts) {}
+  // `stop`: set, the run ends. `begin_faults` begins the faults of tick 0, before its State. All but the latter must
+  // outlive the start.
+  SessionStart(Session& session, const ExecutiveOptions& options, const std::atomic<bool>& stop,
+               std::function<void()> begin_faults)
+      : session_(session), options_(options), stop_(stop), begin_faults_(std::move(begin_faults)) {}
 
   // Listens, introduces, exchanges State 0, whose hash is `hash`. Returns the reason why the session cannot start, none
   // if it can.
@@ -52,12 +35,15 @@ class SessionStart {
   [[nodiscard]] bool is_disturbed() const noexcept;
   [[nodiscard]] bool gives_way() const noexcept;
   [[nodiscard]] std::string describe_other() const;
-  [[nodiscard]] const HelloMessage& get_other() const noexcept { return parts_.reception.get_other(); }
-  [[nodiscard]] bool is_stopped() const noexcept { return parts_.stop.load(std::memory_order_relaxed); }
+  [[nodiscard]] const HelloMessage& get_other() const noexcept { return session_.get_other(); }
+  [[nodiscard]] bool is_stopped() const noexcept { return stop_.load(std::memory_order_relaxed); }
   // Takes in the messages that have arrived, then sleeps.
   void poll() const;
 
-  const Parts parts_;
+  Session& session_;
+  const ExecutiveOptions& options_;
+  const std::atomic<bool>& stop_;
+  const std::function<void()> begin_faults_;
 };
 
 }  // namespace unlatch::hil

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hil/run/simulation/simulation.h"
+#include "hil/run/simulation/model_messages.h"
 #include "hil/scenario/yaml/yaml_reader.h"
 
 namespace unlatch::hil {

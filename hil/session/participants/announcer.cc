@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "hil/run/simulation/model_messages.h"
+
 namespace unlatch::hil {
 namespace {
 

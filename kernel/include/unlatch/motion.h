@@ -1,6 +1,6 @@
 // Motion inside a step: the states and outputs between which it is smooth. A step is smooth from its beginning to the
 // first instant at which events act, from there to the next, and to its end. Minima and event values that lie inside a
-// step are read off these (hil/motion); the step itself needs none of it, and its bits do not depend on it.
+// step are read off these (hil/run/motion); the step itself needs none of it, and its bits do not depend on it.
 #pragma once
 
 #include <cstddef>

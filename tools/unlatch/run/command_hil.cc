@@ -13,6 +13,7 @@
 #include "bridge/core/direct_connection.h"
 #include "bridge/core/threaded_connection.h"
 #include "hil/run/run.h"
+#include "hil/run/simulation/model_messages.h"
 #include "hil/run/simulation/source_text.h"
 #include "hil/session/executive/executive.h"
 #include "hil/session/messages/event_names.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hil/run/simulation/simulation.h"
+#include "hil/run/simulation/model_messages.h"
 #include "hil/scenario/modules/module.h"
 #include "tools/fsw/separation_sequence.h"
 #include "tools/program/command_line.h"
