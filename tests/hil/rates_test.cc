@@ -89,10 +89,10 @@ TEST(Rates, MistakesHaveTheirPlaceAndRemedy) {
   EXPECT_EQ(describe_mistakes("{states: {every: 1}}"), "none");
   EXPECT_EQ(describe_mistakes("{overruns: {catch_up: 3}, spin: 50 us, watchdog: {limit: 1, action: abort}}"), "none");
   EXPECT_THAT(describe_mistakes("{overruns: explode}"), HasSubstr("skip_output"));
-  EXPECT_THAT(describe_mistakes("{overruns: {catch_up: 0}}"), HasSubstr("a whole number of ticks from 1"));
-  EXPECT_THAT(describe_mistakes("{spin: 1}"), HasSubstr("0 to 10 ms"));
-  EXPECT_THAT(describe_mistakes("{watchdog: -1}"), HasSubstr("0 (no watchdog) to 3600 s"));
-  EXPECT_THAT(describe_mistakes("{states: {every: 2.5}}"), HasSubstr("a whole number of ticks from 1"));
+  EXPECT_THAT(describe_mistakes("{overruns: {catch_up: 0}}"), HasSubstr("a whole number from 1 to 1000000000"));
+  EXPECT_THAT(describe_mistakes("{spin: 1}"), HasSubstr("at least 0, at most 0.01 s"));
+  EXPECT_THAT(describe_mistakes("{watchdog: -1}"), HasSubstr("at least 0, at most 3600 s"));
+  EXPECT_THAT(describe_mistakes("{states: {every: 2.5}}"), HasSubstr("a whole number from 1 to 1000000000"));
   EXPECT_THAT(describe_mistakes("{states: {every: 5, phase: 5}}"), HasSubstr("below the rate's own"));
   EXPECT_THAT(describe_mistakes("{states: {period: 1.5 ms}}"), HasSubstr("a multiple of step.dt"));
   EXPECT_THAT(describe_mistakes("{groups: {a: {every: 2, sensors: [giro]}}}"), HasSubstr("did you mean 'gyro'"));

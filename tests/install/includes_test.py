@@ -17,7 +17,7 @@ HIL = ("scenario/modules", "session/messages", "scenario/text", "scenario/yaml",
        "study/optimize")  # lowest first
 HIL_GROUPS = ("scenario", "run", "session", "study")
 LIBRARY = ("include", "c", "python", "fmi")  # lowest first
-TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "synthesis",
+TOOLS = ("common", "program", "pages", "fsw", "fmu", "modes", "import", "export", "report", "watch", "campaign", "optimize",
          "unlatch/options", "unlatch/results", "unlatch/studies", "unlatch/check", "unlatch/run", "unlatch/recordings", "unlatch/files",
          "unlatch", "mpi")  # lowest first
 BRIDGE = ("schema", "participant", "core", "udp", "lcm", "dds")  # lowest first

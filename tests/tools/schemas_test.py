@@ -59,7 +59,7 @@ seed: 2
 budget: {runs: 20, seconds: 5 s}
 """
 DRAWN = "unlatch_campaign: 1\nname: drawn\nscenario: s.yaml\nsamples: 4\nparameters: {m: {path: bodies.block.mass, uniform: {min: 0.9, max: 1.1}}}\n"
-FILES = {"campaign": CAMPAIGN, "synthesis": PROBLEM}
+FILES = {"campaign": CAMPAIGN, "optimize": PROBLEM}
 
 
 def pick(value, kind, sections):
@@ -137,7 +137,7 @@ class SchemasTest(ProcessTest):
 
     def test_shipped_files_satisfy_the_schema_and_name_it(self):
         for name in FILES:
-            files = sorted(SCENARIOS.rglob(f"{name}*.yaml"))
+            files = sorted(SCENARIOS.rglob({"campaign": "campaign*.yaml", "optimize": "synthesis*.yaml"}[name]))
             self.assertGreaterEqual(len(files), 2)
             for path in files:
                 text = path.read_text()

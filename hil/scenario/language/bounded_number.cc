@@ -7,7 +7,7 @@ namespace unlatch::hil {
 namespace {
 
 std::string to_plain_text(double value) {
-  constexpr double kPlain = 1e9;  // whole numbers below it are written without an exponent
+  constexpr double kPlain = 1e10;  // whole numbers below it are written without an exponent
   char text[32];
   const bool plain = value == std::floor(value) && std::abs(value) < kPlain;
   const auto end = plain ? std::to_chars(text, text + sizeof text, static_cast<long long>(value))

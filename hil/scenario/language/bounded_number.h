@@ -1,4 +1,4 @@
-// Numbers of the language whose bounds are in its tables (language.yaml, campaign.yaml, synthesis.yaml): the bounds,
+// Numbers of the language whose bounds are in its tables (language.yaml, campaign.yaml, optimize.yaml): the bounds,
 // and the message about a number outside of them, follow from the table.
 #pragma once
 

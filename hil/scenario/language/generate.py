@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes hil/scenarios/REFERENCE.md and unlatch.schema.json from language.yaml, campaign.schema.json and synthesis.schema.json from
-campaign.yaml and synthesis.yaml, and number_keys.h, the bounds of numbers, from all three. --check: only reports whether they are current."""
+"""Writes hil/scenarios/REFERENCE.md and unlatch.schema.json from language.yaml, campaign.schema.json and optimize.schema.json from
+campaign.yaml and optimize.yaml, and number_keys.h, the bounds of numbers, from all three. --check: only reports whether they are current."""
 
 import json
 import re
@@ -229,7 +229,7 @@ def anchor(title):
 # --- The bounds that the readers use ----------------------------------------------------------------------------------
 
 HEADER = """// Numbers of the language that have a least or a greatest value, for read_bounded() (bounded_number.h). Written by generate.py
-// from language.yaml, campaign.yaml and synthesis.yaml, which alone state these bounds.
+// from language.yaml, campaign.yaml and optimize.yaml, which alone state these bounds.
 // clang-format off
 #pragma once
 
@@ -264,8 +264,8 @@ def main():
     sections = load_sections()
     files = {OUT / "unlatch.schema.json": json.dumps(Schema(sections).build(), indent=1, ensure_ascii=False) + "\n",
              OUT / "REFERENCE.md": write_reference(sections),
-             HERE / "number_keys.h": write_number_keys({"scenario": sections, "campaign": load_sections("campaign"), "synthesis": load_sections("synthesis")})}
-    for top in ("campaign", "synthesis"):
+             HERE / "number_keys.h": write_number_keys({"scenario": sections, "campaign": load_sections("campaign"), "optimize": load_sections("optimize")})}
+    for top in ("campaign", "optimize"):
         schema = Schema(load_sections(top)).build_plain(top)
         files[OUT / f"{top}.schema.json"] = json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
     stale = [path for path, text in files.items() if not path.exists() or path.read_text() != text]
@@ -274,7 +274,7 @@ def main():
             path.write_text(files[path])
         return 0
     for path in stale:
-        table = path.name.replace(".schema.json", ".yaml") if path.name.startswith(("campaign", "synthesis")) else "language.yaml"
+        table = path.name.replace(".schema.json", ".yaml") if path.name.startswith(("campaign", "optimize")) else "language.yaml"
         print(f"{path.name} is not what {table} says: run hil/scenario/language/generate.py", file=sys.stderr)
     return 1 if stale else 0
 

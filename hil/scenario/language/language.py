@@ -29,7 +29,7 @@ def load_yaml(text):
 
 
 def load_sections(name="language"):
-    """Sections of scenarios ("language"), of campaign files ("campaign"), or of problems of synthesis ("synthesis")."""
+    """Sections of scenarios ("language"), of campaign files ("campaign"), or of problems of `unlatch optimize` ("optimize")."""
     return load_yaml((HERE / f"{name}.yaml").read_text())["sections"]
 
 

@@ -1,5 +1,5 @@
 // Numbers of the language that have a least or a greatest value, for read_bounded() (bounded_number.h). Written by generate.py
-// from language.yaml, campaign.yaml and synthesis.yaml, which alone state these bounds.
+// from language.yaml, campaign.yaml and optimize.yaml, which alone state these bounds.
 // clang-format off
 #pragma once
 
@@ -95,12 +95,12 @@ inline constexpr NumberKey kNumberKeys[] = {
     {"campaign.cone.sigma", "rad", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"campaign.cone.within", "", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"campaign.correlation.rho", "", -1.0, 1.0, false, false},
-    {"synthesis.synthesis.starts", "", 1.0, 1000.0, false, true},
-    {"synthesis.synthesis.seed", "", 0.0, std::numeric_limits<double>::infinity(), false, true},
-    {"synthesis.campaign_of_problem.samples", "", 2.0, std::numeric_limits<double>::infinity(), false, true},
-    {"synthesis.campaign_of_problem.checks", "", 0.0, std::numeric_limits<double>::infinity(), false, true},
-    {"synthesis.budget.runs", "", 1.0, std::numeric_limits<double>::infinity(), false, true},
-    {"synthesis.budget.seconds", "s", 0.0, std::numeric_limits<double>::infinity(), false, false},
+    {"optimize.optimize.starts", "", 1.0, 1000.0, false, true},
+    {"optimize.optimize.seed", "", 0.0, std::numeric_limits<double>::infinity(), false, true},
+    {"optimize.campaign_of_problem.samples", "", 2.0, std::numeric_limits<double>::infinity(), false, true},
+    {"optimize.campaign_of_problem.checks", "", 0.0, std::numeric_limits<double>::infinity(), false, true},
+    {"optimize.budget.runs", "", 1.0, std::numeric_limits<double>::infinity(), false, true},
+    {"optimize.budget.seconds", "s", 0.0, std::numeric_limits<double>::infinity(), false, false},
 };
 
 }  // namespace unlatch::hil

@@ -1,5 +1,5 @@
 // A problem of synthesis: a scenario, variables with bounds, objectives and constraints, read from a YAML file.
-// hil/scenarios/SYNTHESIS.md describes the language.
+// hil/scenarios/OPTIMIZE.md describes the language.
 #pragma once
 
 #include <array>

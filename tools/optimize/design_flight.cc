@@ -1,4 +1,4 @@
-#include "tools/synthesis/design_flight.h"
+#include "tools/optimize/design_flight.h"
 
 #include <algorithm>
 #include <cmath>

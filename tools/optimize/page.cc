@@ -1,4 +1,4 @@
-#include "tools/synthesis/page.h"
+#include "tools/optimize/page.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -105,7 +105,7 @@ std::size_t count_differences(const std::vector<double>& a, const std::vector<do
   return count;
 }
 
-TEST(Synthesis, AllDifferencesOfAGradientAreOneBatch) {
+TEST(OptimizeSearch, AllDifferencesOfAGradientAreOneBatch) {
   hil::LocalSearch* const search = find_local();
   if (search == nullptr) GTEST_SKIP() << "built without NLopt or pagmo";
   Quadratic quadratic;
@@ -126,7 +126,7 @@ TEST(Synthesis, AllDifferencesOfAGradientAreOneBatch) {
 }
 
 // NLopt mistakes an exception in a function for a search without progress.
-TEST(Synthesis, AnExceptionInAFlightEndsTheLocalSearchAndIsThrown) {
+TEST(OptimizeSearch, AnExceptionInAFlightEndsTheLocalSearchAndIsThrown) {
   hil::LocalSearch* const search = find_local();
   if (search == nullptr) GTEST_SKIP() << "built without NLopt or pagmo";
   for (const std::size_t after : {0U, 1U, 2U, 40U}) {
@@ -160,7 +160,7 @@ variables:
 objectives: [{minimise: force}]
 )";
 
-class SynthesisJournal : public testing::Test {
+class OptimizeJournal : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::path(testing::TempDir()) /
@@ -192,7 +192,7 @@ class SynthesisJournal : public testing::Test {
 
 const std::vector<DesignPoint> kPoints{{0.5}, {1}, {1.5}, {2}, {2.5}, {3}, {3.5}, {4}};
 
-TEST_F(SynthesisJournal, IsTheSameForAnyNumberOfThreads) {
+TEST_F(OptimizeJournal, IsTheSameForAnyNumberOfThreads) {
   std::vector<std::string> texts;
   for (const int jobs : {1, 3, 8}) {
     DesignEvaluations evaluations(problem_, {journal_, false, jobs}, stop_);
@@ -204,7 +204,7 @@ TEST_F(SynthesisJournal, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(texts[0], texts[2]);
 }
 
-TEST_F(SynthesisJournal, KeepsWhatABatchHadWhenItWasStopped) {
+TEST_F(OptimizeJournal, KeepsWhatABatchHadWhenItWasStopped) {
   std::vector<DesignPoint> points = kPoints;  // as many as a thread runs side by side, and four more
   points.insert(points.end(), {{4.5}, {5}, {5.5}, {6}});
   int seen = 0;
@@ -221,7 +221,7 @@ TEST_F(SynthesisJournal, KeepsWhatABatchHadWhenItWasStopped) {
   EXPECT_EQ(count_rows(), 12);
 }
 
-TEST_F(SynthesisJournal, LosesNothingWhenASearchThatGoesOnEndsAtOnce) {
+TEST_F(OptimizeJournal, LosesNothingWhenASearchThatGoesOnEndsAtOnce) {
   {
     DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_);
     EXPECT_TRUE(evaluations.evaluate(kPoints, indices_));
@@ -237,7 +237,7 @@ TEST_F(SynthesisJournal, LosesNothingWhenASearchThatGoesOnEndsAtOnce) {
   EXPECT_EQ(read(), whole);
 }
 
-TEST_F(SynthesisJournal, EndsWithTheRunsOfItsSearch) {
+TEST_F(OptimizeJournal, EndsWithTheRunsOfItsSearch) {
   {
     DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_);
     EXPECT_TRUE(evaluations.evaluate(kPoints, indices_));
@@ -255,7 +255,7 @@ TEST_F(SynthesisJournal, EndsWithTheRunsOfItsSearch) {
   EXPECT_EQ(evaluations.get_taken(), 3);
 }
 
-TEST_F(SynthesisJournal, GoesOnFromAHeadingThatWasCutOff) {
+TEST_F(OptimizeJournal, GoesOnFromAHeadingThatWasCutOff) {
   { const DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_); }
   const std::string heading = read();
   for (const std::size_t part : {std::size_t{0}, std::size_t{5}, heading.size() - 1}) {
@@ -269,7 +269,7 @@ TEST_F(SynthesisJournal, GoesOnFromAHeadingThatWasCutOff) {
   EXPECT_THROW(DesignEvaluations(problem_, resume(), stop_), hil::JournalError);
 }
 
-TEST_F(SynthesisJournal, AFullDiskIsThrown) {
+TEST_F(OptimizeJournal, AFullDiskIsThrown) {
   EXPECT_THROW(DesignEvaluations(problem_, {"/dev/full", false, 1}, stop_), hil::JournalError);
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hil/study/optimize/search.h"
-#include "tools/synthesis/design_flight.h"
+#include "tools/optimize/design_flight.h"
 
 namespace unlatch::tools {
 
