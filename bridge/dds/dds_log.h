@@ -11,7 +11,7 @@
 
 namespace unlatch::bridge {
 
-// Lines that may be passed on: a few in each second; the rest is counted and told with the first line of a later
+// Lines that may be passed on: a few in each second; the rest is counted and printed with the first line of a later
 // second.
 class LineLimit {
  public:

@@ -58,7 +58,7 @@ void LcmSocket::accept(const sockaddr_in& from, std::span<const std::uint8_t> da
   }
 }
 
-// liblcm does not tell the address that it sends from: it is that of the first Hello of our session after ours was
+// liblcm does not give the address that it sends from: it is that of the first Hello of our session after ours was
 // sent. Of two simulators with one session number each so hears another than the first, whichever that is.
 bool LcmSocket::is_own(std::uint64_t sender, const LcmPackets::Packet& packet) {
   if (role_ != Role::kSimulator || packet.kind != hil::MessageKind::kHello) return false;

@@ -89,37 +89,37 @@ NodeWriter::NodeWriter(const std::string& format, const std::string& path) {
   if (const int failed = start(program.get(), lines.get(), arguments); failed != 0) {
     throw NodeMissing(format + " needs Node.js, and it cannot be started (" + std::strerror(failed) + "): " + kInstall);
   }
-  std::signal(SIGPIPE, SIG_IGN);  // a writer that has ended is told by the stream, and by finish()
+  std::signal(SIGPIPE, SIG_IGN);  // a writer that has ended is reported by the stream, and by finish()
   stream_.reset(fdopen(own.release(), "wb"));
 }
 
 // Not posix_spawn, which cannot bind the child's life to this process: a writer left behind would end its file as if it
 // were whole. Returns 0, or an errno.
 int NodeWriter::start(int program, int lines, const char* const arguments[]) {
-  int ends[2];  // tells why exec failed; closed by it
+  int ends[2];  // carries the reason why exec failed; exec closes it
   if (pipe2(ends, O_CLOEXEC) != 0) return errno;
-  const Descriptor told(ends[0]);
-  Descriptor tells(ends[1]);
+  const Descriptor failure_reader(ends[0]);
+  Descriptor failure_writer(ends[1]);
   const pid_t parent = getpid();
   process_ = fork();
   if (process_ < 0) return errno;
   if (process_ == 0) {  // only calls that are safe between fork and exec
     // Copies for the child alone: above all three numbers first, since dup2 would overwrite one of them.
     const int from = fcntl(program, F_DUPFD_CLOEXEC, kData + 1), data = fcntl(lines, F_DUPFD_CLOEXEC, kData + 1),
-              tell = fcntl(tells.get(), F_DUPFD_CLOEXEC, kData + 1);
+              failure = fcntl(failure_writer.get(), F_DUPFD_CLOEXEC, kData + 1);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (from >= 0 && data >= 0 && getppid() == parent && dup2(from, STDIN_FILENO) >= 0 && dup2(data, kData) >= 0) {
       execvp("node", const_cast<char**>(arguments));
       if (errno == ENOENT) execvp("nodejs", const_cast<char**>(arguments));
     }
     const int reason = errno;
-    (void)!write(tell, &reason, sizeof reason);
+    (void)!write(failure, &reason, sizeof reason);
     _exit(127);
   }
-  close(tells.release());
+  close(failure_writer.release());
   int reason = 0;
   ssize_t count = 0;
-  while ((count = read(told.get(), &reason, sizeof reason)) < 0 && errno == EINTR) {
+  while ((count = read(failure_reader.get(), &reason, sizeof reason)) < 0 && errno == EINTR) {
   }
   if (count <= 0) return 0;
   waitpid(process_, nullptr, 0);

@@ -6,7 +6,7 @@
 //
 // It holds attitude 0: body axes along the inertial ones. Chamber k is on the side of booster k. The swings are limited
 // to the ranges of their channels. The gains K and D, of x and of y and z, are the initial values of channels, which
-// the vehicle's catalog tells.
+// the vehicle's catalog states.
 #pragma once
 
 #include <array>

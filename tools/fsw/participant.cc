@@ -23,7 +23,7 @@ constexpr auto kMostOfALook = 100ms;
 // Answers of at most so many commands are repeated as a whole; of longer ones what the simulator says is missing.
 constexpr std::size_t kRepeatedWhole = 64;
 
-// Another number for every start: the simulator tells two of one name apart by it.
+// Another number for every start: the simulator distinguishes two of one name by it.
 std::int32_t draw_id() { return static_cast<std::int32_t>(std::random_device{}() >> 1); }
 
 }  // namespace

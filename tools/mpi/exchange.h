@@ -5,7 +5,7 @@
 //   kWork    0 → rank   samples: number and inputs of each
 //   kRecord  rank → 0   a record, as in the file of results
 //   kEnd     0 → rank   no more; what has not ended is left
-//   kBye     rank → 0   its last message; it comes unasked if the rank was told to end by a signal, and then all end
+//   kBye     rank → 0   its last message; it comes unasked if a signal ended the rank, and then all end
 #pragma once
 
 #include <functional>

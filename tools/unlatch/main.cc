@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     std::puts(kVersion);
     return tools::flush_output(tools::kExitDone);
   }
-  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), to be told like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an error of write(), to be reported like a full disk
   tools::CommandLine command_line(
       "Simulates separation and deployment in hard real time, with flight software in the loop. Each verb has --help.",
       "unlatch",

@@ -15,7 +15,7 @@ using hil::MessageKind;
 using hil::RunStatus;
 
 constexpr std::size_t kNotices = 200;          // kept
-constexpr std::size_t kMostParticipants = 64;  // told apart; a stranger may invent any number
+constexpr std::size_t kMostParticipants = 64;  // distinguished; a stranger may invent any number
 constexpr std::size_t kMostEarly = 1024;       // messages kept until Hello comes; more will be said again
 constexpr double kRateWindow_s = 1;
 
@@ -112,7 +112,7 @@ bool Observation::follow(const hil::Message& message, Time now) {
   if (session == 0 || !is_from_simulator(message.kind)) return false;
   const bool is_free = view_.session == 0 || has_ended(view_.status) || to_seconds(now - heard_) > kSilent_s;
   if (!is_free) {
-    if (told_of_.is_news(session)) tell("another simulator sends here too, session " + name_session(session), true);
+    if (reported_others_.is_news(session)) notify("another simulator sends here too, session " + name_session(session), true);
     return false;
   }
   begin(session);
@@ -138,10 +138,10 @@ void Observation::begin(std::int64_t session) {
   next_.fill(-1);
   rated_counts_.fill(0);
   looked_tick_ = -1;
-  told_of_.forget();
-  told_silence_ = false;
+  reported_others_.forget();
+  reported_silence_ = false;
   if (is_second) {
-    tell("session " + before + (had_ended ? " has ended" : " has stopped sending") + "; now follows session " +
+    notify("session " + before + (had_ended ? " has ended" : " has stopped sending") + "; now follows session " +
              name_session(session),
          !had_ended);
   }
@@ -163,7 +163,7 @@ void Observation::hear_hello(const hil::HelloMessage& hello) {
   for (std::size_t i = 0; i < view_.bodies.size(); ++i) view_.bodies[i] = "body " + std::to_string(i);
   for (std::size_t i = 0; i < view_.joints.size(); ++i) view_.joints[i].name = "joint " + std::to_string(i);
   if (hello.schema_hash != hil::kSchemaHash) {
-    tell("the simulator was built for another version of the message schema", true);
+    notify("the simulator was built for another version of the message schema", true);
   }
   for (const hil::Message& message : std::exchange(early_, {})) take(message);
 }
@@ -291,7 +291,7 @@ void Observation::hear_verdict(const hil::VerdictMessage& verdict) {
   const std::string name = verdict.channel >= 0 && channel < channels_.size() ? " for " + channels_[channel] : "";
   const auto reason = static_cast<hil::Reject>(verdict.reason);
   if (reason == hil::Reject::kMissing) return;  // of the protocol's own
-  tell((reason == hil::Reject::kLate ? "late: message " : "refused, " + std::string(get_text(reason)) + ": message ") +
+  notify((reason == hil::Reject::kLate ? "late: message " : "refused, " + std::string(get_text(reason)) + ": message ") +
            std::to_string(verdict.refers_to) + name + " of " + find_participant(verdict.participant).name,
        true);
 }
@@ -325,7 +325,7 @@ void Observation::hear_participant(const hil::Message& message) {
   }
 }
 
-void Observation::tell(std::string text, bool is_bad) {
+void Observation::notify(std::string text, bool is_bad) {
   view_.notices.push_back({view_.time, std::move(text), is_bad});
   if (view_.notices.size() > kNotices) view_.notices.pop_front();
 }
@@ -337,11 +337,11 @@ const View& Observation::look(Time now, const bridge::PortCounts& port) {
   if (view_.session == 0) return view_;
   view_.silent_s = to_seconds(now - heard_);
   const bool is_silent = view_.silent_s > kSilent_s && !has_ended(view_.status);
-  if (is_silent && !told_silence_) {
-    tell("the simulator has stopped sending: it was killed, hangs, or cannot be reached", true);
+  if (is_silent && !reported_silence_) {
+    notify("the simulator has stopped sending: it was killed, hangs, or cannot be reached", true);
   }
-  if (!is_silent && told_silence_) tell("the simulator sends again", false);
-  told_silence_ = is_silent;
+  if (!is_silent && reported_silence_) notify("the simulator sends again", false);
+  reported_silence_ = is_silent;
   update_clearances();
   update_rates(now);
   return view_;

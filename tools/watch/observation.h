@@ -21,7 +21,7 @@ class Observation {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  // Silence of the simulator, s of wall time, after which people are told and another session may take its place.
+  // Silence of the simulator, s of wall time, after which people are notified and another session may take its place.
   static constexpr double kSilent_s = 1.5;
 
   void hear(const hil::Message& message, Time now);
@@ -45,7 +45,7 @@ class Observation {
   void name_modes();
   void update_clearances();
   void update_rates(Time now);
-  void tell(std::string text, bool is_bad);
+  void notify(std::string text, bool is_bad);
   WatchedParticipant& find_participant(std::int32_t id);
 
   View view_;
@@ -58,10 +58,10 @@ class Observation {
   std::vector<std::string> channels_;
   std::array<std::int64_t, hil::kMessageKinds> next_{};  // sequence number expected; -1: none was heard
   std::int64_t looked_tick_ = -1;
-  hil::OtherSessions told_of_;  // other sessions that speak meanwhile
+  hil::OtherSessions reported_others_;  // other sessions that speak meanwhile
   Time heard_{}, rated_{};
   std::array<std::int64_t, hil::kMessageKinds> rated_counts_{};
-  bool told_silence_ = false;
+  bool reported_silence_ = false;
 };
 
 }  // namespace unlatch::tools

@@ -96,7 +96,7 @@ static void introduce(void) {
 }
 
 /* Stays with its session, and says so once. */
-static void tell_of_other(const unlatch_Hello* hello) {
+static void warn_of_other(const unlatch_Hello* hello) {
   if (told) return;
   told = true;
   fprintf(stderr, "pilot: another simulator is heard, session %lld; stays with session %lld\n",
@@ -107,7 +107,7 @@ static void hear_hello(const unlatch_Hello* hello) {
   if (hello->status >= unlatch_RunStatus_kDone) return; /* kept from a session that is over */
   if (hello->session != session) {
     if (session != 0 && dds_time() - heard < kGone) {
-      tell_of_other(hello);
+      warn_of_other(hello);
       return;
     }
     memset(&introduction, 0, sizeof introduction);

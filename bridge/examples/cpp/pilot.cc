@@ -33,7 +33,7 @@ class Pilot {
   void hear_hello(const lcm::ReceiveBuffer* buffer, const std::string&, const unlatch::Hello* hello) {
     if (hello->status >= unlatch::Hello::RunStatus_kDone) return;  // kept from a session that is over
     if (hello->session != session_) {
-      if (session_ != 0 && buffer->recv_utime - heard_us_ < kGone_us) return tell_of_other(*hello);
+      if (session_ != 0 && buffer->recv_utime - heard_us_ < kGone_us) return warn_of_other(*hello);
       session_ = hello->session;
       throttle_ = -1;
       answered_tick_ = -1;
@@ -53,9 +53,9 @@ class Pilot {
   }
 
   // Stays with its session, and says so once.
-  void tell_of_other(const unlatch::Hello& hello) {
-    if (told_) return;
-    told_ = true;
+  void warn_of_other(const unlatch::Hello& hello) {
+    if (warned_) return;
+    warned_ = true;
     std::fprintf(stderr, "pilot: another simulator is heard, session %lld; stays with session %lld\n",
                  static_cast<long long>(hello.session), static_cast<long long>(session_));
   }
@@ -111,7 +111,7 @@ class Pilot {
   lcm::LCM& lcm_;
   std::int64_t session_ = 0;   // 0: none yet
   std::int64_t heard_us_ = 0;  // time at which something of it came last
-  bool told_ = false;          // of another simulator
+  bool warned_ = false;          // of another simulator
   int throttle_ = -1;          // the channel's index
   unlatch::HelloAck introduction_{};
   std::int64_t answered_tick_ = -1, last_command_ = 0;

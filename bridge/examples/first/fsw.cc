@@ -18,7 +18,7 @@ struct FlightSoftware {
   Command command{};          // the latest
   int gyro = -1, wheel = -1;  // their numbers in the catalog
   std::int64_t heard_us = 0;  // time at which something of our session came last
-  bool told = false;          // of another simulator
+  bool warned = false;          // of another simulator
   bool ended = false;
 
   double control(double rate) { return -40 * rate; }  // N m for rad/s. Your algorithm goes here.
@@ -28,9 +28,9 @@ struct FlightSoftware {
     if (hello.status >= Hello::RunStatus_kDone) return false;  // is over
     if (hello.session == me.session) return true;
     if (now_us - heard_us < 2'000'000) {
-      if (!told)
+      if (!warned)
         std::fprintf(stderr, "fsw: another simulator is heard; stays with session %lld\n", (long long)me.session);
-      told = true;
+      warned = true;
       return false;
     }
     command = {}, gyro = wheel = -1;

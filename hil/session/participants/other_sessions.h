@@ -1,4 +1,4 @@
-// Sessions of other simulators that were told of: each is told once, and only the first few, so that a flood of
+// Sessions of other simulators that have been reported: each is reported once, and only the first few, so that a flood of
 // invented ones ends. Fixed memory.
 #pragma once
 
@@ -13,7 +13,7 @@ class OtherSessions {
  public:
   static constexpr std::size_t kMost = 8;
 
-  // True if this session is to be told of now.
+  // True if this session is to be reported now.
   bool is_news(std::int64_t session) noexcept {
     const auto end = sessions_.begin() + static_cast<std::ptrdiff_t>(count_);
     if (count_ == kMost || std::find(sessions_.begin(), end, session) != end) return false;

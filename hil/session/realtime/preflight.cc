@@ -143,7 +143,7 @@ std::string print_fixed(double value, int digits) {
 // A virtual machine does not know of the other hardware thread of its core, but is slowed down by it.
 Check judge_smt(const MachineFacts& f) {
   if (!f.smt && !f.core_stretch) return {"hyper-threading", Verdict::kUnknown, "not to be found out", "", ""};
-  std::string found = f.smt ? *f.smt ? "on" : "off" : "not told";
+  std::string found = f.smt ? *f.smt ? "on" : "off" : "unknown";
   if (f.core_stretch)
     found += "; work that fills a core takes up to " + print_fixed(*f.core_stretch, 2) + " times its least";
   const bool shared = f.core_stretch.value_or(1) >= kAlone;

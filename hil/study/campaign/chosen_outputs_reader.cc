@@ -98,7 +98,7 @@ void CampaignReader::read_curves(const YamlNode& node, const std::vector<Output>
     const double steps = group.every / scenario.dt, nearest = std::round(steps);
     const double points = std::floor(scenario.until / group.every * (1 + kWhole)) + 1;
     if (mistakes_.count() > before) {
-      // told already
+      // reported already
     } else if (!(nearest >= 1 && steps <= kMostSteps && std::abs(steps - nearest) <= kWhole * nearest)) {
       const double whole = std::clamp(nearest, 1.0, kMostSteps);
       mistakes_.add(every->mark, "this time is not a whole number of steps of " + to_text(scenario.dt) + " s",

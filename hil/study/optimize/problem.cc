@@ -85,7 +85,7 @@ std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint&
     const std::vector<Setting> settings = make_settings(problem, point);
     take(problem.tree->read(settings), false);
     if (problem.campaign) take(make_campaign(*problem.campaign, settings, false).tree->get_nominal(), true);
-  } catch (const ScenarioError&) {  // the design's run has told it
+  } catch (const ScenarioError&) {  // the design's run has reported it
   }
   return limits;
 }

@@ -122,7 +122,7 @@ class ProblemReader {
     return true;
   }
 
-  // Refuses variables that an objective could not tell from a result.
+  // Refuses variables that an objective could not distinguish from a result.
   void refuse_names_of_results() {
     for (const DesignVariable& variable : problem_.variables)
       if (problem_.evaluator->find(variable.name))
@@ -312,7 +312,7 @@ class ProblemReader {
       const DesignVariable& variable = problem_.variables[i];
       std::vector<double> ends{variable.lower, variable.upper};
       for (std::size_t k = 1; k + 1 < variable.catalogue.size(); ++k) ends.push_back(static_cast<double>(k));
-      std::set<std::string> told;
+      std::set<std::string> reported;
       for (const double end : ends) {
         DesignPoint point = start;
         point[i] = end;
@@ -321,7 +321,7 @@ class ProblemReader {
           return std::ranges::find(variable.paths, setting.path) == variable.paths.end();
         });
         const auto mistake = find_mistake(settings);
-        if (mistake && told.insert(mistake->what).second)
+        if (mistake && reported.insert(mistake->what).second)
           mistakes_.add(
               variable.mark,
               "'" + variable.name + "' at " + write_value(variable, end) + " makes no valid scenario: " + mistake->what,

@@ -79,7 +79,7 @@ Json build_run(const std::string& path, std::size_t budget, bool& sound) {
   return run;
 }
 
-// The first difference, or why there is none to be told: recordings of two models can be seen side by side all the
+// The first difference, or why there is none to be found: recordings of two models can be seen side by side all the
 // same.
 Json build_difference(const std::vector<std::string>& logs) {
   try {

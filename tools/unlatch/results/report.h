@@ -26,7 +26,7 @@ struct RunReport {
   std::optional<hil::ReplayResult> replay;
   std::vector<std::string> refused = {};  // by the operating system, to a run in real time
   std::optional<hil::AccuracyReport> accuracy = {};
-  const hil::RunOutputs* outputs = nullptr;  // samples and series; none: neither is told
+  const hil::RunOutputs* outputs = nullptr;  // samples and series; none: neither is written
 };
 
 const char* get_status_name(hil::RunStatus status);

@@ -240,7 +240,7 @@ void print_verification(std::FILE* to, const DesignReport& report) {
   if (hil::has_probabilities(problem) && problem.campaign->checks == 0)
     std::fprintf(to, "  no other samples have checked the probabilities (checks: 0)\n");
   if (is_any_refuted(report))
-    std::fprintf(to, "  the samples of the search were too few to tell: raise campaign.samples, or the probability\n");
+    std::fprintf(to, "  the samples of the search were too few to decide: raise campaign.samples, or the probability\n");
 }
 
 }  // namespace
