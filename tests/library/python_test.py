@@ -6,6 +6,7 @@
 import ctypes
 import math
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -237,7 +238,8 @@ class PythonTest(ProcessTest):
             masses = [99e3, 100e3, -1.0, 101e3]
             for mass in masses:
                 batch.add({"bodies.core.mass": mass})
-            batch.run(until=0.9)
+            with self.assertWarnsRegex(unlatch.SampleWarning, "1 of 4 samples have no results: sample 2: "):
+                batch.run(until=0.9)
             self.assertEqual(list(batch.ok), [True, True, False, True])
             self.assertIn("mass", batch.why(2))
             self.assertEqual(batch.final_bodies.shape, (4, 5, 13))
@@ -252,6 +254,33 @@ class PythonTest(ProcessTest):
             view = batch.ticks
             self.assertRaises(BufferError, batch.add)
             self.assertEqual(list(view), [900, 900, 0, 900])
+
+    def test_errors_come_through_a_pickle(self):
+        with self.assertRaises(unlatch.ScenarioError) as caught:
+            unlatch.load(REFERENCE, {"bodies.cor.mass": 3})
+        again = pickle.loads(pickle.dumps(caught.exception))
+        self.assertIs(type(again), unlatch.ScenarioError)
+        self.assertEqual((str(again), again.mistakes), (str(caught.exception), caught.exception.mistakes))
+        missing = pickle.loads(pickle.dumps(unlatch.MissingFileError(again.mistakes)))
+        self.assertIsInstance(missing, FileNotFoundError)
+        self.assertEqual(missing.line, again.line)
+
+    def test_a_table_with_equal_columns_is_refused(self):
+        path = self.folder / "twice.csv"
+        path.write_text("a [m],b,a [m]\n1,2,3\n", encoding="utf-8")
+        with self.assertRaisesRegex(unlatch.FileError, r"more than one column 'a \[m\]'"):
+            unlatch.read_table(path)
+
+    def test_a_missing_file_is_a_file_not_found_error(self):
+        for task in (lambda: unlatch.load("nix.yaml"), lambda: unlatch.Batch("nix.yaml"), lambda: unlatch.open_recording("nix.log")):
+            with self.assertRaises(FileNotFoundError) as caught:
+                task()
+            self.assertIsInstance(caught.exception, unlatch.Error)
+            self.assertIn("nix.", str(caught.exception))
+
+    def test_numbers_of_numpy_are_values_of_overrides(self):
+        with unlatch.load(REFERENCE, {"bodies.core.mass": np.int64(100000), "step.until": np.float32(1)}) as sim:
+            self.assertEqual(sim.until, 1)
 
     def test_the_example_studies_run(self):
         picture = self.folder / "dispersion.png"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import warnings
 from types import TracebackType
 from typing import Dict, List, Mapping, Optional, Type
 
@@ -11,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from unlatch import _native
+from unlatch.errors import SampleWarning
 from unlatch.simulation import _EVENT, _REQUIREMENT, Item, Numbers, Path, _write_overrides
 
 _STATUS, _TICKS, _HASHES, _EVENTS, _VALUES, _MARGINS, _BODIES = range(7)
@@ -48,7 +50,7 @@ class Batch:
 
     def run(self, until: float = 0, threads: int = 0) -> None:
         """Runs all samples that have not been run, to `until` s (0: the end that the scenario gives). threads 0: one on each processor.
-        After Ctrl-C another call continues."""
+        After Ctrl-C another call continues. A SampleWarning names the samples without results: faulted, invalid or unresolved."""
         failure: List[BaseException] = []
 
         def work() -> None:
@@ -69,10 +71,15 @@ class Batch:
             raise
         if failure:
             raise failure[0]
+        lost = np.flatnonzero(~self.ok)
+        if len(lost):
+            named = "; ".join(f"sample {i}: {self.why(int(i))}" for i in lost[:3])
+            more = f"; and {len(lost) - 3} more" if len(lost) > 3 else ""
+            warnings.warn(f"{len(lost)} of {len(self.ok)} samples have no results: {named}{more}", SampleWarning, stacklevel=2)
 
     @property
     def ok(self) -> npt.NDArray[np.bool_]:
-        """Samples that ran to their end; shape (samples,)."""
+        """Samples that ran to their end and were resolved by the step; shape (samples,)."""
         return np.asarray(self._native.get_array(_STATUS) == 0)
 
     @property

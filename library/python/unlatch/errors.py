@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import List, NamedTuple, Sequence, Tuple
 
 
 class Mistake(NamedTuple):
@@ -21,6 +21,9 @@ class Error(Exception):
     def __init__(self, mistakes: Sequence[Mistake]) -> None:
         super().__init__("\n".join(mistake.text for mistake in mistakes))
         self.mistakes = list(mistakes)
+
+    def __reduce__(self) -> Tuple[type, Tuple[List[Mistake]]]:
+        return type(self), (self.mistakes,)
 
     @property
     def file(self) -> str:
@@ -50,6 +53,21 @@ class FileError(Error, OSError):
         return "\n".join(mistake.text for mistake in self.mistakes)
 
 
+class MissingFileError(FileError, FileNotFoundError):
+    """A file that does not exist."""
+
+
+class MissingScenarioError(ScenarioError, FileNotFoundError):
+    """A scenario file, or one that it includes, that does not exist."""
+
+    def __str__(self) -> str:
+        return "\n".join(mistake.text for mistake in self.mistakes)
+
+
+class SampleWarning(UserWarning):
+    """Samples of a batch that have no results: Batch.run() names them."""
+
+
 class RangeError(Error, ValueError):
     """A value, index or tick outside its range."""
 
@@ -76,4 +94,11 @@ _KINDS = {-2: OrderError, -3: OrderError, -4: ScenarioError, -5: FileError, -6: 
 
 def make(status: int, mistakes: Sequence[tuple[str, str, int, int, str]]) -> Error:
     """Returns the exception of a status of the C library."""
-    return _KINDS.get(status, Error)([Mistake(*mistake) for mistake in mistakes])
+    kind = _KINDS.get(status, Error)
+    listed = [Mistake(*mistake) for mistake in mistakes]
+    first = listed[0].text if listed else ""
+    if kind is ScenarioError and "there is no such file" in first:
+        kind = MissingScenarioError
+    if kind is FileError and "No such file or directory" in first:
+        kind = MissingFileError
+    return kind(listed)

@@ -364,10 +364,12 @@ def _write_overrides(overrides: Optional[Mapping[str, object]]) -> List[str]:
 
 
 def _write(value: object) -> str:
-    if isinstance(value, bool):
+    if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
+    if isinstance(value, np.integer):
+        return str(int(value))
     if isinstance(value, (list, tuple, np.ndarray)):
         return "[" + ", ".join(_write(part) for part in value) + "]"
     return str(value)

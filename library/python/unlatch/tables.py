@@ -142,6 +142,9 @@ def _read_csv(path: FilePath) -> Table:
         raise _make_error(path, f"cannot be read: {error}") from error
     if not headings or any(len(row) != len(headings) for row in rows):
         raise _make_error(path, "is no table: its lines have not all the columns of the first one")
+    twice = sorted({heading for heading in headings if headings.count(heading) > 1})
+    if twice:
+        raise _make_error(path, f"has more than one column '{twice[0]}': names of columns must differ")
     cells = list(zip(*rows)) if rows else [()] * len(headings)
     return _build(headings, [_convert(column) for column in cells])
 
