@@ -1,5 +1,9 @@
 #include "hil/scenario/measurable.h"
 
+#include <algorithm>
+
+#include "unlatch/quantities.h"
+
 namespace unlatch::hil {
 namespace {
 
@@ -27,6 +31,8 @@ class Lister {
     add_bodies(Measure::kAxes, ", axis: […], other: […]");
     add_sensors();
     add_contacts();
+    for (std::size_t i = 0; i < scenario_.named_quantities; ++i)
+      add(Measure::kQuantity, i, 0, model_.quantities[i].name, model_.quantities[i].name);
     return std::move(list_);
   }
 
@@ -84,19 +90,16 @@ class Lister {
   std::vector<Measurable> list_;
 };
 
-std::string get_sensor_unit(const Sensor& sensor, int axis) {
-  switch (sensor.kind) {
-    case Sensor::Kind::kContact:
-      return "";
-    case Sensor::Kind::kReaction:
-      return axis >= kRotX ? "N m" : "N";
-    case Sensor::Kind::kAngle:
-      return "rad";
-    case Sensor::Kind::kSpeed:
-      return sensor.axis >= kRotX ? "rad/s" : "m/s";
-    default:
-      return sensor_width(sensor.kind) == 4 ? "" : sensor_unit(sensor.kind);
-  }
+// SI; "" for a plain number.
+std::string get_si_unit(const Model& model, const unlatch::Quantity& quantity) {
+  const std::string unit = get_unit(model, quantity);
+  return unit == "1" ? "" : unit;
+}
+
+std::string get_sensor_unit(const Model& model, const Sensor& sensor, int value) {
+  unlatch::Quantity quantity = get_quantity(model, sensor);
+  if (quantity.part == unlatch::Quantity::kAll) quantity.part = std::max(value, 0);
+  return get_si_unit(model, quantity);
 }
 
 }  // namespace
@@ -129,7 +132,11 @@ std::string get_unit(const Requirement& requirement, const Model& model) {
     case Measure::kSensor:
       return requirement.a < 0
                  ? ""
-                 : get_sensor_unit(model.sensors[static_cast<std::size_t>(requirement.a)], requirement.axis);
+                 : get_sensor_unit(model, model.sensors[static_cast<std::size_t>(requirement.a)], requirement.axis);
+    case Measure::kQuantity:
+      return static_cast<std::size_t>(requirement.a) < model.quantities.size()
+                 ? get_si_unit(model, model.quantities[static_cast<std::size_t>(requirement.a)])
+                 : "";
   }
   return "";
 }

@@ -8,6 +8,7 @@
 
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/text/suggestion.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch::hil {
 namespace {
@@ -37,6 +38,11 @@ class List {
     for (std::size_t i = 0; i < scenario_.clearance.size(); ++i) {
       const std::string pair = scenario_.clearance[i].a.name + "." + scenario_.clearance[i].b.name;
       add_plain(Kind::kClearance, i, "clearance", pair, {{"clearance." + pair, "m"}});
+    }
+    for (std::size_t i = 0; i < scenario_.named_quantities; ++i) {
+      const unlatch::Quantity& quantity = model_.quantities[i];
+      add_plain(Kind::kQuantity, i, "quantity", quantity.name,
+                {{"quantity." + quantity.name, unlatch::get_unit(model_, quantity)}});
     }
   }
   std::vector<Output> outputs;
@@ -193,36 +199,15 @@ class List {
   void add_sensor(std::size_t number) {
     const Sensor& sensor = model_.sensors[number];
     std::vector<Output::Column> columns;
-    for (const char* component : get_sensor_components(sensor.kind)) {
-      const bool moment = sensor.kind == Sensor::Kind::kReaction && std::string_view(component).starts_with(".rot");
-      const bool force = sensor.kind == Sensor::Kind::kReaction && !moment;
-      columns.push_back({"sensor." + sensor.name + component, moment ? "N m" : force ? "N" : get_unit(sensor)});
+    unlatch::Quantity quantity = get_quantity(model_, sensor);
+    const bool whole = quantity.part == unlatch::Quantity::kAll;
+    const std::span<const char* const> components = get_sensor_components(sensor.kind);
+    for (std::size_t k = 0; k < components.size(); ++k) {
+      if (whole) quantity.part = static_cast<int>(k);
+      columns.push_back({"sensor." + sensor.name + components[k], unlatch::get_unit(model_, quantity)});
     }
     add_plain(Kind::kSensor, number, "sensor", sensor.name, std::move(columns));
-    outputs.back().frame = get_frame(sensor.kind);
-  }
-
-  static const char* get_unit(const Sensor& sensor) {
-    const bool angular = sensor.axis >= kRotX;
-    if (sensor.kind == Sensor::Kind::kSpeed) return angular ? "rad/s" : "m/s";
-    return sensor_unit(sensor.kind);
-  }
-  static const char* get_frame(Sensor::Kind kind) {
-    switch (kind) {
-      case Sensor::Kind::kPosition:
-      case Sensor::Kind::kAttitude:
-      case Sensor::Kind::kVelocity:
-        return "W";
-      case Sensor::Kind::kRate:
-      case Sensor::Kind::kAcceleration:
-      case Sensor::Kind::kSpecificForce:
-        return "body";
-      case Sensor::Kind::kContact:
-      case Sensor::Kind::kDistance:
-        return "";
-      default:
-        return "joint";
-    }
+    outputs.back().frame = get_traits(quantity.kind).frame;
   }
 
   const Scenario& scenario_;

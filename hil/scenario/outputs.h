@@ -52,6 +52,7 @@ struct Output {
     kSignal,               // value of a signal, 0 or 1
     kCommand,              // commanded value of a channel, in its unit
     kClearance,            // distance of a watched pair, m
+    kQuantity,             // one that the scenario names, in its unit
   };
   struct Column {
     std::string name;  // "core.vx", unique in a scenario
@@ -59,7 +60,7 @@ struct Output {
   };
 
   Kind kind = Kind::kPosition;
-  int subject = 0;              // number of the body, joint, element, contact, sensor, signal, channel or pair
+  int subject = 0;  // number of the body, joint, element, contact, sensor, signal, channel, pair or quantity
   std::string group, of, what;  // "body", "core", "velocity"
   std::string name;             // "body.core.velocity"; "signal.armed", "clearance.core.booster1" have no third part
   std::string key;              // key in JSON: "v"

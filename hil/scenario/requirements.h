@@ -33,6 +33,7 @@ struct Requirement {
     kAxes,          // angle between `direction` of body `a` and `other` of body `b`, rad, 0 to π
     kSensor,        // value number `axis` of sensor `a`, or the size of all
     kContact,       // ContactValue number `axis` of contact `a`
+    kQuantity,      // quantity number `a` of the model
   };
   enum class Take {
     kMinimum,  // smallest value

@@ -3,35 +3,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "hil/scenario/earliest.h"
 #include "hil/scenario/model/index.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch::hil {
 namespace {
 
 using Measure = Requirement::Measure;
-
-// Earliest time at which a condition can be true, s: for conditions on time alone; any other may be true at the start.
-double calc_earliest(const Condition& condition) {
-  double time = condition.kind == Condition::Kind::kAny ? std::numeric_limits<double>::infinity() : 0;
-  switch (condition.kind) {
-    case Condition::Kind::kTime:
-      return condition.threshold;
-    case Condition::Kind::kAll:
-      for (const Condition& part : condition.parts) time = std::max(time, calc_earliest(part));
-      return time;
-    case Condition::Kind::kAny:
-      for (const Condition& part : condition.parts) time = std::min(time, calc_earliest(part));
-      return time;
-    default:
-      return 0;
-  }
-}
-
-std::string to_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
 
 bool holds(const Requirement& requirement, const Model& model) {
   const RowSet rows = list_held_rows(model.joints[static_cast<std::size_t>(requirement.a)]);
@@ -43,6 +22,7 @@ bool holds(const Requirement& requirement, const Model& model) {
 
 std::vector<RequirementProblem> find_problems(const Scenario& scenario) {
   std::vector<RequirementProblem> problems;
+  const EarliestTimes earliest(scenario.model);
   for (std::size_t i = 0; i < scenario.requirements.size(); ++i) {
     const Requirement& requirement = scenario.requirements[i];
     std::vector<const EventName*> names{&requirement.at, &requirement.from, &requirement.to};
@@ -53,14 +33,8 @@ std::vector<RequirementProblem> find_problems(const Scenario& scenario) {
         problems.push_back({i, "event '" + name->text + "' is left out", "enable it, or leave out the requirement"});
         continue;
       }
-      const Event& event = scenario.model.events[static_cast<std::size_t>(name->event)];
-      const double earliest = calc_earliest(event.when) + event.delay;
-      if (earliest > scenario.until) {
-        problems.push_back({i,
-                            "event '" + name->text + "' cannot occur before " + to_text(earliest) +
-                                " s, the run ends at " + to_text(scenario.until) + " s",
-                            "run longer, or name an event within the run"});
-      }
+      if (const std::string why = earliest.explain(at(name->event), scenario.until); !why.empty())
+        problems.push_back({i, "event '" + name->text + "' " + why, "run longer, or name an event within the run"});
     }
     if (requirement.from.is_named() && requirement.from.text == requirement.to.text)
       problems.push_back({i, "its interval begins and ends with the same event", "name two events"});
@@ -75,7 +49,7 @@ namespace {
 
 // Returns true if the value is never below 0. A signed clearance may be below 0, and so may the time between two
 // events.
-bool is_size(const Requirement& requirement) {
+bool is_size(const Requirement& requirement, const Model& model) {
   if (requirement.take == Requirement::Take::kPeak) return true;
   switch (requirement.quantity) {
     case Measure::kRate:
@@ -89,6 +63,11 @@ bool is_size(const Requirement& requirement) {
     case Measure::kVelocity:
     case Measure::kPosition:
       return requirement.direction.isZero(0);
+    case Measure::kQuantity: {
+      const unlatch::Quantity& quantity = model.quantities[static_cast<std::size_t>(requirement.a)];
+      return quantity.part == unlatch::Quantity::kSize && quantity.direction.isZero(0) &&
+             count_values(get_traits(quantity.kind)) > 1;
+    }
     default:
       return false;
   }
@@ -103,7 +82,7 @@ std::vector<RequirementProblem> find_trivial(const Scenario& scenario) {
     const Requirement& requirement = scenario.requirements[i];
     const double greatest =
         requirement.quantity == Requirement::Measure::kAxes ? kPi : std::numeric_limits<double>::infinity();
-    if (is_size(requirement) && requirement.least <= 0 && requirement.most >= greatest)
+    if (is_size(requirement, scenario.model) && requirement.least <= 0 && requirement.most >= greatest)
       found.push_back({i,
                        greatest == kPi ? "holds in every run: the angle between two axes is from 0 to pi"
                                        : "holds in every run: the value is never below 0",

@@ -188,6 +188,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_joints(top);
   read_elements(top);
   read_contacts(top);
+  read_quantities(top);
   read_sensors(top);
   read_events(top);
   add_touches();
@@ -195,6 +196,7 @@ void ScenarioReader::read(const YamlNode& root) {
   read_clearance(top);
   read_points(top);
   read_requirements(top);
+  find_quantity_events();
   read_outputs(top);
   read_flight_software(top);
   read_timing(top);

@@ -67,6 +67,7 @@ struct Scenario {
   std::vector<NamedConstant> constants;  // in the order of the file, overrides applied
   std::vector<WrittenNumber> numbers;    // from load_scenario(), not from ScenarioTree::read(); without constants
   Model model;
+  std::size_t named_quantities = 0;  // of the model's, the first: those of `quantities`; the others stand in conditions
   FlightSoftware flight_software;
   Rates rates;
   TimingOptions timing;

@@ -8,6 +8,7 @@
 #include "kernel/compile/events.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/one_sided.h"
+#include "kernel/compile/quantities.h"
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/joints/coordinates.h"
 #include "kernel/model/from_eigen.h"
@@ -48,6 +49,16 @@ void link_conditions(PlanData& plan, Coordinates& coordinates) {
     if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
         c.kind == Condition::Kind::kSpeed)
       c.subject = coordinates.find(c.subject, c.axis);
+}
+
+// What quantities read of others: coordinates, the times of events. Those of conditions that guards read by themselves
+// stand before them.
+void link_quantities(PlanData& plan, Coordinates& coordinates) {
+  for (PlanQuantity& quantity : plan.quantities) {
+    const QuantityTraits& traits = get_traits(quantity.kind);
+    if ((traits.reads & kReadsCoordinate) != 0) quantity.coordinate = coordinates.find(quantity.subject, quantity.part);
+    if (traits.of == SubjectOf::kEvent) plan.events[at(quantity.subject)].timed = true;
+  }
 }
 
 // Multipliers that guards read.
@@ -227,13 +238,11 @@ void compile_impulses(const Model& model, PlanData& plan) {
         {i.body, i.channel, i.frame == Load::Frame::kWorld, to_vec(i.point), to_vec(i.linear), to_vec(i.angular)});
 }
 
-void compile_sensors(const Model& model, PlanData& plan, Coordinates& coordinates) {
-  for (const Sensor& s : model.sensors) {
-    const bool reads =
-        s.kind == Sensor::Kind::kAngle || s.kind == Sensor::Kind::kDisplacement || s.kind == Sensor::Kind::kSpeed;
-    const std::int32_t subject = reads ? coordinates.find(s.subject, s.axis) : s.subject;
-    plan.sensors.push_back({s.kind, subject, plan.sensor_count, to_vec(s.point), s.other});
-    plan.sensor_count += sensor_width(s.kind);
+void compile_sensors(const Model& model, PlanData& plan) {
+  for (const Sensor& sensor : model.sensors) {
+    const Quantity quantity = get_quantity(model, sensor);
+    plan.sensors.push_back({add_quantity(quantity, plan), plan.sensor_count, quantity.part == Quantity::kAll});
+    plan.sensor_count += sensor_width(sensor.kind);
   }
 }
 
@@ -263,6 +272,7 @@ std::vector<ModelError> compile_tree(const Model& model, PlanData& plan) {
 // Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a line says so.
 void compile_parts(const Model& model, PlanData& plan) {
   compile_bodies(model, plan);
+  compile_quantities(model, plan);  // before conditions and sensors add theirs
   compile_events(model, plan);
   compile_impulses(model, plan);
   for (const Joint& joint : model.joints) {
@@ -276,7 +286,8 @@ void compile_parts(const Model& model, PlanData& plan) {
   plan.pair_forces = has_pair_forces(plan);
   link_conditions(plan, coordinates);  // after compile_events()
   plan.commanded_events = plan.commanded_loads || has_commanded_guards(plan);
-  compile_sensors(model, plan, coordinates);
+  compile_sensors(model, plan);
+  link_quantities(plan, coordinates);
   init_angles(model, plan);  // of all coordinates: after the last of them was found
   plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());

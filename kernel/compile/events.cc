@@ -2,24 +2,56 @@
 
 #include <algorithm>
 
+#include "kernel/compile/quantities.h"
+
 namespace unlatch {
 namespace {
 
+// Kinds that kernel/events/guards.cc reads by itself, because they are frequent or more than a comparison; any other
+// compares a quantity of the plan.
+bool is_read_by_guards(Condition::Kind kind) {
+  using Kind = Condition::Kind;
+  switch (kind) {
+    case Kind::kTime:
+    case Kind::kReaction:
+    case Kind::kDisplacement:
+    case Kind::kAngle:
+    case Kind::kSpeed:
+    case Kind::kSignal:
+    case Kind::kMode:
+    case Kind::kClosed:
+    case Kind::kEngaged:
+    case Kind::kReach:
+    case Kind::kAll:
+    case Kind::kAny:
+    case Kind::kNot:
+      return true;
+    default:
+      return false;
+  }
+}
+
 // Appends a guard in postfix order; returns how many values its evaluation keeps at once.
-std::int32_t compile_condition(const Condition& c, PlanData& plan) {
-  std::int32_t depth = 1;
+std::int32_t compile_condition(const Model& model, const Condition& c, PlanData& plan) {
+  std::int32_t depth = 1, subject = c.subject;
   for (std::size_t i = 0; i < c.parts.size(); ++i)
-    depth = std::max(depth, static_cast<std::int32_t>(i) + compile_condition(c.parts[i], plan));
+    depth = std::max(depth, static_cast<std::int32_t>(i) + compile_condition(model, c.parts[i], plan));
+  if (!is_read_by_guards(c.kind)) {
+    subject = add_quantity(get_quantity(model, c), plan);
+    plan.quantities.back().guarded = true;
+    plan.quantities.back().threshold = c.threshold;
+  }
   plan.conditions.push_back(
-      {c.kind, c.subject, c.axis, static_cast<std::int32_t>(c.parts.size()), c.threshold, c.below, kNone, {}});
+      {c.kind, subject, c.axis, static_cast<std::int32_t>(c.parts.size()), c.threshold, c.below, kNone, {}});
   return depth;
 }
 
 bool is_elementary(const Condition& c) { return c.parts.empty(); }
-// Conditions that hold or do not, and cannot change within a sub-step: a new one is added here, so that an `all` reads
-// it first. kEngaged is not among them: it is read in its place.
-bool is_switch(const Condition& c) {
-  return c.kind == Condition::Kind::kMode || c.kind == Condition::Kind::kSignal || c.kind == Condition::Kind::kClosed;
+// Conditions that hold or do not, and cannot change within a sub-step: an `all` reads them first. kEngaged is not among
+// them: it is read in its place.
+bool is_switch(const Model& model, const Condition& c) {
+  return c.kind != Condition::Kind::kQuantity && c.kind != Condition::Kind::kEngaged && is_elementary(c) &&
+         get_traits(get_quantity(model, c).kind).holds;
 }
 
 }  // namespace
@@ -29,7 +61,9 @@ void compile_events(const Model& model, PlanData& plan) {
     Condition when = event.when;
     const bool all = when.kind == Condition::Kind::kAll &&
                      std::all_of(when.parts.begin(), when.parts.end(), is_elementary) && !when.parts.empty();
-    if (all) std::stable_partition(when.parts.begin(), when.parts.end(), is_switch);
+    if (all)
+      std::stable_partition(when.parts.begin(), when.parts.end(),
+                            [&](const Condition& c) { return is_switch(model, c); });
     PlanEvent out{
         .first_condition = static_cast<std::int32_t>(plan.conditions.size()),
         .condition_count = 0,
@@ -42,6 +76,7 @@ void compile_events(const Model& model, PlanData& plan) {
         .engaged = 0,
         .by_time = when.kind == Condition::Kind::kTime && !when.below,
         .crossing = event.crossing,
+        .timed = false,
     };
     for (const Action& action : event.then)
       if (action.kind == Action::Kind::kEngage) {
@@ -51,17 +86,17 @@ void compile_events(const Model& model, PlanData& plan) {
     const std::int32_t place = static_cast<std::int32_t>(plan.events.size());
     if (event.repeat) plan.repeating_events.push_back(place);
     if (event.delay > 0 || out.by_time) plan.timed_events.push_back(place);
-    plan.guard_depth = std::max(plan.guard_depth, compile_condition(when, plan));
+    plan.guard_depth = std::max(plan.guard_depth, compile_condition(model, when, plan));
     out.condition_count = static_cast<std::int32_t>(plan.conditions.size()) - out.first_condition;
     plan.actions.insert(plan.actions.end(), event.then.begin(), event.then.end());
     plan.events.push_back(out);
   }
 }
 
-// A new kind of condition that reads inputs is added here, or commands do not reach its guard at their tick.
 bool has_commanded_guards(const PlanData& plan) {
-  return std::ranges::any_of(plan.conditions,
-                             [](const PlanCondition& c) { return c.kind == Condition::Kind::kCommand; });
+  return std::ranges::any_of(plan.quantities, [](const PlanQuantity& quantity) {
+    return quantity.guarded && (get_traits(quantity.kind).reads & kReadsInputs) != 0;
+  });
 }
 
 }  // namespace unlatch

@@ -181,15 +181,12 @@ ContactTotals get_contact_totals(const Plan& plan, const State& state, int conta
   return {totals[0], totals[1], totals[2]};
 }
 
-ContactReading calc_contact(const Plan& owner, const State& state, int contact) noexcept {
-  const PlanData& plan = owner.data();
-  const PlanContact& own = plan.contacts[at(contact)];
-  const double t = plan.get_time(state.header->tick);
-  const double scale = calc_scale(state.elements[at(own.element)], t);
+namespace {
+
+// `base`, `follower`: bodies of the surfaces at this instant.
+ContactReading read_contact(const PlanData& plan, const State& state, double scale, const PlanContact& own,
+                            const BodyFrame& base, const BodyFrame& follower) {
   ContactReading out;
-  if (scale == 0) return out;
-  const BodyFrame base = calc_body_frame(state, plan.shapes[at(own.base)].body);
-  const BodyFrame follower = calc_body_frame(state, plan.shapes[at(own.follower)].body);
   Vec3 point{0, 0, 0};
   for (std::size_t i = at(own.first_pair); i < at(own.first_pair + own.pairs); ++i) {
     if (state.contacts[i].closed == 0) continue;
@@ -210,6 +207,25 @@ ContactReading calc_contact(const Plan& owner, const State& state, int contact) 
     out.slip /= out.normal;
   }
   return out;
+}
+
+}  // namespace
+
+ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contact) noexcept {
+  const PlanContact& own = now.plan.contacts[at(contact)];
+  const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
+  if (scale == 0) return {};
+  return read_contact(now.plan, now.state, scale, own, get_body_frame(ev, now.plan.shapes[at(own.base)].body),
+                      get_body_frame(ev, now.plan.shapes[at(own.follower)].body));
+}
+
+ContactReading calc_contact(const Plan& owner, const State& state, int contact) noexcept {
+  const PlanData& plan = owner.data();
+  const PlanContact& own = plan.contacts[at(contact)];
+  const double scale = calc_scale(state.elements[at(own.element)], plan.get_time(state.header->tick));
+  if (scale == 0) return {};
+  return read_contact(plan, state, scale, own, calc_body_frame(state, plan.shapes[at(own.base)].body),
+                      calc_body_frame(state, plan.shapes[at(own.follower)].body));
 }
 
 geometry::GroupDistance calc_shape_distance(const Plan& owner, const State& state, int a, int b) noexcept {

@@ -40,6 +40,9 @@ double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, 
 // those that cannot touch within a step and 0.
 void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
 
+// A contact at any instant of a step. Needs the bodies' kinematics.
+ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contact) noexcept;
+
 // Distance of two surfaces. Needs the bodies' kinematics.
 double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, int b) noexcept;
 

@@ -115,7 +115,7 @@ int act_once(Run& run, double now, std::span<const double> tolerances, RowSet& a
       event = {EventPhase::kPending, now + plan.events[e].delay};
       continue;
     }
-    event = {EventPhase::kSpent, 0};
+    event = {EventPhase::kSpent, plan.events[e].timed ? now : 0};
     search.acting[e] = 1;
   }
   for (std::size_t e = 0; e < plan.events.size(); ++e) {

@@ -7,6 +7,7 @@
 #include "kernel/elements/contacts.h"
 #include "kernel/elements/one_sided.h"
 #include "kernel/joints/kinematics.h"
+#include "kernel/quantities/quantities.h"
 
 namespace unlatch {
 namespace {
@@ -14,12 +15,6 @@ namespace {
 // Parts that hold or do not, and cannot change within a sub-step: so large that in an all or any they leave the
 // real-valued parts as they are, which the search for the crossing needs.
 constexpr double kYes = 1e100, kNo = -1e100;
-
-// Readings of rare guards stay out of line, so that the frequent ones need few registers.
-
-[[gnu::noinline]] double calc_size(const Evaluation& ev, std::size_t joint, std::size_t first) {
-  return calc_reaction_size(ev, static_cast<int>(joint), static_cast<int>(first));
-}
 
 // ≥ 0 where it is to be engaged; `below`: > 0 where it is to be so no longer.
 [[gnu::noinline]] double calc_reach_guard(const Instant& now, const Evaluation& ev, const PlanCondition& c) {
@@ -29,13 +24,9 @@ constexpr double kYes = 1e100, kNo = -1e100;
   return c.below ? -reach - std::numeric_limits<double>::min() : reach;
 }
 
-[[gnu::noinline]] double calc_one_sided_force(const Instant& now, const Evaluation& ev, std::size_t number) {
-  const PlanOneSided& own = now.plan.one_sided[number];
-  return calc_force(now.plan, now.state, now.t, own, calc_motion(now.plan, now.state, ev, own));
-}
-
-[[gnu::noinline]] CordPath calc_path(const Instant& now, const Evaluation& ev, std::size_t number) {
-  return calc_motion(now.plan, now.state, ev, now.plan.one_sided[number]).path;
+// Quantities but for the most frequent ones: out of line, so that those need few registers.
+[[gnu::noinline]] double calc_quantity(const Instant& now, const Evaluation& ev, std::size_t number) {
+  return calc_scalar(now, ev, now.plan.quantities[number]);
 }
 
 // A condition without parts; `subject` and `axis` are those of PlanCondition's table.
@@ -60,30 +51,6 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
     case Condition::Kind::kSpeed:
       value = ev.speeds[subject];
       break;
-    case Condition::Kind::kBodyRate:
-      value = norm(read(ev.blocks.data(), ev.places[subject], &BodyLane::motion).w);
-      break;
-    case Condition::Kind::kCommand:
-      value = now.inputs.commands[subject];
-      break;
-    case Condition::Kind::kBurnt:
-      value = ev.auxiliary.now[at(plan.bodies[subject].varying)];
-      break;
-    case Condition::Kind::kForceSize:
-      value = calc_size(ev, subject, kX);
-      break;
-    case Condition::Kind::kMomentSize:
-      value = calc_size(ev, subject, kRotX);
-      break;
-    case Condition::Kind::kOneSidedForce:
-      value = calc_one_sided_force(now, ev, subject);
-      break;
-    case Condition::Kind::kWound:
-      value = calc_path(now, ev, subject).winding;
-      break;
-    case Condition::Kind::kBearing:
-      value = calc_path(now, ev, subject).bearing;
-      break;
     case Condition::Kind::kReach:
       return calc_reach_guard(now, ev, c);
     case Condition::Kind::kEngaged:
@@ -92,19 +59,14 @@ UNLATCH_INLINE double calc_elementary(const Instant& now, const Evaluation& ev, 
       return state.signals[subject] != 0 ? kYes : kNo;
     case Condition::Kind::kMode:
       return state.joints[subject].mode == c.axis ? kYes : kNo;
-    case Condition::Kind::kDistance:
-      value = calc_guarded_distance(plan, ev, c.subject, c.axis, c.threshold);
-      break;
     case Condition::Kind::kClosed: {
       const PlanContact& contact = plan.contacts[subject];
       for (std::int32_t i = 0; i < contact.pairs; ++i)
         if (state.contacts[at(contact.first_pair + i)].closed != 0) return kYes;
       return kNo;
     }
-    case Condition::Kind::kAll:
-    case Condition::Kind::kAny:
-    case Condition::Kind::kNot:
-      break;  // evaluated by the caller
+    default:
+      value = calc_quantity(now, ev, subject);
   }
   return c.below ? c.threshold - value : value - c.threshold;
 }

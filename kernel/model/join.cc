@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/math/index.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch {
 namespace {
@@ -45,7 +46,7 @@ class Joiner {
     const Model& j = joined_;
     bodies_ = count(j.bodies), joints_ = count(j.joints), surfaces_ = count(j.surfaces), contacts_ = count(j.contacts);
     one_sided_ = count(j.one_sided), channels_ = count(j.channels), signals_ = count(j.signals);
-    impulses_ = count(j.impulses);
+    impulses_ = count(j.impulses), events_ = count(j.events), quantities_ = count(j.quantities);
     find_elements(model);
     append_bodies(model);
     append_elements(model);
@@ -125,10 +126,10 @@ class Joiner {
   void append_interfaces(const Model& model) {
     append(model.channels, joined_.channels, [&](Channel& c) { c.name = rename(c.name); });
     append(model.signals, joined_.signals, [&](std::string& s) { s = rename(s); });
+    append(model.quantities, joined_.quantities, [&](Quantity& q) { change(q); });
     append(model.sensors, joined_.sensors, [&](Sensor& s) {
       s.name = rename(s.name);
-      s.subject = shift(s.subject, get_shift(s.kind));
-      if (s.kind == Sensor::Kind::kDistance) s.other += surfaces_;
+      change_subjects(s, s.other);
     });
     append(model.impulses, joined_.impulses, [&](Impulse& i) {
       i.body += bodies_;
@@ -136,67 +137,56 @@ class Joiner {
     });
   }
 
-  int get_shift(Sensor::Kind kind) const {
-    switch (kind) {
-      case Sensor::Kind::kContact:
-        return signals_;
-      case Sensor::Kind::kReaction:
-      case Sensor::Kind::kDisplacement:
-      case Sensor::Kind::kAngle:
-      case Sensor::Kind::kSpeed:
-        return joints_;
-      case Sensor::Kind::kDistance:
-        return surfaces_;
-      case Sensor::Kind::kPosition:
-      case Sensor::Kind::kAttitude:
-      case Sensor::Kind::kVelocity:
-      case Sensor::Kind::kRate:
-      case Sensor::Kind::kAcceleration:
-      case Sensor::Kind::kSpecificForce:
-        break;
-    }
-    return bodies_;
-  }
-
-  int get_shift(Condition::Kind kind) const {
-    switch (kind) {
-      case Condition::Kind::kReaction:
-      case Condition::Kind::kDisplacement:
-      case Condition::Kind::kAngle:
-      case Condition::Kind::kSpeed:
-      case Condition::Kind::kMode:
-      case Condition::Kind::kForceSize:
-      case Condition::Kind::kMomentSize:
-        return joints_;
-      case Condition::Kind::kBodyRate:
-      case Condition::Kind::kBurnt:
+  // By which indices of these subjects rise; those of elements do not rise by one number.
+  int get_shift(SubjectOf of) const {
+    switch (of) {
+      case SubjectOf::kNothing:
+      case SubjectOf::kElement:
+        return 0;
+      case SubjectOf::kBody:
+      case SubjectOf::kMassLaw:
         return bodies_;
-      case Condition::Kind::kSignal:
-        return signals_;
-      case Condition::Kind::kCommand:
-        return channels_;
-      case Condition::Kind::kDistance:
+      case SubjectOf::kJoint:
+        return joints_;
+      case SubjectOf::kSurface:
         return surfaces_;
-      case Condition::Kind::kClosed:
+      case SubjectOf::kContact:
         return contacts_;
-      case Condition::Kind::kOneSidedForce:
-      case Condition::Kind::kEngaged:
-      case Condition::Kind::kReach:
-      case Condition::Kind::kWound:
-      case Condition::Kind::kBearing:
+      case SubjectOf::kOneSided:
+      case SubjectOf::kCord:
         return one_sided_;
-      case Condition::Kind::kTime:
-      case Condition::Kind::kAll:
-      case Condition::Kind::kAny:
-      case Condition::Kind::kNot:
-        break;
+      case SubjectOf::kSignal:
+        return signals_;
+      case SubjectOf::kChannel:
+        return channels_;
+      case SubjectOf::kEvent:
+        return events_;
     }
     return 0;
   }
 
+  void change(Quantity& quantity) const {
+    const QuantityTraits& traits = get_traits(quantity.kind);
+    quantity.name = rename(quantity.name);
+    quantity.subject = traits.of == SubjectOf::kElement ? elements_[at(quantity.subject)]
+                                                        : shift(quantity.subject, get_shift(traits.of));
+    quantity.other = shift(quantity.other, get_shift(traits.other));
+  }
+
+  // Raises the index `subject` of a condition or sensor, and the one of the second surface.
+  template <class Item>
+  void change_subjects(Item& item, int& other) const {
+    if (item.kind == Item::Kind::kQuantity) {
+      item.subject += quantities_;
+      return;
+    }
+    const QuantityTraits& traits = get_traits(get_quantity(joined_, item).kind);
+    item.subject = shift(item.subject, get_shift(traits.of));
+    if (traits.other == SubjectOf::kSurface) other += surfaces_;
+  }
+
   void change(Condition& condition) const {
-    condition.subject = shift(condition.subject, get_shift(condition.kind));
-    if (condition.kind == Condition::Kind::kDistance) condition.axis += surfaces_;
+    change_subjects(condition, condition.axis);
     for (Condition& part : condition.parts) change(part);
   }
 
@@ -226,7 +216,7 @@ class Joiner {
   Model joined_;
   // Items of the models before it, by which its indices rise; its elements' numbers in the joined model.
   int bodies_ = 0, joints_ = 0, surfaces_ = 0, contacts_ = 0, one_sided_ = 0, channels_ = 0, signals_ = 0,
-      impulses_ = 0;
+      impulses_ = 0, events_ = 0, quantities_ = 0;
   std::vector<int> elements_;
 };
 

@@ -4,58 +4,23 @@
 #include <stdexcept>
 
 #include "kernel/model/elements.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch {
 
 const char* const kRowNames[kRows] = {"x", "y", "z", "rot_x", "rot_y", "rot_z"};
 
 int sensor_width(Sensor::Kind kind) {
-  switch (kind) {
-    case Sensor::Kind::kAttitude:
-      return 4;
-    case Sensor::Kind::kReaction:
-      return kRows;
-    case Sensor::Kind::kPosition:
-    case Sensor::Kind::kVelocity:
-    case Sensor::Kind::kRate:
-    case Sensor::Kind::kAcceleration:
-    case Sensor::Kind::kSpecificForce:
-      return 3;
-    case Sensor::Kind::kContact:
-    case Sensor::Kind::kDisplacement:
-    case Sensor::Kind::kAngle:
-    case Sensor::Kind::kSpeed:
-    case Sensor::Kind::kDistance:
-      return 1;
-  }
-  return 0;
+  if (kind == Sensor::Kind::kQuantity) return 1;
+  const Quantity quantity = get_quantity({}, Sensor{.name = {}, .kind = kind});
+  return quantity.part == Quantity::kAll ? count_values(get_traits(quantity.kind)) : 1;
 }
 
-// A reaction and a speed are along or about a row: both units are named.
 const char* sensor_unit(Sensor::Kind kind) {
-  switch (kind) {
-    case Sensor::Kind::kPosition:
-    case Sensor::Kind::kDisplacement:
-    case Sensor::Kind::kDistance:
-      return "m";
-    case Sensor::Kind::kVelocity:
-      return "m/s";
-    case Sensor::Kind::kRate:
-      return "rad/s";
-    case Sensor::Kind::kAcceleration:
-    case Sensor::Kind::kSpecificForce:
-      return "m/s2";
-    case Sensor::Kind::kAttitude:
-    case Sensor::Kind::kContact:
-      return "1";
-    case Sensor::Kind::kReaction:
-      return "N, N m";
-    case Sensor::Kind::kAngle:
-      return "rad";
-    case Sensor::Kind::kSpeed:
-      return "m/s, rad/s";
-  }
-  return "";
+  if (kind == Sensor::Kind::kQuantity) return "";
+  if (kind == Sensor::Kind::kReaction) return "N, N m";    // along or about a row: both units are named
+  if (kind == Sensor::Kind::kSpeed) return "m/s, rad/s";  // likewise
+  return get_traits(get_quantity({}, Sensor{.name = {}, .kind = kind}).kind).unit;
 }
 
 int Model::element_count() const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "unlatch/inertia.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch {
 namespace {
@@ -48,6 +49,7 @@ void check_all_names(const Model& model, ModelErrors& errors) {
   check("element", elements, itself);
   check("channel", model.channels, name_of);
   check("signal", model.signals, itself);
+  check("quantity", model.quantities, name_of);
   check("sensor", model.sensors, name_of);
   check("surface", model.surfaces, name_of);
 }
@@ -334,25 +336,16 @@ void validate_channels(const Model& model, ModelErrors& errors) {
 }
 
 void validate_sensors(const Model& model, ModelErrors& errors) {
-  using Kind = Sensor::Kind;
   for (const Sensor& sensor : model.sensors) {
     const std::string where = quoted("sensor", sensor.name);
     check_finite(where, "point", sensor.point.allFinite(), errors);
-    if (sensor.kind == Kind::kDistance) {
-      check_shape_pair(model, where, sensor.subject, sensor.other, "between", errors);
-      continue;
+    if (sensor.kind != Sensor::Kind::kQuantity) {
+      Quantity quantity = get_quantity(model, sensor);
+      quantity.point.setZero();  // checked above, and not read by every kind
+      check_quantity(model, quantity, false, where, "", errors);
+    } else if (!is_index(sensor.subject, model.quantities.size())) {
+      errors.push_back({where, "the quantity that it names does not exist", "the index of one quantity", "quantity"});
     }
-    const bool of_body = sensor.kind <= Kind::kSpecificForce, of_signal = sensor.kind == Kind::kContact;
-    const std::size_t subjects =
-        of_body ? model.bodies.size() : (of_signal ? model.signals.size() : model.joints.size());
-    const std::string key = of_body ? "body" : (of_signal ? "signal" : "joint");
-    if (!is_index(sensor.subject, subjects))
-      errors.push_back({where, "its " + key + " does not exist", "the index of a " + key, key});
-    const int first = sensor.kind == Kind::kAngle ? kRotX : kX;
-    const int last = sensor.kind == Kind::kDisplacement ? kZ : kRotZ;
-    if (sensor.kind >= Kind::kDisplacement && (sensor.axis < first || sensor.axis > last))
-      errors.push_back(
-          {where, "its axis is not one of this kind", std::string(kRowNames[first]) + " … " + kRowNames[last], "axis"});
   }
 }
 
@@ -373,6 +366,7 @@ ModelErrors validate_placed(const Model& model) {
   validate_springs(model, errors);
   validate_one_sided(model, errors);
   validate_attachments(model, errors);
+  validate_quantities(model, errors);
   validate_sensors(model, errors);
   validate_contacts(model, errors);
   validate_events(model, errors);

@@ -69,6 +69,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   for (std::span<double>* pairs : {&ev.pair_distances, &ev.pair_rates}) arena.take(*pairs, plan.contact_pairs.size());
   arena.take(ev.guards, plan.events.size() + plan.contact_pairs.size());
   arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
+  arena.take(ev.quantities, static_cast<std::size_t>(plan.quantity_count));
 }
 
 void lay_out(const PlanData& plan, Arena& arena, WorkspaceData& data) {
@@ -111,6 +112,7 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
     for (std::size_t r = 0; r < kRows; ++r) multipliers.get(at(joint.joint), r) = 0;
   accelerations = {ev.blocks.data(), plan.accelerations};
   sensors = ev.sensors;
+  quantities = ev.quantities;
 }
 
 std::size_t Plan::get_workspace_bytes() const noexcept {

@@ -124,8 +124,9 @@ struct Evaluation {
   std::span<double> pair_distances, pair_rates;
 
   // outputs
-  std::span<double> guards;   // per event, then per pair of shapes of contacts
-  std::span<double> sensors;  // in the order of the model's sensors, each with its width
+  std::span<double> guards;      // per event, then per pair of shapes of contacts
+  std::span<double> sensors;     // in the order of the model's sensors, each with its width
+  std::span<double> quantities;  // in the order of the model's quantities
 
   Spatial get_acceleration(int body) const {
     return read(blocks.data(), places[static_cast<std::size_t>(body)], &SharedBlock<double>::acceleration);

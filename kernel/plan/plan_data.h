@@ -220,18 +220,27 @@ struct Knot {
 
 // --- Events and sensors ----------------------------------------------------------------------------------------------
 
+// A quantity, see kernel/quantities. Its number among signals, bodies and so on is `subject`, as in the model.
+struct PlanQuantity {
+  Quantity::Kind kind;
+  std::int32_t subject, other, part;
+  std::int32_t coordinate = kNone;  // into PlanData::coordinates, of kinds that read one
+  bool along = false;               // the component along `direction`
+  bool guarded = false;             // of a condition: a bound serves that lies on the same side of `threshold`
+  double threshold = 0;
+  Vec3 direction{}, other_direction{}, point{};
+};
+
 // Guards in postfix order: a condition's parts stand before it. Compilation may rewrite `subject` and `axis`:
 //
-//   kind                                                        subject is an index into    axis
-//   kReaction                                                   joints                      row
-//   kDisplacement, kAngle, kSpeed                               PlanData::coordinates       row
-//   kForceSize, kMomentSize                                     joints
-//   kMode                                                       joints                      number of the mode
-//   kBodyRate, kBurnt                                           bodies
-//   kCommand, kSignal                                           channels, signals
-//   kDistance                                                   PlanData::shapes            the other's index
-//   kClosed                                                     PlanData::contacts
-//   kOneSidedForce, kEngaged, kReach, kWound, kBearing          PlanData::one_sided
+//   kind                             subject is an index into    axis
+//   kReaction                        joints                      row
+//   kDisplacement, kAngle, kSpeed    PlanData::coordinates       row
+//   kMode                            joints                      number of the mode
+//   kSignal                          signals
+//   kClosed                          PlanData::contacts
+//   kEngaged, kReach                 PlanData::one_sided
+//   any other                        PlanData::quantities
 struct PlanCondition {
   Condition::Kind kind;
   std::int32_t subject, axis, part_count;
@@ -250,14 +259,13 @@ struct PlanEvent {
   std::int64_t engaged;  // what it decides
   bool by_time;          // the whole guard is "t ≥ T", which needs no search
   bool crossing;         // what holds at the start is no event
+  bool timed;            // some quantity is the time since it acted: EventState::due keeps that, −1 before
 };
 
 struct PlanSensor {
-  Sensor::Kind kind;
-  std::int32_t subject;  // of one that reads a coordinate, into PlanData::coordinates
-  std::int32_t first;    // into Workspace::sensors
-  Vec3 point;
-  std::int32_t other;  // of a distance: into PlanData::shapes
+  std::int32_t quantity;  // into PlanData::quantities
+  std::int32_t first;     // into Workspace::sensors
+  bool whole;             // all values of the quantity; otherwise the one that it chooses
 };
 
 // --- The whole -------------------------------------------------------------------------------------------------------
@@ -359,6 +367,8 @@ struct PlanData {
   std::vector<std::int32_t> repeating_events;
   std::vector<std::int32_t> timed_events;  // that are due at a known time: by their guard, or after a delay
   bool commanded_events = false;           // a command decides some guard, itself or through the reactions
+  std::vector<PlanQuantity> quantities;    // the model's, then those of conditions, then those of sensors
+  std::int32_t quantity_count = 0;         // of these, the model's
   std::vector<PlanSensor> sensors;
   std::int32_t sensor_count = 0;  // values, all sensors' components counted
   std::int32_t signal_count = 0;

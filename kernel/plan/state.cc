@@ -67,7 +67,7 @@ void init_state(const Plan& owner, State& state) noexcept {
     const PlanEvent& event = plan.events[e];
     const bool holds =
         event.crossing || (event.engages != kNone && plan.one_sided[at(event.engages)].engaged == event.engaged);
-    state.events[e] = {holds ? EventPhase::kSpent : EventPhase::kArmed, 0};
+    state.events[e] = {holds ? EventPhase::kSpent : EventPhase::kArmed, event.timed ? -1.0 : 0.0};
   }
   for (double& signal : state.signals) signal = 0;
   std::copy(plan.initial_auxiliary.begin(), plan.initial_auxiliary.end(), state.auxiliary.begin());

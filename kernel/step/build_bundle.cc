@@ -66,6 +66,7 @@ class MemberPlacer {
     pass(next_.friction, plan.frictions);
     next_.signal += plan.signal_count;
     next_.sensor += plan.sensor_count;
+    next_.quantity += plan.quantity_count;
     next_.channel += plan.channel_count;
     return member;
   }

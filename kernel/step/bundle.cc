@@ -9,8 +9,8 @@
 #include "kernel/events/guards.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
+#include "kernel/quantities/quantities.h"
 #include "kernel/step/bundle.h"
-#include "kernel/step/sensors.h"
 
 namespace unlatch {
 namespace {
@@ -161,7 +161,7 @@ class SideBySide {
     for (std::size_t m = 0; m < runs_.size(); ++m) stays_[m] = stays_[m] && passes_quietly(m);
     store_substep(plan_, ev_, state_);
     rearm(plan_, state_, ev_);
-    update_sensors(plan_, state_, ev_);
+    update_readings(end, ev_);
     ++state_.header->tick;
     return kept_.valid = is_finite(state_, ev_.sensors);
   }
@@ -197,7 +197,7 @@ class SideBySide {
       write(to.blocks.data(), to.places[b], &SharedBlock<double>::acceleration, get_acceleration(member, b));
     for (std::size_t i = 0; i < to.multipliers.size(); ++i)
       to.multipliers.get(i / kRows, i % kRows) = get_multiplier(member, i);
-    copy_sensors(member, to.sensors);
+    copy_outputs(member, to.sensors, to.quantities);
     copy_readings(member, to);
     run.report = {};
     run.report.substeps = 1;
@@ -209,8 +209,9 @@ class SideBySide {
   double get_multiplier(const BundleMember& member, std::size_t i) const {
     return ev_.multipliers[at(member.joint) * kRows + i];
   }
-  void copy_sensors(const BundleMember& member, std::span<double> to) const {
-    std::copy_n(ev_.sensors.begin() + member.sensor, to.size(), to.begin());
+  void copy_outputs(const BundleMember& member, std::span<double> sensors, std::span<double> quantities) const {
+    std::copy_n(ev_.sensors.begin() + member.sensor, sensors.size(), sensors.begin());
+    std::copy_n(ev_.quantities.begin() + member.quantity, quantities.size(), quantities.begin());
   }
   // Those of elements that do not follow from the state alone, see calc_element() in elements/readings.cc.
   void copy_readings(const BundleMember& member, Evaluation& to) const {
@@ -225,7 +226,7 @@ class SideBySide {
   // The knots at the beginning of the step. A run that leaves later writes its own.
   void log_beginning() {
     if (std::none_of(runs_.begin(), runs_.end(), [](const BundleRun& run) { return run.log != nullptr; })) return;
-    update_sensors(plan_, state_, ev_);
+    update_readings(get_instant(begin_), ev_);
     for (std::size_t m = 0; m < runs_.size(); ++m) {
       if (!stays_[m] || runs_[m].log == nullptr) continue;
       runs_[m].log->clear();
@@ -242,7 +243,7 @@ class SideBySide {
     give_back(member, state_, knot.state);
     for (std::size_t b = 0; b < knot.accelerations.size(); ++b) knot.accelerations[b] = get_acceleration(member, b);
     for (std::size_t i = 0; i < knot.multipliers.size(); ++i) knot.multipliers[i] = get_multiplier(member, i);
-    copy_sensors(member, knot.sensors);
+    copy_outputs(member, knot.sensors, knot.quantities);
   }
 
   BundleData& data_;

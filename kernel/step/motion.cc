@@ -18,7 +18,7 @@ std::size_t count_knots(const PlanData& plan) {
 std::size_t count_numbers(const Plan& owner) {
   const PlanData& plan = owner.data();
   return plan.bodies.size() * (sizeof(Spatial) / sizeof(double)) + plan.joints.size() * kRows +
-         owner.get_sensor_count();
+         owner.get_sensor_count() + at(plan.quantity_count);
 }
 
 }  // namespace
@@ -43,6 +43,8 @@ MotionLog::MotionLog(const Plan& plan, std::span<std::byte> memory) noexcept : c
     cursor += rows * sizeof(double);
     knot.sensors = {reinterpret_cast<double*>(cursor), plan.get_sensor_count()};
     cursor += plan.get_sensor_count() * sizeof(double);
+    knot.quantities = {reinterpret_cast<double*>(cursor), at(plan.data().quantity_count)};
+    cursor += knot.quantities.size() * sizeof(double);
   }
 }
 

@@ -20,7 +20,7 @@
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/integration/run.h"
-#include "kernel/step/sensors.h"
+#include "kernel/quantities/quantities.h"
 
 namespace unlatch {
 namespace {
@@ -35,10 +35,10 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
-// The state and the evaluation of this instant, sensors included, which nothing else of the step reads.
+// The state and the evaluation of this instant, sensors and quantities included, which nothing else of the step reads.
 void log_motion(Run& run, double now, bool begins) {
   if (run.log == nullptr) return;
-  update_sensors(run.plan, run.state(), run.ev());
+  update_readings(run.get_instant(now), run.ev());
   MotionKnot& knot = run.log->add();
   knot.time = now;
   knot.begins = begins;
@@ -47,6 +47,7 @@ void log_motion(Run& run, double now, bool begins) {
     knot.accelerations[b] = run.ev().get_acceleration(static_cast<int>(b));
   for (std::size_t i = 0; i < knot.multipliers.size(); ++i) knot.multipliers[i] = run.ev().multipliers[i];
   std::copy(run.ev().sensors.begin(), run.ev().sensors.end(), knot.sensors.begin());
+  std::copy(run.ev().quantities.begin(), run.ev().quantities.end(), knot.quantities.begin());
 }
 
 // `tolerances`: of the events' guards. `begins`: of the knot before the events.
@@ -146,7 +147,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
   if (run.report.status != StepStatus::kOk) return finish(run);
-  update_sensors(plan, run.state(), run.ev());
+  update_readings(run.get_instant(end), run.ev());
   if (!is_finite(run.state(), run.ev().sensors)) run.fail(StepStatus::kNotFinite);
   if (run.report.status != StepStatus::kOk) return finish(run);
 
@@ -167,7 +168,7 @@ StepStatus update_outputs(const Plan& owner, const Inputs& inputs, const State& 
   const Instant now{plan, inputs, state, plan.get_time(state.header->tick)};
   if (evaluate(now, changed, ev) != kNone) return StepStatus::kSingular;
   update_guards(now, ev, workspace.data().search.stack);
-  update_sensors(plan, state, ev);
+  update_readings(now, ev);
   copy(state, kept.state);
   kept.valid = true;
   return StepStatus::kOk;

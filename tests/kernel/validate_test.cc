@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"ChannelRange", [](Model& m) { m.channels[0].minimum = 2; }, "channel 'c'", "range is [2, 1]"},
         Bad{"ChannelInitial", [](Model& m) { m.channels[0].initial = 2; }, "channel 'c'", "initial is 2"},
         Bad{"ChannelSafe", [](Model& m) { m.channels[0].safe = kNan; }, "channel 'c'", "safe is nan"},
-        Bad{"SensorBody", [](Model& m) { m.sensors[0].subject = 2; }, "sensor 'gyro'", "body does not exist"},
+        Bad{"SensorBody", [](Model& m) { m.sensors[0].subject = 2; }, "sensor 'gyro'", "the body that it names does not exist"},
         Bad{"SensorAxis",
             [](Model& m) {
               m.sensors[0].kind = Sensor::Kind::kDisplacement;

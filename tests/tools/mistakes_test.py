@@ -174,7 +174,7 @@ class MistakesTest(ProcessTest):
         early = self.change("early.yaml", ("{time: 1 s}", "{time: -1 s}"))
         self.assertIn("this time is before the run, which begins at 0 s; 0 s or later", self.refuse("check", early))
         late = self.change("late.yaml", ("{time: 1 s}", "{time: 50 s}"))
-        note = "event 'release' of 'satellite' cannot happen before 50 s, and the run ends at 5 s"
+        note = "event 'release' of 'satellite' cannot come before 50 s; the run ends at 5 s"
         self.assertEqual(self.run_ok(UNLATCH, "check", late).stderr, f"note: {note}\n")
         self.assertEqual(self.run_json(UNLATCH, "check", late)["notes"], [note])
         self.assertEqual(self.run_json(UNLATCH, "check", self.first)["notes"], [])

@@ -92,7 +92,7 @@ class VerdictTest(ProcessTest):
         checked = self.run_json(UNLATCH, "check", path)
         problems = {entry["id"]: [problem["what"] for problem in entry["problems"]] for entry in checked["requirements"]}
         self.assertEqual(problems, {"near": [], "nearer": [],
-                                    "waits": ["event 'never' cannot occur before 9 s, the run ends at 1 s"]})
+                                    "waits": ["event 'never' cannot come before 9 s; the run ends at 1 s"]})
         self.assertIn("cannot be evaluated", self.run_ok(UNLATCH, "check", path).stdout)
 
     def test_check_tells_which_hold_in_every_run(self):

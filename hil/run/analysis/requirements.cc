@@ -76,11 +76,13 @@ RequirementMonitor::RequirementMonitor(const Scenario& scenario, const Clearance
 
 bool RequirementMonitor::is_sampled(const Requirement& requirement) const {
   return requirement.quantity == Measure::kReaction || requirement.quantity == Measure::kSensor ||
+         requirement.quantity == Measure::kQuantity ||
          (requirement.quantity == Measure::kContact && !is_of_motion(requirement));
 }
 
 double RequirementMonitor::calc_sample(const Track& track, const MotionKnot& knot) const {
   const Requirement& r = *track.requirement;
+  if (r.quantity == Measure::kQuantity) return knot.quantities[at(r.a)];
   std::span<const double> values = knot.sensors;
   if (r.quantity == Measure::kContact)
     return contacts_.calc(knot.state, r.a, static_cast<Requirement::ContactValue>(r.axis));

@@ -68,6 +68,8 @@ void OutputReader::read(std::span<const std::size_t> outputs, std::span<double> 
       read_contact(output, reading, own);
     } else if (output.kind == Kind::kSensor) {
       put(simulation_.workspace().sensors.subspan(first_sensor_value_[at(output.subject)], own.size()), own);
+    } else if (output.kind == Kind::kQuantity) {
+      own[0] = simulation_.workspace().quantities[at(output.subject)];
     } else if (output.kind == Kind::kSignal) {
       own[0] = simulation_.state().signals[at(output.subject)];
     } else if (output.kind == Kind::kCommand) {

@@ -154,7 +154,8 @@ class Includer {
 const std::vector<std::string>& shared_sections() {
   static const std::vector<std::string> names{"constants", "bodies",  "joints",       "elements",  "channels",
                                               "sensors",   "signals", "events",       "clearance", "contacts",
-                                              "points",    "stops",   "requirements", "templates", "instances"};
+                                              "points",    "stops",   "requirements", "templates", "instances",
+                                              "quantities"};
   return names;
 }
 

@@ -1,6 +1,7 @@
 // Sensors, and events: their conditions and their actions.
 #include <algorithm>
 
+#include "hil/scenario/quantities.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
 namespace unlatch::hil {
@@ -11,6 +12,34 @@ int read_angle_axis(YamlMap& map) {
   static const std::vector<std::string> kNames{"rot_x", "rot_y", "rot_z", "x", "y", "z"};
   const int axis = map.choice("axis", "axis", kNames);
   return axis < 0 ? kRotX : kRotX + axis % 3;
+}
+
+// Conditions with keys and rules of their own; any other key is a quantity's.
+const std::vector<std::string>& list_own_keys() {
+  static const std::vector<std::string> keys{
+      "time",      "reaction",       "displacement",    "angle",   "speed",   "body_rate", "burnt",
+      "clearance", "contact",        "signal",          "command", "mode",    "all",       "any",
+      "not",       "reaction_force", "reaction_moment", "force",   "engaged", "wound",     "bearing"};
+  return keys;
+}
+
+const std::vector<std::string>& list_condition_keys() {
+  static const std::vector<std::string> keys = [] {
+    std::vector<std::string> list = list_own_keys();
+    list.emplace_back("quantity");
+    for (const std::string& key : list_quantity_keys())
+      if (std::ranges::find(list, key) == list.end()) list.push_back(key);
+    return list;
+  }();
+  return keys;
+}
+
+// The key of a quantity, or of a condition that is written like one: `force: {element: spring}`.
+bool is_quantity_condition(const std::string& key, const YamlNode& value) {
+  if (std::ranges::find(list_own_keys(), key) == list_own_keys().end()) return true;
+  const QuantityTraits* const traits = find_quantity_traits(key);
+  return traits != nullptr && !traits->holds && !needs_more(*traits) && traits->of != SubjectOf::kSurface &&
+         !value.is_scalar();
 }
 
 // Index for the model; a name that was not found has been reported already.
@@ -24,9 +53,9 @@ void ScenarioReader::read_sensors(YamlMap& top) {
 }
 
 void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) {
-  static const std::vector<std::string> kTypes{"position",       "attitude", "velocity", "rate",         "acceleration",
-                                               "specific_force", "contact",  "reaction", "displacement", "angle",
-                                               "speed",          "distance"};  // in the order of Sensor::Kind
+  static const std::vector<std::string> kTypes{
+      "position", "attitude",     "velocity", "rate",  "acceleration", "specific_force", "contact",
+      "reaction", "displacement", "angle",    "speed", "distance",     "quantity"};  // in the order of Sensor::Kind
   YamlMap map(node, "sensor '" + name + "'", mistakes_);
   const int type = map.choice("type", "sensor type", kTypes);
   if (type < 0) return;  // the valid keys depend on the type
@@ -45,6 +74,9 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
       sensor.subject = find_surface(pair->a);
       sensor.other = find_surface(pair->b);
     }
+  } else if (sensor.kind == Kind::kQuantity) {
+    if (const YamlNode* const quantity = map.require("quantity"))
+      sensor.subject = read_quantity_index("quantity", *quantity);
   } else if (sensor.kind >= Kind::kReaction) {
     sensor.subject = map.choice("joint", "joint", joints_);
   }
@@ -94,17 +126,18 @@ Condition ScenarioReader::read_condition(const YamlNode& node) {
   using Kind = Condition::Kind;
   Condition condition;
   YamlMap map(node, "a condition", mistakes_);
-  const std::string kind =
-      map.only_one_of({"time",      "reaction",       "displacement",    "angle",   "speed",   "body_rate", "burnt",
-                       "clearance", "contact",        "signal",          "command", "mode",    "all",       "any",
-                       "not",       "reaction_force", "reaction_moment", "force",   "engaged", "wound",     "bearing"},
-                      "to say what it looks at");
+  const std::string kind = map.only_one_of(list_condition_keys(), "to say what it looks at");
   if (kind.empty()) return condition;
   const YamlNode& value = *map.find(kind);
   if (kind == "time") {
     condition.threshold = read_number(value, "s", 0.0, mistakes_);
     if (condition.threshold < 0)
       mistakes_.add(value.mark, "this time is before the run, which begins at 0 s", "0 s or later");
+  } else if (is_quantity_condition(kind, value)) {
+    condition.kind = Kind::kQuantity;
+    condition.subject = read_quantity_index(kind, value);
+    const auto number = static_cast<std::size_t>(condition.subject);
+    read_threshold(map, number < model_.quantities.size() ? get_si(model_, model_.quantities[number]) : "", condition);
   } else if (kind == "signal") {
     condition.kind = Kind::kSignal;
     condition.subject = read_choice(value, "signal", model_.signals, mistakes_);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hil/scenario/measurable.h"
+#include "hil/scenario/quantities.h"
 #include "hil/scenario/sections/scenario_reader.h"
 #include "hil/scenario/text/suggestion.h"
 
@@ -12,9 +13,20 @@ namespace {
 using Measure = Requirement::Measure;
 using Take = Requirement::Take;
 
-const std::vector<std::string> kQuantities{"clearance", "rate",     "time",         "order", "reaction",
-                                           "velocity",  "position", "displacement", "angle", "speed",
-                                           "axes",      "sensor",   "contact"};
+const std::vector<std::string> kQuantities{"clearance", "rate",     "time",         "order",   "reaction",
+                                           "velocity",  "position", "displacement", "angle",   "speed",
+                                           "axes",      "sensor",   "contact",      "quantity"};
+
+// Keys of a requirement: the kinds above, and those of other quantities.
+const std::vector<std::string>& list_keys() {
+  static const std::vector<std::string> keys = [] {
+    std::vector<std::string> list = kQuantities;
+    for (const std::string& key : list_quantity_keys())
+      if (std::ranges::find(list, key) == list.end()) list.push_back(key);
+    return list;
+  }();
+  return keys;
+}
 
 const std::vector<std::string> kContactValues{"force", "depth", "slip", "impulse", "dissipated"};
 
@@ -36,10 +48,11 @@ void ScenarioReader::read_requirement(const YamlNode& node) {
   const std::string where = "requirement '" + requirement.id + "'";
   if (nodes_.count(where) > 0) mistakes_.add(node.mark, "a second " + where, "give each an id of its own");
   read_item_at(where, node, [&] {
-    const std::string kind = map.only_one_of(kQuantities, "a quantity");
+    const std::string kind = map.only_one_of(list_keys(), "a quantity");
     if (!kind.empty()) {
-      requirement.quantity = static_cast<Measure>(std::find(kQuantities.begin(), kQuantities.end(), kind) -
-                                                  kQuantities.begin());  // in the same order
+      const auto own = std::find(kQuantities.begin(), kQuantities.end(), kind);  // in the order of Measure
+      requirement.quantity =
+          own == kQuantities.end() ? Measure::kQuantity : static_cast<Measure>(own - kQuantities.begin());
       read_requirement_quantity(*map.find(kind), kind, requirement);
       requirement.unit = get_unit(requirement, model_);
     }
@@ -60,6 +73,9 @@ void ScenarioReader::read_requirement_quantity(const YamlNode& node, const std::
       if (!node.is_sequence()) return mistakes_.add(node.mark, "order is not a list", "write [latch1, latch2]");
       for (const YamlNode& item : node.items) to.events.push_back(read_event_name(item));
       if (to.events.size() < 2) mistakes_.add(node.mark, "an order of fewer than two events", "write [latch1, latch2]");
+      return;
+    case Measure::kQuantity:
+      to.a = read_quantity_index(kind, node);
       return;
     case Measure::kDisplacement:
     case Measure::kAngle:
@@ -103,34 +119,24 @@ void ScenarioReader::read_requirement_clearance(const YamlNode& node, Requiremen
 }
 
 void ScenarioReader::read_requirement_of_bodies(YamlMap& map, Requirement& to) {
-  std::vector<std::string> frames = bodies_;
-  frames.push_back("ground");
-  const int ground = static_cast<int>(bodies_.size());
   to.a = map.choice("body", "body", bodies_);
-  const int frame = map.choice("relative_to", "body", frames, ground);
-  to.b = frame == ground ? kGround : frame;
-  if (to.a >= 0 && to.a == to.b)
-    mistakes_.add(map.node().find("relative_to")->mark, "a body relative to itself", "name another body, or ground");
-  const auto read_direction = [&](const char* key, bool needed) -> Eigen::Vector3d {
-    const Eigen::Vector3d none = Eigen::Vector3d::Zero();
-    if (!needed && !map.find(key)) return none;
-    const Eigen::Vector3d given = map.vector(key, "");
-    if (given.norm() > 0) return given.normalized();
-    if (const YamlNode* at = map.find(key); at && at->is_sequence() && at->items.size() == 3)
-      mistakes_.add(at->mark, "a direction of length 0", "write a vector, [1, 0, 0]");
-    return none;
-  };
+  to.b = read_relative_to(map, to.a, false);
+  if (to.quantity != Measure::kAxes && map.find("component")) {
+    const int axis = std::max(0, map.choice("component", "component", axis_names()));
+    to.direction = Eigen::Vector3d::Unit(axis);
+    return;
+  }
   switch (to.quantity) {
     case Measure::kRate:
-      to.direction = read_direction("about", false);
+      to.direction = read_direction(map, "about", false);
       break;
     case Measure::kVelocity:
     case Measure::kPosition:
-      to.direction = read_direction("along", false);
+      to.direction = read_direction(map, "along", false);
       break;
     default:
-      to.direction = read_direction("axis", true);
-      to.other = read_direction("other", true);
+      to.direction = read_direction(map, "axis", true);
+      to.other = read_direction(map, "other", true);
       break;
   }
 }
@@ -261,6 +267,11 @@ std::string describe_quantity(const Requirement& r, const Model& model) {
       text = kContactValues[static_cast<std::size_t>(r.axis)] + " of contact " +
              model.contacts[static_cast<std::size_t>(r.a)].name;
       break;
+    case Measure::kQuantity: {
+      const unlatch::Quantity& quantity = model.quantities[static_cast<std::size_t>(r.a)];
+      text = describe(model, quantity);
+      break;
+    }
     case Measure::kSensor:
       text += " " + model.sensors[static_cast<std::size_t>(r.a)].name;
       break;

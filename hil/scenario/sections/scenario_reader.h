@@ -13,6 +13,7 @@
 #include "hil/scenario/language/scenario_sources.h"
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/yaml/yaml_reader.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch::hil {
 
@@ -38,6 +39,7 @@ class ScenarioReader {
   void read_joints(YamlMap& top);
   void read_elements(YamlMap& top);
   void read_contacts(YamlMap& top);
+  void read_quantities(YamlMap& top);
   void read_sensors(YamlMap& top);
   void read_events(YamlMap& top);
   void read_clearance(YamlMap& top);
@@ -125,6 +127,15 @@ class ScenarioReader {
   void read_group_sensors(const YamlNode& node, RateGroup& group);
   void check_channels_belong_to_one_group(const YamlNode& node);
 
+  // Quantities.
+  int read_quantity_index(const std::string& kind, const YamlNode& node);
+  unlatch::Quantity read_model_quantity(const std::string& kind, const YamlNode& node);
+  int read_quantity_subject(const YamlNode& node, SubjectOf of);
+  void read_quantity_part(YamlMap& map, const QuantityTraits& traits, unlatch::Quantity& to);
+  int read_relative_to(YamlMap& map, int body, bool may_be_itself);
+  Eigen::Vector3d read_direction(YamlMap& map, const char* key, bool needed);
+  void find_quantity_events();
+
   // Sensors and events.
   void read_sensor(const std::string& name, const YamlNode& node);
   void read_event(const YamlNode& node);
@@ -166,7 +177,8 @@ class ScenarioReader {
   Mistakes& mistakes_;
   std::vector<std::string> bodies_, joints_, elements_, channels_;  // names, by index
   std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for disabled ones
-  std::vector<Event> parting_joints_, cord_events_;       // see append_events()
+  std::vector<std::pair<std::size_t, const YamlNode*>> awaited_events_;  // per quantity that is the time since one
+  std::vector<Event> parting_joints_, cord_events_;                      // see append_events()
   std::vector<Placement> placements_;
   std::vector<std::pair<std::string, ClearancePair>> pushing_;  // contacts that act at the start
   std::map<std::string, FlexibleStructure> structures_;         // by flexible body
@@ -175,8 +187,9 @@ class ScenarioReader {
   std::vector<std::shared_ptr<const TriangleMesh>> known_meshes_;
 };
 
-std::string get_si(const Channel& channel);    // unit of its numbers, "" if it is no SI unit
-const std::vector<std::string>& axis_names();  // x y z
-const std::vector<std::string>& row_names();   // x … rot_z
+std::string get_si(const Channel& channel);  // unit of its numbers, "" if it is no SI unit
+std::string get_si(const Model& model, const unlatch::Quantity& quantity);  // likewise, "" for a plain number
+const std::vector<std::string>& axis_names();                               // x y z
+const std::vector<std::string>& row_names();                                // x … rot_z
 
 }  // namespace unlatch::hil

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "unlatch/quantity.h"
 #include "unlatch/shapes.h"
 
 namespace unlatch {
@@ -328,17 +329,18 @@ struct Sensor {
     kAngle,          // 1, about `axis` of the rotation frame, turns counted, rad
     kSpeed,          // 1, rate of the displacement, m/s, or of the angle, rad/s
     kDistance,       // 1, signed distance of surfaces `subject` and `other`, m
+    kQuantity,       // 1, quantity number `subject` of the model
   };
   std::string name;                                 // unique among sensors
   Kind kind = Kind::kRate;                          // measured quantity
-  int subject = 0;                                  // body, joint, signal or surface
+  int subject = 0;                                  // body, joint, signal, surface or quantity
   int axis = kX;                                    // Row
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // body axes, m
   int other = kNone;                                // kDistance: the other surface
 };
 // Number of values of a sensor.
 int sensor_width(Sensor::Kind kind);
-// Unit of a sensor's values.
+// Unit of a sensor's values; of kQuantity get_unit() of unlatch/quantities.h has it.
 const char* sensor_unit(Sensor::Kind kind);
 
 // --- Events ---------------------------------------------------------------------------------------------------------
@@ -371,9 +373,10 @@ struct Condition {
     kWound,          // angle that a cord is wound on its drum (its number among one-sided forces), rad; negative: it is
                      // straight, and that far off the tangent
     kBearing,        // of a cord's end about its drum's axis from its anchor, turns counted, rad
+    kQuantity,       // quantity number `subject` of the model
   };
   Kind kind = Kind::kTime;       // kind
-  int subject = 0;               // index of the joint, body, signal, channel, surface or contact
+  int subject = 0;               // index of the joint, body, signal, channel, surface, contact or quantity
   int axis = 0;                  // Row of a joint; kMode: index of the mode; kDistance: index of the other surface
   double threshold = 0;          // in the unit of the quantity
   bool below = false;            // holds at and below the threshold instead of at and above it
@@ -438,6 +441,7 @@ struct Model {
   std::vector<JointFriction> frictions;      // Coulomb friction in joints
   std::vector<Channel> channels;             // commanded values
   std::vector<std::string> signals;          // names
+  std::vector<Quantity> quantities;          // named numbers, of one value each
   std::vector<Sensor> sensors;               // measured values
   std::vector<Impulse> impulses;             // that actions name
   std::vector<Event> events;                 // in the order in which they act at one instant

@@ -21,6 +21,7 @@ struct MotionKnot {
   std::span<Spatial> accelerations;  // of the bodies' origins, world axes, m/s², rad/s²; by body
   std::span<double> multipliers;     // six for each joint, N, N m
   std::span<double> sensors;         // as Workspace::sensors
+  std::span<double> quantities;      // as Workspace::quantities
 };
 
 // Knots of one step, in memory that the caller owns: the beginning (begins); for each instant of events the state just

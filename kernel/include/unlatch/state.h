@@ -61,7 +61,7 @@ enum class EventPhase : std::int64_t {
 // Progress of an event, and the time at which it acts.
 struct EventState {
   EventPhase phase;  // progress
-  double due;        // kPending: s
+  double due;        // kPending: s; otherwise 0, or if some quantity is the time since it acted: when, −1 before, s
 };
 
 // Memory of one pair of shapes of a contact.

@@ -65,7 +65,8 @@ class Workspace {
   // Outputs of the state at the end of the latest step() or update_outputs().
   AccelerationView accelerations;
   MultiplierView multipliers;
-  std::span<const double> sensors;  // in the order of the model's sensors, each with its width
+  std::span<const double> sensors;     // in the order of the model's sensors, each with its width
+  std::span<const double> quantities;  // in the order of the model's quantities
 
   // For the kernel and its tests.
   WorkspaceData& data() const { return *data_; }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/run/findings/findings.h"
+#include "hil/run/starting_quantities.h"
 #include "tools/common/output.h"
 #include "tools/common/text.h"
 #include "tools/unlatch/check/check_findings.h"
@@ -55,7 +56,7 @@ Json build_elimination(const Model& model, const Plan& plan) {
 }  // namespace
 
 void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
-                     const std::vector<RedundantRows>& redundant, const std::string& target) {
+                     const std::vector<RedundantRows>& redundant, bool quantities, const std::string& target) {
   const Model& model = scenario.model;
   const Plan& plan = simulation.plan();
   Json json = {{"schema", 1},       {"valid", true},          {"scenario", scenario.name}, {"title", scenario.title},
@@ -90,6 +91,12 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
                     {"signals", model.signals.size()},
                     {"events", model.events.size()}};
   json["notes"] = list_notes(scenario);
+  if (quantities) {
+    json["quantities"] = Json::array();
+    for (const hil::StartingQuantity& quantity : hil::list_starting_quantities(scenario))
+      json["quantities"].push_back(
+          {{"name", quantity.name}, {"text", quantity.text}, {"unit", quantity.unit}, {"value", quantity.value}});
+  }
   json["bytes"] = {{"state", plan.get_state_bytes()}, {"workspace", plan.get_workspace_bytes()}};
   write_json(json, target);
 }

@@ -12,9 +12,9 @@
 namespace unlatch::tools {
 
 // The plan of a valid scenario: bodies, joints with their modes, elimination order, elements, sizes. Overwrites the
-// simulation's workspace. `redundant`: at the start.
+// simulation's workspace. `redundant`: at the start. `quantities`: lists them too.
 void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
-                     const std::vector<RedundantRows>& redundant, const std::string& target);
+                     const std::vector<RedundantRows>& redundant, bool quantities, const std::string& target);
 // Every mistake, with its place.
 void write_mistakes_json(const hil::ScenarioError& error, const std::string& target);
 

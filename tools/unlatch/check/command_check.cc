@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/run/findings/findings.h"
+#include "hil/run/starting_quantities.h"
 #include "hil/run/run.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/sampling/philox.h"
@@ -198,7 +199,21 @@ void print_outputs(const hil::Scenario& scenario) {
   }
 }
 
-int run(const ScenarioOptions& options, const std::string& graph, const std::string& json, bool outputs) {
+// Quantities that the scenario names, and those that it may name: unit, value at the start, the text to write.
+void print_quantities(const hil::Scenario& scenario) {
+  const std::vector<hil::StartingQuantity> list = hil::list_starting_quantities(scenario);
+  std::printf("%-24s %14s %-7s %s\n", "quantities", "at the start", "unit", "text");
+  for (const hil::StartingQuantity& quantity : list)
+    std::printf("  %-22s %14.6g %-7s %s\n", quantity.name.c_str(), quantity.value, quantity.unit.c_str(),
+                quantity.text.c_str());
+}
+
+// Lists that `check` appends to the plan.
+struct Lists {
+  bool outputs = false, quantities = false;
+};
+
+int run(const ScenarioOptions& options, const std::string& graph, const std::string& json, const Lists& lists) {
   check_output(json);
   try {
     if (is_campaign(options)) return check_campaign(options, json);
@@ -218,8 +233,9 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
     const std::vector<RedundantRows> redundant =
         list_redundant_rows(simulation->plan(), simulation->state(), simulation->workspace());
     if (json != "-") print_plan(scenario, *simulation, redundant);
-    if (json != "-" && outputs) print_outputs(scenario);
-    if (!json.empty()) write_plan_json(scenario, *simulation, redundant, json);
+    if (json != "-" && lists.outputs) print_outputs(scenario);
+    if (json != "-" && lists.quantities) print_quantities(scenario);
+    if (!json.empty()) write_plan_json(scenario, *simulation, redundant, lists.quantities, json);
   } catch (const hil::ScenarioError& error) {
     if (!json.empty()) write_mistakes_json(error, json);
     throw;
@@ -232,7 +248,7 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
 void add_check(Command app, int& exit_code) {
   auto options = std::make_shared<ScenarioOptions>();
   auto graph = std::make_shared<std::string>();
-  auto outputs = std::make_shared<bool>(false);
+  auto lists = std::make_shared<Lists>();
   auto json = std::make_shared<std::string>();
   Command command =
       app.add_verb("check", "Validates a scenario and prints its plan, or every mistake with file, line and column.",
@@ -240,9 +256,12 @@ void add_check(Command app, int& exit_code) {
   add_scenario_options(command, *options);
   command.add_option("--graph", *graph, "drawing of bodies, joints, modes and events (.svg); needs graphviz")
       .type_name("FILE");
-  command.add_flag("--outputs", *outputs, "lists the quantities that runs can write: names, frames, columns, units");
+  command.add_flag("--outputs", lists->outputs, "lists what runs can write: names, frames, columns, units");
+  command.add_flag(
+      "--quantities", lists->quantities,
+      "lists quantities for conditions, sensors, requirements and outputs: unit, value at the start, text");
   command.add_json_option(*json, "for an invalid scenario its mistakes");
-  command.callback([options, graph, json, outputs, &exit_code] { exit_code = run(*options, *graph, *json, *outputs); });
+  command.callback([options, graph, json, lists, &exit_code] { exit_code = run(*options, *graph, *json, *lists); });
 }
 
 }  // namespace unlatch::tools

@@ -8,6 +8,7 @@
 #include "tools/common/alike.h"
 #include "tools/common/text.h"
 #include "tools/unlatch/results/redundancy.h"
+#include "unlatch/quantities.h"
 
 namespace unlatch::tools {
 namespace {
@@ -301,58 +302,19 @@ class Phases {
   // The condition in words, without its part about the modes of `joint`, which the picture shows by itself.
   std::string describe(const Condition& c, int joint) const {
     using Kind = Condition::Kind;
-    const auto index = static_cast<std::size_t>(std::max(c.subject, 0));
-    const std::string than = std::string(c.below ? " &lt; " : " &gt; ") + to_short_text(c.threshold);
-    const auto of_joint = [&](const char* what) {
-      return std::string(what) + " " + kRowNames[c.axis] +
-             (c.subject == joint ? "" : " of " + name(model_.joints[index].name)) + than;
-    };
-    switch (c.kind) {
-      case Kind::kTime:
-        return "t = " + to_short_text(c.threshold) + " s";
-      case Kind::kReaction:
-        return of_joint("reaction");
-      case Kind::kDisplacement:
-        return of_joint("displacement");
-      case Kind::kAngle:
-        return of_joint("angle");
-      case Kind::kSpeed:
-        return of_joint("speed");
-      case Kind::kBodyRate:
-        return "rate of " + name(get_body_name(model_, c.subject)) + than;
-      case Kind::kBurnt:
-        return "burnt of " + name(get_body_name(model_, c.subject)) + than;
-      case Kind::kForceSize:
-        return "force of " + name(model_.joints[index].name) + than;
-      case Kind::kMomentSize:
-        return "moment of " + name(model_.joints[index].name) + than;
-      case Kind::kOneSidedForce:
-        return "force of " + name(model_.one_sided[index].name) + than;
-      case Kind::kEngaged:
-        return name(model_.one_sided[index].name) + " acts";
-      case Kind::kWound:
-        return "angle wound of " + name(model_.one_sided[index].name) + than;
-      case Kind::kBearing:
-        return "bearing of " + name(model_.one_sided[index].name) + than;
-      case Kind::kReach:
-        return name(model_.one_sided[index].name) + (c.below ? " at its end" : " reached");
-      case Kind::kSignal:
-        return "signal " + name(model_.signals[index]);
-      case Kind::kCommand:
-        return "command " + name(model_.channels[index].name) + than;
-      case Kind::kMode:
-        return c.subject == joint ? ""
-                                  : name(model_.joints[index].name) + " is " +
-                                        model_.joints[index].modes[static_cast<std::size_t>(c.axis)].name;
-      case Kind::kDistance:
-        return "distance of " + name(model_.surfaces[index].name) + " and " +
-               name(model_.surfaces[static_cast<std::size_t>(c.axis)].name) + than;
-      case Kind::kClosed:
-        return "contact " + name(model_.contacts[index].name);
-      case Kind::kNot:
-        return "not (" + describe(c.parts.at(0), joint) + ")";
-      default:
-        break;
+    if (c.kind == Kind::kNot) return "not (" + describe(c.parts.at(0), joint) + ")";
+    if (c.kind != Kind::kAll && c.kind != Kind::kAny) {
+      const Quantity quantity = get_quantity(model_, c);
+      const QuantityTraits& traits = get_traits(quantity.kind);
+      const bool compares = !traits.holds || c.kind == Kind::kQuantity, own = c.subject == joint;
+      if (c.kind == Kind::kTime) return "t = " + to_short_text(c.threshold) + " s";
+      if (c.kind == Kind::kMode && own) return "";
+      if (c.kind == Kind::kReach)
+        return name(model_.one_sided[static_cast<std::size_t>(c.subject)].name) +
+               (c.below ? " at its end" : " reached");
+      const bool of_joint = traits.of == SubjectOf::kJoint && c.kind != Kind::kQuantity;
+      return name(unlatch::describe(model_, quantity, !(of_joint && own))) +
+             (compares ? (c.below ? " &lt; " : " &gt; ") + to_short_text(c.threshold) : "");
     }
     std::string text;
     for (const Condition& part : c.parts) {

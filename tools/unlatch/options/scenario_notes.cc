@@ -1,36 +1,19 @@
 #include "tools/unlatch/options/scenario_notes.h"
 
-#include <algorithm>
 #include <cstdio>
 
 #include "hil/run/run.h"
+#include "hil/scenario/earliest.h"
 
 namespace unlatch::tools {
-namespace {
-
-// The earliest time at which a condition can hold, s.
-double calc_earliest(const Condition& when) {
-  using Kind = Condition::Kind;
-  if (when.kind == Kind::kTime) return when.below ? 0 : when.threshold;
-  if ((when.kind != Kind::kAll && when.kind != Kind::kAny) || when.parts.empty()) return 0;
-  std::vector<double> times;
-  for (const Condition& part : when.parts) times.push_back(calc_earliest(part));
-  return when.kind == Kind::kAll ? *std::max_element(times.begin(), times.end())
-                                 : *std::min_element(times.begin(), times.end());
-}
-
-}  // namespace
-
 std::vector<std::string> list_notes(const hil::Scenario& scenario) {
   std::vector<std::string> notes;
-  for (const Event& event : scenario.model.events) {
-    const double earliest = calc_earliest(event.when) + event.delay;
-    if (earliest <= scenario.until) continue;
-    char text[160];
-    std::snprintf(text, sizeof text, "cannot happen before %.6g s, and the run ends at %.6g s", earliest,
-                  scenario.until);
-    notes.push_back("event '" + event.name + "'" + (event.subject.empty() ? "" : " of '" + event.subject + "'") + " " +
-                    text);
+  const hil::EarliestTimes earliest(scenario.model);
+  for (std::size_t e = 0; e < scenario.model.events.size(); ++e) {
+    const Event& event = scenario.model.events[e];
+    if (const std::string why = earliest.explain(e, scenario.until); !why.empty())
+      notes.push_back("event '" + event.name + "'" + (event.subject.empty() ? "" : " of '" + event.subject + "'") +
+                      " " + why);
   }
   return notes;
 }

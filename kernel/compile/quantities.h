@@ -1,0 +1,16 @@
+// Quantities of a model for its plan: those that it names, and those that its conditions and sensors read.
+#pragma once
+
+#include "kernel/plan/plan_data.h"
+#include "unlatch/quantities.h"
+
+namespace unlatch {
+
+// Appends a quantity to PlanData::quantities; returns its place. link_quantities() of compile_plan.cc finds the
+// coordinate that it reads.
+std::int32_t add_quantity(const Quantity& quantity, PlanData& plan);
+
+// The model's quantities: the first of the plan.
+void compile_quantities(const Model& model, PlanData& plan);
+
+}  // namespace unlatch

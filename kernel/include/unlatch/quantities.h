@@ -1,0 +1,86 @@
+// Knowledge of each kind of quantity: its name in the language, its subjects, its values, their unit and axes, and what
+// it reads. Validation, joined models, guards, sensors, the scenario language, outputs and requirements follow from it.
+#pragma once
+
+#include <string>
+
+#include "unlatch/model.h"
+
+namespace unlatch {
+
+// List that a subject of a quantity is an index into.
+enum class SubjectOf {
+  kNothing,
+  kBody,      // Model::bodies; the other one may be the ground
+  kMassLaw,   // Model::bodies, of those with a mass law
+  kJoint,     // Model::joints
+  kSurface,   // Model::surfaces
+  kContact,   // Model::contacts
+  kElement,   // Model::element_name()
+  kOneSided,  // Model::one_sided
+  kCord,      // Model::one_sided, of those with a drum
+  kSignal,    // Model::signals
+  kChannel,   // Model::channels
+  kEvent,     // Model::events
+};
+
+// Values of a kind, and what `part` chooses among them.
+enum class QuantityValues {
+  kOne,         // one value; `part` is not read
+  kOfMode,      // one value; `part` is the number of a mode of the joint
+  kOfPointRow,  // one value; `part` is a Row from kX to kZ
+  kOfTurnRow,   // one value; `part` is a Row from kRotX to kRotZ
+  kOfRow,       // one value; `part` is a Row
+  kRowValues,   // six values; `part` is a Row, or kAll
+  kVector,      // three values; `part` is one of them, kSize or kAll, unless a direction is given
+  kQuaternion,  // four values, w x y z; `part` is one of them, kSize (the angle, rad) or kAll
+};
+
+// What the value of a quantity depends on, other than the motion of the bodies.
+enum QuantityReads : unsigned {
+  kReadsMotion = 0,
+  kReadsTime = 1,
+  kReadsInputs = 2,
+  kReadsCoordinate = 4,   // of a joint: an entry of the plan's coordinates
+  kReadsMultipliers = 8,  // or accelerations: the commands reach it through the forces
+  kReadsEvents = 16,      // changes at events alone, or begins there
+};
+
+// What is known of a kind.
+struct QuantityTraits {
+  Quantity::Kind kind;  // in the order of the enumerators
+  const char* name;     // key of the language: "velocity"
+  const char* phrase;   // for readers, before the name of its subject: "velocity of"
+  SubjectOf of = SubjectOf::kNothing, other = SubjectOf::kNothing;  // subjects
+  QuantityValues values = QuantityValues::kOne;                     // values
+  const char* unit;  // SI; "1" for a plain number; of a command its channel's
+  const char* angular_unit =
+      nullptr;                    // of rotation rows, of elements that turn, of the size of an attitude, if it differs
+  const char* frame = "";         // axes of the values: "W", "body", "joint"; empty for none
+  unsigned reads = kReadsMotion;  // QuantityReads
+  bool holds = false;             // it is 1 or 0, and changes at events alone
+  bool has_point = false, has_axes = false;  // `point` is read; `direction` and `other_direction` are
+};
+
+// Traits of a kind.
+const QuantityTraits& get_traits(Quantity::Kind kind) noexcept;
+// Number of kinds: the enumerators from 0 on.
+int count_quantity_kinds() noexcept;
+// Number of values of a kind with kAll.
+int count_values(const QuantityTraits& traits) noexcept;
+
+// Quantity that a condition without parts compares or looks at; that a sensor measures.
+Quantity get_quantity(const Model& model, const Condition& condition);
+Quantity get_quantity(const Model& model, const Sensor& sensor);
+
+// Number of subjects of a kind in a model; the name of one of them.
+std::size_t count_subjects(const Model& model, SubjectOf of);
+std::string get_subject_name(const Model& model, SubjectOf of, int subject);
+
+// Unit of a quantity of a model: "N m".
+std::string get_unit(const Model& model, const Quantity& quantity);
+// Description for readers: "velocity of pod relative to core along [1, 0, 0]", "reaction x of nose1", without
+// `names_joint` "reaction x".
+std::string describe(const Model& model, const Quantity& quantity, bool names_joint = true);
+
+}  // namespace unlatch

@@ -1,0 +1,222 @@
+// Quantities of a model in words and units, and the quantities that conditions and sensors name by their own kinds.
+#include "unlatch/quantities.h"
+
+#include <array>
+#include <sstream>
+
+#include "kernel/math/index.h"
+#include "kernel/model/elements.h"
+
+namespace unlatch {
+namespace {
+
+using Kind = Quantity::Kind;
+
+// Quantity of a kind of condition or sensor. `part`: its axis, or what this says.
+struct Named {
+  Kind kind = Kind::kTime;
+  bool takes_axis = false;  // `part` is the condition's axis
+  int part = Quantity::kSize;
+};
+
+// In the order of Condition::Kind; those of parts, and kQuantity, have none.
+constexpr std::array<Named, 22> kConditions{{{Kind::kTime},
+                                             {Kind::kReaction, true},
+                                             {Kind::kDisplacement, true},
+                                             {Kind::kAngle, true},
+                                             {Kind::kSpeed, true},
+                                             {Kind::kRate},
+                                             {Kind::kSignal},
+                                             {Kind::kCommand},
+                                             {Kind::kMode, true},
+                                             {},
+                                             {},
+                                             {},
+                                             {Kind::kBurnt},
+                                             {Kind::kClearance},
+                                             {Kind::kClosed},
+                                             {Kind::kReactionForce},
+                                             {Kind::kReactionMoment},
+                                             {Kind::kOneSidedForce},
+                                             {Kind::kEngaged},
+                                             {Kind::kReach},
+                                             {Kind::kWound},
+                                             {Kind::kBearing}}};
+static_assert(kConditions.size() == static_cast<std::size_t>(Condition::Kind::kQuantity));
+
+// In the order of Sensor::Kind; kQuantity has none.
+constexpr std::array<Named, 12> kSensors{{{Kind::kPosition, false, Quantity::kAll},
+                                          {Kind::kAttitude, false, Quantity::kAll},
+                                          {Kind::kVelocity, false, Quantity::kAll},
+                                          {Kind::kRate, false, Quantity::kAll},
+                                          {Kind::kAcceleration, false, Quantity::kAll},
+                                          {Kind::kSpecificForce, false, Quantity::kAll},
+                                          {Kind::kSignal},
+                                          {Kind::kReaction, false, Quantity::kAll},
+                                          {Kind::kDisplacement, true},
+                                          {Kind::kAngle, true},
+                                          {Kind::kSpeed, true},
+                                          {Kind::kClearance}}};
+static_assert(kSensors.size() == static_cast<std::size_t>(Sensor::Kind::kQuantity));
+
+// An element turns about an axis or, a torque, acts about one.
+bool turns(const Model& model, int element) {
+  bool found = false;
+  std::size_t first = 0;
+  const auto i = at(element);
+  const auto look = [&](const auto& list, const auto& is_angular) {
+    if (i >= first && i < first + list.size()) found = is_angular(list[i - first]);
+    first += list.size();
+  };
+  look(model.loads, [](const Load& l) { return l.kind == Load::Kind::kTorque; });
+  look(model.point_springs, [](const PointSpring&) { return false; });
+  look(model.joint_springs, [](const JointSpring& s) { return s.axis >= kRotX; });
+  look(model.plane_torsions, [](const PlaneTorsion&) { return true; });
+  look(model.contacts, [](const Contact&) { return false; });
+  look(model.one_sided, [](const OneSided& f) { return f.joint != kNone && f.axis >= kRotX; });
+  look(model.frictions, [](const JointFriction& f) { return f.axis >= kRotX; });
+  return found;
+}
+
+bool is_angular(const Model& model, const Quantity& quantity, const QuantityTraits& traits) {
+  switch (traits.values) {
+    case QuantityValues::kOfRow:
+    case QuantityValues::kOfTurnRow:
+    case QuantityValues::kRowValues:
+      return quantity.part >= kRotX;
+    case QuantityValues::kQuaternion:
+      return quantity.part == Quantity::kSize;
+    default:
+      break;
+  }
+  if (traits.of == SubjectOf::kElement) return turns(model, quantity.subject);
+  if (traits.of != SubjectOf::kOneSided) return false;
+  const OneSided& force = model.one_sided[at(quantity.subject)];
+  return force.joint != kNone && force.axis >= kRotX;
+}
+
+std::string name_event(const Event& event) { return event.name + (event.subject.empty() ? "" : ":" + event.subject); }
+
+std::string show(const Eigen::Vector3d& v) {
+  std::ostringstream stream;
+  stream << "[" << v.x() << ", " << v.y() << ", " << v.z() << "]";
+  return stream.str();
+}
+
+// What follows the subject: its part, or the direction.
+std::string describe_part(const Quantity& quantity, const QuantityTraits& traits) {
+  if (traits.has_axes) return "";
+  if (!quantity.direction.isZero(0)) return " along " + show(quantity.direction);
+  if (quantity.part < 0 || count_values(traits) == 1) return "";
+  const bool attitude = traits.values == QuantityValues::kQuaternion;
+  return std::string(", ") + (attitude && quantity.part == 0 ? "w" : kRowNames[quantity.part - (attitude ? 1 : 0)]);
+}
+
+}  // namespace
+
+Quantity get_quantity(const Model& model, const Condition& condition) {
+  if (condition.kind == Condition::Kind::kQuantity) return model.quantities[at(condition.subject)];
+  const Named& named = kConditions[static_cast<std::size_t>(condition.kind)];
+  Quantity out;
+  out.kind = named.kind;
+  out.subject = condition.subject;
+  out.other = get_traits(named.kind).other == SubjectOf::kSurface ? condition.axis : kGround;
+  out.part = named.takes_axis ? condition.axis : named.part;
+  return out;
+}
+
+Quantity get_quantity(const Model& model, const Sensor& sensor) {
+  if (sensor.kind == Sensor::Kind::kQuantity) return model.quantities[at(sensor.subject)];
+  const Named& named = kSensors[static_cast<std::size_t>(sensor.kind)];
+  Quantity out;
+  out.kind = named.kind;
+  out.subject = sensor.subject;
+  out.other = get_traits(named.kind).other == SubjectOf::kSurface ? sensor.other : kGround;
+  out.part = named.takes_axis ? sensor.axis : named.part;
+  out.point = sensor.point;
+  return out;
+}
+
+std::string get_unit(const Model& model, const Quantity& quantity) {
+  const QuantityTraits& traits = get_traits(quantity.kind);
+  if (traits.of == SubjectOf::kChannel) {
+    const std::string& unit = model.channels[at(quantity.subject)].unit;
+    return unit.empty() ? traits.unit : unit;
+  }
+  return traits.angular_unit != nullptr && is_angular(model, quantity, traits) ? traits.angular_unit : traits.unit;
+}
+
+std::string get_subject_name(const Model& model, SubjectOf of, int subject) {
+  const auto i = at(subject);
+  switch (of) {
+    case SubjectOf::kNothing:
+      return "";
+    case SubjectOf::kBody:
+    case SubjectOf::kMassLaw:
+      return subject == kGround ? "ground" : model.bodies[i].name;
+    case SubjectOf::kJoint:
+      return model.joints[i].name;
+    case SubjectOf::kSurface:
+      return model.surfaces[i].name;
+    case SubjectOf::kContact:
+      return model.contacts[i].name;
+    case SubjectOf::kElement:
+      return model.element_name(subject);
+    case SubjectOf::kOneSided:
+    case SubjectOf::kCord:
+      return model.one_sided[i].name;
+    case SubjectOf::kSignal:
+      return model.signals[i];
+    case SubjectOf::kChannel:
+      return model.channels[i].name;
+    case SubjectOf::kEvent:
+      return name_event(model.events[i]);
+  }
+  return "";
+}
+
+std::size_t count_subjects(const Model& model, SubjectOf of) {
+  switch (of) {
+    case SubjectOf::kNothing:
+      return 0;
+    case SubjectOf::kBody:
+    case SubjectOf::kMassLaw:
+      return model.bodies.size();
+    case SubjectOf::kJoint:
+      return model.joints.size();
+    case SubjectOf::kSurface:
+      return model.surfaces.size();
+    case SubjectOf::kContact:
+      return model.contacts.size();
+    case SubjectOf::kElement:
+      return at(model.element_count());
+    case SubjectOf::kOneSided:
+    case SubjectOf::kCord:
+      return model.one_sided.size();
+    case SubjectOf::kSignal:
+      return model.signals.size();
+    case SubjectOf::kChannel:
+      return model.channels.size();
+    case SubjectOf::kEvent:
+      return model.events.size();
+  }
+  return 0;
+}
+
+std::string describe(const Model& model, const Quantity& quantity, bool names_joint) {
+  const QuantityTraits& traits = get_traits(quantity.kind);
+  const std::string subject = get_subject_name(model, traits.of, quantity.subject);
+  if (traits.values == QuantityValues::kOfMode)
+    return subject + " is " + model.joints[at(quantity.subject)].modes[at(quantity.part)].name;
+  if (quantity.kind == Kind::kEngaged) return subject + " acts";
+  const bool of_row = traits.of == SubjectOf::kJoint && traits.values != QuantityValues::kVector;
+  std::string text = traits.phrase;
+  if (of_row) return text + " " + kRowNames[quantity.part] + (names_joint ? " of " + subject : "");
+  if (!subject.empty()) text += " " + subject;
+  const bool pair = traits.other == SubjectOf::kSurface;
+  if (pair || (traits.other == SubjectOf::kBody && quantity.other != kGround))
+    text += (pair ? " and " : " relative to ") + get_subject_name(model, traits.other, quantity.other);
+  return text + describe_part(quantity, traits);
+}
+
+}  // namespace unlatch

@@ -1,0 +1,16 @@
+// Values of the plan's quantities: one number for guards and for the model's quantities, several for sensors.
+#pragma once
+
+#include "kernel/quantities/quantity_calc.h"
+
+namespace unlatch {
+
+// All values of a kind; returns how many. `out`: kMostValues numbers.
+int calc_values(const Instant& now, const Evaluation& ev, const PlanQuantity& own, double* out) noexcept;
+// The one number that `part` or the direction chooses.
+double calc_scalar(const Instant& now, const Evaluation& ev, const PlanQuantity& own) noexcept;
+
+// ev.quantities and ev.sensors; needs the evaluation of this instant.
+void update_readings(const Instant& now, Evaluation& ev) noexcept;
+
+}  // namespace unlatch
