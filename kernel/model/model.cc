@@ -18,7 +18,7 @@ int sensor_width(Sensor::Kind kind) {
 
 const char* sensor_unit(Sensor::Kind kind) {
   if (kind == Sensor::Kind::kQuantity) return "";
-  if (kind == Sensor::Kind::kReaction) return "N, N m";    // along or about a row: both units are named
+  if (kind == Sensor::Kind::kReaction) return "N, N m";   // along or about a row: both units are named
   if (kind == Sensor::Kind::kSpeed) return "m/s, rad/s";  // likewise
   return get_traits(get_quantity({}, Sensor{.name = {}, .kind = kind}).kind).unit;
 }

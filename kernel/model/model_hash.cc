@@ -102,9 +102,7 @@ class Hasher {
     add(s.kind, s.subject, s.axis, s.point);
     if (s.other != kNone) add(s.other);
   }
-  void add_one(const Quantity& q) {
-    add(q.kind, q.subject, q.other, q.part, q.direction, q.other_direction, q.point);
-  }
+  void add_one(const Quantity& q) { add(q.kind, q.subject, q.other, q.part, q.direction, q.other_direction, q.point); }
   void add_one(const Condition& c) { add(c.kind, c.subject, c.axis, c.threshold, c.below, c.parts); }
   void add_one(const Action& a) { add(a.kind, a.subject, a.mode, a.value, a.duration); }
   void add_one(const Event& e) {

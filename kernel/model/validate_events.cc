@@ -29,7 +29,8 @@ struct EventCheck {
     if (condition.kind == Kind::kAll || condition.kind == Kind::kAny) {
       if (condition.parts.empty()) report("an all or any without parts", "give at least one condition", "when");
     } else if (condition.kind == Kind::kNot) {
-      if (condition.parts.size() != 1) report("a not with no part or with several", "give exactly one condition", "when");
+      if (condition.parts.size() != 1)
+        report("a not with no part or with several", "give exactly one condition", "when");
     } else if (condition.kind != Kind::kQuantity) {
       check_quantity(model, get_quantity(model, condition), true, where, "when", errors);
     } else {

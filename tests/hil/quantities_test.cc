@@ -8,8 +8,8 @@
 #include <set>
 
 #include "hil/run/outputs/output_reader.h"
-#include "hil/run/starting_quantities.h"
 #include "hil/run/run.h"
+#include "hil/run/starting_quantities.h"
 #include "hil/scenario/measurable.h"
 #include "hil/study/evaluation/results.h"
 #include "tests/hil/analysed_run.h"

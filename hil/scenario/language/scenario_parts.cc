@@ -152,10 +152,9 @@ class Includer {
 }  // namespace
 
 const std::vector<std::string>& shared_sections() {
-  static const std::vector<std::string> names{"constants", "bodies",  "joints",       "elements",  "channels",
-                                              "sensors",   "signals", "events",       "clearance", "contacts",
-                                              "points",    "stops",   "requirements", "templates", "instances",
-                                              "quantities"};
+  static const std::vector<std::string> names{
+      "constants", "bodies",   "joints", "elements", "channels",     "sensors",   "signals",   "events",
+      "clearance", "contacts", "points", "stops",    "requirements", "templates", "instances", "quantities"};
   return names;
 }
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/run/findings/findings.h"
-#include "hil/run/starting_quantities.h"
 #include "hil/run/run.h"
+#include "hil/run/starting_quantities.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/sampling/philox.h"
 #include "tools/common/alike.h"
