@@ -54,6 +54,9 @@ Json build_outputs_json(const hil::OutputReader& reader, const Model& model, std
       case Kind::kCommand:
         json["channels"][output.of] = own[0];
         break;
+      case Kind::kQuantity:
+        json["quantities"][output.of] = own[0];
+        break;
       case Kind::kClearance: {
         Json& pairs = json["clearance"];
         while (pairs.size() < static_cast<std::size_t>(output.subject)) pairs.push_back(nullptr);
