@@ -108,6 +108,47 @@ joints:
         self.assertIn("dt: 0.002", out.read_text())
         self.check_quarter(self.swing(out))
 
+    def import_mjcf(self, text, code=0):
+        source, out = self.folder / "in.xml", self.folder / "out.yaml"
+        source.write_text(text)
+        result = call(UNLATCH, "import", source, "--out", out, "--force")
+        if result.returncode == 3:
+            self.skipTest("this program was built without MuJoCo")
+        self.assertEqual(result.returncode, code, result.stderr)
+        return out.read_text() if code == 0 else result.stderr
+
+    def test_what_mjcf_switches_off_is_off(self):
+        hinge = ('<worldbody><body name="a" pos="0 0 1"><joint name="h" axis="0 1 0" stiffness="50" damping="3"/>'
+                 '<geom type="capsule" fromto="0 0 0 0.6 0 0" size="0.03"/></body>'
+                 '<body name="b" pos="0.6 0 1"><freejoint/><geom size="0.1" pos="0.2 0 0"/></body></worldbody>'
+                 '<equality><weld name="w" body1="a" body2="b"/></equality>')
+        on = self.import_mjcf(f"<mujoco>{hinge}</mujoco>")
+        self.assertIn("stiffness: 50", on)
+        self.assertIn("  w:", on)
+        passive = self.import_mjcf(f'<mujoco><option><flag passive="disable"/></option>{hinge}</mujoco>')
+        self.assertNotIn("stiffness", passive)
+        self.assertIn("the flag 'passive' disables them", passive)
+        for flag in ("equality", "constraint"):
+            off = self.import_mjcf(f'<mujoco><option><flag {flag}="disable"/></option>{hinge}</mujoco>')
+            self.assertNotIn("  w:", off)
+            self.assertIn("equality 'w' is left out: it is switched off", off)
+
+    def test_whatever_of_mjcf_is_not_read_is_said(self):
+        air = self.import_mjcf('<mujoco><option density="1.2" viscosity="2e-5" wind="5 0 0" integrator="RK4"/><worldbody>'
+                               '<body><joint type="free" damping="2"/><geom size="0.1" fluidshape="ellipsoid"/></body></worldbody></mujoco>')
+        for text in ("the option 'density'", "the option 'viscosity'", "the option 'wind'", "the option 'integrator'", "geom_fluid of 1 geoms",
+                     "damper of a free joint"):
+            self.assertIn(text, air)
+        plain = self.import_mjcf('<mujoco><worldbody><body><freejoint/><geom size="0.1"/></body></worldbody></mujoco>')
+        self.assertNotIn("left out: ", plain)
+
+    def test_a_weld_of_mjcf_in_another_pose_is_refused(self):
+        bodies = ('<worldbody><body name="a"><freejoint/><geom size="0.1"/></body>'
+                  '<body name="b" pos="1 0 0"><freejoint/><geom size="0.1"/></body></worldbody>')
+        weld = '<equality><weld name="w" body1="a" body2="b" relpose="{} 0 0 1 0 0 0"/></equality>'
+        self.assertIn("  w:", self.import_mjcf(f"<mujoco>{bodies}{weld.format(1)}</mujoco>"))
+        self.assertIn("another relative pose (relpose)", self.import_mjcf(f"<mujoco>{bodies}{weld.format(0.5)}</mujoco>", code=2))
+
     def test_springs_dampers_universal_joints_and_loops_of_mjcf(self):
         text = """<mujoco model="loop"><worldbody>
 <body name="a" pos="0 0 1"><joint name="ja" type="hinge" axis="0 1 0" stiffness="5" damping="0.25" springref="30"/>
@@ -162,6 +203,31 @@ joints:
         self.assertIn("range is left out", text)
         self.assertIn("flies free", text)
         self.assertIn("weld", self.bring_in((self.folder / "in.urdf").read_text(), "in.urdf", "--fixed-base").read_text())
+
+    def test_what_urdfdom_ignores_is_said_or_refused(self):
+        text = robot("\n", link("a"), "\n", link("b"), joint("a", "b"))
+        self.assertIn("line 3: the attribute 'quat_xyzw' of <origin>",
+                      self.bring_in(text.replace('rpy="0 0 0"', 'quat_xyzw="0 0 0 1"')).read_text())
+        self.assertNotIn("is unknown", self.bring_in(text).read_text())
+        self.assertIn("line 2: <xacro:include> is not expanded", self.bring_in(text.replace("\n", '\n<xacro:include filename="y"/>', 1), code=2))
+        self.assertIn("not expanded", self.bring_in(text.replace('xyz="0 0 1"', 'xyz="0 0 ${length}"'), code=2))
+        flat = '<collision><geometry><box size="0 0 0"/></geometry></collision>'
+        self.assertIn("line 1: link 'a' has a shape without volume", self.bring_in(robot(link("a", more=flat), link("b"), joint("a", "b"))).read_text())
+        several = robot(link("a"), link("b"), link("c"), joint("a", "b"), joint("a", "c"), joint("c", "b"))
+        self.assertIn("line 1: link 'b' is the child of 2 joints, 'a-b', 'c-b'", self.bring_in(several, code=2))
+
+    def test_a_cross_without_mass_between_two_hinges_is_a_universal_joint(self):
+        limit = '<limit effort="1" velocity="1" lower="-1" upper="1"/>'
+        first = joint("a", "cross", "revolute", '<axis xyz="1 0 0"/>' + limit)
+        second = joint("cross", "b", "revolute", '<axis xyz="0 {} {}"/>' + limit).replace('xyz="0 0 1" rpy', 'xyz="0 0 0" rpy')
+        parts = [link("a"), '<link name="cross"/>', link("b"), first]
+        out = self.bring_in(robot(*parts, second.format(1, 0)))
+        plan = self.run_json(UNLATCH, "check", out)
+        self.assertEqual([(joint["mode"], joint["between"]) for joint in plan["joints"]], [("universal", ["a", "b"])])
+        self.assertIn("point: [0, 0, 1]", out.read_text())
+        skew = second.replace('xyz="0 {} {}"', 'xyz="1 1 0"')
+        self.assertIn("needs no mass", self.bring_in(robot(*parts, skew), code=2))
+        self.assertIn("needs no mass", self.bring_in(robot(*parts, second.format(1, 0).replace('"0 0 0" rpy', '"0 0 1" rpy')), code=2))
 
     def test_what_is_hostile_or_impossible_is_refused_in_a_sentence(self):
         deep = "<a>" * 100000

@@ -1,12 +1,14 @@
 // MJCF, read and completed by MuJoCo: bodies, inertias and defaults are those of MuJoCo's own computation.
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include "hil/scenario/text/count.h"
 #include "tools/import/imported.h"
+#include "tools/import/mjcf_rest.h"
 
 namespace unlatch::tools {
 
@@ -94,7 +96,13 @@ class Reader {
     const Eigen::Vector3d axis = frames_[at(i)].linear() * to_vector(m_.jnt_axis + 3 * first);
     joint.p_WJ = frames_[at(i)] * to_vector(m_.jnt_pos + 3 * first);
     const int type = m_.jnt_type[first];
-    if (count == 1 && type == mjJNT_FREE) return;
+    if (count == 1 && type == mjJNT_FREE) {
+      const mjtNum* const damping = m_.dof_damping + m_.jnt_dofadr[first];
+      if (is_passive_ &&
+          (m_.jnt_stiffness[first] != 0 || std::any_of(damping, damping + 6, [](mjtNum d) { return d != 0; })))
+        model_.remarks.push_back("joint '" + joint.name + "': spring and damper of a free joint are left out");
+      return;
+    }
     if (count == 2 && is_universal(i, axis)) {
       joint.kind = Kind::kUniversal;
       joint.R_WJ.col(0) = axis.normalized();
@@ -116,8 +124,10 @@ class Reader {
         model_.remarks.push_back("joint '" + joint.name + "': spring and damper of a ball joint are left out");
     } else {
       joint.R_WJ = build_frame(axis);
-      joint.stiffness = m_.jnt_stiffness[first];
-      joint.damping = m_.dof_damping[m_.jnt_dofadr[first]];
+      if (is_passive_) {
+        joint.stiffness = m_.jnt_stiffness[first];
+        joint.damping = m_.dof_damping[m_.jnt_dofadr[first]];
+      }
       const int q = m_.jnt_qposadr[first];
       joint.rest = m_.qpos_spring[q] - m_.qpos0[q];
     }
@@ -125,7 +135,7 @@ class Reader {
   }
 
   [[nodiscard]] bool has_elasticity(int joint) const {
-    return m_.jnt_stiffness[joint] != 0 || m_.dof_damping[m_.jnt_dofadr[joint]] != 0;
+    return is_passive_ && (m_.jnt_stiffness[joint] != 0 || m_.dof_damping[m_.jnt_dofadr[joint]] != 0);
   }
 
   [[nodiscard]] bool is_universal(int i, const Eigen::Vector3d& axis) const {
@@ -209,7 +219,12 @@ class Reader {
   void read_equality(int i) {
     const std::string name = get_name(m_, mjOBJ_EQUALITY, i, "equality");
     const int type = m_.eq_type[i];
-    if ((type != mjEQ_CONNECT && type != mjEQ_WELD) || m_.eq_active[i] == 0) {
+    const bool is_off = (m_.opt.disableflags & (mjDSBL_EQUALITY | mjDSBL_CONSTRAINT)) != 0 || m_.eq_active[i] == 0;
+    if (is_off) {
+      model_.remarks.push_back("equality '" + name + "' is left out: it is switched off");
+      return;
+    }
+    if (type != mjEQ_CONNECT && type != mjEQ_WELD) {
       model_.remarks.push_back("equality '" + name + "' is left out");
       return;
     }
@@ -221,12 +236,29 @@ class Reader {
     joint.follower = owners_[at(two)];
     joint.p_WJ = type == mjEQ_CONNECT ? frames_[at(one)] * to_vector(m_.eq_data + mjNEQDATA * i)
                                       : frames_[at(two)].translation();
+    if (type == mjEQ_WELD) check_weld(i, name);
     if (joint.follower < 0) std::swap(joint.base, joint.follower);
     if (joint.follower < 0 || joint.base == joint.follower) {
       model_.remarks.push_back("equality '" + name + "' is left out: both sides are one body");
       return;
     }
     model_.joints.push_back(joint);
+  }
+
+  // A joint of a scenario fits at the start; MuJoCo would pull the bodies into another relative pose.
+  void check_weld(int i, const std::string& name) const {
+    constexpr double kFits = 1e-6;                          // m, rad
+    const mjtNum* const data = m_.eq_data + mjNEQDATA * i;  // anchor in the second body; its pose in the first one
+    const Isometry3d wanted = to_isometry(data + 3, data + 6);
+    Isometry3d anchor = Isometry3d::Identity();
+    anchor.translate(to_vector(data));
+    const Isometry3d off =
+        wanted.inverse() * frames_[at(m_.eq_obj1id[i])].inverse() * frames_[at(m_.eq_obj2id[i])] * anchor;
+    if (off.translation().norm() > kFits || Eigen::AngleAxisd(off.linear()).angle() > kFits)
+      throw ImportError(
+          "equality '" + name +
+          "' welds its bodies in another relative pose (relpose) than the one in which they are: place the "
+          "bodies so that they fit, or remove relpose");
   }
 
   void remark_on_the_rest() {
@@ -245,14 +277,18 @@ class Reader {
     leave_out(limits, "ranges of joints: nothing stops them");
     leave_out(friction, "dry frictions of joints");
     leave_out(armature, "armatures (inertia of rotors)");
+    for (std::string& remark : list_unread(m_)) model_.remarks.push_back(std::move(remark));
+    if ((m_.opt.disableflags & mjDSBL_PASSIVE) != 0)
+      model_.remarks.push_back("springs and dampers are left out: the flag 'passive' disables them");
     model_.remarks.push_back("contacts between bodies are left out");
     model_.remarks.push_back("every joint is at its reference, and nothing moves");
   }
 
   const mjModel& m_;
   ImportedModel& model_;
-  std::vector<int> owners_;         // of each of its bodies: ours, or -1
-  std::vector<Isometry3d> frames_;  // X_WB of each of its bodies
+  const bool is_passive_ = (m_.opt.disableflags & mjDSBL_PASSIVE) == 0;  // there are springs and dampers
+  std::vector<int> owners_;                                              // of each of its bodies: ours, or -1
+  std::vector<Isometry3d> frames_;                                       // X_WB of each of its bodies
 };
 
 }  // namespace

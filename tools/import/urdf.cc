@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tools/import/imported.h"
+#include "tools/import/urdf_text.h"
 
 namespace unlatch::tools {
 namespace {
@@ -48,11 +49,13 @@ bool snap_right_angles(Isometry3d& X) {
 struct Placed {
   int body = -1;  // the ground
   Isometry3d X_WL = Isometry3d::Identity();
+  const urdf::Joint* cross = nullptr;  // of a cross without mass: the hinge to its carrier, not yet a joint of ours
 };
 
 class Reader {
  public:
-  Reader(ImportedModel& model, bool fixed_base) : model_(model), fixed_base_(fixed_base) {}
+  Reader(const UrdfText& text, ImportedModel& model, bool fixed_base)
+      : text_(text), model_(model), fixed_base_(fixed_base) {}
 
   void read(const urdf::ModelInterface& robot) {
     std::vector<std::pair<urdf::LinkConstSharedPtr, Placed>> waiting{{robot.getRoot(), place_root(*robot.getRoot())}};
@@ -60,8 +63,7 @@ class Reader {
     while (!waiting.empty()) {
       const auto [link, placed] = waiting.back();
       waiting.pop_back();
-      if (!reached.insert(link->name).second)
-        throw ImportError("link '" + link->name + "' is its own ancestor: a URDF is a tree");
+      if (!reached.insert(link->name).second) throw ImportError(describe_parents(robot, *link));
       for (const urdf::JointSharedPtr& joint : link->child_joints) {
         const auto child = robot.getLink(joint->child_link_name);
         if (!child)
@@ -78,6 +80,25 @@ class Reader {
   }
 
  private:
+  [[nodiscard]] std::string quote(const char* kind, const std::string& name) const {
+    const auto at = text_.lines.find({kind, name});
+    return (at == text_.lines.end() ? "" : "line " + std::to_string(at->second) + ": ") + kind + " '" + name + "'";
+  }
+
+  // The mistake of a link that is reached twice.
+  [[nodiscard]] std::string describe_parents(const urdf::ModelInterface& robot, const urdf::Link& link) const {
+    std::string joints;
+    int count = 0;
+    for (const auto& [name, joint] : robot.joints_) {
+      if (joint->child_link_name != link.name) continue;
+      joints += (count++ == 0 ? "" : ", ") + ("'" + name + "'");
+    }
+    return quote("link", link.name) +
+           (count > 1 ? " is the child of " + std::to_string(count) + " joints, " + joints +
+                            ": a URDF is a tree; a loop is closed in the scenario, by a joint there"
+                      : " is its own ancestor: a URDF is a tree");
+  }
+
   static bool has_mass(const urdf::Link& link) { return link.inertial && link.inertial->mass != 0; }
 
   Placed place_root(const urdf::Link& link) {
@@ -101,9 +122,15 @@ class Reader {
     Placed placed{parent.body, parent.X_WL * place(joint.parent_to_joint_origin_transform)};
     const bool is_fixed = joint.type == urdf::Joint::FIXED;
     if (!has_mass(child)) {
-      if (!is_fixed) {
-        throw ImportError("link '" + child.name + "' has no mass, but joint '" + joint.name +
-                          "' lets it move: give it an <inertial>, or make the joint fixed");
+      if (!is_fixed && parent.cross == nullptr && is_cross(joint, child)) {
+        placed.cross = &joint;
+        return placed;
+      }
+      if (!is_fixed || parent.cross != nullptr) {
+        throw ImportError(
+            quote("link", child.name) + " has no mass, but joint '" + joint.name +
+            "' lets it move: give it an <inertial>, or make the joint fixed (a link between two hinges whose "
+            "axes cross at right angles needs no mass: the two are a universal joint)");
       }
       if (placed.body >= 0) add_shapes(child, placed, get_frame(placed.body));
       return placed;
@@ -111,6 +138,16 @@ class Reader {
     const int base = placed.body;
     placed.body = add_body(child, placed.X_WL);
     Isometry3d X_WJ = placed.X_WL;
+    if (parent.cross != nullptr) {
+      X_WJ.linear().col(0) = (parent.X_WL.linear() * get_axis(*parent.cross)).normalized();
+      X_WJ.linear().col(1) = (placed.X_WL.linear() * get_axis(joint)).normalized();
+      X_WJ.linear().col(2) = X_WJ.linear().col(0).cross(X_WJ.linear().col(1));
+      add_joint(joint.name, Kind::kUniversal, base, placed.body, X_WJ);
+      model_.remarks.push_back("joints '" + parent.cross->name + "' and '" + joint.name +
+                               "' with the link between them, which has no mass, are one universal joint; damping, "
+                               "friction and ranges of the two are left out");
+      return placed;
+    }
     switch (joint.type) {
       case urdf::Joint::FIXED:
         add_joint(joint.name, Kind::kWeld, base, placed.body, X_WJ);
@@ -133,6 +170,23 @@ class Reader {
     }
     add_remarks(joint);
     return placed;
+  }
+
+  static bool is_hinge(const urdf::Joint& joint) {
+    return joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+  }
+
+  // A link between two hinges whose axes cross at right angles, in the point of both: without mass it does nothing else
+  // than a universal joint does.
+  static bool is_cross(const urdf::Joint& joint, const urdf::Link& link) {
+    constexpr double kExact = 1e-9;  // m, rad
+    if (!is_hinge(joint) || link.child_joints.size() != 1) return false;
+    const urdf::Joint& next = *link.child_joints.front();
+    if (!is_hinge(next) || !link.collision_array.empty() || !link.visual_array.empty()) return false;
+    Isometry3d X = to_isometry(next.parent_to_joint_origin_transform);
+    (void)snap_right_angles(X);
+    const Eigen::Vector3d one = get_axis(joint).normalized(), two = X.linear() * get_axis(next).normalized();
+    return X.translation().norm() < kExact && std::abs(one.dot(two)) < kExact;
   }
 
   static Eigen::Vector3d get_axis(const urdf::Joint& joint) {
@@ -224,8 +278,25 @@ class Reader {
     }
   }
 
+  // False where a size is 0; any other mistake is that of the shape.
+  static bool has_volume(const urdf::Geometry& geometry) {
+    if (geometry.type == urdf::Geometry::SPHERE) return static_cast<const urdf::Sphere&>(geometry).radius != 0;
+    if (geometry.type == urdf::Geometry::BOX) {
+      const urdf::Vector3& size = static_cast<const urdf::Box&>(geometry).dim;
+      return size.x != 0 && size.y != 0 && size.z != 0;
+    }
+    if (geometry.type != urdf::Geometry::CYLINDER) return true;
+    const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
+    return cylinder.radius != 0 && cylinder.length != 0;
+  }
+
   void add_shape(const std::string& link, const urdf::Geometry& geometry, const Isometry3d& X_BS, ImportedBody& body) {
     if (++shapes_ > kMostImported) throw ImportError("it has more than " + std::to_string(kMostImported) + " shapes");
+    if (!has_volume(geometry)) {
+      model_.remarks.push_back(quote("link", link) +
+                               " has a shape without volume, such as a box of size 0, which is left out");
+      return;
+    }
     geometry::Shape shape;
     shape.from = to_vec3(X_BS.translation());
     if (geometry.type == urdf::Geometry::SPHERE) {
@@ -249,6 +320,7 @@ class Reader {
     body.shapes.push_back(std::move(shape));
   }
 
+  const UrdfText& text_;
   ImportedModel& model_;
   const bool fixed_base_;
   std::size_t shapes_ = 0;
@@ -258,6 +330,7 @@ class Reader {
 }  // namespace
 
 ImportedModel read_urdf(const std::string& text, const std::string& path, bool fixed_base) {
+  const UrdfText elements = read_urdf_text(text);
   Listener listener;
   console_bridge::useOutputHandler(&listener);
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(text);
@@ -270,7 +343,8 @@ ImportedModel read_urdf(const std::string& text, const std::string& path, bool f
   model.source = "URDF, " + path;
   model.remarks.push_back("a URDF has no gravity: 9.81 m/s2 along -z is assumed");
   model.remarks.push_back("every joint is at its zero, and nothing moves");
-  Reader(model, fixed_base).read(*robot);
+  model.remarks.insert(model.remarks.end(), elements.remarks.begin(), elements.remarks.end());
+  Reader(elements, model, fixed_base).read(*robot);
   return model;
 }
 
