@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hil/scenario/text/utf8.h"
 #include "tests/hil/scenario_support.h"
 #include "unlatch/elementary.h"
 
@@ -43,6 +44,29 @@ TEST(Expression, NumbersWithUnitsAreTheNearestDoubles) {
   EXPECT_EQ(value("+1e3"), 1000);
   EXPECT_EQ(value(".5"), 0.5);
   EXPECT_EQ(value("2 min"), 120);
+}
+
+TEST(Expression, SymbolsBeyondAsciiAreTheUnitsAndSignsThatTheyMean) {
+  EXPECT_EQ(value("90°"), value("90 deg"));
+  EXPECT_EQ(unit("90°"), "an angle (rad)");
+  EXPECT_EQ(value("3 °/s"), value("3 deg/s"));
+  EXPECT_EQ(value("10000 µs"), 0.01);  // U+00B5
+  EXPECT_EQ(value("10000 μs"), 0.01);  // U+03BC
+  EXPECT_EQ(value("2 kN·m"), 2000);
+  EXPECT_EQ(unit("3 kg·m²"), unit("3 kg m2"));
+  EXPECT_EQ(value("−5 mm"), -0.005);
+}
+
+TEST(Expression, AQuotedCharacterIsAWholeCodePoint) {
+  EXPECT_THAT(error_of("90 ½"), AllOf(HasSubstr("unexpected '½' in '90 ½'"), Not(HasSubstr("\xc2'"))));
+  EXPECT_THAT(error_of("5 €"), HasSubstr("'€'"));
+  EXPECT_THAT(error_of("9 µm/h"), HasSubstr("µm/h"));  // as it was written
+}
+
+TEST(Text, IsCutBetweenCodePoints) {
+  EXPECT_EQ(hil::cut_text("90°", 3), "90");
+  EXPECT_EQ(hil::cut_text("90°", 4), "90°");
+  EXPECT_EQ(hil::cut_text("€€", 5), "€");
 }
 
 TEST(Expression, ArithmeticGoesFromLeftToRight) {

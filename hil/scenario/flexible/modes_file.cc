@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "hil/scenario/text/count.h"
+#include "hil/scenario/text/utf8.h"
 #include "hil/scenario/yaml/yaml_reader.h"
 
 namespace unlatch::hil {
@@ -155,7 +156,7 @@ class Reader {
     ModalMarker marker;
     marker.name = lines_.words()[1].text;
     if (!is_name(marker.name))
-      note(1, "'" + marker.name.substr(0, 40) + "' is not a name", describe_name_rule(marker.name));
+      note(1, "'" + std::string(cut_text(marker.name, 40)) + "' is not a name", describe_name_rule(marker.name));
     for (const ModalMarker& other : modes_.markers)
       if (other.name == marker.name) note(1, "a second marker '" + marker.name + "'", "names are unique");
     const std::vector<double> p = numbers(2, 3, "marker NAME x y z");

@@ -9,6 +9,7 @@
 
 #include "hil/scenario/text/count.h"
 #include "hil/scenario/text/suggestion.h"
+#include "hil/scenario/text/utf8.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {
@@ -31,6 +32,24 @@ constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
     {"joules", "J"},   {"pascal", "Pa"},   {"bar", "100 kPa"}, {"psi", "lbf/in2"}, {"percent", "%"},
     {"w", "J/s"},      {"kw", "kJ/s"},     {"nm", "N m"},      {"knm", "kN m"},    {"gee", "g0"},
     {"dps", "deg/s"}};
+
+// Symbols beyond ASCII, and how the language writes them.
+constexpr std::pair<std::string_view, std::string_view> kSymbols[] = {
+    {"°", " deg"}, {"µ", "u"},  {"μ", "u"},  // U+00B5, the micro sign, and U+03BC, the Greek letter
+    {"·", "*"},    {"⋅", "*"},  {"×", "*"},  // U+00B7, U+22C5
+    {"²", "^2"},   {"³", "^3"}, {"−", "-"}};
+
+std::string replace_symbols(std::string_view text) {
+  std::string replaced;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::string_view point = get_code_point(text, i);
+    const auto* const symbol =
+        std::find_if(std::begin(kSymbols), std::end(kSymbols), [&](const auto& known) { return known.first == point; });
+    replaced += symbol == std::end(kSymbols) ? point : symbol->second;
+    i += point.size();
+  }
+  return replaced;
+}
 
 // Correction of a name that is neither a unit nor a constant: "" if no known name is near.
 std::string correct_name(const std::string& name, const std::vector<std::string>& constants) {
@@ -142,11 +161,13 @@ Quantity call(const std::string& function, const std::vector<Quantity>& argument
 
 class Parser {
  public:
-  Parser(std::string_view text, const Constants& constants) : text_(text), constants_(constants) {}
+  Parser(std::string_view written, const Constants& constants)
+      : written_(written), own_(replace_symbols(written)), text_(own_), constants_(constants) {}
 
   Quantity read() {
     const Quantity q = read_sum();
-    if (!at_end()) throw ExpressionError("unexpected " + quote(text_.substr(at_, 1)) + " in " + quote(text_), "");
+    if (!at_end())
+      throw ExpressionError("unexpected " + quote(get_code_point(text_, at_)) + " in " + quote(written_), "");
     return q;
   }
 
@@ -236,7 +257,7 @@ class Parser {
     int exponent = -1;
     if (!at_end() && is_digit(text_[at_])) exponent = text_[at_++] - '0';
     if (exponent < 0 || exponent > kMaxExponent || (!at_end() && (is_digit(text_[at_]) || text_[at_] == '.')))
-      throw ExpressionError("an exponent that is not a whole number up to 8 in " + quote(text_),
+      throw ExpressionError("an exponent that is not a whole number up to 8 in " + quote(written_),
                             "write x^2; roots are sqrt(x)");
     return negative ? -exponent : exponent;
   }
@@ -245,12 +266,12 @@ class Parser {
     const char c = peek();
     if (take('(')) {
       const Quantity q = read_sum();
-      if (!take(')')) throw ExpressionError("a missing ) in " + quote(text_), "");
+      if (!take(')')) throw ExpressionError("a missing ) in " + quote(written_), "");
       return q;
     }
     if (is_digit(c) || c == '.') return {read_literal(), {}};
     if (!is_letter(c))
-      throw ExpressionError(c == '\0' ? quote(text_) + " ends too early" : quote(text_) + " is not a number", "");
+      throw ExpressionError(c == '\0' ? quote(written_) + " ends too early" : quote(written_) + " is not a number", "");
     const std::string name = read_name();
     if (peek() == '(') return read_call(name);
     if (name == "pi") return {std::numbers::pi, {}};
@@ -265,7 +286,7 @@ class Parser {
     take('(');
     std::vector<Quantity> arguments{read_sum()};
     while (take(',')) arguments.push_back(read_sum());
-    if (!take(')')) throw ExpressionError("a missing ) in " + quote(text_), "");
+    if (!take(')')) throw ExpressionError("a missing ) in " + quote(written_), "");
     return call(name, arguments);
   }
 
@@ -273,15 +294,15 @@ class Parser {
     double value = 0;
     const char* const begin = text_.data() + at_;
     if (*begin == '0' && at_ + 1 < text_.size() && is_digit(text_[at_ + 1]))
-      throw ExpressionError(quote(text_) + " has a number with a leading zero, octal to YAML 1.1 tools",
+      throw ExpressionError(quote(written_) + " has a number with a leading zero, octal to YAML 1.1 tools",
                             "write it without the zero");
     const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
     if (error == std::errc::result_out_of_range)
-      throw ExpressionError(quote(text_) + " is beyond the range of a double", "");
-    if (error != std::errc()) throw ExpressionError(quote(text_) + " is not a number", "");
+      throw ExpressionError(quote(written_) + " is beyond the range of a double", "");
+    if (error != std::errc()) throw ExpressionError(quote(written_) + " is not a number", "");
     at_ += static_cast<std::size_t>(end - begin);
     if (at_ < text_.size() && (is_digit(text_[at_]) || text_[at_] == '.'))
-      throw ExpressionError(quote(text_) + " is not a number", "");
+      throw ExpressionError(quote(written_) + " is not a number", "");
     return value;
   }
 
@@ -310,11 +331,13 @@ class Parser {
       throw ExpressionError(quote(name) + " directly behind a value", "write the product with *");
     std::vector<std::string> constants{"pi", "g0"};
     for (const auto& [constant, value] : constants_) constants.push_back(constant);
-    throw ExpressionError(quote(text_) + " is not a number: " + quote(name) + " is neither a unit nor a constant",
+    throw ExpressionError(quote(written_) + " is not a number: " + quote(name) + " is neither a unit nor a constant",
                           correct_name(name, constants));  // "": the reader lists the units that fit
   }
 
-  std::string_view text_;
+  const std::string_view written_;
+  const std::string own_;  // with names for symbols
+  const std::string_view text_;
   const Constants& constants_;
   std::size_t at_ = 0;
   int depth_ = 0;

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "hil/scenario/text/count.h"
+#include "hil/scenario/text/utf8.h"
 
 namespace unlatch::hil {
 namespace {
@@ -16,23 +17,6 @@ namespace {
 constexpr std::size_t kMaxBytes = 1u << 20;
 constexpr std::size_t kMaxDepth = 32;
 constexpr std::size_t kMaxNodes = 200'000;
-
-// Length of the UTF-8 sequence that begins at text[i], 0 if it is not valid (overlong forms, surrogates and values
-// beyond U+10FFFF included).
-std::size_t utf8_length(std::string_view text, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return static_cast<std::uint8_t>(text[k]); };
-  const std::uint8_t lead = byte(i);
-  if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xf0 ? 4 : (lead >= 0xe0 ? 3 : 2);
-  if (lead < 0xc2 || lead > 0xf4 || i + length > text.size()) return 0;
-  std::uint32_t code = lead & (0xffu >> (length + 1));
-  for (std::size_t k = 1; k < length; ++k) {
-    if ((byte(i + k) & 0xc0) != 0x80) return 0;
-    code = code << 6 | (byte(i + k) & 0x3fu);
-  }
-  const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
-  return overlong || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff ? 0 : length;
-}
 
 // Place of a tab in the indentation, at or before the place of the parser's error: 0 if there is none.
 SourceMark find_tab(const std::string& text, const SourceMark& gave_up) {
@@ -58,7 +42,7 @@ void check_bytes(std::string_view text, int override_index, int file) {
                     "a scenario has at most 1 MiB");
   SourceMark mark{1, 1, override_index, file};
   for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text, i);
+    const std::size_t length = get_utf8_length(text, i);
     const auto byte = static_cast<std::uint8_t>(text[i]);
     if (length == 0) throw YamlError(mark, "a byte that is not UTF-8", "save the file as UTF-8 text");
     const bool control = (byte < 0x20 && byte != '\n' && byte != '\r' && byte != '\t') || byte == 0x7f;
