@@ -10,6 +10,7 @@
 #include "hil/scenario/language/scenario_parts.h"
 #include "hil/scenario/scenario_tree.h"
 #include "hil/scenario/sections/scenario_reader.h"
+#include "hil/scenario/text/number_text.h"
 #include "hil/scenario/yaml/yaml_override.h"
 
 namespace unlatch::hil {
@@ -233,9 +234,15 @@ void ScenarioReader::read_step(YamlMap& top) {
   const auto mark = [&](const char* key) { return node->find(key)->mark; };
   // Messages carry the step as a whole number of nanoseconds.
   const double dt_ns = dt * 1e9;
-  if (!(dt >= 1e-6 && dt <= 1.0) || std::abs(dt_ns - std::round(dt_ns)) > 1e-6 * dt_ns)
+  constexpr double kRounding = 1e-12;  // of dt: that of a double and of an expression, not that of a typed decimal
+  if (!(dt >= 1e-6 && dt <= 1.0))
     mistakes_.add(mark("dt"), "this step is not usable",
                   "dt is 1 us to 1 s, in whole nanoseconds; 0.001 is a good start");
+  else if (std::abs(dt_ns - std::round(dt_ns)) > kRounding * dt_ns)
+    mistakes_.add(mark("dt"), "this step is no whole number of nanoseconds, so that two clocks would differ",
+                  "the nearest two are " + std::to_string(static_cast<std::int64_t>(std::floor(dt_ns))) + " and " +
+                      std::to_string(static_cast<std::int64_t>(std::ceil(dt_ns))) +
+                      " ns: dt: " + write_number(std::round(dt_ns) / 1e9));
   else if (!(until > 0) || until / dt > kMaxTicks)
     mistakes_.add(mark("until"), "this end is not usable", "until is beyond 0 and within 1e12 steps");
 }

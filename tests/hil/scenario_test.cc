@@ -127,6 +127,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"StepAlone", "step: {dt: 0.001, until: 1}", "step: 0.001", "s.yaml:3:7: ", "step"},
         Wrong{"StepList", "{dt: 0.001, until: 1}", "[0.001, 1]",
               "s.yaml:3:7: ", "a mapping (key: value) that describes step"},
+        Wrong{"StepOfTwoClocks", "dt: 0.001", "dt: 1/3 ms", "s.yaml:3:12: ", "333333 and 333334 ns"},
         Wrong{"Step", "dt: 0.001", "dt: 0", "s.yaml:3:12: ", "whole nanoseconds"},
         Wrong{"Circle", "inertia: [10, 20, 25]", "inertia: [10, 20, 25]\n    relative_to: core",
               "s.yaml:8:18: ", "core -> core"},
