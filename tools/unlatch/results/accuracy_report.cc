@@ -38,11 +38,16 @@ Comparison run_at(const ScenarioOptions& options, double dt, double until) {
 
 constexpr double kNano = 1e9;
 
-// The longest step up to `most` of which a whole number makes the run, in whole nanoseconds as scenarios want them.
+// The longest step up to `most` of which a whole number makes the run, in whole nanoseconds as scenarios want them; 0
+// if there is none among the first kMostCounts numbers of ticks.
 double find_whole_step(double most, double until) {
-  const auto total = std::llround(until * kNano);
-  const auto fewest = static_cast<std::int64_t>(std::ceil(until / most * (1 - 1e-9)));
-  for (std::int64_t count = std::max<std::int64_t>(fewest, 1); count <= 2 * fewest + 1; ++count)
+  constexpr std::int64_t kMostCounts = 1'000'000;  // some milliseconds
+  const std::int64_t total = std::llround(until * kNano);
+  const std::int64_t longest = std::llround(std::floor(most * kNano * (1 + 1e-9)));
+  if (longest < 1 || total < 1) return 0;
+  const std::int64_t fewest = (total + longest - 1) / longest;
+  const std::int64_t last = std::min(total, fewest + std::min(fewest, kMostCounts));
+  for (std::int64_t count = fewest; count <= last; ++count)
     if (total % count == 0) return static_cast<double>(total / count) / kNano;
   return 0;
 }
@@ -54,9 +59,11 @@ void find_step(const ScenarioOptions& options, double dt, double until, hil::Acc
   constexpr int kTrials = 6;
   auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, std::min(kMostGrowth * dt, kLongest));
   accuracy.limit = limit;
-  for (int trial = 0; trial < kTrials; ++trial, step *= kShrink) {
+  const double shortest = std::max(kShortest, dt / kMostTicks);
+  for (int trial = 0; trial < kTrials && !catch_interrupts().load(); ++trial, step *= kShrink) {
+    if (!(step >= shortest)) return;  // also of an estimate that is no number
     const double whole = find_whole_step(std::min(step, until), until);
-    if (whole < std::max(kShortest, dt / kMostTicks)) return;
+    if (whole < shortest) return;
     const Comparison run = run_at(options, whole, until);
     if (!run.failure.empty() || hil::calc_largest_error(accuracy, run.values) > accuracy.tolerance) continue;
     accuracy.step = whole;

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Verbs that can last longer than a second end within a second of Ctrl-C and of SIGTERM, with what they have; of a campaign
+and a search see campaign_test.py and optimize_test.py. Run by ctest:
+
+    stops_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+
+The second is one of the process's processor time, so that a busy machine changes nothing.
+"""
+import os
+import signal
+import time
+from pathlib import Path
+
+from processes import HANG, SCENARIOS, UNLATCH, ProcessTest, main
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+UNDER_WAY, ENOUGH = 0.3, 1.0  # s of processor time: at work; from the signal to the end
+# No step is fine enough for the tolerance: the trials of --accuracy would go on for minutes.
+CHAOS = """unlatch: 1
+name: chaos
+step: {dt: 1 ms, until: 20 s}
+gravity: {uniform: [0, 0, -9.81]}
+bodies:
+  a: {mass: 1 kg, inertia: [0.01, 0.01, 0.01], position: [0.5, 0, 0]}
+  b: {mass: 1 kg, inertia: [0.01, 0.01, 0.01], position: [1, 0, 0.5]}
+joints:
+  h: {between: [ground, a], follower_point: [-0.5, 0, 0], modes: {hinge: {kind: revolute, axis: y}}}
+  k: {between: [a, b], point: [0.5, 0, 0], follower_point: [0, 0, -0.5], modes: {hinge: {kind: revolute, axis: y}}}
+"""
+
+
+def get_processor_s(process):
+    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+class StopsTest(ProcessTest):
+    def stop(self, number, *arguments, after=UNDER_WAY):
+        """Sends the signal once the process has worked for `after`; returns its exit code and the processor time from then on."""
+        process = self.begin(*arguments)
+        deadline = time.monotonic() + HANG
+        while (worked := get_processor_s(process)) < after:
+            self.assertIsNone(process.poll(), f"{arguments} ended by itself")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.02)
+        process.send_signal(number)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertLess(usage.ru_utime + usage.ru_stime - worked, ENOUGH, arguments)
+        return process.returncode
+
+    def write_chaos(self):
+        scenario = self.folder / "chaos.yaml"
+        scenario.write_text(CHAOS)
+        return scenario
+
+    def test_run_ends_with_the_results_so_far(self):
+        for number in SIGNALS:
+            result = self.folder / f"{number}.json"
+            self.assertEqual(self.stop(number, UNLATCH, "run", self.write_chaos(), "--until", "1e6", "--json", result), 1)
+            self.assertIn('"interrupted"', result.read_text())
+
+    def test_a_run_that_estimates_its_accuracy_ends_with_what_it_has(self):
+        scenario = self.write_chaos()
+        for number in SIGNALS:
+            result = self.folder / f"{number}.json"
+            self.stop(number, UNLATCH, "run", scenario, "--until", "2000", "--accuracy", "--json", result, after=4.0)
+            self.assertTrue(result.read_text())
+
+    def test_accuracy_ends_by_itself_where_no_step_meets_the_tolerance(self):
+        result = self.run_json(UNLATCH, "run", self.write_chaos(), "--until", "5", "--accuracy", code=None)
+        self.assertIn("accuracy", result)
+
+    def test_hil_ends_with_the_results_so_far(self):
+        for number in SIGNALS:
+            result = self.folder / f"{number}.json"
+            self.stop(number, UNLATCH, "hil", SCENARIOS / "boosters/scenario.yaml", "--transport", "inproc", "--pace", "lockstep",
+                      "--until", "1e6", "--json", result)
+            self.assertIn('"interrupted"', result.read_text())
+
+    def test_replay_report_and_export_end(self):
+        log = self.folder / "long.log"
+        self.run_ok(UNLATCH, "run", self.write_chaos(), "--until", "1000", "--log", log)
+        for number in SIGNALS:
+            for more in (["replay", log], ["report", log, "--out", self.folder / "r.html"],
+                         ["export", log, "--format", "csv", "--out", self.folder / "e.csv"]):
+                self.stop(number, UNLATCH, *more)
+
+
+if __name__ == "__main__":
+    main()
