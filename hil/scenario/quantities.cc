@@ -9,10 +9,10 @@
 namespace unlatch::hil {
 namespace {
 
-using Kind = unlatch::Quantity::Kind;
+using QuantityKind = unlatch::Quantity::Kind;
 
 bool is_written(const QuantityTraits& traits) {
-  return traits.of != SubjectOf::kNothing && traits.kind != Kind::kOneSidedForce && traits.kind != Kind::kReach;
+  return traits.of != SubjectOf::kNothing && traits.kind != QuantityKind::kOneSidedForce && traits.kind != QuantityKind::kReach;
 }
 
 std::string show(const Eigen::Vector3d& v) {
@@ -26,7 +26,7 @@ bool is_fit(const Model& model, const unlatch::Quantity& quantity, const Quantit
   const std::size_t i = at(quantity.subject);
   if (traits.of == SubjectOf::kMassLaw) return model.bodies[i].law.has_value();
   if (traits.of == SubjectOf::kCord) return model.one_sided[i].drum.has_value();
-  if (traits.kind == Kind::kReaction) return has_row(list_held_rows(model.joints[i]), quantity.part);
+  if (traits.kind == QuantityKind::kReaction) return has_row(list_held_rows(model.joints[i]), quantity.part);
   return true;
 }
 
@@ -103,7 +103,7 @@ const char* get_subject_key(SubjectOf of) {
   return "";
 }
 
-const char* get_direction_key(const QuantityTraits& traits) { return traits.kind == Kind::kRate ? "about" : "along"; }
+const char* get_direction_key(const QuantityTraits& traits) { return traits.kind == QuantityKind::kRate ? "about" : "along"; }
 
 bool needs_more(const QuantityTraits& traits) {
   return traits.has_axes || (count_values(traits) == 1 && traits.values != QuantityValues::kOne) ||
@@ -173,11 +173,11 @@ std::vector<unlatch::Quantity> list_possible_quantities(const Model& model) {
   }
   const auto add_pair = [&](int a, int b) {
     unlatch::Quantity quantity;
-    quantity.kind = Kind::kClearance;
+    quantity.kind = QuantityKind::kClearance;
     quantity.subject = a;
     quantity.other = b;
     const bool known = std::ranges::any_of(list, [&](const unlatch::Quantity& other) {
-      return other.kind == Kind::kClearance && other.subject == a && other.other == b;
+      return other.kind == QuantityKind::kClearance && other.subject == a && other.other == b;
     });
     if (!known) list.push_back(quantity);
   };
