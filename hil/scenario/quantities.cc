@@ -62,7 +62,7 @@ const std::vector<std::string>& list_quantity_keys() {
   static const std::vector<std::string> keys = [] {
     std::vector<std::string> list;
     for (int kind = 0; kind < count_quantity_kinds(); ++kind)
-      if (const QuantityTraits& traits = get_traits(static_cast<Kind>(kind)); is_written(traits))
+      if (const QuantityTraits& traits = get_traits(static_cast<QuantityKind>(kind)); is_written(traits))
         list.emplace_back(traits.name);
     return list;
   }();
@@ -71,7 +71,7 @@ const std::vector<std::string>& list_quantity_keys() {
 
 const QuantityTraits* find_quantity_traits(const std::string& key) {
   for (int kind = 0; kind < count_quantity_kinds(); ++kind)
-    if (const QuantityTraits& traits = get_traits(static_cast<Kind>(kind)); is_written(traits) && key == traits.name)
+    if (const QuantityTraits& traits = get_traits(static_cast<QuantityKind>(kind)); is_written(traits) && key == traits.name)
       return &traits;
   return nullptr;
 }
