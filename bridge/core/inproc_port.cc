@@ -95,7 +95,7 @@ class InprocPort final : public Port {
     return queue_.pop(message, wait) ? Received::kMessage : Received::kNothing;
   }
 
-  [[nodiscard]] Losses get_losses() const override { return {.lost = queue_.get_lost()}; }
+  [[nodiscard]] std::int64_t get_lost() const override { return queue_.get_lost(); }
 
   const std::shared_ptr<InprocHub::Shared> shared_;
   Queue queue_;

@@ -40,13 +40,24 @@ bool Port::poll(Message& message, std::chrono::nanoseconds wait) {
 }
 
 PortCounts Port::get_counts() const {
-  const Losses losses = get_losses();
+  std::int64_t unfit = 0;
+  for (const UnfitPeers& peers : list_unfit()) unfit += peers.count;
   return {published_.load(std::memory_order_relaxed),
           publish_failures_.load(std::memory_order_relaxed),
           received_.load(std::memory_order_relaxed),
           get_malformed(),
-          losses.lost,
-          losses.unfit};
+          get_lost(),
+          unfit};
+}
+
+std::string describe(const UnfitPeers& peers) {
+  const bool one = peers.count == 1;
+  return "unlatch_" + std::string(hil::get_kind_name(peers.kind)) + ": " + std::to_string(peers.count) +
+         (peers.read ? (one ? " reader" : " readers") : (one ? " writer" : " writers")) +
+         (one ? " of another program does" : " of other programs do") + " not match (policy " +
+         std::string(peers.policy) + "), and " +
+         (peers.read ? (one ? "receives nothing" : "receive nothing") : (one ? "is not heard" : "are not heard")) +
+         "; bridge/README.md lists the quality of service of each topic";
 }
 
 }  // namespace unlatch::bridge

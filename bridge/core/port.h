@@ -12,6 +12,8 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "hil/session/messages/messages.h"
 
@@ -41,9 +43,20 @@ struct PortCounts {
   std::int64_t received = 0;
   std::int64_t malformed = 0;  // wrong length or fingerprint, or numbers out of the schema's ranges
   std::int64_t lost = 0;       // on their way to this port, as far as the transport notices
-  std::int64_t unfit =
-      0;  // DDS: others' readers and writers that do not match ours because of their quality of service
+  std::int64_t unfit = 0;      // others' readers and writers that do not match ours, see UnfitPeers
 };
+
+// Readers or writers of other programs that the transport does not connect with ours, since they ask for another
+// quality of service (DDS): such a reader receives nothing, and nothing is received from such a writer.
+struct UnfitPeers {
+  hil::MessageKind kind = hil::MessageKind::kHello;  // of the topic
+  bool read = false;                                 // they are readers; else writers
+  std::string_view policy;                           // that differs, by its name in the standard; of the latest of them
+  std::int64_t count = 0;                            // since the port was opened
+};
+
+// A sentence for people.
+[[nodiscard]] std::string describe(const UnfitPeers& peers);
 
 // Opened and closed by one thread. In between one thread may publish while another polls.
 class Port {
@@ -61,6 +74,8 @@ class Port {
 
   // From any thread.
   [[nodiscard]] PortCounts get_counts() const;
+  // From any thread; allocates.
+  [[nodiscard]] virtual std::vector<UnfitPeers> list_unfit() const { return {}; }
   [[nodiscard]] std::int64_t get_malformed() const {
     return malformed_.load(std::memory_order_relaxed) + get_unreadable();
   }
@@ -74,11 +89,8 @@ class Port {
   virtual bool send(const Message& message) = 0;
   virtual Received receive(Message& message, std::chrono::nanoseconds wait) = 0;
 
-  struct Losses {
-    std::int64_t lost = 0;
-    std::int64_t unfit = 0;
-  };
-  [[nodiscard]] virtual Losses get_losses() const { return {}; }
+  // Messages lost on their way to this port, as far as the transport notices.
+  [[nodiscard]] virtual std::int64_t get_lost() const { return 0; }
   // Malformed messages that the transport's own library has dropped (DDS: of this process).
   [[nodiscard]] virtual std::int64_t get_unreadable() const noexcept { return 0; }
 

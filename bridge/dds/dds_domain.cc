@@ -56,6 +56,13 @@ void close(const DdsEntity* domain) {
   delete domain;
 }
 
+// The user's own configuration of Cyclone DDS. An empty variable is none: Cyclone itself would take it as one, without
+// anything in it, and choose a network interface by itself.
+bool is_configured_outside() {
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  return uri != nullptr && *uri != 0;
+}
+
 }  // namespace
 
 std::string describe(const DdsOptions& options) {
@@ -63,13 +70,13 @@ std::string describe(const DdsOptions& options) {
   const std::string who = options.security.empty() ? "every process there may listen and command"
                                                    : "only whom the authority of " + options.security +
                                                          " has signed may listen or command, encrypted";
-  if (std::getenv("CYCLONEDDS_URI") != nullptr) return text + "as CYCLONEDDS_URI configures it: " + who;
+  if (is_configured_outside()) return text + "as CYCLONEDDS_URI configures it: " + who;
   return text + "on the interface '" + options.interface +
          "': " + (options.interface == "lo" ? "this machine only; " : "") + who;
 }
 
 PortError make_dds_error(const DdsOptions& options, const char* what, dds_return_t code) {
-  const std::string where = std::getenv("CYCLONEDDS_URI") != nullptr
+  const std::string where = is_configured_outside()
                                 ? "with the configuration of CYCLONEDDS_URI; is that right?"
                                 : "on the interface '" + options.interface + "'; is it there and up (`ip link show " +
                                       options.interface + "`), and are fewer than 100 participants running?";
@@ -89,7 +96,7 @@ std::shared_ptr<const DdsEntity> open_dds_domain(const DdsOptions& options) {
     throw PortError(
         "Cyclone DDS: this program was linked so that samples of the other byte order are not refused, and 0.10.2 "
         "writes outside its memory for them; link it with -Wl,--export-dynamic-symbol=dds_stream_normalize");
-  if (std::getenv("CYCLONEDDS_URI") != nullptr) return nullptr;
+  if (is_configured_outside()) return nullptr;
   if (!is_interface_name(options.interface)) {
     throw PortError("Cyclone DDS: '" + options.interface + "' is no name of a network interface; `ip link` lists them");
   }

@@ -61,6 +61,36 @@ constexpr auto kFarewell = std::chrono::seconds(1);
 
 constexpr std::size_t kBatch = 128;  // messages taken from a reader at a time
 
+// Names of the DDS standard (DDS 1.4, 2.2.3) of the policies by which a reader and a writer can fail to match.
+const char* get_policy_name(std::uint32_t id) {
+  switch (id) {
+    case DDS_DURABILITY_QOS_POLICY_ID:
+      return "DURABILITY";
+    case DDS_PRESENTATION_QOS_POLICY_ID:
+      return "PRESENTATION";
+    case DDS_DEADLINE_QOS_POLICY_ID:
+      return "DEADLINE";
+    case DDS_LATENCYBUDGET_QOS_POLICY_ID:
+      return "LATENCY_BUDGET";
+    case DDS_OWNERSHIP_QOS_POLICY_ID:
+      return "OWNERSHIP";
+    case DDS_LIVELINESS_QOS_POLICY_ID:
+      return "LIVELINESS";
+    case DDS_PARTITION_QOS_POLICY_ID:
+      return "PARTITION";
+    case DDS_RELIABILITY_QOS_POLICY_ID:
+      return "RELIABILITY";
+    case DDS_DESTINATIONORDER_QOS_POLICY_ID:
+      return "DESTINATION_ORDER";
+    case DDS_DATA_REPRESENTATION_QOS_POLICY_ID:
+      return "DATA_REPRESENTATION";
+    case DDS_TYPE_CONSISTENCY_ENFORCEMENT_QOS_POLICY_ID:
+      return "TYPE_CONSISTENCY_ENFORCEMENT";
+    default:
+      return "unknown";
+  }
+}
+
 struct DeleteQos {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
 };
@@ -212,22 +242,31 @@ class DdsPort final : public Port {
                 reinterpret_cast<std::byte*>(&message.hello));
   }
 
-  [[nodiscard]] Losses get_losses() const override {
-    Losses losses;
+  [[nodiscard]] std::int64_t get_lost() const override {
+    std::int64_t lost = 0;
     for (const Batch& batch : batches_) {
-      dds_sample_lost_status_t lost{};
-      dds_requested_incompatible_qos_status_t unfit{};
-      if (batch.reader == 0) continue;
-      if (dds_get_sample_lost_status(batch.reader, &lost) == DDS_RETCODE_OK) losses.lost += lost.total_count;
-      if (dds_get_requested_incompatible_qos_status(batch.reader, &unfit) == DDS_RETCODE_OK)
-        losses.unfit += unfit.total_count;
+      dds_sample_lost_status_t status{};
+      if (batch.reader != 0 && dds_get_sample_lost_status(batch.reader, &status) == DDS_RETCODE_OK)
+        lost += status.total_count;
     }
-    for (const dds_entity_t writer : writers_) {
-      dds_offered_incompatible_qos_status_t unfit{};
-      if (writer == 0) continue;
-      if (dds_get_offered_incompatible_qos_status(writer, &unfit) == DDS_RETCODE_OK) losses.unfit += unfit.total_count;
+    return lost;
+  }
+
+  [[nodiscard]] std::vector<UnfitPeers> list_unfit() const override {
+    std::vector<UnfitPeers> list;
+    for (std::size_t i = 0; i < kMessageKinds; ++i) {
+      const MessageKind kind = kTopics[i].kind;
+      const dds_entity_t reader = batches_[i].reader, writer = writers_[static_cast<std::size_t>(kind)];
+      dds_requested_incompatible_qos_status_t of_writers{};
+      if (reader != 0 && dds_get_requested_incompatible_qos_status(reader, &of_writers) == DDS_RETCODE_OK &&
+          of_writers.total_count > 0)
+        list.push_back({kind, false, get_policy_name(of_writers.last_policy_id), of_writers.total_count});
+      dds_offered_incompatible_qos_status_t of_readers{};
+      if (writer != 0 && dds_get_offered_incompatible_qos_status(writer, &of_readers) == DDS_RETCODE_OK &&
+          of_readers.total_count > 0)
+        list.push_back({kind, true, get_policy_name(of_readers.last_policy_id), of_readers.total_count});
     }
-    return losses;
+    return list;
   }
 
   [[nodiscard]] std::int64_t get_unreadable() const noexcept override {

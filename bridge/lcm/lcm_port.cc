@@ -65,7 +65,7 @@ class LcmPort final : public Port {
     return readable ? Received::kMessage : Received::kMalformed;
   }
 
-  [[nodiscard]] Losses get_losses() const override { return {.lost = socket_->get_lost()}; }
+  [[nodiscard]] std::int64_t get_lost() const override { return socket_->get_lost(); }
   [[nodiscard]] std::int64_t get_unreadable() const noexcept override { return socket_->get_malformed(); }
 
   std::array<std::uint8_t, hil::kMaxWireBytes> buffer_{};  // of the thread that publishes

@@ -64,8 +64,8 @@ class UdpPort : public Port {
     if (!ring_.pop(message, readable, wait)) return Received::kNothing;
     return readable ? Received::kMessage : Received::kMalformed;
   }
-  [[nodiscard]] Losses get_losses() const override {
-    return {.lost = ring_.get_lost() + lost_.load(std::memory_order_relaxed)};
+  [[nodiscard]] std::int64_t get_lost() const override {
+    return ring_.get_lost() + lost_.load(std::memory_order_relaxed);
   }
   [[nodiscard]] std::int64_t get_unreadable() const noexcept override {
     return malformed_.load(std::memory_order_relaxed);

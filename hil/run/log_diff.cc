@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hil/run/replay.h"
+#include "hil/scenario/text/number_text.h"
 
 namespace unlatch::hil {
 namespace {
@@ -77,7 +78,7 @@ void refuse_other_model(const std::array<RecordingReader*, 2>& recordings) {
     throw LogError(names + " are of different scenarios, '" + a.scenario_name + "' and '" + b.scenario_name + "'");
   }
   if (a.dt != b.dt) {
-    throw LogError(names + " have different steps, " + std::to_string(a.dt) + " s and " + std::to_string(b.dt) + " s");
+    throw LogError(names + " have different steps, " + write_number(a.dt) + " s and " + write_number(b.dt) + " s");
   }
   if (a.model_hash != b.model_hash) {
     throw LogError(names + " are of scenario '" + a.scenario_name +

@@ -1,10 +1,10 @@
 #include "hil/scenario/quantities.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include "hil/scenario/model/index.h"
 #include "hil/scenario/scenario.h"
+#include "hil/scenario/text/number_text.h"
 
 namespace unlatch::hil {
 namespace {
@@ -12,13 +12,12 @@ namespace {
 using QuantityKind = unlatch::Quantity::Kind;
 
 bool is_written(const QuantityTraits& traits) {
-  return traits.of != SubjectOf::kNothing && traits.kind != QuantityKind::kOneSidedForce && traits.kind != QuantityKind::kReach;
+  return traits.of != SubjectOf::kNothing && traits.kind != QuantityKind::kOneSidedForce &&
+         traits.kind != QuantityKind::kReach;
 }
 
 std::string show(const Eigen::Vector3d& v) {
-  std::ostringstream stream;
-  stream << "[" << v.x() << ", " << v.y() << ", " << v.z() << "]";
-  return stream.str();
+  return "[" + write_short(v.x()) + ", " + write_short(v.y()) + ", " + write_short(v.z()) + "]";
 }
 
 // A subject has what the kind reads.
@@ -71,7 +70,8 @@ const std::vector<std::string>& list_quantity_keys() {
 
 const QuantityTraits* find_quantity_traits(const std::string& key) {
   for (int kind = 0; kind < count_quantity_kinds(); ++kind)
-    if (const QuantityTraits& traits = get_traits(static_cast<QuantityKind>(kind)); is_written(traits) && key == traits.name)
+    if (const QuantityTraits& traits = get_traits(static_cast<QuantityKind>(kind));
+        is_written(traits) && key == traits.name)
       return &traits;
   return nullptr;
 }
@@ -103,7 +103,9 @@ const char* get_subject_key(SubjectOf of) {
   return "";
 }
 
-const char* get_direction_key(const QuantityTraits& traits) { return traits.kind == QuantityKind::kRate ? "about" : "along"; }
+const char* get_direction_key(const QuantityTraits& traits) {
+  return traits.kind == QuantityKind::kRate ? "about" : "along";
+}
 
 bool needs_more(const QuantityTraits& traits) {
   return traits.has_axes || (count_values(traits) == 1 && traits.values != QuantityValues::kOne) ||

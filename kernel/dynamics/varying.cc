@@ -25,9 +25,12 @@ Sym3 add(const Sym3& a, double k, const Sym3& b) {
   return {a.xx + k * b.xx, a.yy + k * b.yy, a.zz + k * b.zz, a.xy + k * b.xy, a.xz + k * b.xz, a.yz + k * b.yz};
 }
 
+// Distance from a tick within which a knot is on it, s: times of ticks are rounded, and a step is whole nanoseconds.
+constexpr double kOnTick = 4e-10;
+
 }  // namespace
 
-void update_masses(const PlanData& plan, double t, Evaluation& ev) noexcept {
+void update_masses(const PlanData& plan, double t, KnotSide side, Evaluation& ev) noexcept {
   for (std::size_t i = 0; i < plan.varying.size(); ++i) {
     const PlanVarying& law = plan.varying[i];
     VaryingBody& body = ev.varying[i];
@@ -37,9 +40,10 @@ void update_masses(const PlanData& plan, double t, Evaluation& ev) noexcept {
     body.mass = p.low->mass + p.part * (p.high->mass - p.low->mass);
     body.centre_B = p.low->centre + p.part * (p.high->centre - p.low->centre);
     body.inertia_B = add(p.low->inertia, p.part, change);
-    body.mass_slope = p.slope * (p.high->mass - p.low->mass);
-    body.centre_slope_B = p.slope * (p.high->centre - p.low->centre);
-    body.inertia_slope_B = add({0, 0, 0, 0, 0, 0}, p.slope, change);
+    const Interval s = law.by_burnt ? p : find_interval(knots, side == KnotSide::kAfter ? t + kOnTick : t - kOnTick);
+    body.mass_slope = s.slope * (s.high->mass - s.low->mass);
+    body.centre_slope_B = s.slope * (s.high->centre - s.low->centre);
+    body.inertia_slope_B = add({0, 0, 0, 0, 0, 0}, s.slope, add(s.high->inertia, -1, s.low->inertia));
   }
 }
 

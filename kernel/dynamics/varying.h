@@ -15,8 +15,12 @@
 
 namespace unlatch {
 
+// Which slope of a law in time counts at a knot, where the law has two: the last stage of a step belongs to the piece
+// before the knot, everything else to the piece after it.
+enum class KnotSide { kBefore, kAfter };
+
 // Masses by the law at `t` and ev.auxiliary.
-void update_masses(const PlanData& plan, double t, Evaluation& ev) noexcept;
+void update_masses(const PlanData& plan, double t, KnotSide side, Evaluation& ev) noexcept;
 
 // Centres of mass and inertias in world axes, after update_kinematics().
 void update_varying_kinematics(const PlanData& plan, Evaluation& ev) noexcept;

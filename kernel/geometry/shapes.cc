@@ -1,9 +1,9 @@
 // Mistakes of shapes, their compilation, and their unions.
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "kernel/geometry/core.h"
+#include "kernel/math/number_text.h"
 #include "unlatch/geometry.h"
 
 namespace unlatch::geometry {
@@ -13,13 +13,6 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kFlat = 1e-9;  // of the size: a hull that is thinner has no volume
 
 std::string count_points(std::size_t count) { return std::to_string(count) + (count == 1 ? " point" : " points"); }
-
-std::string show(double value) {
-  std::ostringstream text;
-  text.precision(6);
-  text << value;
-  return text.str();
-}
 
 bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 

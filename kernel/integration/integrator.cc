@@ -19,9 +19,9 @@ namespace {
 constexpr Sweep kCorrection{.source = Source::kNothing, .multipliers = false};
 
 // Kernels that move bodies leave the kinematics of rigid ones, whose masses are constant.
-void complete_kinematics(const PlanData& plan, double t, Evaluation& ev) {
+void complete_kinematics(const PlanData& plan, double t, KnotSide side, Evaluation& ev) {
   if (plan.rigid) return;
-  update_masses(plan, t, ev);
+  update_masses(plan, t, side, ev);
   update_kinematics(plan, ev);
 }
 
@@ -70,7 +70,7 @@ int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independ
 enum class Loads { kUpdate, kKeep };
 
 int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, Evaluation& ev) {
-  complete_kinematics(now.plan, now.t, ev);
+  complete_kinematics(now.plan, now.t, now.t > start.t ? KnotSide::kBefore : KnotSide::kAfter, ev);
   if (loads == Loads::kUpdate) update_loads(now, ev);
   update_joints(now.plan, now.state, RowTarget::kAcceleration, ev);
   return solve_dynamics(now, {.multipliers = false, .gamma_h = now.implicit.gamma_h}, start.independent_rows, ev);
@@ -80,7 +80,7 @@ int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, E
 int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   const PlanData& plan = end.plan;
   const Kernels& kernels = get_kernels(plan);
-  complete_kinematics(plan, end.t, ev);
+  complete_kinematics(plan, end.t, KnotSide::kBefore, ev);
   update_joints(plan, end.state, RowTarget::kPosition, ev);
   const int node = kernels.factor_and_solve(plan, end.state, ev, kCorrection, start.independent_rows);
   if (node != kNone) return node;
@@ -191,7 +191,7 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
       [[fallthrough]];
     case Changed::kMotion:
       load_motion(plan, now.state, ev);
-      update_masses(plan, now.t, ev);
+      update_masses(plan, now.t, KnotSide::kAfter, ev);
       update_kinematics(plan, ev);
       [[fallthrough]];
     case Changed::kModes:

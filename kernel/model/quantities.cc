@@ -2,10 +2,10 @@
 #include "unlatch/quantities.h"
 
 #include <array>
-#include <sstream>
 
 #include "kernel/math/index.h"
 #include "kernel/model/elements.h"
+#include "kernel/model/validate.h"
 
 namespace unlatch {
 namespace {
@@ -96,12 +96,6 @@ bool is_angular(const Model& model, const Quantity& quantity, const QuantityTrai
 }
 
 std::string name_event(const Event& event) { return event.name + (event.subject.empty() ? "" : ":" + event.subject); }
-
-std::string show(const Eigen::Vector3d& v) {
-  std::ostringstream stream;
-  stream << "[" << v.x() << ", " << v.y() << ", " << v.z() << "]";
-  return stream.str();
-}
 
 // What follows the subject: its part, or the direction.
 std::string describe_part(const Quantity& quantity, const QuantityTraits& traits) {

@@ -3,10 +3,10 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "kernel/math/number_text.h"
 #include "unlatch/model.h"
 
 namespace unlatch {
@@ -30,12 +30,6 @@ inline bool is_index(int index, std::size_t size) { return index >= 0 && static_
 
 inline std::string quoted(const std::string& kind, const std::string& name) { return kind + " '" + name + "'"; }
 
-// A number for people: 6 significant digits.
-inline std::string show(double value) {
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
 inline std::string show(const Eigen::Vector3d& v) {
   return "[" + show(v.x()) + ", " + show(v.y()) + ", " + show(v.z()) + "]";
 }

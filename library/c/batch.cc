@@ -51,6 +51,7 @@ unlatch_status Batch::run(double until, std::size_t threads, std::atomic<bool>& 
   const std::size_t share = std::clamp<std::size_t>(size() / threads, 1, hil::SampleEvaluator::kSideBySide);
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
+    const ClassicLocale locale;  // of each helper thread
     for (std::size_t i = next.fetch_add(share); i < size() && !interrupted.load(std::memory_order_relaxed);
          i = next.fetch_add(share)) {
       std::vector<std::size_t> samples;

@@ -6,6 +6,7 @@
 
 #include "hil/run/replay.h"
 #include "hil/run/run.h"
+#include "hil/scenario/text/number_text.h"
 
 namespace unlatch::library {
 
@@ -174,9 +175,9 @@ unlatch_status Engine::set_channels(std::size_t first, std::size_t count, const 
     if (values[i] >= channel.minimum && values[i] <= channel.maximum) continue;  // false for NaN
     return guard([&] {
       return fail(UNLATCH_ERROR_RANGE,
-                  "channel '" + std::string(channel.name) + "': " + std::to_string(values[i]) +
-                      " is outside its range, " + std::to_string(channel.minimum) + " to " +
-                      std::to_string(channel.maximum) + " " + channel.unit,
+                  "channel '" + std::string(channel.name) + "': " + hil::write_number(values[i]) +
+                      " is outside its range, " + hil::write_number(channel.minimum) + " to " +
+                      hil::write_number(channel.maximum) + " " + channel.unit,
                   scenario_.file, std::string("channels.") + channel.name);
     });
   }

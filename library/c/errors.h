@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "hil/scenario/yaml/scenario_error.h"
+#include "library/c/classic_locale.h"
 #include "library/c/handles.h"
 #include "library/include/unlatch.h"
 
@@ -28,9 +29,10 @@ unlatch_status fail_of_exception(const ErrorSource& source) noexcept;
 // Path of the key at a line and column of a YAML text: "bodies.core.mass"; "" if there is none.
 std::string find_key(const std::string& text, int line, int column);
 
-// Calls a function that returns a status; exceptions become errors.
+// Calls a function that returns a status, in the locale "C"; exceptions become errors.
 template <class Function>
 unlatch_status guard(const Function& function, const ErrorSource& source = {}) noexcept {
+  const ClassicLocale locale;
   try {
     return function();
   } catch (...) {

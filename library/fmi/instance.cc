@@ -1,11 +1,15 @@
 #include "library/fmi/instance.h"
 
+#include <strings.h>
+
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <map>
 #include <mutex>
 #include <sstream>
+
+#include "hil/scenario/text/number_text.h"
 
 namespace unlatch::fmi {
 namespace {
@@ -50,9 +54,8 @@ bool Instance::load(const std::vector<double>& parameters) {
   std::vector<std::string> lines = overrides_;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const Variable& variable = variables_[first_parameter_ + i];
-    char number[32];
-    std::snprintf(number, sizeof number, "=%.17g ", parameters[i]);
-    if (!(parameters[i] == starts_[i])) lines.push_back(variable.name + number + variable.unit);
+    if (!(parameters[i] == starts_[i]))
+      lines.push_back(variable.name + "=" + hil::write_number(parameters[i]) + " " + variable.unit);
   }
   std::vector<const char*> pointers;
   for (const std::string& line : lines) pointers.push_back(line.c_str());
@@ -186,7 +189,7 @@ bool Instance::step(double time, double size, bool stops, bool& stopped) {
   if (!(size >= 0) || !(std::abs(time / dt_ - static_cast<double>(tick)) < kSameTime * std::max(1.0, end)))
     return refuse("the step does not begin at the present time, or has a negative size");
   if (!(std::abs(end - std::round(end)) < kSameTime * std::max(1.0, end)))
-    return refuse("the step is no whole number of the internal steps of " + std::to_string(dt_) + " s");
+    return refuse("the step is no whole number of the internal steps of " + hil::write_number(dt_) + " s");
   const auto ticks = static_cast<std::uint64_t>(std::llround(end) - tick);
   std::uint64_t done = 0;
   const unlatch_status status = unlatch_advance(simulation_, ticks, stops ? UNLATCH_STOP_AT_EVENTS : 0, &done);
@@ -259,7 +262,8 @@ std::string calc_token(const std::string& text, const std::vector<std::string>& 
 
 std::string read_uri(const char* uri) {
   std::string path = uri == nullptr ? "" : uri;
-  if (path.starts_with("file:")) {
+  const bool is_uri = strncasecmp(path.c_str(), "file:", 5) == 0;  // schemes have no case: RFC 3986, 3.1
+  if (is_uri) {
     path.erase(0, 5);
     if (path.starts_with("//")) path.erase(0, path.find('/', 2));
     std::string decoded;

@@ -327,6 +327,15 @@ TEST(Dds, CommandsOfTheFirstMomentArrive) {
   }
 }
 
+TEST(Dds, AnEmptyConfigurationOfTheUserIsNone) {
+  ASSERT_EQ(setenv("CYCLONEDDS_URI", "", 1), 0);
+  EXPECT_EQ(bridge::describe(bridge::DdsOptions{}),
+            "DDS, domain 0, on the interface 'lo': this machine only; every process there may listen and command");
+  ASSERT_EQ(setenv("CYCLONEDDS_URI", "<General/>", 1), 0);
+  EXPECT_NE(bridge::describe(bridge::DdsOptions{}).find("as CYCLONEDDS_URI configures it"), std::string::npos);
+  ASSERT_EQ(unsetenv("CYCLONEDDS_URI"), 0);
+}
+
 // The first packets of the last message are lost; the port repeats it before it closes.
 TEST(Dds, WhatIsSaidLastIsHeard) {
   constexpr auto kMute = 200ms;
@@ -392,6 +401,34 @@ TEST(Dds, AWriterThatDoesNotFitIsCounted) {
   for (auto waited = 0ms; waited < kPatience && simulator->get_counts().unfit == 0; waited += kRepeatAfter) {
     std::this_thread::sleep_for(kRepeatAfter);
   }
+  EXPECT_EQ(simulator->get_counts().unfit, 1);
+  const auto unfit = simulator->list_unfit();
+  ASSERT_EQ(unfit.size(), 1u);
+  EXPECT_EQ(unfit[0].kind, MessageKind::kCommand);
+  EXPECT_FALSE(unfit[0].read);
+  EXPECT_EQ(unfit[0].policy, "DURABILITY");
+  dds_delete(stranger);
+}
+
+// It would wait for ever without a word.
+TEST(Dds, AReaderThatDoesNotFitIsCountedWithItsPolicy) {
+  const auto simulator = bridge::open_dds_port(Role::kSimulator);
+  const dds_entity_t stranger = dds_create_participant(0, nullptr, nullptr);
+  ASSERT_GT(stranger, 0);
+  const dds_entity_t topic = dds_create_topic(stranger, &unlatch_State_desc, "unlatch_State", nullptr, nullptr);
+  dds_qos_t* const qos = dds_create_qos();
+  dds_qset_deadline(qos, DDS_MSECS(100));
+  ASSERT_GT(dds_create_reader(stranger, topic, qos, nullptr), 0);
+  dds_delete_qos(qos);
+  std::vector<bridge::UnfitPeers> unfit;
+  for (auto waited = 0ms; waited < kPatience && unfit.empty(); waited += kRepeatAfter) {
+    std::this_thread::sleep_for(kRepeatAfter);
+    unfit = simulator->list_unfit();
+  }
+  ASSERT_EQ(unfit.size(), 1u);
+  EXPECT_EQ(bridge::describe(unfit[0]),
+            "unlatch_State: 1 reader of another program does not match (policy DEADLINE), and receives nothing; "
+            "bridge/README.md lists the quality of service of each topic");
   EXPECT_EQ(simulator->get_counts().unfit, 1);
   dds_delete(stranger);
 }

@@ -42,6 +42,13 @@ TEST(MeshFile, BinaryAndAsciiStlAndObjGiveTheSameMesh) {
   }
 }
 
+TEST(MeshFile, KeywordsOfStlMayBeInCapitals) {
+  std::string text = write_ascii_stl(kBox);
+  for (char& c : text)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  EXPECT_EQ(hil::read_mesh(text, "box.stl").triangles.size(), 12U);
+}
+
 TEST(MeshFile, ABinaryStlMayBeginLikeAnAsciiOne) {
   std::string bytes = write_binary_stl(kBox);
   bytes.replace(0, 10, "solid cube");

@@ -115,6 +115,30 @@ TEST(Varying, JetDampingSlowsASpin) {
   }
 }
 
+// The flow ends at a knot on a tick, before the end: the damping torque jumps there, and no stage of a step may take it
+// from the other side. w = w0 (1 − j t/J)^power up to the knot, constant after it.
+TEST(Varying, AKnotOnATickLeavesTheOrderOfTheStep) {
+  constexpr double kInertia = 20, kSlope = 3, kFlow = 5, kArm = 1.5, kSpin = 0.8, kEnd = 1.2;
+  Model model;
+  Body body = box("body", 100, kInertia, kInertia, kInertia);
+  body.w_WB_B = {0, 0, kSpin};
+  const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+  const auto knot = [&](double t) {
+    return MassLaw::Knot{t, 100 - t * kFlow, {0, 0, 0}, (kInertia - t * kSlope) * one};
+  };
+  body.law = build_law(MassLaw::Of::kTime, {knot(0), knot(kEnd)});
+  body.law->exit = {kArm, 0, 0};
+  body.law->jet_damping = true;
+  model.bodies = {body};
+  const double power = (kFlow * kArm * kArm - kSlope) / kSlope;
+  const double expected = kSpin * std::pow(1 - kSlope * kEnd / kInertia, power);
+  for (const double dt : {0.1, 0.01, 0.001}) {
+    Simulation s(model, {.dt = dt});
+    while (s.get_time() < kEnd + 0.5) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+    EXPECT_NEAR(s.state.bodies[0].w.z, expected, 1e-4 * std::pow(dt, 4) + 1e-13) << dt;
+  }
+}
+
 TEST(Varying, AMistakenLawIsNamed) {
   Model model = build_shifted({0.1, 0, 0});
   model.bodies[1].law->knots.push_back({-1, -2, {0, 0, 0}, Eigen::Matrix3d::Identity()});

@@ -4,6 +4,7 @@
     fmu_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
 import ctypes
+import locale
 import math
 import os
 import re
@@ -16,12 +17,15 @@ from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32,
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
-from processes import BIN, BOOSTERS, REFERENCE, SANITIZED, UNLATCH, ProcessTest, main  # noqa: E402
+from fmi_rules import list_faults  # noqa: E402
+from processes import BIN, BOOSTERS, REFERENCE, SANITIZED, SCENARIOS, UNLATCH, ProcessTest, main  # noqa: E402
 
 if SANITIZED:
     sys.exit(77)  # Python itself would need the sanitizer
 sys.path.insert(0, str(BIN.parent / "python"))
 import unlatch  # noqa: E402
+
+locale.setlocale(locale.LC_ALL, os.environ.get("UNLATCH_LOCALE", "C"))  # of the host: comma_locale.sh
 
 OK, ERROR = 0, 3
 PROBE = """unlatch: 1
@@ -60,7 +64,7 @@ class Callbacks(ctypes.Structure):
 class Fmu:
     """An instance of an unpacked FMU, of either version."""
 
-    def __init__(self, folder, version, token=None, event_mode=False, early_return=False):
+    def __init__(self, folder, version, token=None, event_mode=False, early_return=False, scheme="file:"):
         self.version = version
         self.description = ElementTree.parse(folder / "modelDescription.xml").getroot()
         variables = self.description.find("ModelVariables")
@@ -81,7 +85,7 @@ class Fmu:
             make = self.library.fmi2Instantiate
             make.restype, make.argtypes = c_void_p, [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int]
             self.callbacks = Callbacks()
-            uri = (folder / "resources").as_uri().encode()
+            uri = (folder / "resources").as_uri().replace("file:", scheme).encode()
             self.instance = make(b"one", 1, token.encode(), uri, byref(self.callbacks), 0, 0)
 
     def call(self, name, *arguments):
@@ -351,6 +355,24 @@ clearance: [[a.s, b], [a.t, b], [a, b]]
                     listed = [int(unknown.get("index")) for unknown in structure.find(f"{kind}s")]
                     self.assertEqual(listed, [place + 1 for place, _ in kinds["output"]])
 
+    def test_fmus_of_all_shipped_scenarios_keep_the_standards_rules(self):
+        scenarios = [path for path in sorted(SCENARIOS.glob("*/*.yaml")) if path.read_text(encoding="utf-8").startswith("unlatch:")
+                     or "\nunlatch:" in path.read_text(encoding="utf-8")]
+        self.assertGreater(len(scenarios), 30)
+
+        def check(case):
+            scenario, version = case
+            file = self.folder / f"{scenario.parent.name}-{scenario.stem}-{version}.fmu"
+            self.run_ok(UNLATCH, "export", scenario, "--fmu", file, "--fmi", version)
+            with zipfile.ZipFile(file) as archive:
+                root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+            file.unlink()
+            return [f"{scenario.parent.name}/{scenario.stem}, FMI {version}: {fault}" for fault in list_faults(root, version)]
+
+        with ThreadPoolExecutor(2) as pool:
+            faults = sum(pool.map(check, [(scenario, version) for scenario in scenarios for version in (2, 3)]), [])
+        self.assertEqual(faults, [])
+
     def test_constants_and_written_numbers_of_the_scenario_are_parameters_with_units(self):
         for version in (3, 2):
             fmu = self.open(version)
@@ -383,6 +405,23 @@ clearance: [[a.s, b], [a.t, b], [a, b]]
             self.assertEqual(fmu.begin(), OK, fmu.messages)
             self.assertEqual(fmu.step(0.0, 0.4)[0], OK)
             self.assertEqual((fmu.get("bodies.probe.inertia[2]"), fmu.get("bodies.probe.position.x")), (26, wanted))
+
+    def test_the_scheme_of_the_resources_may_be_in_capitals(self):
+        self.assertEqual(self.open(2, scheme="FILE:").begin(), OK)
+
+    def test_parameters_are_read_and_set_whatever_the_locale(self):
+        scenario = self.folder / "probe.yaml"
+        scenario.write_text(PROBE)
+        for version in (2, 3):
+            fmu = self.open(version, scenario)
+            self.assertEqual(fmu.set("load", 15000.5), OK)
+            self.assertEqual(fmu.begin(), OK, fmu.messages)
+            self.assertEqual(fmu.get("load"), 15000.5)
+            self.assertEqual(fmu.set("channels.throttle", 1), OK)
+            self.assertEqual(fmu.step(0.0, 0.1)[0], OK)
+            self.assertAlmostEqual(fmu.get("bodies.probe.velocity.x"), 5000 * 0.1 / 15000.5)
+            self.assertEqual(fmu.set("channels.throttle", 1.5), ERROR)
+            self.assertIn("1.5 is outside its range, 0 to 1", fmu.messages[-1])
 
     def test_parameters_are_set_before_the_run_and_belong_to_the_state(self):
         scenario = self.folder / "probe.yaml"

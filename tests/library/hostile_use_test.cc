@@ -5,9 +5,11 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <locale>
 #include <thread>
 
 #include "tests/library/handles.h"
@@ -16,6 +18,14 @@ namespace unlatch::test {
 namespace {
 
 using testing::HasSubstr;
+
+// The host's locale: tests/support/comma_locale.sh names one with a decimal comma.
+class HostLocale final : public testing::Environment {
+  void SetUp() override {
+    if (const char* const name = std::getenv("UNLATCH_LOCALE")) std::locale::global(std::locale(name));
+  }
+};
+const testing::Environment* const kHostLocale = testing::AddGlobalTestEnvironment(new HostLocale);
 
 // Every function that takes a handle, with otherwise valid arguments.
 std::vector<std::function<unlatch_status(void*)>> list_calls() {

@@ -4,6 +4,7 @@
     python_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
 import ctypes
+import locale
 import math
 import os
 import pickle
@@ -23,6 +24,8 @@ sys.path.insert(0, str(BUILD / "python"))
 import numpy as np  # noqa: E402
 
 import unlatch  # noqa: E402
+
+locale.setlocale(locale.LC_ALL, os.environ.get("UNLATCH_LOCALE", "C"))  # of the host: comma_locale.sh
 
 EXAMPLES = SOURCE / "library/python/examples"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "PYTHONDONTWRITEBYTECODE": "1"}
@@ -197,6 +200,14 @@ class PythonTest(ProcessTest):
             with self.assertRaisesRegex(KeyError, "known: throttle1"):
                 sim.channels["throtle1"] = 1
             self.assertRaises(ValueError, sim.run, until=math.nan)
+
+    def test_numbers_of_messages_and_overrides_have_a_point_whatever_the_locale(self):
+        with unlatch.load(BOOSTERS, {"bodies.core.mass": 12345.5}) as sim:
+            sim.step()
+        with self.assertRaises(unlatch.Error) as raised:
+            unlatch.load(BOOSTERS, {"bodies.core.inertia": [1, 1, 9999.5]})
+        self.assertIn("9999.5", str(raised.exception))
+        self.assertNotIn("9.999", str(raised.exception))
 
     def test_other_threads_run_while_it_steps(self):
         with unlatch.load(REFERENCE) as sim:

@@ -74,6 +74,13 @@ class FmuLoopTest(ProcessTest):
             self.assertEqual((flown["status"], flown["hash"]), (wanted["status"], wanted["hash"]))
             self.assertEqual(flown["events"], wanted["events"])
 
+    def test_an_archive_whose_paths_have_backslashes_is_read(self):
+        wanted = self.run_json(UNLATCH, "hil", BOOSTERS, *SAID, code=None)["hash"]
+        binary = self.build(3)
+        fmu = self.pack(3, {f"binaries/{PLATFORM[3]}/controller.so": None, f"binaries\\{PLATFORM[3]}\\controller.so": binary,
+                            "resources/": None, "resources\\": ""})
+        self.assertEqual(self.run_json(UNLATCH, "hil", BOOSTERS, "--fmu", fmu, *SAID, code=None)["hash"], wanted)
+
     def test_names_with_prefix_states_and_booleans_are_mapped(self):
         wanted = self.run_json(UNLATCH, "hil", BOOSTERS, *SAID, code=None)["hash"]
         for version in (2, 3):

@@ -229,6 +229,20 @@ joints:
         self.assertIn("needs no mass", self.bring_in(robot(*parts, skew), code=2))
         self.assertIn("needs no mass", self.bring_in(robot(*parts, second.format(1, 0).replace('"0 0 0" rpy', '"0 0 1" rpy')), code=2))
 
+    def test_two_crosses_without_mass_between_three_hinges_are_a_ball_joint(self):
+        limit = '<limit effort="1" velocity="1" lower="-1" upper="1"/>'
+
+        def hinge(parent, child, axis, place="0 0 0"):
+            return joint(parent, child, "revolute", f'<axis xyz="{axis}"/>' + limit).replace('xyz="0 0 1" rpy', f'xyz="{place}" rpy')
+
+        crosses = ['<link name="c"/>', '<link name="d"/>']
+        gimbal = [hinge("a", "c", "1 0 0", "0 0 1"), hinge("c", "d", "0 1 0"), hinge("d", "b", "0 0 1")]
+        out = self.bring_in(robot(link("a"), *crosses, link("b"), *gimbal))
+        plan = self.run_json(UNLATCH, "check", out)
+        self.assertEqual([(one["mode"], one["between"]) for one in plan["joints"]], [("ball", ["a", "b"])])
+        four = [*gimbal[:2], hinge("d", "e", "0 0 1"), hinge("e", "b", "1 0 0")]
+        self.assertIn("needs no mass", self.bring_in(robot(link("a"), *crosses, '<link name="e"/>', link("b"), *four), code=2))
+
     def test_what_is_hostile_or_impossible_is_refused_in_a_sentence(self):
         deep = "<a>" * 100000
         cases = {

@@ -6,6 +6,7 @@
 
 import json
 import shutil
+import subprocess
 import unittest
 
 from processes import SCENARIOS, SOURCE, UNLATCH, ProcessTest, main
@@ -64,6 +65,45 @@ class ModesTest(ProcessTest):
         numbers = [[line for line in file.read_text().splitlines() if not line.startswith("source")]
                    for file in (path, again)]
         self.assertEqual(*numbers)
+
+    @needs_calculix
+    def test_a_deck_in_millimetres_and_tonnes_gives_the_same_file_with_units_and_a_warning_without(self):
+        self.run_ok(UNLATCH, "modes", "shell", "--modes", "7", "--cone", "0", "--keep", self.folder / "ccx", "--out", self.folder / "metres.modes")
+        # The same deck with lengths in mm, E in N/mm2, density in t/mm3.
+        lines, section = [], ""
+        for line in (self.folder / "ccx/shell.inp").read_text().splitlines():
+            if line.startswith("*"):
+                section = line
+            elif section.startswith(("*NODE\n", "*SHELL SECTION")) or section == "*NODE":
+                cells = line.split(",")
+                kept = 1 if section == "*NODE" else 0
+                line = ", ".join(cells[:kept] + [repr(1000 * float(cell)) for cell in cells[kept:]])
+            elif section == "*ELASTIC":
+                young, poisson = line.split(",")
+                line = f"{float(young) * 1e-6!r}, {poisson}"
+            elif section == "*DENSITY":
+                line = repr(float(line) * 1e-12)
+            lines.append(line)
+        (self.folder / "mm.inp").write_text("\n".join(lines) + "\n")
+        subprocess.run(["ccx", "mm"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL, timeout=300)
+        arguments = [UNLATCH, "modes", "import", self.folder / "mm.frd", "--dat", self.folder / "mm.dat", "--thickness", "0.01", "--density", "4000",
+                     "--modes", "7", "--out", self.folder / "mm.modes", "--json"]
+        self.run_ok(UNLATCH, "modes", "show", self.folder / "metres.modes", "--json", self.folder / "metres.json")
+        metres = json.loads((self.folder / "metres.json").read_text())
+        self.run_ok(*arguments, self.folder / "mm.json", "--units", "mm")
+        report = json.loads((self.folder / "mm.json").read_text())
+        self.assertNotIn("warnings", report)
+        self.assertAlmostEqual(report["mass"] / metres["mass"], 1, delta=1e-5)
+        self.assertLess(report["found"]["gram"], 1e-2)
+        for mode, same in zip(report["modes"], metres["modes"], strict=True):
+            self.assertAlmostEqual(mode["hz"] / same["hz"], 1, delta=1e-4)
+        result = self.run_ok(*arguments, self.folder / "wrong.json")
+        self.assertIn("the file is in mm and t; add --units mm", result.stderr)
+        self.assertIn("--units mm", json.loads((self.folder / "wrong.json").read_text())["warnings"][0])
+        result = self.run_ok(*arguments[:-1], "--units", "mm", "--density", "4400")
+        self.assertNotIn("another than in the deck", result.stderr)  # within what a coarse mesh explains
+        result = self.run_ok(*arguments[:9], "8000", *arguments[10:-1], "--units", "mm")
+        self.assertIn("another than in the deck", result.stderr)
 
     def test_the_shipped_fairing_half_is_conditioned(self):
         report = self.run_json(UNLATCH, "modes", "show", FAIRING, "--select", "1,4,5")

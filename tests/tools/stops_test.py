@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Verbs that can last longer than a second end within a second of Ctrl-C and of SIGTERM, with what they have; of a campaign
-and a search see campaign_test.py and optimize_test.py. Run by ctest:
+"""Verbs that can last longer than a second end within a second of Ctrl-C and of SIGTERM, with what they have. Run by ctest:
 
     stops_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 
@@ -11,7 +10,7 @@ import signal
 import time
 from pathlib import Path
 
-from processes import HANG, SCENARIOS, UNLATCH, ProcessTest, main
+from processes import BIN, HANG, SCENARIOS, UNLATCH, ProcessTest, main
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 UNDER_WAY, ENOUGH = 0.3, 1.0  # s of processor time: at work; from the signal to the end
@@ -85,6 +84,49 @@ class StopsTest(ProcessTest):
             for more in (["replay", log], ["report", log, "--out", self.folder / "r.html"],
                          ["export", log, "--format", "csv", "--out", self.folder / "e.csv"]):
                 self.stop(number, UNLATCH, *more)
+
+    def write_campaign(self):
+        self.write_chaos()
+        campaign = self.folder / "chaos-campaign.yaml"
+        campaign.write_text("""unlatch_campaign: 1
+name: chaos
+scenario: chaos.yaml
+samples: 100000
+parameters:
+  mass: {path: bodies.a.mass, normal: {mean: 1 kg, sigma: 0.01 kg, within: 3}}
+""")
+        return campaign
+
+    def test_a_campaign_ends_with_the_samples_so_far_and_goes_on(self):
+        campaign = self.write_campaign()
+        for number in SIGNALS:
+            out = self.folder / f"results{number}"
+            self.assertEqual(self.stop(number, UNLATCH, "campaign", campaign, "--jobs", "2", "--out", out, after=1.5), 1)
+            self.assertTrue((out / "summary.json").exists())
+
+    def test_a_search_ends_with_what_it_has(self):
+        problem = self.folder / "chaos-optimize.yaml"
+        self.write_chaos()
+        problem.write_text("""unlatch_synthesis: 1
+name: chaos
+scenario: chaos.yaml
+variables:
+  mass: {path: bodies.a.mass, between: [0.5 kg, 2 kg]}
+objectives: [{minimise: (mass / (1 kg) - 1.3)^2}]
+method: global
+budget: {runs: 100000}
+""")
+        for number in SIGNALS:
+            self.stop(number, UNLATCH, "optimize", problem, "--out", self.folder / f"search{number}.json", after=1.5)
+
+    def test_listeners_and_flight_software_end(self):
+        for number in SIGNALS:
+            for arguments in ((UNLATCH, "watch", "--transport", "udp"), (UNLATCH, "log", "--transport", "udp", "--out", self.folder / "l.log"),
+                              (BIN / "unlatch-fsw", "--transport", "udp")):
+                process = self.begin(*arguments)
+                time.sleep(0.7)
+                process.send_signal(number)
+                process.wait(10)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace unlatch::fmu {
@@ -11,9 +12,9 @@ constexpr std::size_t kEndLength = 22, kLongestComment = 65535, kMemberLength = 
 constexpr std::uint64_t kEnd = 0x06054b50, kMember = 0x02014b50, kLocal = 0x04034b50;
 constexpr std::uint64_t kEncrypted = 1, kStored = 0, kDeflated = 8;
 
-// A relative path that stays inside: no "..", no drive, no backslash.
+// A relative path that stays inside: no "..", no drive.
 bool is_inside(const std::string& name) {
-  if (name.empty() || name.front() == '/' || name.find_first_of(std::string("\\:\0", 3)) != std::string::npos)
+  if (name.empty() || name.front() == '/' || name.find_first_of(std::string(":\0", 2)) != std::string::npos)
     return false;
   for (std::size_t begin = 0; begin <= name.size();) {
     const std::size_t end = std::min(name.find('/', begin), name.size());
@@ -60,7 +61,8 @@ void ZipFile::add_member(std::size_t at, std::size_t& length) {
   if (get(at, 4) != kMember) throw FmuError("its directory is damaged");
   const std::size_t name_length = get(at + 28, 2);
   if (bytes_.size() - at < kMemberLength + name_length) throw FmuError("its directory is damaged");
-  const std::string name = bytes_.substr(at + kMemberLength, name_length);
+  std::string name = bytes_.substr(at + kMemberLength, name_length);
+  std::replace(name.begin(), name.end(), '\\', '/');  // some programs on Windows write them, against the standard
   if (!is_inside(name)) throw FmuError("a member is called '" + name + "', which leads out of the FMU's folder");
   if (name.back() == '/') return;
   const std::uint64_t method = get(at + 10, 2);

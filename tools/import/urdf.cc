@@ -49,7 +49,8 @@ bool snap_right_angles(Isometry3d& X) {
 struct Placed {
   int body = -1;  // the ground
   Isometry3d X_WL = Isometry3d::Identity();
-  const urdf::Joint* cross = nullptr;  // of a cross without mass: the hinge to its carrier, not yet a joint of ours
+  std::vector<std::pair<const urdf::Joint*, Eigen::Vector3d>> hinges = {};  // of crosses without mass between it and
+                                                                            // its carrier, and their axes in W
 };
 
 class Reader {
@@ -122,15 +123,18 @@ class Reader {
     Placed placed{parent.body, parent.X_WL * place(joint.parent_to_joint_origin_transform)};
     const bool is_fixed = joint.type == urdf::Joint::FIXED;
     if (!has_mass(child)) {
-      if (!is_fixed && parent.cross == nullptr && is_cross(joint, child)) {
-        placed.cross = &joint;
+      constexpr std::size_t kMostCrosses = 2;
+      if (!is_fixed && parent.hinges.size() < kMostCrosses && is_cross(joint, child)) {
+        placed.hinges = parent.hinges;
+        placed.hinges.emplace_back(&joint, (placed.X_WL.linear() * get_axis(joint)).normalized());
         return placed;
       }
-      if (!is_fixed || parent.cross != nullptr) {
+      if (!is_fixed || !parent.hinges.empty()) {
         throw ImportError(
             quote("link", child.name) + " has no mass, but joint '" + joint.name +
             "' lets it move: give it an <inertial>, or make the joint fixed (a link between two hinges whose "
-            "axes cross at right angles needs no mass: the two are a universal joint)");
+            "axes cross at right angles needs no mass: the two are a universal joint, three in one point a ball "
+            "joint)");
       }
       if (placed.body >= 0) add_shapes(child, placed, get_frame(placed.body));
       return placed;
@@ -138,14 +142,8 @@ class Reader {
     const int base = placed.body;
     placed.body = add_body(child, placed.X_WL);
     Isometry3d X_WJ = placed.X_WL;
-    if (parent.cross != nullptr) {
-      X_WJ.linear().col(0) = (parent.X_WL.linear() * get_axis(*parent.cross)).normalized();
-      X_WJ.linear().col(1) = (placed.X_WL.linear() * get_axis(joint)).normalized();
-      X_WJ.linear().col(2) = X_WJ.linear().col(0).cross(X_WJ.linear().col(1));
-      add_joint(joint.name, Kind::kUniversal, base, placed.body, X_WJ);
-      model_.remarks.push_back("joints '" + parent.cross->name + "' and '" + joint.name +
-                               "' with the link between them, which has no mass, are one universal joint; damping, "
-                               "friction and ranges of the two are left out");
+    if (!parent.hinges.empty()) {
+      add_gimbal(parent, joint, base, placed, X_WJ);
       return placed;
     }
     switch (joint.type) {
@@ -170,6 +168,21 @@ class Reader {
     }
     add_remarks(joint);
     return placed;
+  }
+
+  // Two hinges with a cross between them are a universal joint, three with two crosses a ball joint.
+  void add_gimbal(const Placed& parent, const urdf::Joint& last, int base, const Placed& placed, Isometry3d X_WJ) {
+    const bool is_ball = parent.hinges.size() == 2;
+    std::string names;
+    for (const auto& hinge : parent.hinges) names += (names.empty() ? "'" : ", '") + hinge.first->name + "'";
+    X_WJ.linear().col(0) = parent.hinges.back().second;
+    X_WJ.linear().col(1) = (placed.X_WL.linear() * get_axis(last)).normalized();
+    X_WJ.linear().col(2) = X_WJ.linear().col(0).cross(X_WJ.linear().col(1));
+    add_joint(last.name, is_ball ? Kind::kBall : Kind::kUniversal, base, placed.body, X_WJ);
+    model_.remarks.push_back("joints " + names + " and '" + last.name + "' with " +
+                             (is_ball ? "the links between them, which have no mass, are one ball joint"
+                                      : "the link between them, which has no mass, are one universal joint") +
+                             "; damping, friction and ranges of them are left out");
   }
 
   static bool is_hinge(const urdf::Joint& joint) {

@@ -281,7 +281,8 @@ class Screen {
     const std::int64_t lost = std::max(view_.lost, view_.port.lost);
     add(line.add(lost > 0 ? Colour::kRed : Colour::kGreen, format("lost %lld", static_cast<long long>(lost)),
                  format(", repeated %lld, malformed %lld", static_cast<long long>(view_.repeated),
-                        static_cast<long long>(view_.port.malformed))));
+                        static_cast<long long>(view_.port.malformed)) +
+                     (view_.port.unfit > 0 ? format(", unfit %lld", static_cast<long long>(view_.port.unfit)) : "")));
     if (!view_.health) return;
     std::int64_t refused = 0;
     for (const std::int64_t count : view_.health->rejected) refused += count;

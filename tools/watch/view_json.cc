@@ -72,6 +72,7 @@ std::string build_json(const View& view) {
   json["lost_by_transport"] = view.port.lost;
   json["repeated"] = view.repeated;
   json["malformed"] = view.port.malformed;
+  json["unfit"] = view.port.unfit;
   json["knows_scenario"] = view.knows_scenario;
   if (!view.scenario_note.empty()) json["note"] = view.scenario_note;
   json["notices"] = Json::array();

@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kRounding = 1e-13;  // relative to a value or its size: some hundred roundings, of thousands of ticks
 constexpr double kLeastOrder = 0.5, kMostOrder = 4;
+// Sizes below which a value is at rest: its error is compared with these, not with its own rounding.
+constexpr double kStillLength = 1e-6, kStillSpeed = 1e-6, kStillRate = 1e-6;  // m, m/s, rad/s
+constexpr double kUnloaded = 1e-9;                                            // of the largest reaction of all joints
 constexpr double kOrderMissed = 1;  // an observed order this much below the method's shows that another error dominates
 
 using Kind = NamedValue::Kind;
@@ -29,13 +32,13 @@ void add_times(const RunAnalysis& analysis, double length, std::vector<NamedValu
 void add_clearances(const RunAnalysis& analysis, std::vector<NamedValue>& values) {
   for (const Clearance& c : analysis.clearances()) {
     values.push_back({"smallest clearance " + c.name_a + " – " + c.name_b, "m", Kind::kClearance, c.smallest,
-                      std::abs(c.smallest), c.time});
+                      std::max(std::abs(c.smallest), kStillLength), c.time});
   }
 }
 
 void add_rates(const RunAnalysis& analysis, std::vector<NamedValue>& values) {
   for (const TipOff& tip_off : analysis.tip_offs) {
-    const double size = norm(tip_off.w);
+    const double size = std::max(norm(tip_off.w), kStillRate);
     const double components[3] = {tip_off.w.x, tip_off.w.y, tip_off.w.z};
     for (int i = 0; i < 3; ++i) {
       values.push_back({"rate of " + tip_off.body + " about " + "xyz"[i] + " at the release of " + tip_off.joint,
@@ -50,8 +53,8 @@ void add_separations(const Model& model, const RunAnalysis& analysis, std::vecto
   };
   for (const Separation& pair : analysis.list_separations()) {
     const std::string of = " of " + get_name(pair.base.body) + " – " + get_name(pair.follower.body);
-    const double speed = std::hypot(pair.along, pair.across);
-    const double rate = std::hypot(pair.relative.axial, pair.relative.transverse);
+    const double speed = std::max(std::hypot(pair.along, pair.across), kStillSpeed);
+    const double rate = std::max(std::hypot(pair.relative.axial, pair.relative.transverse), kStillRate);
     values.push_back({"end of push" + of, "s", Kind::kSeparation, pair.end, pair.end, pair.end});
     values.push_back({"separation velocity" + of + ", along", "m/s", Kind::kSeparation, pair.along, speed, pair.end});
     values.push_back({"separation velocity" + of + ", across", "m/s", Kind::kSeparation, pair.across, speed, pair.end});
@@ -71,17 +74,37 @@ void add_requirements(const Scenario& scenario, const RunAnalysis& analysis, std
   }
 }
 
+// Distance over which the joint's forces make moments about the centres of its bodies: the larger of the two, m.
+double calc_arm(const Joint& joint) {
+  const double base = joint.base == kGround ? 0 : joint.point_base.norm();
+  return std::max(base, joint.point_follower.norm());
+}
+
+// The largest reaction of the joint's rows from `first` on, three of them; N or N m.
+double find_largest(const RunAnalysis& analysis, std::size_t joint, int first) {
+  double largest = 0;
+  for (int row = first; row < first + 3; ++row)
+    largest = std::max(largest, std::abs(analysis.get_peak(joint, static_cast<std::size_t>(row)).value));
+  return largest;
+}
+
+// A force is compared with the joint's forces; a moment with its moments, or its forces times their arm: what is zero
+// but for rounding limits nothing.
 void add_reactions(const Model& model, const RunAnalysis& analysis, std::vector<NamedValue>& values) {
+  double largest_force = 0, largest_moment = 0;
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    largest_force = std::max(largest_force, find_largest(analysis, j, kX));
+    largest_moment = std::max(largest_moment, find_largest(analysis, j, kRotX));
+  }
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const double force = std::max(find_largest(analysis, j, kX), kUnloaded * largest_force);
+    const double moment =
+        std::max({find_largest(analysis, j, kRotX), force * calc_arm(model.joints[j]), kUnloaded * largest_moment});
     for (int row = 0; row < kRows; ++row) {
-      const int first = row < kRotX ? kX : kRotX;
-      double largest = 0;
-      for (int i = first; i < first + 3; ++i)
-        largest = std::max(largest, std::abs(analysis.get_peak(j, static_cast<std::size_t>(i)).value));
       const PeakReaction peak = analysis.get_peak(j, static_cast<std::size_t>(row));
       if (peak.value == 0) continue;
       values.push_back({"peak reaction " + model.joints[j].name + " " + kRowNames[row], row < kRotX ? "N" : "N m",
-                        Kind::kReaction, peak.value, largest, peak.time});
+                        Kind::kReaction, peak.value, row < kRotX ? force : moment, peak.time});
     }
   }
 }

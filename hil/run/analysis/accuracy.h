@@ -47,6 +47,8 @@ struct AccuracyReport {
   double tolerance = 0;  // relative to each value's size
   std::optional<double> step;  // s, the largest tried step that meets the tolerance; absent if none was found
   std::string limit;           // name of the value that limits the step
+  bool interrupted = false;    // SIGINT or SIGTERM ended the comparison: entries may be missing
+  bool out_of_budget = false;  // the search for the step ended before it had found one
 };
 
 // Compares the values of three runs. Sets `mismatch` if their lists differ.

@@ -1,4 +1,4 @@
-// Texts of notices and findings from patterns of printf, at most 319 bytes.
+// Texts of notices and findings from patterns of printf.
 #pragma once
 
 #include <cstdio>
@@ -8,8 +8,9 @@ namespace unlatch::hil {
 
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
-  char line[320];
-  std::snprintf(line, sizeof line, pattern, values...);
+  const int length = std::snprintf(nullptr, 0, pattern, values...);
+  std::string line(length > 0 ? static_cast<std::size_t>(length) : 0, '\0');
+  std::snprintf(line.data(), line.size() + 1, pattern, values...);
   return line;
 }
 

@@ -91,8 +91,7 @@ class Reader {
       else if (key == "points")
         read_points();
       else
-        stop(0, "'" + std::string(key.substr(0, 40)) + "' begins no section",
-             "title, source, frequencies, marker, points or end");
+        stop(0, quote_text(key) + " begins no section", "title, source, frequencies, marker, points or end");
     }
     stop(0, "the file ends too early", "a modes file ends in the line 'end'");
   }
@@ -114,7 +113,7 @@ class Reader {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      note(word, "'" + std::string(text.substr(0, 40)) + "' is not a finite number", "write it like -1.25e-3");
+      note(word, quote_text(text) + " is not a finite number", "write it like -1.25e-3");
       return 0;
     }
     return value;

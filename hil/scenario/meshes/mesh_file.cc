@@ -11,13 +11,12 @@
 
 #include "hil/scenario/text/base64.h"
 #include "hil/scenario/text/count.h"
+#include "hil/scenario/text/utf8.h"
 
 namespace unlatch::hil {
 namespace {
 
 using Corner = std::array<float, 3>;
-
-std::string quote(std::string_view text) { return "'" + std::string(text.substr(0, 40)) + "'"; }
 
 bool is_finite(const Corner& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
@@ -121,9 +120,9 @@ class Words {
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (whole.empty()) fail("a number is missing");
-    if (error != std::errc() || end != word.data() + word.size()) fail(quote(whole) + " is not a number");
+    if (error != std::errc() || end != word.data() + word.size()) fail(quote_text(whole) + " is not a number");
     const auto number = static_cast<float>(value);
-    if (!std::isfinite(number)) fail(quote(whole) + " is not finite in single precision");
+    if (!std::isfinite(number)) fail(quote_text(whole) + " is not finite in single precision");
     return number;
   }
   Corner next_corner() {
@@ -172,7 +171,7 @@ MeshData read_ascii_stl(std::string_view text) {
   Words words(text);
   const auto expect = [&](const char* word) {
     const std::string found = words.next_keyword_of_any_line();
-    if (found != word) words.fail(quote(found) + " where '" + word + "' belongs");
+    if (found != word) words.fail(quote_text(found) + " where '" + word + "' belongs");
   };
   expect("solid");
   words.skip_line();
@@ -186,7 +185,7 @@ MeshData read_ascii_stl(std::string_view text) {
       continue;
     }
     if (word.empty()) words.fail("it ends within a solid: the rest is missing");
-    if (word != "facet") words.fail(quote(word) + " where 'facet' or 'endsolid' belongs");
+    if (word != "facet") words.fail(quote_text(word) + " where 'facet' or 'endsolid' belongs");
     expect("normal");
     words.skip_line();
     expect("outer");
@@ -206,7 +205,7 @@ MeshData read_stl(std::string_view bytes) {
   if (bytes.size() >= kHeader) {
     const std::uint64_t count = read_word(bytes, kHeader - 4), whole = kHeader + kFacet * count;
     if (whole == bytes.size()) return read_binary_stl(bytes);
-    if (bytes.substr(0, 5) != "solid")
+    if (Words words(bytes); !words.next_line() || words.next_keyword() != "solid")
       throw MeshError("it has " + hil::count(bytes.size(), "byte") + ", and its " + hil::count(count, "triangle") +
                       " would take " + std::to_string(whole) + ": it is cut short, or no STL file");
   }
@@ -227,7 +226,7 @@ class ObjReader {
       else if (word == "f")
         read_face();
       else if (word[0] != '#' && std::find(std::begin(kIgnored), std::end(kIgnored), word) == std::end(kIgnored))
-        words_.fail(quote(word) + " is no keyword of OBJ");
+        words_.fail(quote_text(word) + " is no keyword of OBJ");
       words_.skip_line();
     }
     return builder_.finish();
@@ -262,7 +261,8 @@ class ObjReader {
     const auto count = static_cast<std::int64_t>(corners_.size());
     std::int64_t number = 0;
     const auto [end, error] = std::from_chars(own.data(), own.data() + own.size(), number);
-    if (error != std::errc() || end != own.data() + own.size()) words_.fail(quote(word) + " is no corner of a face");
+    if (error != std::errc() || end != own.data() + own.size())
+      words_.fail(quote_text(word) + " is no corner of a face");
     const std::int64_t index = number < 0 ? count + number : number - 1;
     if (index < 0 || index >= count)
       words_.fail("corner " + std::to_string(number) + " of " + std::to_string(count) + " that are known by here");

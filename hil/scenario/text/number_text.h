@@ -14,4 +14,12 @@ inline std::string write_number(double value) {
   return {text.data(), end.ptr};
 }
 
+// Six significant digits, for people.
+inline std::string write_short(double value) {
+  std::array<char, 32> text{};
+  const std::to_chars_result end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 6);
+  return {text.data(), end.ptr};
+}
+
 }  // namespace unlatch::hil

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace unlatch::hil {
@@ -34,6 +35,19 @@ inline std::string_view cut_text(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   while (most > 0 && (static_cast<std::uint8_t>(text[most]) & 0xc0) == 0x80) --most;
   return text.substr(0, most);
+}
+
+// In quotation marks, cut to `most` bytes; control characters and bytes that are not UTF-8 become '?'.
+inline std::string quote_text(std::string_view text, std::size_t most = 40) {
+  text = cut_text(text, most);
+  std::string quoted = "'";
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = get_utf8_length(text, i);
+    const bool shown = length > 1 || (length == 1 && text[i] >= 0x20 && text[i] != 0x7f);
+    quoted += shown ? std::string(text.substr(i, length)) : "?";
+    i += std::max<std::size_t>(1, length);
+  }
+  return quoted + "'";
 }
 
 }  // namespace unlatch::hil

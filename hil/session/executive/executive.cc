@@ -7,6 +7,7 @@
 
 #include "hil/run/run.h"
 #include "hil/scenario/text/count.h"
+#include "hil/scenario/text/number_text.h"
 #include "hil/session/messages/event_names.h"
 
 namespace unlatch::hil {
@@ -130,7 +131,7 @@ Executive::Next Executive::pause(Participant& participant) noexcept {
     const std::int64_t now_ns = clock_.get_ns();
     if (now_ns >= give_up_ns) {
       return stop("the flight software '" + participant.name + "' did not come back within the pause_limit of " +
-                  std::to_string(limit_s) + " s");
+                  write_number(limit_s) + " s");
     }
     if (!resend_at_ns || now_ns >= *resend_at_ns) {
       session_.exchange().repeat(RunStatus::kPaused);

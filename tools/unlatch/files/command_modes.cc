@@ -1,4 +1,5 @@
 // unlatch modes: natural frequencies and shapes, from beam theory, from CalculiX, into modes files for flexible bodies.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <optional>
 
 #include "hil/scenario/flexible/flexible_body.h"
+#include "hil/scenario/text/utf8.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
@@ -116,7 +118,11 @@ void print_report(std::FILE* to, const hil::FlexibleStructure& body, const hil::
                modes.markers.empty() ? "" : "share of the compliance at each marker, %");
   if (!modes.markers.empty()) {
     std::fprintf(to, "%47s", "");
-    for (const hil::ModalMarker& marker : modes.markers) std::fprintf(to, " %*s", 7, marker.name.substr(0, 7).c_str());
+    for (const hil::ModalMarker& marker : modes.markers) {
+      const std::string_view name = hil::cut_text(marker.name, 7);
+      const std::size_t blanks = 7 - std::min<std::size_t>(7, count_characters(name));
+      std::fprintf(to, " %s%.*s", std::string(blanks, ' ').c_str(), static_cast<int>(name.size()), name.data());
+    }
     std::fprintf(to, "\n");
   }
   std::vector<double> kept(modes.markers.size(), 0);
@@ -211,19 +217,56 @@ hil::Modes build_export(const MeshModes& found, double surface_density, const Ex
 }
 
 struct ImportOptions {
-  std::string frd, dat, json;
+  std::string frd, dat, json, units = "m";
   double thickness = 0, density = 0;
   ExportOptions file;
 };
 
+// CalculiX's files name no units: a file in mm, t, s, N is brought to m, kg, s, N.
+void convert_units(MeshModes& found) {
+  constexpr double kMillimetre = 1e-3, kTonne = 1e3;
+  for (Eigen::Vector3d& node : found.mesh.nodes) node *= kMillimetre;
+  const double shape = 1 / std::sqrt(kTonne);  // scaled to a modal mass of 1 t, not 1 kg
+  for (std::vector<Eigen::Vector3d>& mode : found.displacements)
+    for (Eigen::Vector3d& u : mode) u *= shape;
+}
+
+// CalculiX scales each shape to the modal mass 1. A sentence if the masses of the points say otherwise; "" if not.
+std::string check_modal_masses(const hil::Modes& modes, bool millimetres) {
+  constexpr double kNear = 1.5;  // meshes of few elements are off by some percent
+  double lowest = HUGE_VAL, highest = 0;
+  for (Eigen::Index k = 0; k < modes.get_count(); ++k) {
+    double mass = 0;
+    for (const hil::ModalPoint& point : modes.points) mass += point.mass * point.shape.col(k).squaredNorm();
+    lowest = std::min(lowest, mass);
+    highest = std::max(highest, mass);
+  }
+  if (lowest > 1 / kNear && highest < kNear) return "";
+  const std::string found =
+      format("the modal masses are %.3g to %.3g, where CalculiX has scaled them to 1: ", lowest, highest);
+  const double factor = millimetres ? 1e-9 : 1e9;  // of areas and of masses per 1
+  if (lowest > factor / kNear && highest < factor * kNear)
+    return found +
+           (millimetres ? "the file is in m and kg; leave out --units mm" : "the file is in mm and t; add --units mm");
+  return found +
+         "is the thickness (m) or the density (kg/m3) another than in the deck, or are its units neither m, kg, s, N "
+         "nor mm, t, s, N?";
+}
+
 int run_import(const ImportOptions& options) {
-  const hil::Modes modes =
-      build_export(read_calculix(options.frd, options.dat), options.thickness * options.density, options.file);
+  MeshModes found = read_calculix(options.frd, options.dat);
+  const bool millimetres = options.units == "mm";
+  if (millimetres) convert_units(found);
+  const hil::Modes modes = build_export(found, options.thickness * options.density, options.file);
+  const std::string warning = check_modal_masses(modes, millimetres);
+  if (!warning.empty()) std::fprintf(stderr, "%s\n", paint(stderr, Colour::kYellow, "warning: " + warning).c_str());
   hil::FlexibleReport report;
   const hil::FlexibleStructure body = build_body(modes, {}, options.frd, report);
   write_file(options.file.out, hil::write_modes_text(modes));
   print_report(get_people_stream(options.json), body, report, modes);
-  write_json(build_json(body, report), options.json);
+  Json json = build_json(body, report);
+  if (!warning.empty()) json["warnings"] = {warning};
+  write_json(json, options.json);
   return kExitDone;
 }
 
@@ -372,6 +415,11 @@ void add_modes_import(Command app, int& exit_code) {
                    "unlatch modes import job.frd --dat job.dat --thickness 0.01 --density 4000 --out job.modes");
   command.add_option("frd", options->frd, "CalculiX's .frd file, written with *NODE FILE, OUTPUT=2D").required();
   command.add_option("--dat", options->dat, ".dat file of the same run");
+  command
+      .add_option("--units", options->units,
+                  "of the .frd file: m (m, kg, s, N) or mm (mm, t, s, N); all other options are in m and kg")
+      .one_of({"m", "mm"})
+      .default_shown();
   command.add_option("--thickness", options->thickness, "wall thickness, m").required().positive();
   command.add_option("--density", options->density, "density, kg/m3").required().positive();
   command.add_option("--out", options->file.out, "modes file").required();

@@ -1,11 +1,17 @@
 #include "tools/unlatch/results/accuracy_report.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "hil/run/run.h"
+#include "hil/scenario/text/count.h"
 #include "tools/common/terminal.h"
 #include "tools/program/interrupt.h"
 
@@ -52,11 +58,18 @@ double find_whole_step(double most, double until) {
   return 0;
 }
 
-// The largest step that meets the tolerance, tried: from the estimate down by a quarter each time.
+// Progress of the comparison, on a terminal alone.
+void print_progress(const char* what, double dt) {
+  if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "accuracy: %s, at a step of %.9g s\n", what, dt);
+}
+
+// The largest step that meets the tolerance, tried: from the estimate down by a quarter each time. The trials together
+// may cost as many steps as twice the three runs of the comparison.
 void find_step(const ScenarioOptions& options, double dt, double until, hil::AccuracyReport& accuracy) {
   constexpr double kMostGrowth = 16, kLongest = 1, kShortest = 1e-6, kShrink = 0.75;  // of dt; s; s
-  constexpr double kMostTicks = 1000;  // times those of the run: nobody would wait for more
+  constexpr double kComparison = 1 + 2 + 4;  // steps of the three runs, in those of the first
   constexpr int kTrials = 6;
+  double budget = 2 * kComparison;
   auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, std::min(kMostGrowth * dt, kLongest));
   accuracy.limit = limit;
   const double shortest = std::max(kShortest, dt / kMostTicks);
@@ -64,7 +77,17 @@ void find_step(const ScenarioOptions& options, double dt, double until, hil::Acc
     if (!(step >= shortest)) return;  // also of an estimate that is no number
     const double whole = find_whole_step(std::min(step, until), until);
     if (whole < shortest) return;
+    budget -= dt / whole;
+    if (budget < 0) {
+      accuracy.out_of_budget = true;
+      return;
+    }
+    print_progress("a trial", whole);
     const Comparison run = run_at(options, whole, until);
+    if (catch_interrupts()) {
+      accuracy.interrupted = true;
+      return;
+    }
     if (!run.failure.empty() || hil::calc_largest_error(accuracy, run.values) > accuracy.tolerance) continue;
     accuracy.step = whole;
     return;
@@ -81,7 +104,15 @@ hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::
   const double dt = simulation.plan().get_options().dt, until = simulation.get_time();
   if (std::llround(dt * kNano) % 4 != 0)
     refuse_option("--accuracy", "the step is halved twice, and steps are whole nanoseconds: use --dt");
-  const Comparison half = run_at(options, 0.5 * dt, until), quarter = run_at(options, 0.25 * dt, until);
+  print_progress("the second of three runs", 0.5 * dt);
+  hil::AccuracyReport interrupted;
+  interrupted.tolerance = tolerance;
+  interrupted.interrupted = true;
+  const Comparison half = run_at(options, 0.5 * dt, until);
+  if (catch_interrupts()) return interrupted;
+  print_progress("the third of three runs", 0.25 * dt);
+  const Comparison quarter = run_at(options, 0.25 * dt, until);
+  if (catch_interrupts()) return interrupted;
   hil::AccuracyReport accuracy = hil::compare_steps(
       scenario, simulation, hil::list_values(scenario, simulation, analysis), half.values, quarter.values);
   if (!half.failure.empty()) accuracy.mismatch = "the run at half the step failed: " + half.failure;
@@ -123,6 +154,31 @@ void print_energy(std::FILE* to, const hil::EnergyBalance& energy) {
                energy.largest, energy.largest_time, energy.scale);
 }
 
+namespace {
+
+// One line for each reason, with the values that it concerns.
+void print_reasons(std::FILE* to, const std::vector<hil::AccuracyEntry>& entries) {
+  constexpr std::size_t kNamed = 3;
+  std::vector<std::string> reasons;
+  std::map<std::string, std::vector<std::string>> values;
+  for (const hil::AccuracyEntry& entry : entries) {
+    if (entry.settles) continue;
+    if (values[entry.reason].empty()) reasons.push_back(entry.reason);
+    values[entry.reason].push_back(entry.value.what);
+  }
+  if (reasons.empty()) return;
+  print_heading(to, "Not at the expected order, and the likely reason");
+  for (const std::string& reason : reasons) {
+    const std::vector<std::string>& names = values[reason];
+    std::string text = names.front();
+    for (std::size_t i = 1; i < std::min(names.size(), kNamed); ++i) text += ", " + names[i];
+    if (names.size() > kNamed) text += " and " + hil::count(names.size() - kNamed, "other value");
+    std::fprintf(to, "  %s: %s\n", text.c_str(), reason.c_str());
+  }
+}
+
+}  // namespace
+
 void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double dt) {
   std::fprintf(
       to, "\n%s\n",
@@ -135,11 +191,11 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
     std::fprintf(to, "  %-58s %18.12g %10.2g %6s %s\n", entry.value.what.c_str(), entry.value.value, entry.error, order,
                  entry.value.unit.c_str());
   }
-  const bool all =
-      std::all_of(accuracy.entries.begin(), accuracy.entries.end(), [](const auto& e) { return e.settles; });
-  if (!all) print_heading(to, "Not at the expected order, and the likely reason");
-  for (const hil::AccuracyEntry& entry : accuracy.entries)
-    if (!entry.settles) std::fprintf(to, "  %s: %s\n", entry.value.what.c_str(), entry.reason.c_str());
+  print_reasons(to, accuracy.entries);
+  if (accuracy.interrupted) {
+    std::fprintf(to, "\n  %s\n", paint(to, Colour::kRed, "interrupted: the comparison is not complete").c_str());
+    return;
+  }
   if (!accuracy.mismatch.empty()) {
     std::fprintf(to, "\n  %s\n", paint(to, Colour::kRed, "the runs differ: " + accuracy.mismatch).c_str());
   } else if (accuracy.step) {
@@ -147,8 +203,11 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
                  accuracy.tolerance, *accuracy.step, dt, accuracy.limit.empty() ? "" : ", limited by ",
                  accuracy.limit.c_str());
   } else {
-    std::fprintf(to, "\n  no step was found that meets %.3g of each value's size; %s does not\n", accuracy.tolerance,
-                 accuracy.limit.c_str());
+    std::fprintf(to, "\n  no step was found that meets %.3g of each value's size; %s does not%s\n", accuracy.tolerance,
+                 accuracy.limit.c_str(),
+                 accuracy.out_of_budget
+                     ? " (the search may cost twice the three runs: raise the tolerance, or shorten the step)"
+                     : "");
   }
 }
 
@@ -182,6 +241,8 @@ Json build_step_json(const hil::AccuracyReport& accuracy) {
                {"largest_step", accuracy.step ? Json(*accuracy.step) : Json(nullptr)},
                {"limited_by", accuracy.limit}};
   if (!accuracy.mismatch.empty()) json["mismatch"] = accuracy.mismatch;
+  if (accuracy.interrupted) json["interrupted"] = true;
+  if (accuracy.out_of_budget) json["out_of_budget"] = true;
   return json;
 }
 

@@ -25,6 +25,7 @@ struct RunReport {
   std::vector<hil::EventMessage> notices;  // participants, policies, faults
   std::optional<hil::ReplayResult> replay;
   std::vector<std::string> refused = {};  // by the operating system, to a run in real time
+  std::vector<std::string> unfit = {};    // readers and writers that DDS has not connected, a sentence each
   std::optional<hil::AccuracyReport> accuracy = {};
   const hil::RunOutputs* outputs = nullptr;  // samples and series; none: neither is written
 };

@@ -243,6 +243,7 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   json["verdicts"] = build_verdicts(report);
   json["timing"] = to_json(report.timing);
   json["refused"] = report.refused;
+  json["unfit"] = report.unfit;
   if (report.replay) json["replay"] = to_json(*report.replay);
   return json;
 }

@@ -3,6 +3,7 @@
 // the run is found by replaying the recording, which also proves that it replays.
 #include <pthread.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +16,7 @@
 #include "hil/run/run.h"
 #include "hil/run/simulation/model_messages.h"
 #include "hil/run/simulation/source_text.h"
+#include "hil/scenario/text/number_text.h"
 #include "hil/session/executive/executive.h"
 #include "hil/session/messages/event_names.h"
 #include "hil/session/realtime/real_time.h"
@@ -72,7 +74,7 @@ std::string describe(const hil::EventMessage& notice, const hil::FlightSoftware&
     return at + "flight software '" + subject + "' is refused: built for another message schema, meant for another " +
            "model, or evicted";
   }
-  return at + "flight software '" + subject + "' has not answered for " + std::to_string(flight_software.timeout) +
+  return at + "flight software '" + subject + "' has not answered for " + hil::write_number(flight_software.timeout) +
          " s, or has left; policy '" + name.substr(hil::kPolicyPrefix.size()) + "' is applied";
 }
 
@@ -199,7 +201,10 @@ class Session {
     bool last_look = false;
     for (int look = 0; !last_look; ++look) {
       last_look = ended.load(std::memory_order_acquire);
-      if (look % kLooksPerSecond == 0) executive.watch_counts();
+      if (look % kLooksPerSecond == 0 || last_look) {
+        executive.watch_counts();
+        watch_unfit(progress);
+      }
       if (interrupted.load() || (hosted_ && !hosted_->get_failure().empty())) executive.request_stop();
       hil::EventMessage notice;
       while (executive.take_notice(notice)) {
@@ -213,6 +218,18 @@ class Session {
       std::this_thread::sleep_for(std::chrono::milliseconds(1000 / kLooksPerSecond));
     }
     progress.clear();
+  }
+
+  // Readers and writers of other programs that DDS does not connect, as soon as they are there.
+  void watch_unfit(Progress& progress) {
+    std::vector<std::string> unfit;
+    for (const bridge::UnfitPeers& peers : port_->list_unfit()) unfit.push_back(describe(peers));
+    for (const std::string& text : unfit) {
+      if (std::find(unfit_.begin(), unfit_.end(), text) != unfit_.end()) continue;
+      progress.clear();
+      std::fprintf(stderr, "%s\n", paint(stderr, Colour::kYellow, text).c_str());
+    }
+    unfit_ = std::move(unfit);
   }
 
   // The recording, from its file or, without --log, from the nameless one.
@@ -243,7 +260,7 @@ class Session {
     if (replayed && !replayed->agrees()) status = "different";
     tell_unresolved(analysis, status, message);
     const RunReport report{scenario_,         *again,   analysis, status, message, end.tick, end.hash, end.timing,
-                           recording.notices, replayed, refused_, {},     &outputs};
+                           recording.notices, replayed, refused_, unfit_, {},      &outputs};
     print_report(get_people_stream(options_.output.json), report);
     write_json(report, options_.output.json);
     write_junit(report, options_.output.junit);
@@ -257,7 +274,7 @@ class Session {
   const std::int64_t last_tick_, session_;
   const hil::LogHeader header_;
   std::unique_ptr<hil::TickSource> tick_source_;
-  std::vector<std::string> refused_;
+  std::vector<std::string> refused_, unfit_;
   bridge::InprocHub hub_;
   std::unique_ptr<bridge::Port> port_;
   std::unique_ptr<hil::Connection> connection_;

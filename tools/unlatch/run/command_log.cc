@@ -64,7 +64,8 @@ class Listener {
             {"states_missing", missing_},
             {"gaps", gaps_},
             {"repeated", repeated_},
-            {"malformed", port.malformed}};
+            {"malformed", port.malformed},
+            {"unfit", port.unfit}};
   }
 
   // The header as well.
@@ -186,6 +187,7 @@ int run(const LogOptions& options) {
   std::fprintf(people, "%s: %s\n", options.out.c_str(),
                listener.was_started() ? "messages received" : "no session was found");
   listener.print(people, port->get_counts());
+  for (const bridge::UnfitPeers& peers : port->list_unfit()) std::fprintf(people, "  %s\n", describe(peers).c_str());
   write_json(listener.build_json(options, port->get_counts()), options.json);
   if (!listener.get_error().empty()) throw OutputError(listener.get_error());
   return listener.was_started() ? kExitDone : kExitFailed;

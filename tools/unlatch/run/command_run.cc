@@ -10,6 +10,7 @@
 
 #include "hil/run/checkpoint.h"
 #include "hil/run/run.h"
+#include "hil/scenario/text/number_text.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/program/exit_codes.h"
@@ -61,7 +62,7 @@ struct Span {
 std::int64_t calc_tick_within(const char* option, const char* what, double time, const Span& span) {
   const std::int64_t tick = hil::calc_nearest_tick(time, span.dt);
   if (!(tick >= span.first && tick <= span.last)) {
-    refuse_option(option, std::to_string(time) + " s is not within the run");
+    refuse_option(option, hil::write_number(time) + " s is not within the run");
   }
   constexpr double kSameTime = 1e-9;  // of a step: the rounding of T / dt
   if (std::abs(static_cast<double>(tick) - time / span.dt) > kSameTime * std::max(1.0, time / span.dt)) {
@@ -186,7 +187,9 @@ int run(const RunOptions& given) {
   write_json(report, options.output.json);
   write_junit(report, options.output.junit);
   if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
-  return end.status == hil::RunStatus::kDone && !unresolved && is_met(report) ? kExitDone : kExitFailed;
+  const bool is_interrupted = report.accuracy && report.accuracy->interrupted;
+  return end.status == hil::RunStatus::kDone && !unresolved && !is_interrupted && is_met(report) ? kExitDone
+                                                                                                 : kExitFailed;
 }
 
 }  // namespace
