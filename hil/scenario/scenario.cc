@@ -227,8 +227,9 @@ void ScenarioReader::read_step(YamlMap& top) {
   YamlMap map(*node, "step", mistakes_);
   const double dt = scenario_.dt = map.number("dt", "s");
   const double until = scenario_.until = map.number("until", "s");
-  model_.contact_substeps =
-      static_cast<int>(read_bounded(map, get_number_key("scenario.step.contact_substeps"), 1.0, mistakes_));
+  if (const YamlNode* parts = map.find("contact_substeps"); parts && !(parts->is_scalar() && parts->text == "auto"))
+    model_.contact_substeps =
+        static_cast<int>(read_bounded(map, get_number_key("scenario.step.contact_substeps"), 1.0, mistakes_));
   map.finish();
   if (mistakes_.count() != before) return;
   const auto mark = [&](const char* key) { return node->find(key)->mark; };

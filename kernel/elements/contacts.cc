@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/elements/contact_parts.h"
 #include "kernel/elements/push.h"
 #include "kernel/geometry/bounds.h"
 
@@ -71,7 +72,7 @@ double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyF
 // Until the next instant at which pairs are looked at: of the parts into which closed contacts cut a step, or the step.
 double calc_interval(const PlanData& plan, const State& state) {
   for (const ContactState& pair : state.contacts)
-    if (pair.closed != 0) return plan.options.dt / plan.contact_substeps;
+    if (pair.closed != 0) return plan.options.dt / get_fewest_parts(plan);
   return plan.options.dt;
 }
 
@@ -91,6 +92,7 @@ PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& 
   const double parting = calc_rate(distance, v);
   const Vec3 slip = v - parting * distance.normal;
   out.rate = -parting;
+  out.slip_velocity = slip;
   out.slip = norm(slip);
   if (!(distance.distance < 0)) return out;
   out.depth = -distance.distance;
@@ -120,6 +122,7 @@ void add_contacts(const Instant& now, Evaluation& ev) noexcept {
       const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
       const PairForce f = calc_pair_force(contact, distance, base, follower, scale);
       ev.pair_distances[i] = distance.distance;
+      ev.closed_pairs[i] = {f.point, distance.normal, f.slip_velocity, -distance.distance, f.rate};
       push(ev, body_b, f.force, cross(f.point - follower.p, f.force));
       push(ev, body_a, -f.force, cross(f.point - base.p, -f.force));
       weight += f.normal;

@@ -17,6 +17,7 @@ struct PairForce {
   Vec3 force{0, 0, 0};              // on the follower, at `point`, N
   double depth = 0, rate = 0;       // δ, m; dδ/dt, m/s
   double normal = 0, friction = 0;  // F_n and |F_t|, N
+  Vec3 slip_velocity{0, 0, 0};      // v_t, W, m/s
   double slip = 0;                  // |v_t|, m/s
   double elastic = 0, stored = 0;   // k δⁿ, N; k δⁿ⁺¹/(n + 1), J
   double stiffness = 0;             // n k δⁿ⁻¹, N/m

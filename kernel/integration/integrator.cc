@@ -80,7 +80,7 @@ int evaluate_stage(const Instant& now, Loads loads, const SubstepStart& start, E
 int project(const Instant& end, const SubstepStart& start, Evaluation& ev) {
   const PlanData& plan = end.plan;
   const Kernels& kernels = get_kernels(plan);
-  complete_kinematics(plan, end.t, KnotSide::kBefore, ev);
+  complete_kinematics(plan, end.t, KnotSide::kAfter, ev);  // the next sub-step begins with this evaluation
   update_joints(plan, end.state, RowTarget::kPosition, ev);
   const int node = kernels.factor_and_solve(plan, end.state, ev, kCorrection, start.independent_rows);
   if (node != kNone) return node;

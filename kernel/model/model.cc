@@ -124,4 +124,8 @@ Model complete_events(const Model& model) {
   return out;
 }
 
+int get_most_contact_substeps(const Model& model) {
+  return model.contact_substeps == kAutomaticSubsteps ? kMaxAutomaticSubsteps : model.contact_substeps;
+}
+
 }  // namespace unlatch

@@ -75,9 +75,10 @@ void check_shape_pair(const Model& model, const std::string& where, int a, int b
 void validate_contacts(const Model& model, ModelErrors& errors) {
   validate_shapes(model, errors);
   for (const Contact& contact : model.contacts) validate_contact(model, contact, errors);
-  if (model.contact_substeps < 1 || model.contact_substeps > kMaxContactSubsteps)
-    errors.push_back({"model", "contact_substeps is " + std::to_string(model.contact_substeps),
-                      "1 to " + std::to_string(kMaxContactSubsteps), "contact_substeps"});
+  const int parts = model.contact_substeps;
+  if (parts != kAutomaticSubsteps && (parts < 1 || parts > kMaxContactSubsteps))
+    errors.push_back({"model", "contact_substeps is " + std::to_string(parts),
+                      "1 to " + std::to_string(kMaxContactSubsteps) + ", or automatic", "contact_substeps"});
 }
 
 }  // namespace unlatch

@@ -67,6 +67,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.loop_solution, loop_rows);
   lay_out_split(plan, arena, ev.split);
   for (std::span<double>* pairs : {&ev.pair_distances, &ev.pair_rates}) arena.take(*pairs, plan.contact_pairs.size());
+  arena.take(ev.closed_pairs, plan.contact_pairs.size());
   arena.take(ev.guards, plan.events.size() + plan.contact_pairs.size());
   arena.take(ev.sensors, static_cast<std::size_t>(plan.sensor_count));
   arena.take(ev.quantities, static_cast<std::size_t>(plan.quantity_count));

@@ -76,6 +76,13 @@ struct CompliantSpring {
   double second_place, second_rate;       // of its coordinate at the second stage, m or rad
 };
 
+// A closed pair of shapes of a contact, as the forces of an evaluation found it.
+struct ClosedPair {
+  Vec3 point, normal;  // midpoint of the witnesses, W, m; unit vector from the base to the follower
+  Vec3 slip;           // velocity of the follower's material there, seen from the base's, across the normal, m/s
+  double depth, rate;  // m; its rate, m/s
+};
+
 // Scratch of kernel/solver/redundant_rows.cc. k: rows of loops, t: of the tree's joints in loops.
 struct SplitScratch {
   std::span<double> relation;            // k rows of k + t numbers
@@ -122,6 +129,7 @@ struct Evaluation {
 
   // per pair of shapes of contacts: of those that are on, m; its rate of those that are open, m/s, 0 far apart
   std::span<double> pair_distances, pair_rates;
+  std::span<ClosedPair> closed_pairs;  // per pair; of those that are closed and on
 
   // outputs
   std::span<double> guards;      // per event, then per pair of shapes of contacts

@@ -175,6 +175,10 @@ struct PlanPlaneTorsion {
 struct PlanShapes {
   std::int32_t body;
   geometry::ShapeGroup group;
+  // Of the body that carries them, held by nothing: 1/kg, of a flexible body with the mobility of its modes there; 0 for
+  // the ground. About its origin, body axes, 1/(kg m²).
+  double inverse_mass = 0;
+  Mat3 inverse_inertia{};
 };
 
 // A contact, see kernel/elements/contacts.h.
@@ -348,7 +352,7 @@ struct PlanData {
   std::vector<PlanShapes> shapes;
   std::vector<PlanContact> contacts;
   std::vector<ContactPair> contact_pairs;  // those of one contact together
-  std::int32_t contact_substeps = 1;
+  std::int32_t contact_substeps = 1;  // kAutomaticSubsteps, or a number
   std::vector<PlanOneSided> one_sided;
   std::vector<CordDrum> drums;  // of cords, in the model's order
   std::vector<double> travels, travel_forces;

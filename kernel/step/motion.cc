@@ -11,7 +11,9 @@ namespace {
 // Beginning and end of the step; before and after of each instant, of which a step has its splits and its beginning,
 // and of the parts into which closed contacts cut it.
 std::size_t count_knots(const PlanData& plan) {
-  const std::size_t parts = plan.contacts.empty() ? 1 : at(plan.contact_substeps);
+  const std::size_t parts = plan.contacts.empty()                         ? 1
+                            : plan.contact_substeps == kAutomaticSubsteps ? at(kMaxAutomaticSubsteps)
+                                                                          : at(plan.contact_substeps);
   return 2 * (at(plan.options.max_splits) + parts) + 2;
 }
 

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "kernel/elements/contact_parts.h"
 #include "kernel/events/event_search.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"
@@ -66,9 +67,8 @@ bool act_at(Run& run, double now, std::span<const double> tolerances, bool begin
 
 // The end of the step; while a contact is closed, of the part of it that begins at `now`.
 double calc_next_stop(const Run& run, double now, double end) {
-  const auto is_closed = [](const ContactState& pair) { return pair.closed != 0; };
-  const int parts = run.plan.contact_substeps;
-  if (parts == 1 || std::none_of(run.state().contacts.begin(), run.state().contacts.end(), is_closed)) return end;
+  if (run.plan.contacts.empty()) return end;
+  const int parts = count_contact_parts(run.plan, run.state(), now, run.ev());
   const double slack = run.plan.get_slack(), begin = run.plan.get_time(run.state().header->tick);
   for (int i = 1; i < parts; ++i) {
     const double stop = begin + (end - begin) * (static_cast<double>(i) / parts);

@@ -81,6 +81,8 @@ void Batch::keep(std::size_t sample, const hil::SampleResult& result) {
         return UNLATCH_ERROR_FAULT;
       case kInvalid:
         return UNLATCH_ERROR_SCENARIO;
+      case kUnresolved:
+        return UNLATCH_UNRESOLVED;
       default:
         return UNLATCH_INTERRUPTED;
     }

@@ -194,8 +194,14 @@ unlatch_status Engine::judge(const unlatch_verdict** verdicts, std::size_t* coun
   verdicts_ = analysis_->judge();
   for (std::size_t i = 0; i < verdicts_.size(); ++i) {
     const hil::Verdict& verdict = verdicts_[i];
-    verdict_views_[i] = {verdict.evaluated, verdict.is_met(), verdict.value,      verdict.limit,
-                         verdict.margin,    verdict.time,     verdict.why.c_str()};
+    if (!verdicts_[i].is_resolved()) verdicts_[i].why = "unresolved: " + verdicts_[i].unresolved;
+    verdict_views_[i] = {verdict.evaluated && verdict.is_resolved(),
+                         verdict.is_met(),
+                         verdict.value,
+                         verdict.limit,
+                         verdict.margin,
+                         verdict.time,
+                         verdict.why.c_str()};
   }
   *verdicts = verdict_views_.data();
   *count = verdict_views_.size();

@@ -41,6 +41,8 @@ enum {
   UNLATCH_EVENT = 1,             /* unlatch_advance() stopped after a tick in which events acted */
   UNLATCH_END = 2,               /* the recording that is replayed is at its end */
   UNLATCH_INTERRUPTED = 3,       /* unlatch_interrupt() was called */
+  UNLATCH_UNRESOLVED = 4,        /* of a sample: it ran to its end, but the step did not resolve something; its values
+                                    are no results */
   UNLATCH_ERROR_ARGUMENT = -1,   /* a null pointer, an unknown number, a struct of no known size */
   UNLATCH_ERROR_HANDLE = -2,     /* a null, closed or foreign handle */
   UNLATCH_ERROR_BUSY = -3,       /* another thread is at work in this handle */
@@ -229,10 +231,10 @@ UNLATCH_API unlatch_status unlatch_get_events(unlatch_simulation* simulation, co
 /* The verdict on a requirement so far. */
 typedef struct unlatch_verdict {
   int32_t evaluated;           /* 1; 0: `why` gives the reason */
-  int32_t met;                 /* 1 or 0 */
+  int32_t met;                 /* 1 or 0; an unresolved one has `evaluated` and `met` 0 */
   double value, limit, margin; /* in the requirement's unit; margin < 0: not met */
   double time;                 /* time of the value, s */
-  const char* why;             /* "event 'release:booster1' did not occur"; else "" */
+  const char* why;             /* "event 'release:booster1' did not occur", "unresolved: contact …"; else "" */
 } unlatch_verdict;
 
 /* Returns one verdict for each requirement, in their order; needs UNLATCH_JUDGE. *verdicts keeps its address; its

@@ -50,7 +50,7 @@ TEST(FrictionNotices, AJointsFrictionThatSticksFasterThanTheStepResolvesIsTold) 
   ASSERT_NE(notice, nullptr);
   EXPECT_EQ(notice->time, 0);
   EXPECT_NEAR(read_number_before(notice->text, ": beyond what is stable"), 7.5, 0.01);
-  EXPECT_NE(notice->text.find("a step of 2.67e-05 s would do"), std::string::npos) << notice->text;
+  EXPECT_NE(notice->text.find("a step of 2.65e-05 s would do"), std::string::npos) << notice->text;
   EXPECT_NE(find_forecast(text, "friction", "element 'drag'"), "");
   const std::string resolved = build_slider("coefficient: 0.3, speed: 5 cm/s");  // 150 1/s
   EXPECT_EQ(find_notice(AnalysedRun(resolved), "friction", "drag"), nullptr);

@@ -109,7 +109,7 @@ TEST_F(ResultFileTest, BytesThatAreNoRecordAreRefused) {
     EXPECT_FALSE(decode_record(shape_, changed)) << i;
   }
   // Records with a valid checksum: a sample below 0, an unknown status, and one of an unfinished sample.
-  for (const auto& [sample, status] : {std::pair{-1, 0}, std::pair{4, 3}, std::pair{4, -1}, std::pair{4, 99}}) {
+  for (const auto& [sample, status] : {std::pair{-1, 0}, std::pair{4, 4}, std::pair{4, -1}, std::pair{4, 99}}) {
     SampleRecord record = make(4);
     record.sample = sample;
     record.result.status = static_cast<hil::SampleStatus>(status);

@@ -294,6 +294,67 @@ TEST(Contact, AnUnlocatedTouchIsReportedOfTheContactWhateverPairsItHas) {
   EXPECT_EQ(find_open_search(model, options, 1).guard, 1);
 }
 
+// Stiffnesses over five decades, hard bodies and soft ones: the number of parts follows from the model alone.
+TEST(Contact, AutomaticSubstepsResolveABlowOfAnyStiffness) {
+  for (const double exponent : {1.0, 1.5})
+    for (const double stiffness : {1e4, 1e5, 1e6, 1e7, 1e8}) {
+      Model model = build_dropped_ball(0.01);
+      model.gravity.uniform.setZero();
+      model.bodies[0].v_WB = {0, 0, -2};
+      model.contacts[0].exponent = exponent;
+      model.contacts[0].stiffness = exponent > 1 ? 10 * stiffness : stiffness;
+      model.contacts[0].damping = 0.1;
+      ASSERT_EQ(model.contact_substeps, kAutomaticSubsteps);
+      Simulation s(model);
+      int most = 0;
+      for (int k = 0; k < 80; ++k) {
+        const StepReport report = s.advance();
+        ASSERT_EQ(report.status, StepStatus::kOk);
+        most = std::max(most, report.substeps);
+      }
+      const double error = std::abs(s.state.bodies[0].v.z - calc_speed_after(0.1, 2));
+      EXPECT_LT(error, exponent > 1 ? 1e-4 : 2e-5) << exponent << " " << stiffness << " " << most;
+      if (stiffness <= 1e4) {
+        EXPECT_LE(most, 16) << "a soft contact needs few parts";
+      }
+    }
+}
+
+TEST(Contact, AutomaticSubstepsLetABodyStick) {
+  constexpr double kFriction = 0.4, kSlope = 0.2, kGravity = 9.81;
+  Model model = build_dropped_ball(-1e-4);
+  model.gravity.uniform = {kSlope * kGravity, 0, -kGravity};
+  model.bodies[0].inertia *= 1e9;  // it does not roll
+  model.contacts[0].friction = kFriction;
+  model.contacts[0].stiffness = 1e5;
+  model.contacts[0].damping = 10;
+  model.contacts[0].slip_speed = 1e-4;
+  Simulation s(model);
+  for (int k = 0; k < 300; ++k) ASSERT_EQ(s.advance().status, StepStatus::kOk);
+  const double creep = 1e-4 * kSlope / std::sqrt(kFriction * kFriction - kSlope * kSlope);
+  EXPECT_NEAR(s.state.bodies[0].v.x, creep, 1e-6 * creep + 1e-9);
+}
+
+TEST(Contact, AutomaticSubstepsDependOnTheStateAlone) {
+  Model model = build_dropped_ball(0.01);
+  model.bodies[0].v_WB = {0.3, 0, -2};
+  model.contacts[0].stiffness = 3e6;
+  model.contacts[0].friction = 0.3;
+  Simulation whole(model);
+  int closed = 0;
+  for (int k = 0; k < 12; ++k) {
+    // Each step from a fresh workspace, as after a checkpoint.
+    Simulation fresh(model);
+    std::memcpy(fresh.state.get_bytes().data(), whole.state.get_bytes().data(), whole.state.get_bytes().size());
+    ASSERT_EQ(whole.advance().status, StepStatus::kOk);
+    ASSERT_EQ(fresh.advance().status, StepStatus::kOk);
+    ASSERT_EQ(
+        std::memcmp(fresh.state.get_bytes().data(), whole.state.get_bytes().data(), whole.state.get_bytes().size()), 0);
+    closed += whole.state.contacts[0].closed != 0 ? 1 : 0;
+  }
+  EXPECT_GT(closed, 0);
+}
+
 TEST(Contact, SubstepsBoundTheCostAndRaiseTheAccuracy) {
   double errors[2];
   int i = 0;

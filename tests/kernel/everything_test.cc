@@ -246,7 +246,7 @@ TEST(Everything, AtOnceAgreesWithADenseSolve) {
     Evaluation& ev = sim.evaluation();
     load_state(plan, sim.state, ev);
     const Implicit implicit = begin_compliance(plan, sim.state, 0, kStep, ev);
-    update_masses(plan, 0, ev);
+    update_masses(plan, 0, KnotSide::kAfter, ev);
     update_kinematics(plan, ev);
     store_motion(plan, ev, sim.state);  // markers move with the mast
     const Inputs inputs{sim.commands};

@@ -25,7 +25,8 @@ import numpy as np  # noqa: E402
 
 import unlatch  # noqa: E402
 
-locale.setlocale(locale.LC_ALL, os.environ.get("UNLATCH_LOCALE", "C"))  # of the host: comma_locale.sh
+if "UNLATCH_LOCALE" in os.environ:
+    locale.setlocale(locale.LC_ALL, os.environ["UNLATCH_LOCALE"])  # of the host: comma_locale.sh
 
 EXAMPLES = SOURCE / "library/python/examples"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "PYTHONDONTWRITEBYTECODE": "1"}

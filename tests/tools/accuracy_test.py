@@ -108,6 +108,16 @@ class AccuracyTest(ProcessTest):
                     pairs.append((abs(entry["value"] - (-value if signed and i >= 3 else value)), entry["error"], entry["what"]))
         return pairs
 
+    def test_a_tolerance_is_met_at_the_largest_step_that_is_found_for_it(self):
+        array = SCENARIOS / "array/reference.yaml"
+        fine = self.run_json(UNLATCH, "run", array, "--dt", "0.00025")
+        result = self.run_json(UNLATCH, "run", array, "--tolerance", "1e-6")
+        self.assertGreater(result["dt"], 0.001)
+        self.assertEqual(result["accuracy_step"]["largest_step"], result["dt"])
+        for event, wanted in zip(result["events"], fine["events"], strict=True):
+            self.assertAlmostEqual(event["t"], wanted["t"], delta=3e-6 * max(1, wanted["t"]))
+        self.assertIn("it has the table of --accuracy", self.run_ok(UNLATCH, "run", array, "--tolerance", "1e-6", "--accuracy", code=2).stderr)
+
     def test_estimates_bound_the_errors_beside_three_references(self):
         cases = [case for case in read_cases() if case[0] in ("boosters/cyclogram.yaml", "array/elastic.yaml", "tree3/reference.yaml")]
         self.assertEqual(len(cases), 3)

@@ -101,7 +101,7 @@ class DocsTest(ProcessTest):
                 if not name.endswith(SOURCES) or name.startswith((".", "/")) or "/build/" in f"/{name}":
                     continue
                 names += 1
-                beside = [page.parent / name, SOURCE / name, *page.parent.glob(f"*/{name}"), *page.parent.parent.glob(f"*/{name}")]
+                beside = [page.parent / name, SOURCE / name, *page.parent.glob(f"**/{name}"), *page.parent.parent.glob(f"*/{name}")]
                 self.assertTrue(any(path.exists() for path in beside) or self.is_made(name), f"{page.relative_to(SOURCE)} names {name}")
         self.assertGreater(names, 100)
 

@@ -26,6 +26,47 @@ requirements:
 MISSED = """  - {id: nearer, clearance: [still, moving], at_least: 0.3}
   - {id: waits, time: {event: never}, at_most: 10}
 """
+# Blow of a ball on a wall with sqrt(k/m)·h 0.45 at one sub-step: not accurate, but the audit of energy explains the
+# motion, which would otherwise make every body unresolved. The other body touches nothing.
+BLOW = """unlatch: 1
+name: blow
+step: {dt: 1 ms, until: 0.2, contact_substeps: SUBSTEPS}
+bodies:
+  wall: {mass: 1e9, inertia: [1e9, 1e9, 1e9], shape: [{name: face, box: {size: [2, 10, 10]}}]}
+  ball: {mass: 2, inertia: [1, 1, 1], position: [1.8, 0, 0], velocity: [-3, 0, 0], shape: [{sphere: {radius: 0.5}}]}
+  away: {mass: 1, inertia: [1, 1, 1], position: [0, 50, 0], velocity: [1, 0, 0]}
+contacts:
+  blow: {between: [wall.face, ball], stiffness: 0.4 MN/m}
+requirements:
+  - {id: speed, velocity: {body: ball}, at_most: 100}
+  - {id: before, velocity: {body: ball}, to: early, at_most: 100}
+  - {id: other, velocity: {body: away}, at_most: 100}
+events: [{name: early, when: {time: 0.05}}]
+"""
+# 4 N s between two ticks: the lid has 1 m/s after them.
+PULSE = """unlatch: 1
+name: pyro
+step: {dt: 5 ms, until: 2 s}
+bodies:
+  lid: {mass: 4 kg, inertia: [1, 1, 1]}
+elements:
+  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0016, 1.0021, 2], values: [0, 0, 8 kN, 0, 0]}}}
+requirements:
+  - {id: slow, velocity: {body: lid}, at_most: 0.1 m/s}
+"""
+# A pusher without a guide whose two points coincide.
+COINCIDENT = """unlatch: 1
+name: coincide
+step: {dt: 1 ms, until: 1 s}
+bodies:
+  bus: {mass: 800 kg, inertia: [400, 500, 600]}
+  sat: {mass: 100 kg, inertia: [10, 12, 14], position: [1, 0, 0]}
+joints:
+  clamp: {between: [bus, sat], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], modes: {held: {kind: weld}, free: {kind: free}}, mode: held}
+elements:
+  s1: {type: pusher, between: [bus, sat], point: [0.5, 0, 0], follower_point: [-0.5, 0, 0], stroke: 4 cm, preload: 900 N, stiffness: 8 kN/m}
+events: [{name: go, when: {time: 0.5 s}, then: [{set_mode: {joint: clamp, mode: free}}]}]
+"""
 
 
 class VerdictTest(ProcessTest):
@@ -86,6 +127,57 @@ class VerdictTest(ProcessTest):
         self.run_ok(UNLATCH, "run", path, "--junit", out, code=1)
         case = next(iter(next(iter(JUnitXml.fromfile(str(out))))))
         self.assertIsInstance(case.result[0], Error)
+
+    def test_what_depends_on_an_unresolved_contact_is_neither_met_nor_missed(self):
+        path, out = self.write(BLOW.replace("SUBSTEPS", "1")), self.folder / "out.xml"
+        report = self.run_json(UNLATCH, "run", path, "--junit", out, code=1)
+        self.assertEqual(report["status"], "unresolved")
+        self.assertEqual([(entry["id"], entry["met"], entry["resolved"]) for entry in report["verdict"]],
+                         [("speed", False, False), ("before", True, True), ("other", True, True)])
+        self.assertIn("contact blow", report["verdict"][0]["unresolved"])
+        cases = {case.name: case for case in next(iter(JUnitXml.fromfile(str(out))))}
+        self.assertIsInstance(cases["speed"].result[0], Error)
+        self.assertEqual(cases["other"].result, [])
+        text = self.run_ok(UNLATCH, "run", path, code=1).stdout
+        self.assertIn("1 of 3 requirements is unresolved: neither met nor missed", text)
+        in_loop = self.run_json(UNLATCH, "hil", path, "--transport", "inproc", "--pace", "fast", code=1)
+        self.assertEqual((in_loop["status"], in_loop["verdict"]), ("unresolved", report["verdict"]))
+
+    def test_the_step_that_a_notice_proposes_suffices(self):
+        path = self.write(BLOW.replace("SUBSTEPS", "1"))
+        report = self.run_json(UNLATCH, "run", path, code=1)
+        text = next(notice["text"] for notice in report["notices"] if notice["name"] == "accuracy.contact")
+        step = float(re.search(r"a step of (\S+) s would do", text).group(1))
+        nanoseconds = next(n for n in range(int(step * 1e9), 0, -1) if 200_000_000 % n == 0)
+        self.run_ok(UNLATCH, "run", path, "--dt", str(nanoseconds * 1e-9))
+
+    def test_a_pulse_between_two_ticks_is_unresolved(self):
+        report = self.run_json(UNLATCH, "run", self.write(PULSE), code=1)
+        self.assertEqual((report["status"], report["verdict"][0]["met"]), ("unresolved", False))
+        self.assertIn("profile pyro", report["verdict"][0]["unresolved"])
+        resolved = self.run_json(UNLATCH, "run", self.write(PULSE.replace("dt: 5 ms", "dt: 0.02 ms").replace("at_most: 0.1", "at_most: 1.1")))
+        self.assertAlmostEqual(resolved["verdict"][0]["value"], 1, delta=1e-3)
+
+    def test_a_pusher_without_a_direction_is_unresolved(self):
+        report = self.run_json(UNLATCH, "run", self.write(COINCIDENT), code=1)
+        self.assertEqual(report["status"], "unresolved")
+        self.assertEqual([n["subject"] for n in report["notices"] if n["name"] == "accuracy.direction"], ["s1"])
+
+    def test_unresolved_samples_of_a_campaign_are_counted_and_never_met(self):
+        self.write(BLOW.replace("SUBSTEPS", "1"))
+        campaign = self.folder / "blow.campaign.yaml"
+        campaign.write_text("unlatch_campaign: 1\nname: blow\nscenario: pass.yaml\nsamples: 8\nsampling: random\n"
+                            "parameters:\n  v: {path: 'bodies.ball.velocity[0]', uniform: {min: -4, max: 4}}\n")
+        out = self.folder / "out"
+        text = self.run_ok(UNLATCH, "campaign", campaign, "--out", out, code=1).stdout
+        summary = json.loads((out / "summary.json").read_text())
+        unresolved = summary["unresolved"]
+        self.assertEqual(summary["statuses"]["unresolved"], len(unresolved))
+        self.assertTrue(0 < len(unresolved) < 8, unresolved)
+        self.assertEqual(summary["requirements"][0]["unresolved"], len(unresolved))
+        self.assertEqual(summary["any_requirement"]["failed"], 0)
+        self.assertGreater(summary["any_requirement"]["probability"][1], len(unresolved) / 8)
+        self.assertIn("unresolved: ", text)
 
     def test_check_tells_which_cannot_be_evaluated(self):
         path = self.write(SCENARIO + MISSED)

@@ -20,13 +20,51 @@ constexpr std::size_t kWorst = 10;
 // A sample fails a requirement that it does not meet, cannot be judged by, or does not live to be judged by.
 bool fails(hil::SampleStatus status, double margin) { return status != hil::SampleStatus::kDone || !(margin >= 0); }
 
+// Bounds of a probability if unresolved samples may have failed or not: the lower bound counts none of them, the upper
+// one all.
+hil::Interval calc_bounds(std::int64_t failed, std::int64_t unresolved, std::int64_t count) {
+  return {hil::calc_clopper_pearson(failed, count).low, hil::calc_clopper_pearson(failed + unresolved, count).high};
+}
+
 }  // namespace
+
+Json describe_any_failure(const CampaignData& data) {
+  std::vector<std::vector<double>> margins;
+  for (const Json& requirement : data.manifest.at("requirements"))
+    margins.push_back(data.read_column(data.find_column(requirement.at("id").get<std::string>() + ".margin")));
+  std::int64_t failed = 0, unresolved = 0;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const hil::SampleStatus status = data.table->get_status(row);
+    if (status == hil::SampleStatus::kUnresolved) {
+      ++unresolved;
+      continue;
+    }
+    failed += std::ranges::any_of(margins, [&](const auto& column) { return fails(status, column[row]); }) ? 1 : 0;
+  }
+  const auto count = static_cast<std::int64_t>(data.rows);
+  Json json = {{"failed", failed}, {"unresolved", unresolved}};
+  json["estimate"] =
+      count > unresolved ? Json(static_cast<double>(failed) / static_cast<double>(count - unresolved)) : Json(nullptr);
+  json["probability"] = to_json(calc_bounds(failed, unresolved, count));
+  return json;
+}
+
+Json list_unresolved(const CampaignData& data) {
+  Json samples = Json::array();
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (data.table->get_status(row) == hil::SampleStatus::kUnresolved) samples.push_back(data.table->get_sample(row));
+  return samples;
+}
 
 Json describe_requirement(const CampaignData& data, const Json& requirement) {
   const std::string id = requirement.at("id");
   const std::vector<double> margins = data.read_column(data.find_column(id + ".margin"));
-  std::int64_t failed = 0, unjudged = 0;
+  std::int64_t failed = 0, unjudged = 0, unresolved = 0;
   for (std::size_t i = 0; i < margins.size(); ++i) {
+    if (data.table->get_status(i) == hil::SampleStatus::kUnresolved) {
+      ++unresolved;
+      continue;
+    }
     failed += fails(data.table->get_status(i), margins[i]) ? 1 : 0;
     unjudged += std::isnan(margins[i]) ? 1 : 0;
   }
@@ -34,8 +72,12 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   Json json = requirement;
   json["failed"] = failed;
   json["not_evaluated"] = unjudged;  // counted as failed
-  json["probability"] = to_json(hil::calc_clopper_pearson(failed, count));
-  const std::vector<double> sorted = sort_present(data.read_column(data.find_column(id)));
+  json["unresolved"] = unresolved;   // neither met nor missed: the bounds hold whatever they are
+  json["probability"] = to_json(calc_bounds(failed, unresolved, count));
+  std::vector<double> values = data.read_column(data.find_column(id));
+  for (std::size_t row = 0; row < values.size(); ++row)
+    if (data.table->get_status(row) == hil::SampleStatus::kUnresolved) values[row] = std::nan("");
+  const std::vector<double> sorted = sort_present(values);
   add_quantiles(sorted, json);
   // The least and the greatest value that at least 99 % of all runs keep to, with the confidence.
   constexpr double kCoverage = 0.99;
@@ -47,13 +89,15 @@ Json describe_requirement(const CampaignData& data, const Json& requirement) {
   }
   // Convergence: bounds of the probability after the first samples.
   json["convergence"] = Json::array();
-  std::int64_t hits = 0;
+  std::int64_t hits = 0, open = 0;
   double next = 10;
   for (std::int64_t i = 0; i < count; ++i) {
     const auto row = static_cast<std::size_t>(i);
-    hits += fails(data.table->get_status(row), margins[row]) ? 1 : 0;
+    const bool resolved = data.table->get_status(row) != hil::SampleStatus::kUnresolved;
+    open += resolved ? 0 : 1;
+    hits += resolved && fails(data.table->get_status(row), margins[row]) ? 1 : 0;
     if (static_cast<double>(i + 1) < next && i + 1 < count) continue;
-    const hil::Interval bounds = hil::calc_clopper_pearson(hits, i + 1);
+    const hil::Interval bounds = calc_bounds(hits, open, i + 1);
     json["convergence"].push_back(
         {i + 1, static_cast<double>(hits) / static_cast<double>(i + 1), bounds.low, bounds.high});
     next *= 1.25;

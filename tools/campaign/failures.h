@@ -8,6 +8,10 @@ namespace unlatch::tools {
 // Failures of a requirement, bounds of their probability and its convergence; quantiles and tolerance limits of its
 // value.
 Json describe_requirement(const CampaignData& data, const Json& requirement);
+// Failures of any requirement, and bounds of their probability.
+Json describe_any_failure(const CampaignData& data);
+// Numbers of the unresolved samples.
+Json list_unresolved(const CampaignData& data);
 // Numbers of the worst samples: faults first, then by the smallest margin of all that a sample may fail, in units of
 // the spread of that margin over all samples.
 Json list_worst(const CampaignData& data);

@@ -36,6 +36,8 @@ Json build_summary(const CampaignData& all) {
   }
   for (const Json& requirement : data.manifest.at("requirements"))
     summary["requirements"].push_back(describe_requirement(data, requirement));
+  if (!summary.at("requirements").empty()) summary["any_requirement"] = describe_any_failure(data);
+  summary["unresolved"] = list_unresolved(all);
   summary["orders"] = list_orders(data);
   hil::RankedVariables ranked;
   for (std::size_t k = 0; k < data.manifest.at("inputs").size(); ++k) {

@@ -1,5 +1,6 @@
 #include "tools/campaign/summary_text.h"
 
+#include <algorithm>
 #include <string>
 
 #include "hil/scenario/yaml/setting.h"
@@ -58,6 +59,8 @@ void print_rare(std::FILE* to, const Json& rare) {
                rare.at("reached").get<bool>() ? "" : "; the last level had too few failures: more levels");
 }
 
+constexpr std::size_t kNamed = 10;  // unresolved samples that are listed
+
 }  // namespace
 
 void print_summary(std::FILE* to, const Json& summary) {
@@ -69,6 +72,19 @@ void print_summary(std::FILE* to, const Json& summary) {
                summary.at("hash").get<std::string>().c_str());
   for (const auto& [name, count] : summary.at("statuses").items())
     if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());
+  const Json& unresolved = summary.at("unresolved");
+  if (!unresolved.empty()) {
+    std::string numbers;
+    for (std::size_t i = 0; i < std::min<std::size_t>(unresolved.size(), kNamed); ++i)
+      numbers += (i == 0 ? "" : ", ") + std::to_string(unresolved[i].get<long long>());
+    if (unresolved.size() > kNamed) numbers += ", …";
+    std::fprintf(to, "  %s\n",
+                 paint(to, Colour::kRed,
+                       "unresolved: " + numbers +
+                           "; the step does not resolve them, they are neither met nor missed: `unlatch run CAMPAIGN "
+                           "--sample I` gives the cause")
+                     .c_str());
+  }
   if (summary.contains("rare")) print_rare(to, summary.at("rare"));
   if (summary.at("requirements").empty()) return;
   print_heading(to,
@@ -89,6 +105,12 @@ void print_summary(std::FILE* to, const Json& summary) {
         requirement.at("not_evaluated").get<long long>(), bounds.c_str(), text(q.at("0.01")).c_str(),
         text(q.at("0.05")).c_str(), text(q.at("0.5")).c_str(), text(q.at("0.95")).c_str(), text(q.at("0.99")).c_str(),
         describe_tolerance(requirement).c_str(), requirement.at("unit").get<std::string>().c_str());
+  }
+  if (summary.contains("any_requirement")) {
+    const Json &any = summary.at("any_requirement"), &p = any.at("probability");
+    std::fprintf(to, "  any requirement: %lld failed, %lld unresolved, probability %s, bounds %.2e … %.2e\n",
+                 any.at("failed").get<long long>(), any.at("unresolved").get<long long>(),
+                 text(any.at("estimate")).c_str(), p[0].get<double>(), p[1].get<double>());
   }
   std::string worst;
   for (const Json& sample : summary.at("worst"))

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "hil/scenario/text/count.h"
 #include "tools/import/imported.h"
 #include "tools/import/urdf_text.h"
 
@@ -95,7 +96,7 @@ class Reader {
       joints += (count++ == 0 ? "" : ", ") + ("'" + name + "'");
     }
     return quote("link", link.name) +
-           (count > 1 ? " is the child of " + std::to_string(count) + " joints, " + joints +
+           (count > 1 ? " is the child of " + hil::count(count, "joint") + ", " + joints +
                             ": a URDF is a tree; a loop is closed in the scenario, by a joint there"
                       : " is its own ancestor: a URDF is a tree");
   }

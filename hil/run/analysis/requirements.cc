@@ -216,6 +216,12 @@ void RequirementMonitor::add_piece(const MotionWindow& window, const MotionKnot&
   }
 }
 
+double RequirementMonitor::get_end(std::size_t i) const {
+  const EventName& to = tracks_[i].requirement->to;
+  const double time = to.is_named() && to.event != kNone ? times_[at(to.event)] : std::nan("");
+  return std::isfinite(time) && tracks_[i].phase == Phase::kClosed ? time : HUGE_VAL;
+}
+
 double RequirementMonitor::get_now(std::size_t i) const {
   const Track& track = tracks_[i];
   const bool open = track.phase == Phase::kOpen && track.has_last && !track.requirement->is_of_events();

@@ -1,4 +1,5 @@
-// Verdict of a run: the value of each requirement, its margin, its time, and the decision "met" or "not met". Minima
+// Verdict of a run: the value of each requirement, its margin, its time, and the decision "met", "not met" or
+// "unresolved". Minima
 // and maxima are located inside the steps; values at an event are those of its instant.
 #pragma once
 
@@ -24,7 +25,10 @@ struct Verdict {
   double value = 0, limit = 0;  // in the requirement's unit; the nearest limit
   double margin = 0;            // distance of the value from the limit, positive within it; below 0: not met
   double time = 0;              // time of the value, s
-  [[nodiscard]] bool is_met() const { return evaluated && margin >= 0; }
+  // Cause, if the value depends on something that the step did not resolve: then it is neither met nor missed.
+  std::string unresolved;
+  [[nodiscard]] bool is_resolved() const { return unresolved.empty(); }
+  [[nodiscard]] bool is_met() const { return is_resolved() && evaluated && margin >= 0; }
 };
 
 class RequirementMonitor {
@@ -38,6 +42,8 @@ class RequirementMonitor {
   void add_piece(const MotionWindow& window, const MotionKnot& from, const MotionKnot& to);
   // Verdicts on the run so far, whose end is the end of the window.
   [[nodiscard]] std::vector<Verdict> judge(const MotionWindow& window) const;
+  // End of the interval of requirement number i, s; infinity while it goes on.
+  [[nodiscard]] double get_end(std::size_t i) const;
   // Quantity of requirement number i at the latest knot, in the requirement's unit; NaN outside its interval, and for
   // requirements on events.
   [[nodiscard]] double get_now(std::size_t i) const;

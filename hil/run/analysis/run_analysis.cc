@@ -13,13 +13,13 @@ RunAnalysis::RunAnalysis(const Scenario& scenario, Simulation& simulation, const
       contacts_(scenario, simulation),
       peaks_(scenario.model.joints.size()),
       requirements_(scenario, clearance_, contacts_),
-      separations_(scenario, request.pushes) {
-  if (request.accuracy) accuracy_.emplace(scenario, simulation);
+      separations_(scenario, request.pushes),
+      accuracy_(scenario, simulation, request.accuracy) {
   simulation.keep_motion();
 }
 
 void RunAnalysis::update(const StepReport& report) {
-  if (accuracy_) accuracy_->update(report);
+  accuracy_.update(report);
   audits.insert(audits.end(), report.audits.begin(), report.audits.end());
   search.postponed += report.postponed;
   search.unlocated += report.open.unlocated;
@@ -89,6 +89,18 @@ void RunAnalysis::add_event(const FiredEvent& fired, const MotionKnot& after) {
     const std::string base = joint.base == kGround ? "ground" : model.bodies[static_cast<std::size_t>(joint.base)].name;
     tip_offs.push_back({fired.time, model.bodies[body].name, base, joint.name, after.state.bodies[body].w});
   }
+}
+
+std::vector<Verdict> RunAnalysis::judge() const {
+  std::vector<Verdict> verdicts = requirements_.judge(window_);
+  for (Verdict& verdict : verdicts) {
+    const Requirement& requirement = scenario_.requirements[verdict.requirement];
+    // A value of an instant depends on what came before it; a search over an interval, on all of it.
+    const bool is_instant = verdict.evaluated && (requirement.at.is_named() || requirement.is_of_events());
+    const double until = is_instant ? verdict.time : requirements_.get_end(verdict.requirement);
+    verdict.unresolved = accuracy_.get_unresolved().find_cause(requirement, until);
+  }
+  return verdicts;
 }
 
 std::int64_t calc_nearest_tick(double time, double dt) { return std::llround(time / dt); }

@@ -65,13 +65,13 @@ class RunAnalysis {
   const std::vector<Clearance>& clearances() const { return clearance_.get(); }
   // Witness points and nearest shapes of clearance number `pair` at its smallest value.
   [[nodiscard]] PairDistance calc_witnesses(int pair) const { return clearance_.calc_witnesses(pair); }
-  // Verdicts on the run so far.
-  [[nodiscard]] std::vector<Verdict> judge() const { return requirements_.judge(window_); }
+  // Verdicts on the run so far; those that depend on something that the step did not resolve are unresolved.
+  [[nodiscard]] std::vector<Verdict> judge() const;
   [[nodiscard]] std::vector<Separation> list_separations() const { return separations_.list(clearance_); }
   [[nodiscard]] std::vector<ContactRecord> list_contacts() const { return contacts_.list(); }
   // Present value of requirement number i, see RequirementMonitor::get_now().
   [[nodiscard]] double get_requirement_now(std::size_t i) const { return requirements_.get_now(i); }
-  const NoticeWatch& accuracy() const { return accuracy_.value(); }  // notices and energy; only if requested
+  const NoticeWatch& accuracy() const { return accuracy_; }  // notices; energy only if requested
   SearchTotals search;
 
  private:
@@ -89,7 +89,7 @@ class RunAnalysis {
   PeakReactions peaks_;
   RequirementMonitor requirements_;
   SeparationMonitor separations_;
-  std::optional<NoticeWatch> accuracy_;
+  NoticeWatch accuracy_;
 };
 
 // Returns the tick nearest to a time.

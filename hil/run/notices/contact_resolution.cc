@@ -59,12 +59,16 @@ double estimate_speed(const Model& model, const State& state, const Contact& con
   return dot(gap, v) < 0 && norm(v) > kLeast ? norm(v) : kAssumed;
 }
 
-ContactRates estimate_rates(const Model& model, const Contact& contact, double speed) {
+double calc_least_mobility(const Model& model, const Contact& contact) {
   const auto get_mobility = [&](int surface) {
     const Body* const body = find_body(model, surface);
     return body == nullptr ? 0 : 1 / body->mass;
   };
-  const double mobility = get_mobility(contact.base) + get_mobility(contact.follower);
+  return get_mobility(contact.base) + get_mobility(contact.follower);
+}
+
+ContactRates estimate_rates(const Model& model, const Contact& contact, double speed) {
+  const double mobility = calc_least_mobility(model, contact);
   double stiffness = contact.stiffness;
   if (contact.exponent > 1) {
     // ½ m v² = k δ^2.5 / 2.5 at the greatest depth of an elastic impact
@@ -74,12 +78,15 @@ ContactRates estimate_rates(const Model& model, const Contact& contact, double s
   return {std::sqrt(stiffness * mobility), 0};
 }
 
-std::string describe_unresolved(const ContactRates& rates, double h) {
-  const double size = h * rates.get_worst();
-  if (!(size > kAccurate)) return "";
-  return format("%s %.3g: %s; a step of %.3g s would do, or more contact_substeps",
-                rates.omega > rates.decay ? "sqrt(k/m)·h" : "h times the rate at which friction stops the slip", size,
-                size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate / rates.get_worst());
+std::string describe_unresolved(const ContactRates& rates, double dt, int parts) {
+  const double need = rates.calc_need(), h = dt / parts;
+  if (!(h * need > 1)) return "";
+  const bool blow = rates.omega / kAccurate > rates.decay / kStable;
+  const double size = h * (blow ? rates.omega : rates.decay);
+  return format("%s %.3g: %s; a step of %.3g s would do%s",
+                blow ? "sqrt(k/m)·h" : "h times the rate at which friction stops the slip", size,
+                size > kStable ? "beyond what is stable" : "not resolved accurately", parts / need * kRoundedDown,
+                parts < kMaxContactSubsteps ? ", or more contact_substeps" : "");
 }
 
 }  // namespace unlatch::hil

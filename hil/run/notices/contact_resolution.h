@@ -11,7 +11,12 @@ namespace unlatch::hil {
 struct ContactRates {
   double omega = 0;  // rad/s: √(dF_n/dδ · mobility along the normal)
   double decay = 0;  // 1/s: of the slip by friction, or of the depth by damping, whichever is faster
-  [[nodiscard]] double get_worst() const { return omega > decay ? omega : decay; }
+  // Parts per second that the contact needs: blows accurately, h·ω ≤ kAccurate; a decaying slip stably, h·decay ≤
+  // kStable. A body that sticks has ended its slip within a part or a few: how it did is lost, the motion after it is
+  // not.
+  [[nodiscard]] double calc_need() const {
+    return omega / kAccurate > decay / kStable ? omega / kAccurate : decay / kStable;
+  }
 };
 
 // Rates of a contact in its present state.
@@ -19,11 +24,14 @@ ContactRates calc_rates(const Model& model, const State& state, const Contact& c
 
 // Rates of a blow in the middle of both bodies. For n = 1.5 they depend on its speed.
 ContactRates estimate_rates(const Model& model, const Contact& contact, double speed);
+// Sum of the inverse masses of a contact's two bodies, 1/kg: the mobility of a blow in the middle of both.
+double calc_least_mobility(const Model& model, const Contact& contact);
 // Speed of a blow that is still to come: that of its restitution; or that of the two bodies now, if they come nearer at
 // more than 1 mm/s; else 1 m/s.
 double estimate_speed(const Model& model, const State& state, const Contact& contact);
 
-// Reason why a step of h = dt / contact_substeps does not resolve the contact; empty if it does.
-std::string describe_unresolved(const ContactRates& rates, double h);
+// Reason why a step of dt, cut into `parts` parts of h each, does not resolve the contact, and a step that does with as
+// many parts; empty if it does.
+std::string describe_unresolved(const ContactRates& rates, double dt, int parts);
 
 }  // namespace unlatch::hil

@@ -118,6 +118,18 @@ bool EnergyAudit::is_implicit() const {
          });
 }
 
+bool EnergyAudit::has_corner(double from, double to) const {
+  const std::vector<Load>& loads = simulation_.model().loads;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const ElementState& on = simulation_.state().elements[i];
+    if (loads[i].profile.kind != Profile::Kind::kTable || (on.from == 0 && on.to == 0)) continue;
+    const std::vector<double>& times = loads[i].profile.times;
+    const auto knot = std::lower_bound(times.begin(), times.end(), from - on.switched_on);
+    if (knot != times.end() && *knot <= to - on.switched_on) return true;
+  }
+  return false;
+}
+
 void EnergyAudit::add_tick(const StepReport& report) {
   const double dt = simulation_.plan().get_options().dt, end = simulation_.get_time();
   const auto [flow, frame] = look(simulation_);
@@ -128,7 +140,7 @@ void EnergyAudit::add_tick(const StepReport& report) {
   const auto see_event = [at_rest](const EnergyFlow& seen) {
     return at_rest ? seen : change_frame(seen, (1 / seen.mass) * seen.momentum);
   };
-  smooth_ = smooth_ && at_rest == at_rest_;
+  smooth_ = smooth_ && at_rest == at_rest_ && !has_corner(end - 2 * dt, end);
   const EnergyFlow start = see(calc_start(), frame_), reached = see(flow, frame);
   tick_work_ = 0;
   if (report.audits.empty()) {

@@ -3,9 +3,9 @@
 // Between two ticks the change of kinetic and stored energy must equal the work of loads, weight, motors, dampers,
 // modes and leaving mass; an event may add the energy that its plastic impulse removes. Work is the integral of powers
 // at the ticks: by the parabola through three of them (Adams–Moulton, error h⁴/24 d³P/dt³ a tick), by the trapezoidal
-// rule next to events and changed commands. All energies are relative to the centre of mass, so that a flight speed of
-// km/s hides nothing; ticks in which a joint or contact holds a body to the ground are relative to the ground.
-// Cost: one pass over bodies and elements a tick; off the cyclic thread.
+// rule next to events, changed commands and corners of loads' tables. All energies are relative to the centre of mass,
+// so that a flight speed of km/s hides nothing; ticks in which a joint or contact holds a body to the ground are
+// relative to the ground. Cost: one pass over bodies and elements a tick; off the cyclic thread.
 #pragma once
 
 #include <array>
@@ -50,6 +50,8 @@ class EnergyAudit {
   void add_stored(const EnergyFlow& from, const EnergyFlow& to);
   void add_smooth_work(const EnergyFlow& from, const EnergyFlow& to, double h);
   [[nodiscard]] bool is_implicit() const;
+  // True if the table of a load that is on has a knot between the two times, s.
+  [[nodiscard]] bool has_corner(double from, double to) const;
   void keep(const EnergyFlow& flow, const Vec3& frame);
 
   const Simulation& simulation_;

@@ -66,8 +66,8 @@ std::string describe_unresolved(const FrictionRate& rate, double h) {
   return format(
       "h times the rate at which friction stops the motion %.3g: %s; a step of %.3g s would do, or a speed of "
       "regularisation %.2g times as high",
-      size, size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate / rate.decay,
-      size / kAccurate);
+      size, size > kStable ? "beyond what is stable" : "not resolved accurately", kAccurate / rate.decay * kRoundedDown,
+      size / kAccurate / kRoundedDown);
 }
 
 }  // namespace unlatch::hil

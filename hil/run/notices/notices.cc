@@ -9,7 +9,9 @@
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/friction_resolution.h"
 #include "hil/run/notices/resolution.h"
+#include "hil/scenario/model/from_eigen.h"
 #include "hil/scenario/model/index.h"
+#include "unlatch/contacts.h"
 #include "unlatch/readings.h"
 
 namespace unlatch::hil {
@@ -32,53 +34,98 @@ const std::string& get_guard_name(const Model& model, int guard) {
 
 }  // namespace
 
-NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation)
+NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation, bool audits)
     : scenario_(scenario),
       simulation_(simulation),
       dt_(simulation.plan().get_options().dt),
-      audit_(simulation),
+      unresolved_(scenario.model),
       turning_(scenario.model.bodies.size()),
-      denormal_(scenario.model.bodies.size()),
       stiff_(static_cast<std::size_t>(scenario.model.element_count())),
+      sticking_(static_cast<std::size_t>(scenario.model.element_count())),
+      touching_(scenario.model.contacts.size()),
+      impulses_(scenario.model.contacts.size()),
+      denormal_(scenario.model.bodies.size()),
       restless_(scenario.model.channels.size()),
       pointless_(scenario.model.point_springs.size()),
-      unresolved_(scenario.model.contacts.size()),
-      sticking_(static_cast<std::size_t>(scenario.model.element_count())),
+      pointless_sided_(scenario.model.one_sided.size()),
+      profile_notices_(scenario.model.loads.size()),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
   std::size_t space = memory_.size();
   const std::size_t bytes = simulation.plan().get_workspace_bytes();
+  if (audits) audit_.emplace(simulation);
+  for (const Load& load : scenario.model.loads) profiles_.emplace_back(load.profile);
   workspace_ =
       Workspace(simulation.plan(), {static_cast<std::byte*>(std::align(kAlignment, bytes, first, space)), bytes});
 }
 
-void NoticeWatch::add(std::string name, std::string subject, std::string text) {
-  notices_.push_back({simulation_.get_time(), std::move(name), std::move(subject), std::move(text)});
+void NoticeWatch::add(std::string name, std::string subject, std::string text, std::span<const int> unresolved) {
+  const double time = simulation_.get_time();
+  if (!unresolved.empty())
+    unresolved_.add(unresolved, name + (subject.empty() ? "" : " " + subject) + ": " + text, time, simulation_.state());
+  notices_.push_back({time, std::move(name), std::move(subject), std::move(text), time, !unresolved.empty()});
+}
+
+template <class Describe>
+void NoticeWatch::report(Slot& slot, const char* name, const std::string& subject, double size,
+                         const Describe& describe, std::span<const int> unresolved) {
+  if (slot.number >= 0 && size <= slot.worst) return;
+  slot.worst = size;
+  if (slot.number >= 0) {
+    RunNotice& notice = notices_[at(slot.number)];
+    notice.text = describe();
+    notice.worst_time = simulation_.get_time();
+    if (!unresolved.empty() && !notice.unresolved) {
+      notice.unresolved = true;
+      unresolved_.add(unresolved, std::string(name) + " " + subject + ": " + notice.text, notice.worst_time,
+                      simulation_.state());
+    }
+    return;
+  }
+  slot.number = static_cast<int>(notices_.size());
+  add(name, subject, describe(), unresolved);
+}
+
+std::string NoticeWatch::describe_unresolved() const {
+  std::string text;
+  std::size_t count = 0;
+  for (const RunNotice& notice : notices_) {
+    if (!notice.unresolved) continue;
+    ++count;
+    if (count == 1) text = notice.name + (notice.subject.empty() ? "" : " " + notice.subject) + ": " + notice.text;
+  }
+  return count > 1 ? text + format("; and %zu more", count - 1) : text;
 }
 
 void NoticeWatch::update(const StepReport& report) {
-  audit_.update(report);
+  if (audit_) audit_->update(report);
+  if (!report.events.empty()) unresolved_.spread(simulation_.state(), simulation_.get_time());
   watch_bodies();
   if (!begun_) {
-    for (const Body& body : scenario_.model.bodies) {
+    for (std::size_t b = 0; b < scenario_.model.bodies.size(); ++b) {
+      const Body& body = scenario_.model.bodies[b];
       if (!body.flexible || body.flexible->frequencies.size() == 0) continue;
       const double size = dt_ * body.flexible->frequencies.maxCoeff();
       if (size > kAccurate) {
+        const int bodies[] = {static_cast<int>(b)};
+        const bool implicit = size > kResolved;
         add("mode", body.name,
-            size > kResolved ? format("dt·omega %.3g of its fastest mode: integrated implicitly, which damps it", size)
-                             : describe_size("dt·omega of its fastest mode", size));
+            implicit ? format("dt·omega %.3g of its fastest mode: integrated implicitly, which damps it", size)
+                     : describe_size("dt·omega of its fastest mode", size),
+            implicit || size <= kUnresolved ? std::span<const int>{} : std::span<const int>(bodies));
       }
     }
   }
   if (!begun_ || !report.events.empty()) watch_springs();
   watch_directions();
+  watch_profiles();
   watch_contacts();
   watch_friction(!begun_ || !report.events.empty());
   watch_commands();
-  watch_drift();
+  if (audit_) watch_drift();
   watch_search(report);
-  watch_energy();
+  if (audit_) watch_energy();
   begun_ = true;
 }
 
@@ -87,9 +134,12 @@ void NoticeWatch::watch_bodies() {
   for (std::size_t b = 0; b < turning_.size(); ++b) {
     const BodyState& state = simulation_.state().bodies[b];
     const double rate2 = dot(state.w, state.w);
-    if (rate2 > limit * limit && !turning_[b]) {
-      turning_[b] = true;
-      add("rotation", scenario_.model.bodies[b].name, describe_size("|w|·dt", std::sqrt(rate2) * dt_));
+    if (rate2 > limit * limit) {
+      const int bodies[] = {static_cast<int>(b)};
+      const double size = std::sqrt(rate2) * dt_;
+      this->report(
+          turning_[b], "rotation", scenario_.model.bodies[b].name, size, [&] { return describe_size("|w|·dt", size); },
+          size > kUnresolved ? std::span<const int>(bodies) : std::span<const int>{});
     }
     const Quat& q = state.q;
     const double excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1;
@@ -107,13 +157,47 @@ void NoticeWatch::watch_springs() {
     const auto i = static_cast<std::size_t>(e.element);
     const ElementState& state = simulation_.state().elements[i];
     const double size = dt_ * std::max(e.omega, e.decay) * (state.from == 0 && state.to == 0 ? 0 : 1);
-    if (size <= kAccurate || stiff_[i]) continue;
-    stiff_[i] = true;
+    if (size <= kAccurate) continue;
     const char* const what = e.omega > e.decay ? "dt·omega" : "dt·decay";
-    add("spring", scenario_.model.element_name(e.element),
-        e.implicit ? format("%s %.3g: integrated implicitly, of second order; damps what the step does not resolve",
-                            what, size)
-                   : describe_size(what, size));
+    const auto describe = [&] {
+      return e.implicit
+                 ? format("%s %.3g: integrated implicitly, of second order; damps what the step does not resolve", what,
+                          size)
+                 : describe_size(what, size);
+    };
+    report(stiff_[i], "spring", scenario_.model.element_name(e.element), size, describe,
+           e.implicit || size <= kUnresolved ? std::vector<int>{} : list_element_bodies(scenario_.model, e.element));
+  }
+}
+
+// Watches the profiles of loads that are on: the step's impulse, and time constants.
+void NoticeWatch::watch_profiles() {
+  const double time = simulation_.get_time();
+  for (std::size_t i = 0; i < profiles_.size(); ++i) {
+    const Load& load = scenario_.model.loads[i];
+    const ElementState& state = simulation_.state().elements[i];
+    if (state.from == 0 && state.to == 0) continue;
+    const int bodies[] = {load.body};
+    const double s = time - state.switched_on;
+    if (load.profile.kind == Profile::Kind::kExponential && s >= 0 && load.profile.initial != load.profile.final) {
+      const double size = dt_ / load.profile.tau;
+      if (size > kAccurate)
+        report(
+            profile_notices_[i], "profile", load.name, size,
+            [&] { return describe_size("dt over the time constant", size); }, bodies);
+    }
+    if (!begun_) continue;
+    const double error = profiles_[i].add(std::max(s - dt_, 0.0), s);
+    if (error > kProfileError)
+      report(
+          profile_notices_[i], "profile", load.name, error,
+          [&] {
+            return format(
+                "the step misses %.3g of its impulse, between its ticks; a smaller step, or events at its "
+                "corners, would do",
+                error);
+          },
+          bodies);
   }
 }
 
@@ -126,22 +210,52 @@ void NoticeWatch::watch_directions() {
     pointless_[i] = true;
     add("direction", spring.name,
         format("its two points coincide, to %.1g m, with %.4g N in it: the force has no direction", reading.length,
-               force));
+               force),
+        list_element_bodies(scenario_.model, static_cast<int>(scenario_.model.loads.size() + i)));
+  }
+  for (std::size_t i = 0; i < pointless_sided_.size(); ++i) {
+    const OneSided& force = scenario_.model.one_sided[i];
+    if (pointless_sided_[i] || force.joint != kNone || force.guide || force.kind == OneSided::Kind::kCord) continue;
+    const double length =
+        norm(calc_point(force.follower, force.point_follower) - calc_point(force.base, force.point_base));
+    if (length > kCoincident) continue;
+    const OneSidedReading reading =
+        calc_one_sided(simulation_.plan(), simulation_.state(), simulation_.workspace(), static_cast<int>(i));
+    if (reading.scale == 0) continue;
+    pointless_sided_[i] = true;
+    add("direction", force.name,
+        format("its two points coincide, to %.1g m: its force has no direction; give it a `guide`, or move one of the "
+               "points along the line of the force",
+               length),
+        list_element_bodies(scenario_.model, get_first_one_sided(scenario_.model) + static_cast<int>(i)));
   }
 }
 
+Vec3 NoticeWatch::calc_point(int body, const Eigen::Vector3d& point) const {
+  if (body == kGround) return to_vec3(point);
+  const BodyState& state = simulation_.state().bodies[at(body)];
+  return state.p + rotation_matrix(state.q) * to_vec3(point);
+}
+
 void NoticeWatch::watch_contacts() {
-  const double h = dt_ / scenario_.model.contact_substeps;
-  for (std::size_t i = 0; i < unresolved_.size(); ++i) {
+  const int parts = get_most_contact_substeps(scenario_.model);
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
     const Contact& contact = scenario_.model.contacts[i];
-    if (unresolved_[i] && begun_) continue;
     const ContactReading reading = calc_contact(simulation_.plan(), simulation_.state(), static_cast<int>(i));
     if (!begun_ && reading.closed)
       add("contact", contact.name, format("it is closed at the start, %.3g m deep", reading.depth));
-    const std::string text = describe_unresolved(calc_rates(scenario_.model, simulation_.state(), contact, reading), h);
-    if (text.empty()) continue;
-    unresolved_[i] = true;
-    add("contact", contact.name, text);
+    const double impulse = get_contact_totals(simulation_.plan(), simulation_.state(), static_cast<int>(i)).impulse;
+    const double gained = impulse - impulses_[i];
+    impulses_[i] = impulse;
+    ContactRates rates = calc_rates(scenario_.model, simulation_.state(), contact, reading);
+    // A blow that began and ended within the step: its impulse changed the speed by what it came with, or more.
+    if (!reading.closed && gained > 0)
+      rates = estimate_rates(scenario_.model, contact, gained * calc_least_mobility(scenario_.model, contact));
+    const double size = dt_ / parts * rates.calc_need();
+    if (!(size > 1)) continue;
+    report(
+        touching_[i], "contact", contact.name, size, [&] { return hil::describe_unresolved(rates, dt_, parts); },
+        list_contact_bodies(scenario_.model, static_cast<int>(i)));
   }
 }
 
@@ -151,10 +265,11 @@ void NoticeWatch::watch_friction(bool modes_are_new) {
   if (modes_are_new) mobilities_ = calc_mobilities(simulation_.plan(), simulation_.state(), workspace_);
   for (const FrictionRate& rate : calc_friction_rates(simulation_, mobilities_)) {
     const auto i = static_cast<std::size_t>(rate.element);
-    const std::string text = sticking_[i] ? "" : describe_unresolved(rate, dt_);
-    if (text.empty()) continue;
-    sticking_[i] = true;
-    add("friction", scenario_.model.element_name(rate.element), text);
+    const double size = dt_ * rate.decay;
+    if (!(size > kAccurate)) continue;
+    report(
+        sticking_[i], "friction", scenario_.model.element_name(rate.element), size,
+        [&] { return hil::describe_unresolved(rate, dt_); }, list_element_bodies(scenario_.model, rate.element));
   }
 }
 
@@ -202,29 +317,34 @@ void NoticeWatch::watch_search(const StepReport& report) {
     postponed_ = true;
     add("search", "",
         format("a step had more instants with events than its %d: the rest were left to the next tick",
-               simulation_.plan().get_options().max_splits));
+               simulation_.plan().get_options().max_splits),
+        list_all_bodies(scenario_.model));
   }
   if (open.unlocated > 0 && !unlocated_) {
     unlocated_ = true;
     add("search", get_guard_name(scenario_.model, open.guard),
         format("its instant is known to %.2g s only: the tries of a step ran out; a smaller step would do",
-               open.interval));
+               open.interval),
+        list_all_bodies(scenario_.model));
   }
   if (open.unseen > 0 && !unseen_) {
     unseen_ = true;
     add("search", scenario_.model.contacts[at(open.contact)].name,
         format("it may have touched and parted again within a step, up to %.2g m deep: the looks of a step ran out; a "
                "smaller step would do",
-               open.depth));
+               open.depth),
+        list_contact_bodies(scenario_.model, open.contact));
   }
 }
 
 void NoticeWatch::watch_energy() {
-  const EnergyBalance& energy = audit_.get();
-  const double size = std::abs(energy.unexplained) - audit_.calc_doubt();
+  const EnergyBalance& energy = audit_->get();
+  const double size = std::abs(energy.unexplained) - audit_->calc_doubt();
   if (!failed_ && !(size <= kEnergyFailure * energy.scale)) {
     failed_ = true;
     failed_time_ = simulation_.get_time();
+    unresolved_.add(list_all_bodies(scenario_.model), "energy: no force explains more than a tenth of it", failed_time_,
+                    simulation_.state());
   }
   if (unexplained_ || size <= kEnergyNotice * energy.scale) return;
   unexplained_ = true;
@@ -238,7 +358,7 @@ std::string NoticeWatch::describe_failure() const {
   return format(
       "no force explains %+.3g J of the motion, from %.6g s on more than a tenth of its largest energy, %.3g J: "
       "the step does not resolve it",
-      audit_.get().largest, failed_time_, audit_.get().scale);
+      audit_->get().largest, failed_time_, audit_->get().scale);
 }
 
 }  // namespace unlatch::hil

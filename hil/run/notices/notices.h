@@ -1,33 +1,47 @@
-// Notices about motions that the step does not resolve, each once with its first time. Watched off the cyclic thread,
-// beside the other analyses of a run. Thresholds: kernel/THEORY.md, 8.
+// Notices about motions that the step does not resolve, one for each kind and subject, with its first time, its worst
+// value and the time of that. Watched off the cyclic thread, beside the other analyses of a run. Thresholds:
+// kernel/THEORY.md, 8. Those marked * make the results that depend on the subject's bodies unresolved
+// (unresolved_bodies.h): they are no results.
 //
-//   rotation   |w|·dt of a body beyond kAccurate
-//   spring     dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate
-//   contact    sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
-//   friction   dt times the decay rate of a motion by friction in a joint, a pusher or a stop, beyond kAccurate
-//   mode       dt·ω of a mode of a flexible body beyond kAccurate
+//   rotation*  |w|·dt of a body beyond kAccurate
+//   spring*    dt·ω or dt·decay of a spring that is on, in the present modes, beyond kAccurate; of an implicit one it
+//   is
+//              a notice only, as of a mode
+//   profile*   a load's table whose impulse the step misses by more than kProfileError, or an exponential profile with
+//              dt / tau beyond kAccurate
+//   contact*   sqrt(k/m)·h of a closed contact, or h times the decay of its slip, beyond kAccurate; closed at the start
+//   friction*  dt times the decay rate of a motion by friction in a joint, a pusher or a stop, beyond kAccurate
+//   mode*      dt·ω of a mode of a flexible body beyond kAccurate
 //   command    a commanded value that reverses faster than dt·ω = kAccurate: a control loop for which the delay of a
 //              tick and the hold matter
-//   search     the search for events within a step reached a bound on its work: events left to the next tick, an
+//   search*    the search for events within a step reached a bound on its work: events left to the next tick, an
 //              inaccurate instant, a touch that may have been missed
 //   drift      a row's position residual; norm: that of a body's quaternion
-//   direction  a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
-//   energy     energy that no force explains, beyond kEnergyNotice of the largest; beyond kEnergyFailure the run failed
+//   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
+//   energy*    energy that no force explains, beyond kEnergyNotice of the largest: a notice; beyond kEnergyFailure
+//   every
+//              body is unresolved
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "hil/run/notices/energy_audit.h"
+#include "hil/run/notices/profile_watch.h"
+#include "hil/run/notices/unresolved_bodies.h"
 #include "hil/scenario/scenario.h"
 
 namespace unlatch::hil {
 
 struct RunNotice {
-  double time = 0;            // s
+  double time = 0;            // s, the first
   std::string name, subject;  // name: from the list above
-  std::string text;           // one sentence
+  std::string text;           // one sentence, about the worst value
+  double worst_time = 0;      // s, of the worst value
+  bool unresolved = false;    // results that depend on the subject are unresolved
 };
 
 inline constexpr double kCoincident = 1e-9;  // m: below it the direction between two points is rounding
@@ -35,11 +49,15 @@ inline constexpr double kEnergyNotice = 1e-3, kEnergyFailure = 0.1;  // relative
 
 class NoticeWatch {
  public:
-  NoticeWatch(const Scenario& scenario, const Simulation& simulation);
+  // `audits`: with the drift of joints and the audit of energy, which cost the most.
+  NoticeWatch(const Scenario& scenario, const Simulation& simulation, bool audits = true);
 
   void update(const StepReport& report);  // called after the initial state (a default report), and after each step
   [[nodiscard]] const std::vector<RunNotice>& get() const { return notices_; }
-  [[nodiscard]] const EnergyBalance& get_energy() const { return audit_.get(); }
+  [[nodiscard]] const EnergyBalance& get_energy() const { return audit_->get(); }  // with audits only
+  // Sentence that names what is unresolved, or empty.
+  [[nodiscard]] std::string describe_unresolved() const;
+  [[nodiscard]] const UnresolvedBodies& get_unresolved() const { return unresolved_; }
   // Sentence if the motion is not that of the model: the unexplained energy has been beyond kEnergyFailure. Else empty.
   [[nodiscard]] std::string describe_failure() const;
 
@@ -52,10 +70,21 @@ class NoticeWatch {
     int quick_turns = 0;       // in succession
   };
 
-  void add(std::string name, std::string subject, std::string text);
+  // One notice of a kind and subject so far; `number` is its place in the list, or -1.
+  struct Slot {
+    int number = -1;
+    double worst = 0;
+  };
+  // Adds a notice, or makes it that of the worse value. `describe` gives the sentence.
+  template <class Describe>
+  void report(Slot& slot, const char* name, const std::string& subject, double size, const Describe& describe,
+              std::span<const int> unresolved = {});
+  void add(std::string name, std::string subject, std::string text, std::span<const int> unresolved = {});
   void watch_bodies();
   void watch_springs();
   void watch_directions();
+  void watch_profiles();
+  [[nodiscard]] Vec3 calc_point(int body, const Eigen::Vector3d& point) const;
   void watch_contacts();
   void watch_friction(bool modes_are_new);
   void watch_commands();
@@ -66,13 +95,18 @@ class NoticeWatch {
   const Scenario& scenario_;
   const Simulation& simulation_;
   const double dt_;
-  EnergyAudit audit_;
+  std::optional<EnergyAudit> audit_;
   std::vector<RunNotice> notices_;
-  std::vector<bool> turning_, denormal_, stiff_, restless_;  // reported bodies, bodies, elements, channels
-  std::vector<bool> pointless_;                              // point springs reported as without direction
-  std::vector<bool> unresolved_;                             // reported contacts
-  std::vector<bool> sticking_;                               // elements with reported friction
-  std::vector<ElementMobility> mobilities_;                  // in the present modes
+  UnresolvedBodies unresolved_;
+  std::vector<Slot> turning_;                      // of bodies
+  std::vector<Slot> stiff_, sticking_;             // of elements
+  std::vector<Slot> touching_;                     // of contacts
+  std::vector<double> impulses_;                   // of contacts at the latest tick, N s
+  std::vector<bool> denormal_, restless_;          // reported bodies, channels
+  std::vector<bool> pointless_, pointless_sided_;  // reported point springs, one-sided forces
+  std::vector<Slot> profile_notices_;              // of loads
+  std::vector<ProfileWatch> profiles_;             // of loads
+  std::vector<ElementMobility> mobilities_;        // in the present modes
   std::vector<Course> courses_;
   bool postponed_ = false, unlocated_ = false, unseen_ = false;  // reported searches for events
   bool drifted_ = false, begun_ = false, unexplained_ = false, failed_ = false;

@@ -248,7 +248,7 @@ void ScenarioReader::read_threshold(YamlMap& map, const std::string& unit, Condi
 // Number of a mode of that joint; an unknown mode of a joint that has mistakes itself is not reported again.
 int ScenarioReader::read_mode_of(YamlMap& map, const std::string& key, int joint) {
   const YamlNode* node = map.require(key);
-  if (!node || joint < 0) return 0;
+  if (!node || joint < 0 || static_cast<std::size_t>(joint) >= model_.joints.size()) return 0;
   const Joint& of = model_.joints.at(static_cast<std::size_t>(joint));
   std::vector<std::string> names;
   for (const JointMode& mode : of.modes) names.push_back(mode.name);

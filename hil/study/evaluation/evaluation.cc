@@ -15,7 +15,7 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-const std::vector<std::string> kSampleStatusNames{"done", "faulted", "invalid", "interrupted"};
+const std::vector<std::string> kSampleStatusNames{"done", "faulted", "invalid", "unresolved", "interrupted"};
 
 SampleEvaluator::SampleEvaluator(const ScenarioTree& tree, ChosenOutputs chosen)
     : tree_(tree),
@@ -91,6 +91,10 @@ class SampleEvaluator::Flight {
       result_.ticks = end.tick;
       result_.hash = end.hash;
       result_.model_hash = simulation_->get_model_hash();
+      if (analysis_ && result_.status == SampleStatus::kDone) {
+        result_.message = analysis_->accuracy().describe_unresolved();
+        if (!result_.message.empty()) result_.status = SampleStatus::kUnresolved;
+      }
       if (analysis_) result_.values = evaluator_.collect(*scenario_, *analysis_);
       if (chosen_)
         std::ranges::copy(chosen_->finish(end.status == RunStatus::kDone), std::back_inserter(result_.values));

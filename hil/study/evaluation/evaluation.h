@@ -32,6 +32,7 @@ enum class SampleStatus {
   kDone,         // ran to its end
   kFaulted,      // the step failed: `message` names the joint and the tick; values up to that tick
   kInvalid,      // the settings make no valid scenario: `message` lists all mistakes; no values
+  kUnresolved,   // ran to its end, but the step did not resolve something, which `message` names: values are no results
   kInterrupted,  // ended by `stop`: no result
 };
 extern const std::vector<std::string> kSampleStatusNames;  // "done" …, in the order of the enum

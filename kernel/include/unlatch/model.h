@@ -436,7 +436,7 @@ struct Model {
   std::vector<PlaneTorsion> plane_torsions;  // torsion springs towards a plane
   std::vector<Surface> surfaces;             // that contacts, conditions and sensors name
   std::vector<Contact> contacts;             // between shapes
-  int contact_substeps = 1;                  // parts of a step while some contact is closed, 1 … 64
+  int contact_substeps = 0;                  // parts of a step while some contact is closed; see kAutomaticSubsteps
   std::vector<OneSided> one_sided;           // pushers, stops and cords
   std::vector<JointFriction> frictions;      // Coulomb friction in joints
   std::vector<Channel> channels;             // commanded values
@@ -460,7 +460,15 @@ struct ModelError {
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
 
-inline constexpr int kMaxContactSubsteps = 64;  // of Model::contact_substeps
+// Value of Model::contact_substeps for as many parts as the present depths, speeds and masses need, a power of two up to
+// kMaxAutomaticSubsteps (kernel/elements/contact_parts.h).
+inline constexpr int kAutomaticSubsteps = 0;
+// Largest number of parts that are chosen automatically.
+inline constexpr int kMaxAutomaticSubsteps = 256;
+// Largest number that a model may give.
+inline constexpr int kMaxContactSubsteps = 64;
+// The largest number of parts into which a step of the model can be cut.
+int get_most_contact_substeps(const Model& model);
 
 // Appends the events "touch" and "lift" of each contact, with its name as subject: repeating, without actions. A
 // contact that is closed at the start has no touch then.

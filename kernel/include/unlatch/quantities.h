@@ -10,7 +10,7 @@ namespace unlatch {
 
 // List that a subject of a quantity is an index into.
 enum class SubjectOf {
-  kNothing,
+  kNothing,   // the quantity has no subject
   kBody,      // Model::bodies; the other one may be the ground
   kMassLaw,   // Model::bodies, of those with a mass law
   kJoint,     // Model::joints
@@ -38,9 +38,9 @@ enum class QuantityValues {
 
 // What the value of a quantity depends on, other than the motion of the bodies.
 enum QuantityReads : unsigned {
-  kReadsMotion = 0,
-  kReadsTime = 1,
-  kReadsInputs = 2,
+  kReadsMotion = 0,       // nothing else
+  kReadsTime = 1,         // t
+  kReadsInputs = 2,       // commanded values
   kReadsCoordinate = 4,   // of a joint: an entry of the plan's coordinates
   kReadsMultipliers = 8,  // or accelerations: the commands reach it through the forces
   kReadsEvents = 16,      // changes at events alone, or begins there

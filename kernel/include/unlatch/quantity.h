@@ -9,6 +9,7 @@
 
 namespace unlatch {
 
+// One such number: its kind, its subject, and what chooses among several values.
 struct Quantity {
   // In the order of the table. New kinds go to the end: the numbers are hashed.
   enum class Kind : std::int32_t {

@@ -53,6 +53,7 @@ RunReport ReplayedLog::build_report() const {
           result,
           {},
           {},
+          {},
           &outputs};
 }
 

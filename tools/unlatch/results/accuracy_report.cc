@@ -13,6 +13,7 @@
 #include "hil/run/run.h"
 #include "hil/scenario/text/count.h"
 #include "tools/common/terminal.h"
+#include "tools/common/text.h"
 #include "tools/program/interrupt.h"
 
 namespace unlatch::tools {
@@ -69,10 +70,11 @@ void find_step(const ScenarioOptions& options, double dt, double until, hil::Acc
   constexpr double kMostGrowth = 16, kLongest = 1, kShortest = 1e-6, kShrink = 0.75;  // of dt; s; s
   constexpr double kComparison = 1 + 2 + 4;  // steps of the three runs, in those of the first
   constexpr int kTrials = 6;
+  constexpr double kMostSteps = 1e12;  // of a run
   double budget = 2 * kComparison;
   auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, std::min(kMostGrowth * dt, kLongest));
   accuracy.limit = limit;
-  const double shortest = std::max(kShortest, dt / kMostTicks);
+  const double shortest = std::max(kShortest, until / kMostSteps);
   for (int trial = 0; trial < kTrials && !catch_interrupts().load(); ++trial, step *= kShrink) {
     if (!(step >= shortest)) return;  // also of an estimate that is no number
     const double whole = find_whole_step(std::min(step, until), until);
@@ -123,7 +125,8 @@ hil::AccuracyReport measure_accuracy(const ScenarioOptions& options, const hil::
 }
 
 bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std::string& message) {
-  const std::string failure = analysis.accuracy().describe_failure();
+  std::string failure = analysis.accuracy().describe_failure();
+  if (failure.empty()) failure = analysis.accuracy().describe_unresolved();
   if (failure.empty() || status != "ok") return false;
   status = "unresolved";
   message += (message.empty() ? "" : "; ") + failure;
@@ -133,11 +136,13 @@ bool tell_unresolved(const hil::RunAnalysis& analysis, std::string& status, std:
 void print_accuracy_notices(std::FILE* to, const RunReport& report) {
   const std::vector<hil::RunNotice>& notices = report.analysis.accuracy().get();
   if (notices.empty()) return;
-  print_heading(to, "Not resolved by the step (first time of each)");
+  print_heading(to, "Not resolved by the step (first time of each, worst value)");
   for (const hil::RunNotice& notice : notices) {
     std::fprintf(to, "  %12.6f s  %s\n", notice.time,
                  paint(to, Colour::kYellow,
-                       notice.name + (notice.subject.empty() ? "" : " " + notice.subject) + ": " + notice.text)
+                       notice.name + (notice.subject.empty() ? "" : " " + notice.subject) + ": " + notice.text +
+                           (notice.worst_time > notice.time ? format(" (worst at %.6f s)", notice.worst_time) : "") +
+                           (notice.unresolved ? "; what depends on it is unresolved" : ""))
                      .c_str());
   }
 }

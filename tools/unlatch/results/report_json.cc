@@ -196,8 +196,12 @@ nlohmann::ordered_json build_json(const RunReport& report) {
         {{"t", notice.time}, {"name", hil::get_name(notice.name)}, {"subject", hil::get_name(notice.subject)}});
   }
   for (const hil::RunNotice& notice : report.analysis.accuracy().get()) {
-    json["notices"].push_back(
-        {{"t", notice.time}, {"name", get_full_name(notice)}, {"subject", notice.subject}, {"text", notice.text}});
+    json["notices"].push_back({{"t", notice.time},
+                               {"name", get_full_name(notice)},
+                               {"subject", notice.subject},
+                               {"text", notice.text},
+                               {"worst_t", notice.worst_time},
+                               {"unresolved", notice.unresolved}});
   }
   const hil::SearchTotals& search = report.analysis.search;
   json["search"] = {{"postponed", search.postponed}, {"unlocated", search.unlocated}, {"unseen", search.unseen}};

@@ -54,6 +54,7 @@ Json build_subject(const hil::Requirement& requirement, const Model& model) {
 }
 
 const char* get_word(const hil::Verdict& verdict) {
+  if (!verdict.is_resolved()) return "unresolved";
   return verdict.is_met() ? "met" : verdict.evaluated ? "not met" : "not evaluated";
 }
 
@@ -76,22 +77,33 @@ void print_requirements(std::FILE* to, const RunReport& report) {
   std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, "Requirements").c_str());
   std::size_t width = 0;
   for (const hil::Verdict& verdict : verdicts) width = std::max(width, get(report, verdict).id.size());
-  std::size_t missed = 0;
+  std::size_t missed = 0, unresolved = 0;
   for (const hil::Verdict& verdict : verdicts) {
     const hil::Requirement& requirement = get(report, verdict);
-    missed += !verdict.is_met();
+    missed += verdict.is_resolved() && !verdict.is_met();
+    unresolved += !verdict.is_resolved();
     const std::string word = paint(to, verdict.is_met() ? Colour::kGreen : Colour::kRed, pad(get_word(verdict), 13));
     std::fprintf(to, "  %s  %s  %s\n", pad(requirement.id, width).c_str(), word.c_str(),
                  describe_value(requirement, verdict).c_str());
     const std::string what = hil::describe_quantity(requirement, report.scenario.model);
     std::fprintf(to, "  %s                 %s\n", std::string(width, ' ').c_str(),
                  (requirement.text.empty() ? what : requirement.text + " (" + what + ")").c_str());
+    if (!verdict.is_resolved())
+      std::fprintf(to, "  %s                 depends on %s\n", std::string(width, ' ').c_str(),
+                   verdict.unresolved.c_str());
   }
   const std::string count = missed == 0
                                 ? "all requirements are met"
                                 : std::to_string(missed) + " of " + tools::count(verdicts.size(), "requirement") +
                                       (missed == 1 ? " is" : " are") + " not met";
-  std::fprintf(to, "  %s\n", paint(to, missed == 0 ? Colour::kGreen : Colour::kRed, count).c_str());
+  if (unresolved > 0)
+    std::fprintf(to, "  %s\n",
+                 paint(to, Colour::kRed,
+                       std::to_string(unresolved) + " of " + tools::count(verdicts.size(), "requirement") +
+                           (unresolved == 1 ? " is" : " are") + " unresolved: neither met nor missed")
+                     .c_str());
+  if (missed > 0 || unresolved == 0)
+    std::fprintf(to, "  %s\n", paint(to, missed == 0 ? Colour::kGreen : Colour::kRed, count).c_str());
 }
 
 nlohmann::ordered_json build_requirements_json(const RunReport& report) {
@@ -104,7 +116,9 @@ nlohmann::ordered_json build_requirements_json(const RunReport& report) {
                   {"quantity", hil::describe_quantity(requirement, report.scenario.model)},
                   {"unit", requirement.unit},
                   {"met", verdict.is_met()},
-                  {"evaluated", verdict.evaluated}};
+                  {"evaluated", verdict.evaluated},
+                  {"resolved", verdict.is_resolved()}};
+    if (!verdict.is_resolved()) entry["unresolved"] = verdict.unresolved;
     if (verdict.evaluated) {
       entry["value"] = verdict.value;
       entry["limit"] = verdict.limit;
@@ -124,12 +138,16 @@ nlohmann::ordered_json build_requirements_json(const RunReport& report) {
 void write_junit(const RunReport& report, const std::string& target) {
   if (target.empty()) return;
   const std::vector<hil::Verdict> verdicts = report.analysis.judge();
-  const auto failed = static_cast<std::size_t>(
-      std::count_if(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) { return !verdict.is_met(); }));
+  const auto failed =
+      static_cast<std::size_t>(std::count_if(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) {
+        return verdict.is_resolved() && !verdict.is_met();
+      }));
+  const auto unresolved = static_cast<std::size_t>(std::count_if(
+      verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) { return !verdict.is_resolved(); }));
   const bool ok = report.status == "ok";
   const std::string name = hil::escape_xml(report.scenario.name);
   const std::string counts = "tests=\"" + std::to_string(verdicts.size() + 1) + "\" failures=\"" +
-                             std::to_string(failed) + "\" errors=\"" + std::to_string(ok ? 0 : 1) + "\"";
+                             std::to_string(failed) + "\" errors=\"" + std::to_string(unresolved + (ok ? 0 : 1)) + "\"";
   std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites " + counts + ">\n <testsuite name=\"" +
                     name + "\" " + counts + " skipped=\"0\" time=\"0\">\n  <testcase classname=\"" + name +
                     "\" name=\"run\" time=\"0\">\n";
@@ -142,7 +160,9 @@ void write_junit(const RunReport& report, const std::string& target) {
     const std::string value = hil::escape_xml(describe_value(requirement, verdict));
     const std::string what = hil::describe_quantity(requirement, report.scenario.model);
     xml += "  <testcase classname=\"" + name + "\" name=\"" + hil::escape_xml(requirement.id) + "\" time=\"0\">\n";
-    if (!verdict.is_met()) {
+    if (!verdict.is_resolved()) {
+      xml += "   <error type=\"unresolved\" message=\"" + hil::escape_xml(verdict.unresolved) + "\"/>\n";
+    } else if (!verdict.is_met()) {
       xml += "   <failure type=\"" + std::string(verdict.evaluated ? "not met" : "not evaluated") + "\" message=\"" +
              value + "\"/>\n";
     }

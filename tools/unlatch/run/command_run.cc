@@ -1,5 +1,6 @@
 // unlatch run: without flight software, as fast as it goes, in one process.
 #include <atomic>
+#include <charconv>
 #include <cmath>
 #include <condition_variable>
 #include <cstdlib>
@@ -40,15 +41,16 @@ struct RunOptions {
   std::string results;                                      // folder of a campaign
   std::string outputs;                                      // patterns; empty: the scenario's
   std::string accuracy = kNotAsked;                         // tolerance, or empty for the usual one
+  std::string tolerance = kNotAsked;                        // of which the step is found
   OutputOptions output;
 };
 
-double read_tolerance(const std::string& text) {
+double read_tolerance(const char* option, const std::string& text) {
   if (text.empty() || text == "true") return kUsualTolerance;
-  char* end = nullptr;
-  const double tolerance = std::strtod(text.c_str(), &end);
-  if (*end != 0 || !(tolerance > 0 && tolerance < 1))
-    refuse_option("--accuracy", "'" + text + "' is no tolerance: a number above 0 and below 1, of each value's size");
+  double tolerance = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), tolerance);
+  if (error != std::errc() || end != text.data() + text.size() || !(tolerance > 0 && tolerance < 1))
+    refuse_option(option, "'" + text + "' is no tolerance: a number above 0 and below 1, of each value's size");
   return tolerance;
 }
 
@@ -142,15 +144,50 @@ RunOptions resolve_sample(RunOptions options) {
   return options;
 }
 
+// Finds the largest step that meets --tolerance, and makes it that of the run.
+hil::AccuracyReport choose_step(RunOptions& options) {
+  const double tolerance = read_tolerance("--tolerance", options.tolerance);
+  const hil::Scenario scenario = load(options.scenario);
+  const auto simulation = hil::build_simulation(scenario);
+  hil::RunAnalysis analysis(scenario, *simulation);
+  const hil::LogEnd end =
+      hil::run_fast(*simulation, analysis, nullptr, calc_last_tick(scenario), catch_interrupts(), [] {});
+  hil::AccuracyReport accuracy;
+  accuracy.tolerance = tolerance;
+  accuracy.interrupted = catch_interrupts();
+  if (end.status != hil::RunStatus::kDone) return accuracy;
+  accuracy = measure_accuracy(options.scenario, scenario, *simulation, analysis, tolerance);
+  if (accuracy.step) {
+    options.scenario.dt = *accuracy.step;
+    std::fprintf(stderr, "tolerance %g: the step is %.9g s, the scenario's %.9g s\n", tolerance, *accuracy.step,
+                 scenario.dt);
+  } else {
+    std::fprintf(stderr, "tolerance %g: no step was found that meets it; the run is at %.9g s\n", tolerance,
+                 scenario.dt);
+  }
+  return accuracy;
+}
+
+// Options that need runs from the start.
+void check_step_options(const RunOptions& options) {
+  const bool compares = options.accuracy != kNotAsked, chooses = options.tolerance != kNotAsked;
+  if (compares) (void)read_tolerance("--accuracy", options.accuracy);
+  if (compares && chooses)
+    refuse_option("--tolerance", "it has the table of --accuracy already; leave one of them out");
+  if ((compares || chooses) && !options.resume.empty())
+    refuse_option(compares ? "--accuracy" : "--tolerance",
+                  "a checkpoint is of one step; runs at its half and its quarter begin at the start");
+}
+
 int run(const RunOptions& given) {
-  const RunOptions options = resolve_sample(given);
-  const bool compares = options.accuracy != kNotAsked;
-  if (compares) (void)read_tolerance(options.accuracy);
-  if (compares && !options.resume.empty())
-    refuse_option("--accuracy", "a checkpoint is of one step; runs at its half and its quarter begin at the start");
+  RunOptions options = resolve_sample(given);
+  const bool compares = options.accuracy != kNotAsked, chooses = options.tolerance != kNotAsked;
+  check_step_options(options);
   check_output(options.output.json);
   check_output(options.output.junit);
   for (const auto& [time, path] : options.checkpoints) check_output(path);
+  std::optional<hil::AccuracyReport> chosen;
+  if (chooses) chosen = choose_step(options);
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);
   warn_of_unstable_elements(scenario);
@@ -179,10 +216,16 @@ int run(const RunOptions& given) {
   RunReport report{scenario,   simulation, analysis,    get_status_name(end.status), end.message, end.tick, end.hash,
                    end.timing, {},         std::nullopt};
   report.outputs = &outputs;
+  if (chosen) report.accuracy = std::move(chosen);
   if (compares && end.status == hil::RunStatus::kDone)
-    report.accuracy =
-        measure_accuracy(options.scenario, scenario, simulation, analysis, read_tolerance(options.accuracy));
-  const bool unresolved = tell_unresolved(analysis, report.status, report.message);
+    report.accuracy = measure_accuracy(options.scenario, scenario, simulation, analysis,
+                                       read_tolerance("--accuracy", options.accuracy));
+  bool unresolved = tell_unresolved(analysis, report.status, report.message);
+  if (chooses && !unresolved && report.status == "ok" && !report.accuracy->step) {
+    unresolved = true;
+    report.status = "unresolved";
+    report.message = "no step was found that meets the tolerance";
+  }
   print_report(get_people_stream(options.output.json), report);
   write_json(report, options.output.json);
   write_junit(report, options.output.junit);
@@ -227,6 +270,11 @@ void add_run(Command app, int& exit_code) {
           "errors are within a tolerance, relative to each value's size (default: 1e-6)")
       .type_name("TOLERANCE")
       .expected(0, 1);
+  command
+      .add_option("--tolerance", options->tolerance,
+                  "finds the largest step at which all errors are within this, relative to each value's size, as "
+                  "--accuracy does, and runs at it; exit code 1 if there is none")
+      .type_name("TOLERANCE");
   add_output_options(command, options->output);
   add_outputs_option(command, options->outputs);
   command.callback([options, &exit_code] { exit_code = run(*options); });

@@ -104,13 +104,18 @@ class CampaignProgress {
   Clock::time_point shown_;
 };
 
-// Tables, summary, and what is printed.
-Json finish(const std::string& folder, double rate, const std::string& json) {
+// Tables, summary, and what is printed. `interrupted`: without the Parquet table, whose writer needs a second to start.
+Json finish(const std::string& folder, double rate, const std::string& json, bool interrupted) {
   const CampaignData data = read_campaign(folder);
   Json summary = build_summary(data);
   if (rate > 0) summary["samples_per_second"] = rate;
   write_csv(data, (fs::path(folder) / "samples.csv").string());
-  write_parquet(data, (fs::path(folder) / "samples.parquet").string());
+  const fs::path parquet = fs::path(folder) / "samples.parquet";
+  std::error_code none;
+  if (interrupted)
+    fs::remove(parquet, none);  // of fewer samples
+  else
+    write_parquet(data, parquet.string());
   write_text(summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n",
              (fs::path(folder) / "summary.json").string());
   print_summary(get_people_stream(json), summary);
@@ -171,9 +176,9 @@ int run(const CampaignOptions& options, const CampaignHost& host) {
   host.run(task, *results, [&] { progress.add_one(); });
   results.reset();  // the tables read the folder anew
   progress.clear();
-  const Json summary = finish(options.out, progress.calc_rate(), options.json);
+  const Json summary = finish(options.out, progress.calc_rate(), options.json, task.stop);
   const bool complete = campaign.failure ? summary.at("rare").at("finished").get<bool>() : progress.is_complete();
-  if (!complete) std::fprintf(stderr, "interrupted; --resume continues\n");
+  if (!complete) std::fprintf(stderr, "interrupted; --resume continues, and writes samples.parquet at its end\n");
   return complete ? judge(summary) : kExitFailed;
 }
 
@@ -183,7 +188,7 @@ int merge(const CampaignOptions& options) {
   if (fs::exists(get_results_path(options.out)))
     refuse_option("--out", options.out + " has results; choose another folder");
   merge_campaigns(folders, options.out);
-  const Json summary = finish(options.out, 0, options.json);
+  const Json summary = finish(options.out, 0, options.json, false);
   const bool complete = summary.contains("rare") ? summary.at("rare").at("finished").get<bool>()
                                                  : summary.at("samples") == summary.at("planned");
   if (complete) return judge(summary);

@@ -1,0 +1,26 @@
+// Parts into which closed contacts cut a step: a given number, or as many as they need.
+//
+// The automatic number is a power of two, chosen anew at the beginning of each part from the state alone, so that the
+// longest step is taken that resolves the stiffest closed pair. Rates of a pair, as if no joint held its two bodies,
+// which gives their greatest mobility m⁻¹ (constraints only lessen it):
+//
+//   blow      √(dF/dδ · m⁻¹) at the depth that the present depth and approach speed lead to: k δⁿ⁺¹/(n + 1) = elastic
+//             energy now + ½ m v²; and the damping there, k δⁿ d m⁻¹
+//   friction  μ F m⁻¹ / √(v_t² + v_s²), F the force at that depth
+//
+// Where even kMaxAutomaticSubsteps parts do not resolve a pair, the step goes on with so many; hil's notices report it.
+#pragma once
+
+#include "kernel/elements/instant.h"
+
+namespace unlatch {
+
+// Parts of the step that begins at the present state, `ev` being its evaluation: 1 if no contact is closed.
+int count_contact_parts(const PlanData& plan, const State& state, double t, const Evaluation& ev) noexcept;
+
+// The smallest number of parts into which a closed contact can cut a step.
+inline int get_fewest_parts(const PlanData& plan) {
+  return plan.contact_substeps == kAutomaticSubsteps ? 1 : plan.contact_substeps;
+}
+
+}  // namespace unlatch
