@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "tests/support/mast_model.h"
 #include "tests/support/random.h"
 
 namespace unlatch::bench {
@@ -22,6 +23,8 @@ int draw_parent(Random& random, Shape shape, int body) {
       return (body - 1) / 2;
     case Shape::kRandom:
       return random.below(body);
+    case Shape::kMast:
+      break;
   }
   return 0;
 }
@@ -126,11 +129,14 @@ const char* get_name(Shape shape) {
       return "random";
     case Shape::kWeldedChain:
       return "welded_chain";
+    case Shape::kMast:
+      return "mast";
   }
   return "";
 }
 
 Model build_solve_model(Shape shape, int n) {
+  if (shape == Shape::kMast) return test::build_mast(n / 2);
   Random random(kSeed);
   Model model;
   model.name = get_name(shape);

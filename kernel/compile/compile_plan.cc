@@ -15,6 +15,7 @@
 #include "kernel/model/model_hash.h"
 #include "kernel/simd/instruction_set.h"
 #include "kernel/tree/groups.h"
+#include "kernel/tree/loop_clusters.h"
 #include "kernel/tree/loop_nodes.h"
 #include "kernel/tree/loop_paths.h"
 #include "kernel/tree/topology.h"
@@ -300,6 +301,7 @@ void compile_memory(const Model& model, PlanData& plan) {
   lay_out_blocks(model, group_nodes(model, plan.nodes, plan.compliant_axes), plan);
   fill_constants(model, plan);
   compile_loops(model, plan);
+  compile_clusters(plan);
   compile_loop_paths(model, plan);  // after compile_loops(): it leads through loop nodes
   place_multipliers(plan);
 }

@@ -203,6 +203,7 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
 
 SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept {
   get_kernels(plan).begin_substep(plan, ev);
+  keep_cluster_ranks(ev);
   return {t, ev.loop_count - ev.loop_redundant};
 }
 

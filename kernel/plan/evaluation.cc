@@ -28,6 +28,7 @@ class Arena {
 
 // The unknowns are as many as the redundant rows or as the others, whichever are fewer.
 void lay_out_split(const PlanData& plan, Arena& arena, SplitScratch& split) {
+  if (!plan.closures.empty()) return;
   const auto loop_rows = static_cast<std::size_t>(plan.loop_rows);
   const std::size_t rows = loop_rows + static_cast<std::size_t>(plan.ring_rows);
   const std::size_t unknowns = std::min(loop_rows, rows / 2);
@@ -62,8 +63,14 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
              columns = static_cast<std::size_t>(plan.loop_columns);
   arena.take(ev.loop_rows, loop_rows);
   arena.take(ev.loop_ranges, plan.loops.empty() ? 0 : plan.loops.size() + 1);
-  arena.take(ev.loop_matrix, loop_rows * columns);
-  arena.take(ev.loop_loads, (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns);
+  const bool dense = plan.closures.empty();
+  arena.take(ev.loop_matrix, dense ? loop_rows * columns : 0);
+  arena.take(ev.loop_loads, dense ? (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns : 0);
+  arena.take(ev.closures, plan.closures.size());
+  for (std::span<double>* matrix : {&ev.cluster_matrix, &ev.split_matrix})
+    arena.take(*matrix, static_cast<std::size_t>(plan.cluster_blocks) * kBlockNumbers);
+  arena.take(ev.cluster_columns, static_cast<std::size_t>(plan.cluster_numbers));
+  arena.take(ev.split_columns, plan.loop_slots.size() * kBlockNumbers);
   arena.take(ev.loop_solution, loop_rows);
   lay_out_split(plan, arena, ev.split);
   for (std::span<double>* pairs : {&ev.pair_distances, &ev.pair_rates}) arena.take(*pairs, plan.contact_pairs.size());

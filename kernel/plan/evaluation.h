@@ -50,6 +50,18 @@ struct LoopRow {
   double free;                                              // that entry if nothing held its bodies
 };
 
+// A loop that is eliminated where it closes (PlanData::closures). Lanes: its rows, in the order of Row.
+struct ClosureWork {
+  std::int32_t count, rank, start_rank;   // rows; independent ones, and those at the beginning of the sub-step
+  std::int32_t first;                     // into Evaluation::loop_rows
+  std::int32_t order[kRows];              // lanes in the order of their pivots
+  double inverse[kEight];                 // of the pivots, in that order
+  double own[kEight];                     // diagonal entries of Λ
+  double target[kEight];                  // right-hand side, then what forward elimination leaves of it
+  double mu[kEight];                      // multipliers
+  double gradient[kEight], change[kEight];  // of the split of redundant reactions
+};
+
 // Auxiliary states, State::auxiliary, as the stages of a step take them.
 struct Auxiliary {
   std::span<double> now, rate;          // at the stage; 1/s
@@ -126,6 +138,11 @@ struct Evaluation {
   std::int32_t loop_count = 0;          // rows that are active
   std::int32_t loop_redundant = 0;      // of these, rows that follow from the others
   SplitScratch split;
+  // loops that are eliminated where they close
+  std::span<ClosureWork> closures;
+  std::span<double> cluster_matrix;                // Λ, then its factor
+  std::span<double> cluster_columns;               // wrenches at the nodes, and what the pivots there met
+  std::span<double> split_matrix, split_columns;  // of the split of redundant reactions
 
   // per pair of shapes of contacts: of those that are on, m; its rate of those that are open, m/s, 0 far apart
   std::span<double> pair_distances, pair_rates;

@@ -86,6 +86,36 @@ struct LoopMesh {
   std::int32_t first, count;  // into PlanData::mesh_joints
 };
 
+// Loops that are eliminated where they close, see kernel/tree/loop_clusters.h and kernel/solver/loop_clusters.h. In
+// order of elimination. A block has the rows of one loop and, in kEight lanes each, those of another.
+struct LoopClosure {
+  std::int32_t loop;               // into PlanData::loops
+  std::int32_t node;               // into PlanData::cluster_nodes, where it closes; kNone: at the ground
+  std::int32_t slot;               // there, into PlanData::loop_slots
+  std::int32_t block;              // its own, into the blocks of Evaluation::cluster_matrix
+  std::int32_t first_link, links;  // later loops that it is coupled with: into PlanData::loop_links
+  std::int32_t first_pair;         // into PlanData::loop_pairs: blocks of pairs of these, i ≤ j, by rows
+};
+struct LoopLink {
+  std::int32_t closure, block;
+  std::int32_t slot;  // of that loop where this one closes; kNone: at the ground
+};
+// One loop at one node: its rows' wrenches there.
+struct LoopSlot {
+  std::int32_t closure;
+  std::int32_t parent;   // the slot at the parent; kNone beyond a root
+  std::int32_t side;     // +1, −1: the node's body is the joint's follower, its base; 0: neither
+  std::int32_t numbers;  // into Evaluation::cluster_columns
+};
+struct ClusterNode {
+  std::int32_t node, group;
+  Place place;
+  std::int32_t first_slot, closing, slots;  // of these, the first close here, the others pass on
+  std::int32_t first_pair;                  // into PlanData::loop_pairs: of those that pass on
+};
+// Rows of a block of Λ, and numbers of it.
+inline constexpr int kBlockNumbers = kRows * kEight;
+
 // --- Bodies that bend or burn ----------------------------------------------------------------------------------------
 
 // A flexible body, see kernel/dynamics/flexible.h.
@@ -175,8 +205,8 @@ struct PlanPlaneTorsion {
 struct PlanShapes {
   std::int32_t body;
   geometry::ShapeGroup group;
-  // Of the body that carries them, held by nothing: 1/kg, of a flexible body with the mobility of its modes there; 0 for
-  // the ground. About its origin, body axes, 1/(kg m²).
+  // Of the body that carries them, held by nothing: 1/kg, of a flexible body with the mobility of its modes there; 0
+  // for the ground. About its origin, body axes, 1/(kg m²).
   double inverse_mass = 0;
   Mat3 inverse_inertia{};
 };
@@ -312,6 +342,16 @@ struct PlanData {
   std::vector<LoopMesh> meshes;
   std::vector<std::int32_t> mesh_joints;  // of each mesh, in the order of the model
 
+  // loops that are eliminated where they close; empty if all are by one dense matrix
+  std::vector<LoopClosure> closures;
+  std::vector<LoopLink> loop_links;
+  std::vector<LoopSlot> loop_slots;
+  std::vector<std::int32_t> loop_pairs;
+  std::vector<ClusterNode> cluster_nodes;    // parents before children
+  std::vector<std::int32_t> group_clusters;  // per group: its first cluster node; and the end
+  std::int32_t cluster_blocks = 0;           // of Evaluation::cluster_matrix
+  std::int32_t cluster_numbers = 0;          // of Evaluation::cluster_columns
+
   // blocks, see blocks.h
   std::vector<BodyEight> eights;
   std::vector<Group> groups;                // parents before children
@@ -352,7 +392,7 @@ struct PlanData {
   std::vector<PlanShapes> shapes;
   std::vector<PlanContact> contacts;
   std::vector<ContactPair> contact_pairs;  // those of one contact together
-  std::int32_t contact_substeps = 1;  // kAutomaticSubsteps, or a number
+  std::int32_t contact_substeps = 1;       // kAutomaticSubsteps, or a number
   std::vector<PlanOneSided> one_sided;
   std::vector<CordDrum> drums;  // of cords, in the model's order
   std::vector<double> travels, travel_forces;

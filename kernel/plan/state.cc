@@ -40,6 +40,12 @@ State::State(const Plan& owner, std::span<std::byte> memory) noexcept {
 const PlanOptions& Plan::get_options() const noexcept { return data_->options; }
 std::span<const TreeNode> Plan::get_tree() const noexcept { return data_->nodes; }
 std::span<const std::int32_t> Plan::get_loops() const noexcept { return data_->loops; }
+LoopOverlap Plan::get_loop_overlap() const noexcept {
+  LoopOverlap overlap{static_cast<std::int32_t>(data_->loops.size()), 0, !data_->closures.empty()};
+  for (const ClusterNode& node : data_->cluster_nodes) overlap.widest = std::max(overlap.widest, node.slots);
+  if (!overlap.local) overlap.widest = overlap.loops;
+  return overlap;
+}
 std::size_t Plan::get_sensor_count() const noexcept { return at(data_->sensor_count); }
 std::uint64_t Plan::get_hash() const noexcept { return data_->hash; }
 

@@ -6,11 +6,6 @@
 namespace unlatch {
 namespace {
 
-// A pivot this small beside the row's own diagonal entry: the row follows from those before it.
-constexpr double kRedundant = 1e-10;
-// An entry this small beside the one that free bodies would give is rounding: the tree alone holds the row.
-constexpr double kHeldByTree = 1e-13;
-
 // A wrench of size 1 at each body's origin.
 LoopRow build_row(const PlanData& plan, const JointFrame& f, int loop, int row) {
   const std::int32_t joint = plan.loops[at(loop)];
@@ -75,6 +70,42 @@ void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) 
             build_row(plan, ev.non_tree_frames[at(plan.joints[at(joint)].non_tree)], static_cast<int>(l), r);
   }
   ev.loop_ranges[plan.loops.size()] = ev.loop_count;
+}
+
+void begin_clusters(const PlanData& plan, Evaluation& ev, bool limited) noexcept {
+  for (std::size_t e = 0; e < plan.closures.size(); ++e) {
+    ClosureWork& c = ev.closures[e];
+    const std::int32_t* range = ev.loop_ranges.data() + plan.closures[e].loop;
+    c.first = range[0];
+    c.count = range[1] - range[0];
+    c.rank = 0;
+    if (!limited) c.start_rank = kAllRows;
+    for (int r = 0; r < c.count; ++r) {
+      LoopRow& row = ev.loop_rows[at(c.first + r)];
+      row.free = calc_free_mobility(plan, ev, row);
+    }
+  }
+}
+
+void keep_cluster_ranks(Evaluation& ev) noexcept {
+  for (ClosureWork& c : ev.closures) c.start_rank = c.rank;
+}
+
+void count_redundant_rows(Evaluation& ev) noexcept {
+  ev.loop_redundant = 0;
+  for (const ClosureWork& c : ev.closures) ev.loop_redundant += c.count - c.rank;
+}
+
+void begin_cluster_targets(Evaluation& ev, bool biased) noexcept {
+  for (ClosureWork& c : ev.closures)
+    for (int r = 0; r < kEight; ++r) {
+      c.target[r] = c.mu[r] = 0;
+      if (!biased || r >= c.count) continue;
+      const LoopRow& row = ev.loop_rows[at(c.first + r)];
+      const JointFrame& f = ev.non_tree_frames[at(row.non_tree)];
+      const Spatial& bias = ev.non_tree_bias[at(row.non_tree)];
+      c.target[r] = row.row < kRotX ? dot(column(f.n, row.row), bias.lin) : dot(column(f.m, row.row - kRotX), bias.ang);
+    }
 }
 
 void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept {

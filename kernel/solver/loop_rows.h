@@ -20,6 +20,11 @@ namespace unlatch {
 // No limit on the number of rows that may count as independent.
 inline constexpr std::int32_t kAllRows = std::numeric_limits<std::int32_t>::max();
 
+// A pivot this small beside the row's own diagonal entry: the row follows from those before it.
+inline constexpr double kRedundant = 1e-10;
+// An entry this small beside the one that free bodies would give is rounding: the tree alone holds the row.
+inline constexpr double kHeldByTree = 1e-13;
+
 inline LowerTriangle get_loop_matrix(const PlanData& plan, const Evaluation& ev) {
   return {ev.loop_matrix.data(), plan.loop_columns};
 }
@@ -29,6 +34,14 @@ inline const LoopRow& get_pivot_row(const Evaluation& ev, int r) { return ev.loo
 
 // The rows that hold in the present modes, with their unit wrenches; needs the joints' frames.
 void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+
+// Loops that are eliminated where they close (loop_clusters.h). Their rows, after update_loop_rows(); `limited`: no more
+// of a loop's rows are independent than at the beginning of the sub-step, which keep_cluster_ranks() keeps.
+void begin_clusters(const PlanData& plan, Evaluation& ev, bool limited) noexcept;
+void keep_cluster_ranks(Evaluation& ev) noexcept;
+void count_redundant_rows(Evaluation& ev) noexcept;
+// Right-hand sides of their rows, 0 if not biased.
+void begin_cluster_targets(Evaluation& ev, bool biased) noexcept;
 
 // Takes every row for independent so far, and keeps its diagonal entry of Λ.
 void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept;

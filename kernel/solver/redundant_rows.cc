@@ -204,6 +204,7 @@ class Split {
 }  // namespace
 
 void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
+  if (!plan.closures.empty()) return split_cluster_rows(plan, state, ev);
   Split(plan, state, ev).run();
 }
 

@@ -30,4 +30,7 @@ namespace unlatch {
 // stay as they are.
 void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
+// The same where loops are eliminated where they close: split_clusters.cc.
+void split_cluster_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+
 }  // namespace unlatch

@@ -2,6 +2,7 @@
 // close loops on top of it (loop_rows.h, loop_columns.h). Compiled once per instruction set, see kernel/simd/pack.h.
 #pragma once
 
+#include "kernel/solver/loop_clusters.h"
 #include "kernel/solver/loop_columns.h"
 #include "kernel/solver/tree_sweeps.h"
 
@@ -28,6 +29,36 @@ template <int kWidest>
   sweep_forth<kWidest>(plan, ev, whole);
 }
 
+// Both passes where loops are eliminated where they close.
+template <int kWidest, bool kFactor>
+[[gnu::noinline]] int sweep_clusters(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  using Clusters = LoopClusters<Pack<kWidest>>;
+  struct Backward {
+    Clusters clusters;
+    bool biased;
+    UNLATCH_INLINE void before(std::size_t g) const { clusters.template close<kFactor>(g); }
+    UNLATCH_INLINE void after(std::size_t g) const { clusters.template pass<kFactor>(g, biased); }
+  };
+  struct Forward {
+    Clusters clusters;
+    bool multipliers;
+    UNLATCH_INLINE void before(std::size_t g) const { clusters.add_reactions(g); }
+    UNLATCH_INLINE void after(std::size_t g) const { clusters.finish(g, multipliers); }
+  };
+  const Clusters clusters(plan, ev);
+  if (kFactor) clusters.begin_factor();
+  begin_cluster_targets(ev, sweep.biased);
+  const int node = sweep_back<kWidest, kFactor>(plan, ev, sweep, Backward{clusters, sweep.biased});
+  if (node != kNone) return node;
+  clusters.template close_at_ground<kFactor>();
+  if (kFactor) count_redundant_rows(ev);
+  clusters.find_multipliers_at_ground();
+  sweep_forth<kWidest>(plan, ev, sweep, Forward{clusters, sweep.multipliers});
+  clear_loop_multipliers(plan, ev);
+  clusters.store_multipliers();
+  return kNone;
+}
+
 // The forward pass.
 template <int kWidest>
 UNLATCH_INLINE void finish_solution(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
@@ -43,6 +74,11 @@ UNLATCH_INLINE void finish_solution(const PlanData& plan, Evaluation& ev, const 
 // another solve of the same instant needs the forces anew. Returns kNone, or the node whose pivot vanished.
 template <int kWidest>
 int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep, std::int32_t most) {
+  if (!plan.closures.empty()) {
+    update_loop_rows(plan, state, ev);
+    begin_clusters(plan, ev, most != kAllRows);
+    return sweep_clusters<kWidest, true>(plan, ev, sweep);
+  }
   if (const int node = sweep_back<kWidest, true>(plan, ev, sweep); node != kNone) return node;
   if (!plan.loops.empty()) {
     update_loop_rows(plan, state, ev);
@@ -57,6 +93,10 @@ int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, c
 // and impulses.
 template <int kWidest>
 void solve(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+  if (!plan.closures.empty()) {
+    (void)sweep_clusters<kWidest, false>(plan, ev, sweep);
+    return;
+  }
   (void)sweep_back<kWidest, false>(plan, ev, sweep);
   finish_solution<kWidest>(plan, ev, sweep);
 }

@@ -125,9 +125,15 @@ template <bool kLeaf, bool kFactor, class T, int kWidth>
   return kNone;
 }
 
+// What else happens at each group on a sweep: nothing in a tree.
+struct NothingElse {
+  UNLATCH_INLINE void before(std::size_t) const {}
+  UNLATCH_INLINE void after(std::size_t) const {}
+};
+
 // Returns kNone, or the node whose pivot vanished.
-template <int kWidest, bool kFactor>
-UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+template <int kWidest, bool kFactor, class Else = NothingElse>
+UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const Else& other = {}) {
   SiblingSums sums;
   for (const std::int32_t g : plan.inner_groups) begin_block<kWidest, kFactor>(plan, ev, g, sweep.source);
   if (kFactor && !plan.rigid) add_varying_blocks(plan, ev);
@@ -137,6 +143,7 @@ UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep&
     const Group& group = groups[g];
     if (far && g > 0) prefetch_block<-1>(plan, ev, g - 1);
     int node = kNone;
+    other.before(g);
     if (group.kind != BodyKind::kRigid) {
       node = eliminate_flexible(plan, ev, sweep, group, kFactor);
       if (node != kNone) return node;
@@ -153,6 +160,7 @@ UNLATCH_INLINE int sweep_back(const PlanData& plan, Evaluation& ev, const Sweep&
     if (kFactor && node != kNone) return node;
     if (group.siblings_end && !sums_in_registers<kWidest>(group))
       close_siblings<kWidest, kFactor>(plan, ev, group, sweep.source, sums);
+    other.after(g);
   }
   return kNone;
 }
@@ -239,13 +247,14 @@ template <bool kLeaf, class T, int kWidth>
     substitute_lanes<kLeaf>(GroupView<T, kWidth>(plan, ev, g, lane), sweep);
 }
 
-template <int kWidest>
-UNLATCH_INLINE void sweep_forth(const PlanData& plan, Evaluation& ev, const Sweep& sweep) {
+template <int kWidest, class Else = NothingElse>
+UNLATCH_INLINE void sweep_forth(const PlanData& plan, Evaluation& ev, const Sweep& sweep, const Else& other = {}) {
   const bool far = is_far(plan);
   const std::span<const Group> groups = plan.groups;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const Group& group = groups[g];
     if (far && g + 1 < groups.size()) prefetch_block<+1>(plan, ev, g + 1);
+    other.before(g);
     if (group.kind != BodyKind::kRigid) {
       substitute_flexible(plan, ev, sweep, group);
       continue;
@@ -256,6 +265,7 @@ UNLATCH_INLINE void sweep_forth(const PlanData& plan, Evaluation& ev, const Swee
       else
         substitute_group<false, T, kWidth>(plan, ev, sweep, g);
     });
+    other.after(g);
   }
 }
 

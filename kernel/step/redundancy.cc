@@ -11,7 +11,9 @@ std::vector<RedundantRows> list_redundant_rows(const Plan& owner, const State& s
   const PlanData& plan = owner.data();
   const Evaluation& ev = workspace.data().kept.evaluation;
   std::vector<std::int32_t> redundant(plan.meshes.size(), 0);
-  for (int r = ev.loop_count - ev.loop_redundant; r < ev.loop_count; ++r)
+  for (std::size_t e = 0; e < plan.closures.size(); ++e)
+    redundant[at(plan.loop_paths[at(plan.closures[e].loop)].mesh)] += ev.closures[e].count - ev.closures[e].rank;
+  for (int r = ev.loop_count - ev.loop_redundant; plan.closures.empty() && r < ev.loop_count; ++r)
     ++redundant[at(plan.loop_paths[at(get_pivot_row(ev, r).loop)].mesh)];
   std::vector<RedundantRows> all;
   for (std::size_t m = 0; m < plan.meshes.size(); ++m) {

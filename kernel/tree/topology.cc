@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <compare>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <utility>
 
 namespace unlatch {
 namespace {
@@ -92,8 +96,11 @@ std::vector<int> measure_distances(const Model& model, int root) {
 // Joints in the order in which they may become edges. One that closes a loop is to let go if one of them does, to have
 // few rows, and to lie where the two ways from the ground meet, so that the tree is shallow and has lanes side by side;
 // springs to be integrated implicitly need edges.
-std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& compliant, int root) {
-  const std::vector<int> distance = measure_distances(model, root);
+//
+// `places`: per joint, its place in another order than that of distances; empty: by distances.
+std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& compliant, int root,
+                             const std::vector<int>& places) {
+  const std::vector<int> distance = places.empty() ? measure_distances(model, root) : std::vector<int>();
   struct Rank {
     int may_go, free, distance, joint;  // may_go, free: rows that it lacks in its loosest mode, and in its tightest
     auto operator<=>(const Rank&) const = default;  // NOLINT(modernize-use-nullptr): of what the compiler writes
@@ -106,7 +113,7 @@ std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& comp
       most = std::max(most, std::popcount(mode.rows));
       least = std::min(least, std::popcount(mode.rows));
     }
-    const int near = joint.base == kGround ? -1 : std::min(distance[at(joint.base)], distance[at(joint.follower)]);
+    const int near = !places.empty() ? places[at(j)] : joint.base == kGround ? -1 : std::min(distance[at(joint.base)], distance[at(joint.follower)]);
     ranks.push_back({compliant[at(j)] != 0 ? -1 : kRows - least, kRows - most, near, j});
   }
   std::sort(ranks.begin(), ranks.end());
@@ -117,7 +124,7 @@ std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& comp
 }
 
 // Finds which bodies belong together; joints that would close a loop do not become edges.
-Graph build_graph(const Model& model, const std::vector<RowSet>& compliant, int root) {
+Graph build_graph(const Model& model, const std::vector<RowSet>& compliant, int root, const std::vector<int>& places) {
   const std::size_t bodies = model.bodies.size();
   Graph graph{std::vector<std::vector<Edge>>(bodies), std::vector<int>(bodies, kNone), {}};
   Groups groups(bodies);
@@ -132,7 +139,7 @@ Graph build_graph(const Model& model, const std::vector<RowSet>& compliant, int 
     connect(kNone, body, marker);
   }
   std::vector<bool> edge(model.joints.size(), false);
-  for (const int j : rank_joints(model, compliant, root))
+  for (const int j : rank_joints(model, compliant, root, places))
     if (may_hold(model.joints[at(j)], compliant[at(j)]))
       edge[at(j)] = groups.join(model.joints[at(j)].base, model.joints[at(j)].follower);
   for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
@@ -170,10 +177,8 @@ int find_middle(const Graph& graph, int start, std::vector<int>& reached_from) {
   return path[(path.size() - 1) / 2];
 }
 
-}  // namespace
-
-Topology compile_topology(const Model& model, const std::vector<RowSet>& compliant, int root) {
-  const Graph graph = build_graph(model, compliant, root);
+Topology grow_tree(const Model& model, const std::vector<RowSet>& compliant, int root, const std::vector<int>& places) {
+  const Graph graph = build_graph(model, compliant, root, places);
   const std::size_t bodies = model.bodies.size();
   std::vector<int> reached_from(bodies, kNone);
   std::vector<bool> seen(bodies, false);
@@ -202,6 +207,98 @@ Topology compile_topology(const Model& model, const std::vector<RowSet>& complia
     }
   }
   return topology;
+}
+
+constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+
+// Loops that are open at the nodes, squared and summed: what eliminating them costs. `limit`: beyond it the sum is not
+// completed.
+std::int64_t estimate_cost(const Model& model, const Topology& topology, std::int64_t limit) {
+  std::vector<int> node_of(model.bodies.size(), kNone);
+  for (std::size_t k = 0; k < topology.nodes.size(); ++k) node_of[at(topology.nodes[k].body)] = static_cast<int>(k);
+  std::vector<std::int64_t> open(topology.nodes.size(), 0);
+  std::int64_t cost = 0;
+  for (const std::int32_t loop : topology.loops) {
+    const Joint& joint = model.joints[at(loop)];
+    int a = node_of[at(joint.follower)], b = joint.base == kGround ? kNone : node_of[at(joint.base)];
+    while (a != b && cost <= limit) {
+      int& outer = a > b ? a : b;
+      cost += 2 * open[at(outer)]++ + 1;
+      outer = topology.nodes[at(outer)].parent;
+    }
+  }
+  return cost;
+}
+
+// The order in which bodies of fewest neighbours are eliminated, each leaving its neighbours connected: places of the
+// bodies in it.
+std::vector<int> find_minimum_degree(const Model& model) {
+  const std::size_t bodies = model.bodies.size();
+  std::vector<std::set<int>> neighbours(bodies);
+  const auto connect = [&](int a, int b) {
+    if (a == b) return;
+    neighbours[at(a)].insert(b);
+    neighbours[at(b)].insert(a);
+  };
+  for (const Joint& joint : model.joints)
+    if (joint.base != kGround) connect(joint.base, joint.follower);
+  for (int b = 0; b < static_cast<int>(bodies); ++b)
+    if (model.bodies[at(b)].marker) connect(b, model.bodies[at(b)].marker->body);
+  std::set<std::pair<std::size_t, int>> left;
+  for (int b = 0; b < static_cast<int>(bodies); ++b) left.insert({neighbours[at(b)].size(), b});
+  std::vector<int> places(bodies, 0);
+  for (int next = 0; !left.empty(); ++next) {
+    const int b = left.begin()->second;
+    left.erase(left.begin());
+    places[at(b)] = next;
+    const std::vector<int> around(neighbours[at(b)].begin(), neighbours[at(b)].end());
+    if (around.size() > 64) break;  // the rest is one dense block: any order
+    for (const int a : around) {
+      left.erase({neighbours[at(a)].size(), a});
+      neighbours[at(a)].erase(b);
+      for (const int other : around)
+        if (other != a) neighbours[at(a)].insert(other);
+      left.insert({neighbours[at(a)].size(), a});
+    }
+  }
+  return places;
+}
+
+// Places of the joints, if each body's parent is to be that of its neighbours which is eliminated next after it.
+std::vector<int> place_joints(const Model& model) {
+  const std::vector<int> body_places = find_minimum_degree(model);
+  const int bodies = static_cast<int>(model.bodies.size());
+  std::vector<int> chosen(model.bodies.size(), kNone), places(model.joints.size(), 0);
+  const auto split = [&](const Joint& joint) {
+    const bool follower_first = body_places[at(joint.follower)] < body_places[at(joint.base)];
+    return follower_first ? std::pair(joint.follower, joint.base) : std::pair(joint.base, joint.follower);
+  };
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    if (model.joints[j].base == kGround) continue;
+    const auto [first, second] = split(model.joints[j]);
+    int& best = chosen[at(first)];
+    if (best == kNone || body_places[at(second)] < body_places[at(split(model.joints[at(best)]).second)])
+      best = static_cast<int>(j);
+  }
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    if (model.joints[j].base == kGround) {
+      places[j] = -1;
+      continue;
+    }
+    const int first = split(model.joints[j]).first;
+    places[j] = body_places[at(first)] + (chosen[at(first)] == static_cast<int>(j) ? 0 : bodies);
+  }
+  return places;
+}
+
+}  // namespace
+
+Topology compile_topology(const Model& model, const std::vector<RowSet>& compliant, int root) {
+  Topology shallow = grow_tree(model, compliant, root, {});
+  if (shallow.loops.size() < 2) return shallow;
+  Topology narrow = grow_tree(model, compliant, root, place_joints(model));
+  const std::int64_t cost = estimate_cost(model, narrow, kNoLimit);
+  return estimate_cost(model, shallow, cost) <= cost ? shallow : narrow;
 }
 
 }  // namespace unlatch

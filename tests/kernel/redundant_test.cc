@@ -271,6 +271,23 @@ Model build_tumbling_plates() {
   return model;
 }
 
+// Multipliers with the effect of the simulation's, of as few rows as possible: those that a factorisation with pivots
+// takes for independent, which of equal bolts rounding decides.
+std::vector<double> calc_basic(const Model& model, Simulation& s) {
+  const DenseKkt kkt = build_dense_kkt(model, read_state(s));
+  const Eigen::MatrixXd across = kkt.rows.cast<double>().transpose();
+  Eigen::VectorXd lambda(across.cols());
+  const auto place = [&](Eigen::Index k) {
+    const DenseKkt::RowName& name = kkt.names[static_cast<std::size_t>(k)];
+    return static_cast<std::size_t>(name.joint * kRows + name.row);
+  };
+  for (Eigen::Index k = 0; k < lambda.size(); ++k) lambda[k] = s.workspace.multipliers[place(k)];
+  const Eigen::VectorXd basic = across.colPivHouseholderQr().solve(across * lambda);
+  std::vector<double> all(model.joints.size() * kRows, 0);
+  for (Eigen::Index k = 0; k < basic.size(); ++k) all[place(k)] = basic[k];
+  return all;
+}
+
 // The force oscillates at 6 rad/s and the plates turn at ω, with ω² in their own load: no share changes faster than (6
 // + 2 ω)² of the largest.
 TEST(RedundantReactions, DoNotChatterAlongASmoothMotion) {
@@ -287,8 +304,7 @@ TEST(RedundantReactions, DoNotChatterAlongASmoothMotion) {
     turning = std::max(turning, norm(s.state.bodies[0].w));
     std::vector<double> now(kAll), basic(kAll);
     for (std::size_t k = 0; k < kAll; ++k) now[k] = s.workspace.multipliers[k];
-    solve_unsplit(s);
-    for (std::size_t k = 0; k < kAll; ++k) basic[k] = s.workspace.multipliers[k];
+    basic = calc_basic(model, s);
     for (std::size_t k = 0; k < kAll && i >= 2; ++k) {
       largest = std::max(largest, std::abs(now[k]));
       bend = std::max(bend, std::abs(now[k] - 2 * last[k] + before[k]));
@@ -297,7 +313,7 @@ TEST(RedundantReactions, DoNotChatterAlongASmoothMotion) {
     before = last, last = now, basic_before = basic_last, basic_last = basic;
   }
   const double fastest = 6 + 2 * turning;
-  std::printf("largest %.4g N, second difference %.2g N, of the independent rows alone %.2g N\n", largest, bend,
+  std::printf("largest %.4g N, second difference %.2g N, of a basic solution %.2g N\n", largest, bend,
               basic_bend);
   EXPECT_LT(bend, fastest * fastest * dt * dt * largest);
   EXPECT_GT(basic_bend, 100 * bend);

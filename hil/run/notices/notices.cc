@@ -113,7 +113,7 @@ void NoticeWatch::update(const StepReport& report) {
         add("mode", body.name,
             implicit ? format("dt·omega %.3g of its fastest mode: integrated implicitly, which damps it", size)
                      : describe_size("dt·omega of its fastest mode", size),
-            implicit || size <= kUnresolved ? std::span<const int>{} : std::span<const int>(bodies));
+            implicit || size <= kUnresolvedSize ? std::span<const int>{} : std::span<const int>(bodies));
       }
     }
   }
@@ -139,7 +139,7 @@ void NoticeWatch::watch_bodies() {
       const double size = std::sqrt(rate2) * dt_;
       this->report(
           turning_[b], "rotation", scenario_.model.bodies[b].name, size, [&] { return describe_size("|w|·dt", size); },
-          size > kUnresolved ? std::span<const int>(bodies) : std::span<const int>{});
+          size > kUnresolvedSize ? std::span<const int>(bodies) : std::span<const int>{});
     }
     const Quat& q = state.q;
     const double excess = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1;
@@ -166,7 +166,7 @@ void NoticeWatch::watch_springs() {
                  : describe_size(what, size);
     };
     report(stiff_[i], "spring", scenario_.model.element_name(e.element), size, describe,
-           e.implicit || size <= kUnresolved ? std::vector<int>{} : list_element_bodies(scenario_.model, e.element));
+           e.implicit || size <= kUnresolvedSize ? std::vector<int>{} : list_element_bodies(scenario_.model, e.element));
   }
 }
 

@@ -15,7 +15,7 @@ namespace unlatch::hil {
 inline constexpr double kAccurate = 0.2, kStable = 2.8;
 // Bound beyond which a smooth motion, of a body, spring or mode, counts as unresolved, and what depends on it is no result:
 // an error of 2e-4 of each radian.
-inline constexpr double kUnresolved = 0.4;
+inline constexpr double kUnresolvedSize = 0.4;
 // Steps that a notice proposes are printed with three digits: this factor keeps rounding up from taking them too far.
 inline constexpr double kRoundedDown = 0.995;
 

@@ -47,6 +47,14 @@ struct TreeNode {
   bool leaf;            // nothing is outboard of it, and its mass is constant: its block is diag(mass, inertia)
 };
 
+// How the closed loops of a plan lie beside each other. Each is eliminated where it closes; a step costs what the tree
+// does, and at each body the square of the loops that are open there.
+struct LoopOverlap {
+  std::int32_t loops = 0;   // joints that close one over the tree
+  std::int32_t widest = 0;  // most loops that are open at one body
+  bool local = false;       // eliminated where they close; else by one dense matrix of all their rows
+};
+
 // A compiled model. Copies share their data.
 class Plan {
  public:
@@ -63,6 +71,7 @@ class Plan {
   // The bodies in elimination order, parents before children.
   std::span<const TreeNode> get_tree() const noexcept;
   std::span<const std::int32_t> get_loops() const noexcept;  // joints that close a loop over the tree
+  LoopOverlap get_loop_overlap() const noexcept;
   std::size_t get_sensor_count() const noexcept;             // values, all sensors' components counted
 
   // For the kernel and its tests.

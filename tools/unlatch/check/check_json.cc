@@ -69,6 +69,8 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
   json["loops"] = Json::array();
   for (const std::int32_t loop : plan.get_loops())
     json["loops"].push_back(model.joints[static_cast<std::size_t>(loop)].name);
+  const LoopOverlap overlap = plan.get_loop_overlap();
+  json["loop_overlap"] = {{"loops", overlap.loops}, {"widest", overlap.widest}, {"local", overlap.local}};
   json["redundant"] = Json::array();
   for (const RedundantRows& rows : redundant) json["redundant"].push_back(build_json(model, rows));
   json["elements"] = Json::array();

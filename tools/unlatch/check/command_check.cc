@@ -77,6 +77,19 @@ void print_elimination(const Model& model, const Plan& plan) {
   for (const std::int32_t loop : plan.get_loops())
     loops.add(model.joints[static_cast<std::size_t>(loop)].name, "closes a loop");
   loops.print(stdout, 0);
+  const LoopOverlap overlap = plan.get_loop_overlap();
+  if (overlap.loops < 2) return;
+  const std::string loops_text = count(static_cast<std::size_t>(overlap.loops), "loop");
+  if (overlap.local)
+    std::printf("  %s, each eliminated where it closes; at most %d are open at one body\n", loops_text.c_str(),
+                overlap.widest);
+  else
+    std::printf("  %s, eliminated together by one dense matrix: a flexible body is on the way of one\n",
+                loops_text.c_str());
+  constexpr int kWide = 12;
+  if (overlap.widest > kWide)
+    std::printf(
+        "  wide: a step costs the square of the loops that are open at a body; look whether `unlatch run` keeps up\n");
 }
 
 void print_redundant(const Model& model, const std::vector<RedundantRows>& redundant) {
