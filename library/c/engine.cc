@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "hil/run/findings/findings.h"
 #include "hil/run/replay.h"
 #include "hil/run/run.h"
 #include "hil/scenario/text/number_text.h"
@@ -140,6 +141,7 @@ unlatch_status Engine::step_with_extras() noexcept {
       analysis_->update(report);
       for (std::size_t i = 0; i < clearances_.size(); ++i) clearances_[i] = analysis_->clearances()[i].now;
     }
+    if (notices_) notices_->update(report);
     return UNLATCH_OK;
   });
 }
@@ -185,7 +187,7 @@ unlatch_status Engine::set_channels(std::size_t first, std::size_t count, const 
   return UNLATCH_OK;
 }
 
-// --- Verdicts -------------------------------------------------------------------------------------------------------
+// --- Verdicts and findings ------------------------------------------------------------------------------------------
 
 unlatch_status Engine::judge(const unlatch_verdict** verdicts, std::size_t* count) {
   if (!analysis_)
@@ -208,10 +210,30 @@ unlatch_status Engine::judge(const unlatch_verdict** verdicts, std::size_t* coun
   return UNLATCH_OK;
 }
 
-// Restarts events, verdicts and clearances at the present state.
+unlatch_status Engine::get_findings(const unlatch_finding** findings, std::size_t* count) {
+  if (!findings_) findings_ = hil::list_findings(scenario_, *hil::build_simulation(scenario_));
+  finding_views_.clear();
+  for (const hil::Finding& finding : *findings_)
+    finding_views_.push_back({0, 0, 0, 0, finding.name.c_str(), finding.where.c_str(), finding.text.c_str()});
+  if (const hil::NoticeWatch* const notices = get_notices())
+    for (const hil::RunNotice& notice : notices->get())
+      finding_views_.push_back({1, notice.unresolved, notice.time, notice.worst_time, notice.name.c_str(),
+                                notice.subject.c_str(), notice.text.c_str()});
+  *findings = finding_views_.data();
+  *count = finding_views_.size();
+  return UNLATCH_OK;
+}
+
+// Restarts events, verdicts, notices and clearances at the present state.
 void Engine::begin_anew() {
   event_count_ = 0;
   lost_events_ = 0;
+  if (flags_ == UNLATCH_NOTICE) {
+    constexpr bool kAudits = false;
+    notices_ = std::make_unique<hil::NoticeWatch>(scenario_, *simulation_, kAudits);
+    notices_->update(StepReport{});
+    has_extras_ = true;
+  }
   if ((flags_ & UNLATCH_JUDGE) == 0) return;
   analysis_ = std::make_unique<hil::RunAnalysis>(scenario_, *simulation_);
   analysis_->update(StepReport{});

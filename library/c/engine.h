@@ -1,5 +1,5 @@
 // The object behind a handle of a simulation: the scenario, its simulation, and the stored data of the run. Stepping
-// allocates nothing unless it judges, replays or records.
+// allocates nothing unless it judges, notices, replays or records.
 #pragma once
 
 #include <atomic>
@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "hil/run/analysis/run_analysis.h"
+#include "hil/run/findings/finding.h"
+#include "hil/run/notices/notices.h"
 #include "hil/run/recording/replay_reader.h"
 #include "hil/run/run_record.h"
 #include "hil/run/simulation/simulation.h"
@@ -66,6 +68,7 @@ class Engine {
     if (lost != nullptr) *lost = lost_events_;
   }
   unlatch_status judge(const unlatch_verdict** verdicts, std::size_t* count);
+  unlatch_status get_findings(const unlatch_finding** findings, std::size_t* count);
 
   unlatch_status save(void* buffer, std::size_t capacity, std::size_t* needed) const;
   unlatch_status restore(const void* buffer, std::size_t length);
@@ -97,6 +100,10 @@ class Engine {
   void close_recording(hil::LogEnd end);
   unlatch_status restore_words(std::span<const std::uint64_t> words);
   void begin_anew();
+  // Notices of the run; null without UNLATCH_JUDGE and UNLATCH_NOTICE.
+  [[nodiscard]] const hil::NoticeWatch* get_notices() const {
+    return analysis_ ? &analysis_->accuracy() : notices_.get();
+  }
   [[nodiscard]] unlatch_status refuse_while_busy(const char* what) const;
 
   const hil::Scenario scenario_;
@@ -110,13 +117,16 @@ class Engine {
 
   bool has_extras_ = false;
   std::unique_ptr<ReplayFeed> replay_;
-  std::unique_ptr<hil::RunAnalysis> analysis_;
+  std::unique_ptr<hil::RunAnalysis> analysis_;  // with UNLATCH_JUDGE
+  std::unique_ptr<hil::NoticeWatch> notices_;   // with UNLATCH_NOTICE alone
   std::unique_ptr<Recording> recording_;
   std::string recording_error_;  // error of a recording that a fault has ended
   bool recording_ended_ = false;
   std::vector<double> clearances_;
   std::vector<hil::Verdict> verdicts_;
   std::vector<unlatch_verdict> verdict_views_;
+  std::optional<std::vector<hil::Finding>> findings_;  // about the scenario, from the first call on
+  std::vector<unlatch_finding> finding_views_;
 };
 
 }  // namespace unlatch::library

@@ -163,7 +163,7 @@ unlatch_status Engine::start_recording(const char* path) {
 
 void Engine::close_recording(hil::LogEnd end) {
   const std::unique_ptr<Recording> recording = std::move(recording_);
-  has_extras_ = analysis_ != nullptr;
+  has_extras_ = get_notices() != nullptr;
   end.tick = simulation_->get_tick();
   end.hash = simulation_->calc_hash();
   if (!recording->recorder.wants_state(end.tick)) recording->record.state(end.status);

@@ -10,8 +10,8 @@ bool read_options(const unlatch_options* options, LoadOptions& read) {
   const auto refuse = [](const char* text) { return fail(UNLATCH_ERROR_ARGUMENT, text) == UNLATCH_OK; };
   if (options->size < sizeof(unlatch_options))
     return refuse("unlatch_options::size is not set; set it to sizeof(unlatch_options)");
-  if ((options->flags & ~static_cast<std::uint32_t>(UNLATCH_JUDGE)) != 0)
-    return refuse("unlatch_options::flags has an unknown bit; UNLATCH_JUDGE is known");
+  if ((options->flags & ~static_cast<std::uint32_t>(UNLATCH_JUDGE | UNLATCH_NOTICE)) != 0)
+    return refuse("unlatch_options::flags has an unknown bit; UNLATCH_JUDGE and UNLATCH_NOTICE are known");
   if (options->override_count > 0 && options->overrides == nullptr)
     return refuse("unlatch_options::overrides is null, but override_count is not 0");
   for (std::size_t i = 0; i < options->override_count; ++i) {

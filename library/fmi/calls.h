@@ -12,8 +12,8 @@
 
 namespace unlatch::fmi {
 
-using Status = int;
-inline constexpr Status kOk = 0, kError = 3;
+// Category of a message in the importer's log, by the names that the standards recommend.
+constexpr const char* get_category(Status status) { return status == kWarning ? "logStatusWarning" : "logStatusError"; }
 
 // Calls a function of a valid instance that returns true or false.
 template <class Function>
@@ -21,7 +21,7 @@ Status with(void* pointer, const Function& function) noexcept {
   Instance* const instance = find_instance(pointer);
   if (instance == nullptr) return kError;
   try {
-    return function(*instance) ? kOk : kError;
+    return function(*instance) ? instance->take_status() : kError;
   } catch (const std::exception& error) {
     instance->refuse(error.what());
     return kError;

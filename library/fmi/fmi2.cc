@@ -6,8 +6,8 @@
 #include "library/fmi/calls.h"
 
 using unlatch::fmi::access_none;
+using unlatch::fmi::get_category;
 using unlatch::fmi::Instance;
-using unlatch::fmi::kError;
 using unlatch::fmi::move;
 using unlatch::fmi::refuse;
 using unlatch::fmi::Status;
@@ -43,9 +43,9 @@ void* fmi2Instantiate(const char* name, int type, const char* token, const char*
   try {
     const Callbacks kept = *callbacks;
     const std::string own = name == nullptr ? "" : name;
-    auto made = Instance::create(unlatch::fmi::read_uri(resources), token, [=](const char* message) {
+    auto made = Instance::create(unlatch::fmi::read_uri(resources), token, [=](Status status, const char* message) {
       if (logging != 0 && kept.logger != nullptr)
-        kept.logger(kept.environment, own.c_str(), kError, "logStatusError", "%s", message);
+        kept.logger(kept.environment, own.c_str(), status, get_category(status), "%s", message);
     });
     return unlatch::fmi::keep_instance(std::move(made));
   } catch (const std::exception&) {
@@ -64,7 +64,7 @@ Status fmi2EnterInitializationMode(void* pointer) {
   return move(pointer, Phase::kInstantiated, Phase::kInitialization, "entering initialization mode");
 }
 Status fmi2ExitInitializationMode(void* pointer) {
-  return move(pointer, Phase::kInitialization, Phase::kStep, "leaving initialization mode");
+  return with(pointer, [](Instance& instance) { return instance.end_initialization(Phase::kStep); });
 }
 Status fmi2Terminate(void* pointer) { return unlatch::fmi::terminate(pointer); }
 Status fmi2Reset(void* pointer) { return unlatch::fmi::reset(pointer); }

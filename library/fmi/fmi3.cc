@@ -7,8 +7,8 @@
 #include "library/fmi/calls.h"
 
 using unlatch::fmi::access_none;
+using unlatch::fmi::get_category;
 using unlatch::fmi::Instance;
-using unlatch::fmi::kError;
 using unlatch::fmi::move;
 using unlatch::fmi::refuse;
 using unlatch::fmi::Status;
@@ -30,8 +30,8 @@ void* fmi3InstantiateCoSimulation(const char*, const char* token, const char* re
                                   bool event_mode, bool early_return, References, std::size_t, void* environment,
                                   Log log, void*) {
   try {
-    auto made = Instance::create(unlatch::fmi::read_uri(resources), token, [=](const char* message) {
-      if (logging && log != nullptr) log(environment, kError, "logStatusError", message);
+    auto made = Instance::create(unlatch::fmi::read_uri(resources), token, [=](Status status, const char* message) {
+      if (logging && log != nullptr) log(environment, status, get_category(status), message);
     });
     if (!made) return nullptr;
     made->event_mode = event_mode;
@@ -59,8 +59,7 @@ Status fmi3EnterInitializationMode(void* pointer, bool, double, double start, bo
 }
 Status fmi3ExitInitializationMode(void* pointer) {
   return with(pointer, [](Instance& instance) {
-    return instance.move(Phase::kInitialization, instance.event_mode ? Phase::kEvent : Phase::kStep,
-                         "leaving initialization mode");
+    return instance.end_initialization(instance.event_mode ? Phase::kEvent : Phase::kStep);
   });
 }
 Status fmi3EnterEventMode(void* pointer) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <span>
 #include <sstream>
 
 #include "hil/scenario/text/number_text.h"
@@ -66,8 +67,8 @@ bool Instance::load(const std::vector<double>& parameters) {
   unlatch_simulation* made = nullptr;
   std::size_t pairs = 0;
   // Clearances are computed if the scenario watches some.
-  for (const bool judges : {false, true}) {
-    options.flags = judges ? UNLATCH_JUDGE : 0;
+  for (const std::uint32_t flags : {UNLATCH_NOTICE, UNLATCH_JUDGE}) {
+    options.flags = flags;
     if (made != nullptr) (void)unlatch_close(made);
     if (unlatch_load_text(text_.data(), text_.size(), "scenario.yaml", &options, &made) != UNLATCH_OK)
       return refuse_of_library("loading the scenario");
@@ -97,8 +98,29 @@ Instance::~Instance() {
 }
 
 bool Instance::refuse(const std::string& why) const {
-  if (log_) log_(why.c_str());
+  if (log_) log_(kError, why.c_str());
   return false;
+}
+
+void Instance::log_findings() {
+  const unlatch_finding* findings = nullptr;
+  std::size_t count = 0;
+  if (unlatch_get_findings(simulation_, &findings, &count) != UNLATCH_OK) return;
+  for (const unlatch_finding& finding : std::span(findings, count)) {
+    const std::string what = std::string(finding.name) + " " + finding.subject;
+    if (!logged_.insert((finding.of_run != 0 ? "run " : "scenario ") + what).second) continue;
+    std::string text = what + ": " + finding.text;
+    if (finding.of_run != 0) text = "t = " + hil::write_number(finding.time) + " s: " + text;
+    if (finding.unresolved != 0) text += "; results that depend on it are unresolved";
+    if (log_) log_(kWarning, text.c_str());
+    warned_ = warned_ || finding.unresolved != 0;
+  }
+}
+
+bool Instance::end_initialization(Phase to) {
+  if (!move(Phase::kInitialization, to, "leaving initialization mode")) return false;
+  log_findings();
+  return true;
 }
 
 bool Instance::refuse_of_library(const char* call) const {
@@ -125,6 +147,7 @@ bool Instance::reset() {
   } else if (unlatch_reset(simulation_) != UNLATCH_OK) {
     return refuse_of_library("resetting");
   }
+  logged_.clear();
   phase_ = Phase::kInstantiated;
   return true;
 }
@@ -194,6 +217,7 @@ bool Instance::step(double time, double size, bool stops, bool& stopped) {
   std::uint64_t done = 0;
   const unlatch_status status = unlatch_advance(simulation_, ticks, stops ? UNLATCH_STOP_AT_EVENTS : 0, &done);
   if (status < 0) return refuse_of_library("stepping");
+  log_findings();
   stopped = status == UNLATCH_EVENT;
   return true;
 }

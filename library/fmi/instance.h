@@ -1,22 +1,29 @@
 // One instance of the FMU, for both versions of FMI: the simulation, its variables, and the state machine of
 // co-simulation. Functions return false, with the reason in the importer's log, where the standard requires an error.
+// What `unlatch check` would report is logged at the end of the initialization, what a step does not resolve at that
+// step, each once. A call after which results are unresolved has the status "warning".
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "library/fmi/variables.h"
 
 namespace unlatch::fmi {
 
+using Status = int;  // of both standards
+inline constexpr Status kOk = 0, kWarning = 1, kError = 3;
+
 class Instance {
  public:
   enum class Phase { kInstantiated, kInitialization, kStep, kEvent, kTerminated };
-  using Log = std::function<void(const char* message)>;
+  using Log = std::function<void(Status status, const char* message)>;
 
   // Creates an instance. `resources`: folder with scenario.yaml and overrides.txt; `token`: that of the description.
   // Null after an error.
@@ -26,6 +33,8 @@ class Instance {
   Instance& operator=(const Instance&) = delete;
 
   [[nodiscard]] bool move(Phase from, Phase to, const char* call);
+  // Ends the initialization: the parameters have their final values.
+  [[nodiscard]] bool end_initialization(Phase to);
   [[nodiscard]] bool terminate();
   [[nodiscard]] bool reset();
   [[nodiscard]] Phase get_phase() const { return phase_; }
@@ -42,6 +51,8 @@ class Instance {
   [[nodiscard]] bool restore(const std::byte* state, std::size_t size);
 
   bool refuse(const std::string& why) const;  // returns false
+  // Status of the present call, which has done what it was to do: kWarning if it has left results unresolved, else kOk.
+  [[nodiscard]] Status take_status() { return std::exchange(warned_, false) ? kWarning : kOk; }
 
   bool event_mode = false, early_return = false;  // options of the importer; FMI 3
 
@@ -52,6 +63,8 @@ class Instance {
   bool load(const std::vector<double>& parameters);
   [[nodiscard]] bool may_set(std::uint32_t reference) const;
   bool refuse_of_library(const char* call) const;
+  // Logs the findings that have not been logged.
+  void log_findings();
 
   Log log_;
   unlatch_simulation* simulation_ = nullptr;
@@ -63,6 +76,8 @@ class Instance {
   std::map<std::uint32_t, double> inputs_set_;  // by value reference
   double dt_ = 0;                               // s
   Phase phase_ = Phase::kInstantiated;
+  std::set<std::string> logged_;  // findings
+  bool warned_ = false;           // in the present call
 };
 
 // Instance of a pointer from an importer; null if it is no valid instance.

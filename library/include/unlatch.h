@@ -17,7 +17,7 @@
  * UNLATCH_ERROR_HANDLE. At most 16,384 handles are open at a time.
  *
  * unlatch_step(), unlatch_advance(), unlatch_set_channel() and unlatch_set_channels() allocate nothing, take no lock and
- * make no system call, unless the simulation judges or records.
+ * make no system call, unless the simulation judges, notices or records.
  *
  * ABI: symbols carry the version UNLATCH_0.1. Structs whose first member is `size` may grow at their end: the caller
  * sets it to sizeof of the struct that it knows. Enumerators keep their numbers. */
@@ -82,14 +82,16 @@ typedef struct unlatch_batch unlatch_batch;           /* many samples of a scena
 
 enum {
   /* Requirements are judged and clearances computed at each step. It costs several times the step, and allocates. */
-  UNLATCH_JUDGE = 1
+  UNLATCH_JUDGE = 1,
+  /* What the step does not resolve is noticed, see unlatch_get_findings(); it allocates. UNLATCH_JUDGE does so too. */
+  UNLATCH_NOTICE = 2
 };
 
 typedef struct unlatch_options {
   size_t size;                  /* size of this struct */
   const char* const* overrides; /* "PATH=VALUE", as --set takes them, applied in this order; may be null */
   size_t override_count;
-  uint32_t flags;               /* UNLATCH_JUDGE or 0 */
+  uint32_t flags;               /* UNLATCH_JUDGE | UNLATCH_NOTICE, either, or 0; a batch takes UNLATCH_JUDGE */
   uint32_t event_capacity;      /* number of stored events, see unlatch_get_events(); 0: 4096 */
 } unlatch_options;
 
@@ -241,6 +243,23 @@ typedef struct unlatch_verdict {
  * contents are those of the latest call. */
 UNLATCH_API unlatch_status unlatch_judge(unlatch_simulation* simulation, const unlatch_verdict** verdicts,
                                          size_t* count);
+
+/* A fact that one should know before one trusts the results. */
+typedef struct unlatch_finding {
+  int32_t of_run;          /* 0: of the scenario, as `unlatch check` prints it; 1: noticed at a step */
+  int32_t unresolved;      /* 1: results that depend on its subject are no results */
+  double time, worst_time; /* of_run: when it was noticed first, and of its worst value, s; else 0 */
+  const char* name;        /* its kind: "contact", "profile", "overlap" */
+  const char* subject;     /* of_run: name of the body, element, joint …; else the part of the scenario,
+                              "element 'push'"; "" if it concerns all of it */
+  const char* text;        /* the fact, and what would mend it */
+} unlatch_finding;
+
+/* Returns the findings about the scenario, and those about the run since its beginning, or since the latest reset or
+ * restoration; the latter need UNLATCH_JUDGE or UNLATCH_NOTICE. UNLATCH_NOTICE does not audit the energy and the drift
+ * of joints. The first call may take as long as some hundred steps. Valid until this simulation's next call. */
+UNLATCH_API unlatch_status unlatch_get_findings(unlatch_simulation* simulation, const unlatch_finding** findings,
+                                                size_t* count);
 
 /* --- States -------------------------------------------------------------------------------------------------------- */
 

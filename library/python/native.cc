@@ -40,12 +40,13 @@ unlatch_status check(unlatch_status status) {
 // Options with the texts that they refer to.
 class Options {
  public:
-  Options(std::vector<std::string> overrides, bool judge, std::uint32_t event_capacity) : texts_(std::move(overrides)) {
+  Options(std::vector<std::string> overrides, std::uint32_t flags, std::uint32_t event_capacity)
+      : texts_(std::move(overrides)) {
     for (const std::string& text : texts_) pointers_.push_back(text.c_str());
     options_.size = sizeof options_;
     options_.overrides = pointers_.data();
     options_.override_count = pointers_.size();
-    options_.flags = judge ? UNLATCH_JUDGE : 0;
+    options_.flags = flags;
     options_.event_capacity = event_capacity;
   }
   [[nodiscard]] const unlatch_options* get() const { return &options_; }
@@ -197,6 +198,17 @@ class Simulation {
     }
     return list;
   }
+  py::list get_findings() const {
+    const unlatch_finding* findings = nullptr;
+    std::size_t count = 0;
+    check(unlatch_get_findings(get(), &findings, &count));
+    py::list list;
+    for (std::size_t i = 0; i < count; ++i) {
+      const unlatch_finding& f = findings[i];
+      list.append(py::make_tuple(f.name, f.subject, f.text, f.of_run != 0, f.unresolved != 0, f.time, f.worst_time));
+    }
+    return list;
+  }
   py::bytes save() const {
     std::size_t needed = 0;
     check(unlatch_save(get(), nullptr, 0, &needed));
@@ -233,7 +245,7 @@ class Batch {
  public:
   Batch(const std::string& path, std::vector<std::string> overrides, bool judge)
       : handle_(std::make_shared<BatchHandle>()) {
-    const Options options(std::move(overrides), judge, 0);
+    const Options options(std::move(overrides), judge ? UNLATCH_JUDGE : 0, 0);
     check(unlatch_open_batch(path.c_str(), options.get(), &handle_->pointer));
   }
   unlatch_batch* get() const {
@@ -246,7 +258,7 @@ class Batch {
     if (handle_.use_count() > 1)
       throw py::buffer_error(
           "views of the batch's results are in use; copy them, or delete them, before adding samples");
-    const Options options(overrides, false, 0);
+    const Options options(overrides, 0, 0);
     check(unlatch_add_sample(get(), options.get()->overrides, overrides.size()));
   }
   // Runs the samples. A signal interrupts the run, and is handled then.
@@ -300,19 +312,20 @@ std::unique_ptr<Simulation> load(const Load& load_it) {
 PYBIND11_MODULE(_native, module) {
   module.def("get_version", &unlatch_get_version);
   module.def("load",
-             [](const std::string& path, const std::vector<std::string>& overrides, bool judge, std::uint32_t events) {
-               const Options options(overrides, judge, events);
+             [](const std::string& path, const std::vector<std::string>& overrides, std::uint32_t flags,
+                std::uint32_t events) {
+               const Options options(overrides, flags, events);
                return load([&](unlatch_simulation** to) { return unlatch_load(path.c_str(), options.get(), to); });
              });
   module.def("load_text", [](const std::string& text, const std::string& name,
-                             const std::vector<std::string>& overrides, bool judge, std::uint32_t events) {
-    const Options options(overrides, judge, events);
+                             const std::vector<std::string>& overrides, std::uint32_t flags, std::uint32_t events) {
+    const Options options(overrides, flags, events);
     return load([&](unlatch_simulation** to) {
       return unlatch_load_text(text.data(), text.size(), name.c_str(), options.get(), to);
     });
   });
-  module.def("open_recording", [](const std::string& path, bool judge, std::uint32_t events) {
-    const Options options({}, judge, events);
+  module.def("open_recording", [](const std::string& path, std::uint32_t flags, std::uint32_t events) {
+    const Options options({}, flags, events);
     return load([&](unlatch_simulation** to) { return unlatch_open_recording(path.c_str(), options.get(), to); });
   });
   py::class_<Simulation>(module, "Simulation")
@@ -330,6 +343,7 @@ PYBIND11_MODULE(_native, module) {
       .def("get_array", &Simulation::get_array)
       .def("get_events", &Simulation::get_events)
       .def("judge", &Simulation::judge)
+      .def("get_findings", &Simulation::get_findings)
       .def("save", &Simulation::save)
       .def("restore", &Simulation::restore)
       .def("reset", &Simulation::reset)

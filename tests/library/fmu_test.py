@@ -28,7 +28,7 @@ import unlatch  # noqa: E402
 if "UNLATCH_LOCALE" in os.environ:
     locale.setlocale(locale.LC_ALL, os.environ["UNLATCH_LOCALE"])  # of the host: comma_locale.sh
 
-OK, ERROR = 0, 3
+OK, WARNING, ERROR = 0, 1, 3
 PROBE = """unlatch: 1
 name: probe
 step: {dt: 0.001, until: 0.5}
@@ -39,6 +39,15 @@ channels:
   throttle: {initial: 0, range: [0, 1], safe: 0}
 elements:
   engine: {type: thrust, body: probe, direction: [1, 0, 0], profile: push, channel: throttle}
+"""
+# An impulse of 4 N s within a millisecond, at a step of 5 ms.
+PULSE = """unlatch: 1
+name: pulse
+step: {dt: 5 ms, until: 2 s}
+bodies:
+  lid: {mass: 4 kg, inertia: [1, 1, 1]}
+elements:
+  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0016, 1.0021, 2], values: [0, 0, 8 kN, 0, 0]}}}
 """
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 SEQUENCE = {100: ("throttle", 0.84), 250: ("verniers", 0), 300: ("rudder", 0), 450: ("cut_ties", 1), 500: ("cutoff", 1)}
@@ -498,6 +507,17 @@ clearance: [[a.s, b], [a.t, b], [a, b]]
         self.assertEqual(fmu.begin(), OK, fmu.messages)
         self.assertEqual(fmu.step(0.0, 0.9)[0], OK)
         self.assertEqual(self.read_hash(fmu, REFERENCE), wanted)
+
+    def test_what_is_not_resolved_is_logged_once_and_makes_the_step_a_warning(self):
+        scenario = self.folder / "pulse.yaml"
+        scenario.write_text(PULSE)
+        fmu = self.open(3, scenario)
+        self.assertEqual(fmu.begin(), OK)
+        self.assertEqual([m for m in fmu.messages if "step element 'pyro'" in m], fmu.messages[:1])
+        found = [fmu.step(0.1 * k, 0.1)[0] for k in range(20)]
+        self.assertEqual(found.count(WARNING), 1, fmu.messages)
+        self.assertEqual(found.count(OK), 19)
+        self.assertEqual(len([m for m in fmu.messages if "profile pyro" in m and "unresolved" in m]), 1, fmu.messages)
 
     def test_overrides_are_inside_and_mistakes_are_told(self):
         file = self.folder / "heavy.fmu"

@@ -51,6 +51,17 @@ class PythonTest(ProcessTest):
         self.assertIn(f"hash {wanted}", said)
         self.assertEqual(said.count("liftoff"), 4)
 
+    def test_findings_are_those_of_check_and_those_of_the_steps(self):
+        text = ("unlatch: 1\nname: pulse\nstep: {dt: 5 ms, until: 2 s}\nbodies:\n  lid: {mass: 4 kg, inertia: [1, 1, 1]}\nelements:\n"
+                "  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0016, 1.0021, 2], "
+                "values: [0, 0, 8 kN, 0, 0]}}}\n  spring: {type: spring, between: [ground, lid], stiffness: 1 N/m, free_length: 1}\n")
+        with unlatch.load_text(text, notice=True) as sim:
+            self.assertIn(("direction", "element 'spring'", False), [(f.name, f.subject, f.of_run) for f in sim.findings])
+            sim.run()
+            noticed = next(f for f in sim.findings if f.of_run and f.name == "profile")
+            self.assertEqual((noticed.subject, noticed.unresolved), ("pyro", True))
+            self.assertAlmostEqual(noticed.time, 1, delta=0.01)
+
     def test_a_recording_is_read_and_followed(self):
         log, wanted = self.record_session()
         with unlatch.open_recording(log) as recorded, unlatch.load(BOOSTERS) as own:

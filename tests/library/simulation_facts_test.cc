@@ -278,6 +278,62 @@ TEST(CLibrary, JudgesAsARunDoes) {
   for (std::size_t i = 0; i < clearances.size(); ++i) EXPECT_EQ(clearances[i], analysis.clearances()[i].now);
 }
 
+// An impulse of 4 N s within a millisecond, at a step of 5 ms; a spring whose two points coincide.
+constexpr const char* kUnresolved = R"(unlatch: 1
+name: pulse
+step: {dt: 5 ms, until: 2 s}
+bodies:
+  lid: {mass: 4 kg, inertia: [1, 1, 1]}
+elements:
+  pyro: {type: force, body: lid, frame: world, direction: [1, 0, 0], profile: {table: {times: [0, 1.0011, 1.0016, 1.0021, 2], values: [0, 0, 8 kN, 0, 0]}}}
+  spring: {type: spring, between: [ground, lid], stiffness: 1 N/m, free_length: 1}
+)";
+
+// Finding of a kind; null if there is none.
+const unlatch_finding* find_finding(unlatch_simulation* sim, const std::string& name, bool of_run) {
+  const unlatch_finding* findings = nullptr;
+  std::size_t count = 0;
+  EXPECT_EQ(unlatch_get_findings(sim, &findings, &count), UNLATCH_OK);
+  for (std::size_t i = 0; i < count; ++i)
+    if (findings[i].name == name && (findings[i].of_run != 0) == of_run) return &findings[i];
+  return nullptr;
+}
+
+TEST(CLibrary, FindsWhatCheckFindsAndNoticesWhatTheStepDoesNotResolve) {
+  for (const std::uint32_t flags : {0u, std::uint32_t{UNLATCH_NOTICE}, std::uint32_t{UNLATCH_JUDGE}}) {
+    unlatch_options options{};
+    options.size = sizeof options;
+    options.flags = flags;
+    unlatch_simulation* handle = nullptr;
+    ASSERT_EQ(unlatch_load_text(kUnresolved, std::strlen(kUnresolved), "pulse", &options, &handle), UNLATCH_OK)
+        << unlatch_get_error(0)->text;
+    const Loaded sim(handle);
+    const unlatch_finding* const of_scenario = find_finding(sim.get(), "direction", false);
+    ASSERT_NE(of_scenario, nullptr);
+    EXPECT_STREQ(of_scenario->subject, "element 'spring'");
+    EXPECT_EQ(find_finding(sim.get(), "profile", true), nullptr);
+    ASSERT_EQ(unlatch_advance(sim.get(), 400, 0, nullptr), UNLATCH_OK);
+    const unlatch_finding* const noticed = find_finding(sim.get(), "profile", true);
+    ASSERT_EQ(noticed != nullptr, flags != 0) << flags;
+    if (noticed == nullptr) continue;
+    EXPECT_STREQ(noticed->subject, "pyro");
+    EXPECT_EQ(noticed->unresolved, 1);
+    EXPECT_NEAR(noticed->time, 1, 0.01);
+    ASSERT_EQ(unlatch_reset(sim.get()), UNLATCH_OK);
+    EXPECT_EQ(find_finding(sim.get(), "profile", true), nullptr);
+  }
+}
+
+TEST(CLibrary, NoticingChangesNoBit) {
+  unlatch_options options{};
+  options.size = sizeof options;
+  options.flags = UNLATCH_NOTICE;
+  const Loaded noticing(kReference, &options), plain(kReference);
+  ASSERT_EQ(unlatch_advance(noticing.get(), 900, 0, nullptr), UNLATCH_OK);
+  ASSERT_EQ(unlatch_advance(plain.get(), 900, 0, nullptr), UNLATCH_OK);
+  EXPECT_EQ(noticing.get_hash(), plain.get_hash());
+}
+
 TEST(CLibrary, WithoutTheFlagThereAreNoVerdicts) {
   const Loaded sim(kReference);
   const unlatch_verdict* verdicts = nullptr;

@@ -281,6 +281,17 @@ joints:
         self.run_ok(UNLATCH, "import", self.folder, "--out", "-", code=2)
         self.run_ok(UNLATCH, "import", self.folder / "none.urdf", "--out", "-", code=2)
 
+    def test_a_mistake_has_its_line_in_the_urdf(self):
+        bad = "\n".join(("<robot name='r'>", link("a"), link("b", "-2"), link("c", 1, '<inertia ixx="1" iyy="1" izz="5" ixy="0" ixz="0" iyz="0"/>'),
+                         joint("a", "b"), joint("a", "c"), "</robot>"))
+        said = self.bring_in(bad, code=2)
+        self.assertIn("line 3: body 'b': its mass is -2 kg", said)
+        self.assertIn("line 4: body 'c': its inertia", said)
+        self.assertNotIn("the scenario that it makes", said)
+        self.assertIn("line 3: it is no URDF", self.bring_in("\n".join(("<robot name='r'>", link("a"), joint("a", "missing"), "</robot>")), code=2))
+        no_axis = joint("a", "b", "continuous", '<axis xyz="0 0 0"/>')
+        self.assertIn("line 4: joint", self.bring_in("\n".join(("<robot name='r'>", link("a"), link("b"), no_axis, "</robot>")), code=2))
+
     def test_names_become_names_of_scenarios_and_nothing_is_overwritten(self):
         out = self.bring_in(robot(link("1 arm: {"), link("1_arm__ "), joint("1 arm: {", "1_arm__ ", "floating")))
         names = [body["name"] for body in self.run_json(UNLATCH, "check", out)["bodies"]]

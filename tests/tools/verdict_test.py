@@ -43,6 +43,26 @@ requirements:
   - {id: other, velocity: {body: away}, at_most: 100}
 events: [{name: early, when: {time: 0.05}}]
 """
+# A box between two holders, the left of which lets go first, in two steps; a lid that leaves the right one late.
+LEAVERS = """unlatch: 1
+name: leavers
+step: {dt: 1 ms, until: 1}
+bodies:
+  left: {mass: 9, inertia: [9, 9, 9], position: [-1, 0, 0]}
+  right: {mass: 9, inertia: [9, 9, 9], position: [1, 0, 0]}
+  box: {mass: 1, inertia: [1, 1, 1]}
+  lid: {mass: 1, inertia: [1, 1, 1], position: [2, 0, 0]}
+joints:
+  low: {between: [left, box], point: [1, 0, 0], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}
+  high: {between: [left, box], point: [1, 0, 0], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}
+  hold: {between: [right, box], point: [-1, 0, 0], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}
+  hook: {between: [right, lid], point: [1, 0, 0], modes: {held: {kind: weld}, free: {rows: []}}, mode: held}
+events:
+  - {name: first, when: {time: 0.1}, then: [{set_mode: {joint: low, mode: free}}]}
+  - {name: second, when: {time: 0.3}, then: [{set_mode: {joint: high, mode: free}}]}
+  - {name: third, when: {time: 0.6}, then: [{set_mode: {joint: hold, mode: free}}]}
+  - {name: fourth, when: {time: 0.9}, then: [{set_mode: {joint: hook, mode: free}}]}
+"""
 # 4 N s between two ticks: the lid has 1 m/s after them.
 PULSE = """unlatch: 1
 name: pyro
@@ -206,6 +226,13 @@ class VerdictTest(ProcessTest):
         self.assertEqual(report["verdict"], [])
         self.assertEqual(json.loads(json.dumps(report["separations"])), [])
         self.assertEqual(next(iter(JUnitXml.fromfile(str(out)))).tests, 1)
+
+    def test_a_body_is_late_only_beside_those_that_leave_the_same_one(self):
+        path = self.folder / "leavers.yaml"
+        path.write_text(LEAVERS)
+        said = self.run_ok(UNLATCH, "run", path).stdout
+        late = re.findall(r"(\w+) stayed on (\w+) ([\d.]+) s longer than (\w+)", said)
+        self.assertEqual(late, [("lid", "right", "0.300", "box")])
 
 
 if __name__ == "__main__":

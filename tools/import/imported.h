@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <iterator>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -22,6 +24,7 @@ class ImportError : public std::runtime_error {
 
 struct ImportedBody {
   std::string name;
+  int line = 0;  // in the file, from 1; 0: its reader knows no lines
   double mass = 0;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, body axes
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();     // of the centre of mass
@@ -32,6 +35,7 @@ struct ImportedBody {
 struct ImportedJoint {
   enum class Kind { kWeld, kRevolute, kPrismatic, kPlanar, kBall, kUniversal };
   std::string name;
+  int line = 0;  // as of a body
   Kind kind = Kind::kWeld;
   int base = -1, follower = 0;  // bodies; -1: the ground
   Eigen::Vector3d p_WJ = Eigen::Vector3d::Zero();
@@ -68,8 +72,23 @@ inline Quat to_quat(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), 
 // The axis as z of a right-handed frame.
 Eigen::Matrix3d build_frame(const Eigen::Vector3d& axis);
 
+struct WrittenScenario {
+  std::string text;
+  std::map<int, int> lines;  // first line of each body and joint in `text` → its line in the imported file, or 0
+
+  // Line of the imported file that a line of `text` comes from; 0: none, or unknown.
+  [[nodiscard]] int find_line(int written) const {
+    const auto after = lines.upper_bound(written);
+    return after == lines.begin() ? 0 : std::prev(after)->second;
+  }
+
+  // One string of both, as it goes from a child process to its parent, and back.
+  [[nodiscard]] std::string pack() const;
+  static WrittenScenario unpack(const std::string& packed);
+};
+
 // A scenario with the remarks as comments at its head. Names are made such as scenarios allow. Throws ImportError for
 // numbers that are not finite.
-std::string write_scenario(const ImportedModel& model);
+WrittenScenario write_scenario(const ImportedModel& model);
 
 }  // namespace unlatch::tools

@@ -1,8 +1,10 @@
 // Writes an imported model as a scenario.
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "hil/scenario/yaml/yaml_reader.h"
 #include "tools/import/imported.h"
@@ -101,8 +103,12 @@ std::string build_shape(const geometry::Shape& shape, const std::string& where) 
   return "";
 }
 
+std::string describe_place(const char* kind, const std::string& name, int line) {
+  return (line > 0 ? "line " + std::to_string(line) + ": " : "") + kind + " '" + name + "'";
+}
+
 std::string build_body(const ImportedBody& body, const std::string& name) {
-  const std::string where = "body '" + body.name + "'";
+  const std::string where = describe_place("body", body.name, body.line);
   const Eigen::Matrix3d I = 0.5 * (body.inertia + body.inertia.transpose());
   std::string text = "  " + name + ":\n    mass: " + to_text(body.mass, where) + " kg\n    inertia: [";
   for (int row = 0; row < 3; ++row) text += (row > 0 ? ", " : "") + to_text(Eigen::Vector3d(I.row(row)), where);
@@ -134,7 +140,7 @@ const char* get_mode(Kind kind) {
 
 std::string build_joint(const ImportedModel& model, const ImportedJoint& joint, const std::string& name,
                         const std::vector<std::string>& bodies) {
-  const std::string where = "joint '" + joint.name + "'";
+  const std::string where = describe_place("joint", joint.name, joint.line);
   const auto to_local = [&model](int body, const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
     if (body < 0) return p_W;
     const ImportedBody& at = model.bodies[static_cast<std::size_t>(body)];
@@ -155,7 +161,7 @@ std::string build_joint(const ImportedModel& model, const ImportedJoint& joint, 
 }
 
 std::string build_element(const ImportedJoint& joint, const std::string& name, const std::string& element) {
-  const std::string where = "joint '" + joint.name + "'";
+  const std::string where = describe_place("joint", joint.name, joint.line);
   const bool turns = joint.kind == Kind::kRevolute;
   return "  " + element + ": {type: joint_spring, joint: " + name + ", axis: " + (turns ? "rot_z" : "z") +
          ", stiffness: " + to_text(joint.stiffness, where) + ", damping: " + to_text(joint.damping, where) +
@@ -173,9 +179,32 @@ Eigen::Matrix3d build_frame(const Eigen::Vector3d& axis) {
   return R;
 }
 
-std::string write_scenario(const ImportedModel& model) {
+std::string WrittenScenario::pack() const {
+  std::string packed = std::to_string(lines.size());
+  for (const auto& [written_line, imported_line] : lines)
+    packed += " " + std::to_string(written_line) + " " + std::to_string(imported_line);
+  return packed + "\n" + text;
+}
+
+WrittenScenario WrittenScenario::unpack(const std::string& packed) {
+  WrittenScenario written;
+  std::istringstream head(packed);
+  std::size_t count = 0;
+  head >> count;
+  for (int written_line, imported_line; count > 0 && head >> written_line >> imported_line; --count)
+    written.lines.emplace(written_line, imported_line);
+  written.text = packed.substr(packed.find('\n') + 1);
+  return written;
+}
+
+WrittenScenario write_scenario(const ImportedModel& model) {
   if (model.bodies.empty()) throw ImportError("it has no body with mass that can move");
-  std::string text = build_comment("Imported by `unlatch import` from " + model.source +
+  WrittenScenario written;
+  std::string& text = written.text;
+  const auto mark = [&](int line) {
+    written.lines.emplace(1 + static_cast<int>(std::count(text.begin(), text.end(), '\n')), line);
+  };
+  text = build_comment("Imported by `unlatch import` from " + model.source +
                                    ". A starting point: read what was left out.");
   for (const std::string& remark : model.remarks) text += build_comment("- " + remark);
   text += "unlatch: 1\nname: " + Names().make(model.name, "model") + "\nstep: {dt: " + to_text(model.dt, "the step") +
@@ -185,17 +214,21 @@ std::string write_scenario(const ImportedModel& model) {
   std::vector<std::string> bodies;
   for (const ImportedBody& body : model.bodies) {
     bodies.push_back(body_names.make(body.name, "body"));
+    mark(body.line);
     text += build_body(body, bodies.back());
   }
   std::string elements;
   if (!model.joints.empty()) text += "\njoints:\n";
   for (const ImportedJoint& joint : model.joints) {
     const std::string name = joint_names.make(joint.name, "joint");
+    mark(joint.line);
     text += build_joint(model, joint, name, bodies);
     if (joint.stiffness != 0 || joint.damping != 0)
       elements += build_element(joint, name, element_names.make(name, "spring"));
   }
-  return elements.empty() ? text : text + "\nelements:\n" + elements;
+  mark(0);
+  if (!elements.empty()) text += "\nelements:\n" + elements;
+  return written;
 }
 
 }  // namespace unlatch::tools

@@ -69,22 +69,27 @@ class Reader {
       for (const urdf::JointSharedPtr& joint : link->child_joints) {
         const auto child = robot.getLink(joint->child_link_name);
         if (!child)
-          throw ImportError("joint '" + joint->name + "' leads to link '" + joint->child_link_name +
+          throw ImportError(quote("joint", joint->name) + " leads to link '" + joint->child_link_name +
                             "', which is not there");
         waiting.emplace_back(child, place_child(*joint, *child, placed));
       }
     }
     for (const auto& [name, link] : robot.links_) {
       if (!reached.contains(name))
-        throw ImportError("link '" + name + "' is not connected to the root '" + robot.getRoot()->name +
+        throw ImportError(quote("link", name) + " is not connected to the root '" + robot.getRoot()->name +
                           "': a cycle, or a second tree");
     }
   }
 
  private:
-  [[nodiscard]] std::string quote(const char* kind, const std::string& name) const {
+  // Line of a link or joint; 0 if it is not known.
+  [[nodiscard]] int get_line(const char* kind, const std::string& name) const {
     const auto at = text_.lines.find({kind, name});
-    return (at == text_.lines.end() ? "" : "line " + std::to_string(at->second) + ": ") + kind + " '" + name + "'";
+    return at == text_.lines.end() ? 0 : at->second;
+  }
+  [[nodiscard]] std::string quote(const char* kind, const std::string& name) const {
+    const int line = get_line(kind, name);
+    return (line == 0 ? "" : "line " + std::to_string(line) + ": ") + kind + " '" + name + "'";
   }
 
   // The mistake of a link that is reached twice.
@@ -165,7 +170,7 @@ class Reader {
       case urdf::Joint::FLOATING:
         break;  // no joint at all
       default:
-        throw ImportError("joint '" + joint.name + "' has no type that is known");
+        throw ImportError(quote("joint", joint.name) + " has no type that is known");
     }
     add_remarks(joint);
     return placed;
@@ -192,7 +197,7 @@ class Reader {
 
   // A link between two hinges whose axes cross at right angles, in the point of both: without mass it does nothing else
   // than a universal joint does.
-  static bool is_cross(const urdf::Joint& joint, const urdf::Link& link) {
+  [[nodiscard]] bool is_cross(const urdf::Joint& joint, const urdf::Link& link) const {
     constexpr double kExact = 1e-9;  // m, rad
     if (!is_hinge(joint) || link.child_joints.size() != 1) return false;
     const urdf::Joint& next = *link.child_joints.front();
@@ -203,10 +208,10 @@ class Reader {
     return X.translation().norm() < kExact && std::abs(one.dot(two)) < kExact;
   }
 
-  static Eigen::Vector3d get_axis(const urdf::Joint& joint) {
+  [[nodiscard]] Eigen::Vector3d get_axis(const urdf::Joint& joint) const {
     Eigen::Vector3d axis = to_vector(joint.axis);
     if (!(axis.norm() > 1e-9) || !axis.allFinite())
-      throw ImportError("joint '" + joint.name + "' has an axis without a direction");
+      throw ImportError(quote("joint", joint.name) + " has an axis without a direction");
     return axis;
   }
 
@@ -251,6 +256,7 @@ class Reader {
         inertial.izz;
     ImportedBody body;
     body.name = link.name;
+    body.line = get_line("link", link.name);
     body.mass = inertial.mass;
     body.inertia = X_LI.linear() * I * X_LI.linear().transpose();
     body.p_WB = X_WL * X_LI.translation();
@@ -266,6 +272,7 @@ class Reader {
   void add_joint(const std::string& name, Kind kind, int base, int follower, const Isometry3d& X_WJ) {
     ImportedJoint joint;
     joint.name = name;
+    joint.line = get_line("joint", name);
     joint.kind = kind;
     joint.base = base;
     joint.follower = follower;
@@ -341,6 +348,17 @@ class Reader {
   bool told_angles_ = false;
 };
 
+// "line 7: " for the joint or link that a message of urdfdom names in brackets; empty if it names none.
+std::string find_line(const UrdfText& elements, const std::string& said) {
+  for (const char* kind : {"joint", "link"}) {
+    for (const auto& [element, line] : elements.lines) {
+      if (element.first == kind && said.find("[" + element.second + "]") != std::string::npos)
+        return "line " + std::to_string(line) + ": ";
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 ImportedModel read_urdf(const std::string& text, const std::string& path, bool fixed_base) {
@@ -350,7 +368,8 @@ ImportedModel read_urdf(const std::string& text, const std::string& path, bool f
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(text);
   console_bridge::restorePreviousOutputHandler();
   if (!robot || !robot->getRoot() || listener.failed) {
-    throw ImportError("it is no URDF: " + (listener.said.empty() ? "urdfdom cannot read it" : listener.said));
+    throw ImportError(find_line(elements, listener.said) + "it is no URDF: " +
+                      (listener.said.empty() ? "urdfdom cannot read it" : listener.said));
   }
   ImportedModel model;
   model.name = robot->getName();

@@ -23,6 +23,7 @@ _KINDS = ("body", "joint", "channel", "sensor", "signal", "event", "requirement"
 (_POSITIONS, _ATTITUDES, _VELOCITIES, _ANGULAR_VELOCITIES, _MODAL, _JOINT_MODES, _REACTIONS, _SENSORS, _SIGNALS, _CHANNELS,
  _CLEARANCES) = range(11)
 _STATUS_END = 2
+_JUDGE, _NOTICE = 1, 2
 _LOOK = 0.02  # s of wall time after which run() checks for signals such as Ctrl-C
 
 
@@ -84,6 +85,20 @@ class Verdict(NamedTuple):
     margin: float
     time: float
     why: str
+
+
+class Finding(NamedTuple):
+    """A fact to know before one trusts the results. name: its kind, "contact"; subject: of the run, name of the body, element, joint;
+    else the part of the scenario. of_run: noticed at a step, first at `time`, with its worst value at `worst_time`, s. unresolved:
+    results that depend on its subject are no results."""
+
+    name: str
+    subject: str
+    text: str
+    of_run: bool
+    unresolved: bool
+    time: float
+    worst_time: float
 
 
 class Named(Mapping[str, Value], Generic[Value]):
@@ -313,6 +328,12 @@ class Simulation:
                 for item, verdict in zip(self._items[_REQUIREMENT], self._native.judge())]
 
     @property
+    def findings(self) -> List[Finding]:
+        """Findings about the scenario, as `unlatch check` prints them, and with load(..., judge=True) or notice=True those about the
+        run so far. The first call may take as long as some hundred steps."""
+        return [Finding(*finding) for finding in self._native.get_findings()]
+
+    @property
     def clearances(self) -> Named[Numbers]:
         """Distances of the watched pairs, "core – booster1", m: views of one value. OrderError without judge=True."""
         values = self._native.get_array(_CLEARANCES, 0)
@@ -341,22 +362,28 @@ class Simulation:
         self._native.stop_recording()
 
 
-def load(path: Path, overrides: Optional[Mapping[str, object]] = None, *, judge: bool = False, event_capacity: int = 4096) -> Simulation:
+def load(path: Path, overrides: Optional[Mapping[str, object]] = None, *, judge: bool = False, notice: bool = False,
+         event_capacity: int = 4096) -> Simulation:
     """Loads a scenario. overrides: {"bodies.core.mass": "99 t"}, as --set takes them. judge: requirements are judged and clearances
-    computed at each step, which costs several times the step. event_capacity: number of stored events. Raises ScenarioError."""
-    return Simulation(_native.load(os.fspath(path), _write_overrides(overrides), judge, event_capacity))
+    computed at each step, which costs several times the step. notice: what the step does not resolve is noticed, see `findings`; judge
+    does so too. event_capacity: number of stored events. Raises ScenarioError."""
+    return Simulation(_native.load(os.fspath(path), _write_overrides(overrides), _get_flags(judge, notice), event_capacity))
 
 
 def load_text(text: str, name: str = "<text>", overrides: Optional[Mapping[str, object]] = None, *, judge: bool = False,
-              event_capacity: int = 4096) -> Simulation:
+              notice: bool = False, event_capacity: int = 4096) -> Simulation:
     """Loads a scenario from a text. name: name of the text in messages."""
-    return Simulation(_native.load_text(text, name, _write_overrides(overrides), judge, event_capacity))
+    return Simulation(_native.load_text(text, name, _write_overrides(overrides), _get_flags(judge, notice), event_capacity))
 
 
-def open_recording(path: Path, *, judge: bool = False, event_capacity: int = 4096) -> Simulation:
+def open_recording(path: Path, *, judge: bool = False, notice: bool = False, event_capacity: int = 4096) -> Simulation:
     """Opens a recording (*.log) of `unlatch hil`, `unlatch run` or start_recording(). Its steps take the recorded commands and are
     compared with the recorded hashes; step() raises StopIteration at the end, run() returns."""
-    return Simulation(_native.open_recording(os.fspath(path), judge, event_capacity))
+    return Simulation(_native.open_recording(os.fspath(path), _get_flags(judge, notice), event_capacity))
+
+
+def _get_flags(judge: bool, notice: bool) -> int:
+    return (_JUDGE if judge else 0) | (_NOTICE if notice else 0)
 
 
 def _write_overrides(overrides: Optional[Mapping[str, object]]) -> List[str]:

@@ -22,6 +22,22 @@ const ImportReaders& load_readers() {
   return *hil::find_function<const ImportReaders*()>("unlatch-import", "unlatch_get_import_readers")();
 }
 
+// Loads the scenario that was made. Its mistakes are those of the imported file: throws ImportError with their lines
+// there.
+hil::Scenario load_made(const WrittenScenario& made) {
+  try {
+    return hil::load_scenario_text(made.text, "the scenario that it makes");
+  } catch (const hil::ScenarioError& error) {
+    std::string text;
+    for (const hil::ScenarioMistake& mistake : error.mistakes) {
+      const int line = made.find_line(mistake.mark.line);
+      text += (text.empty() ? "" : "\n  ") + (line > 0 ? "line " + std::to_string(line) + ": " : std::string()) +
+              mistake.what + "; " + mistake.mend;
+    }
+    throw ImportError(text);
+  }
+}
+
 int run(const ImportOptions& options) {
   const std::filesystem::path path(options.file);
   const std::string text = read_xml(options.file);
@@ -39,14 +55,15 @@ int run(const ImportOptions& options) {
   if (!options.force && options.out != "-" && std::filesystem::exists(options.out)) {
     refuse_option("--out", options.out + " exists; --force replaces it");
   }
-  const std::string scenario = compute_apart([&] {
+  const WrittenScenario scenario = WrittenScenario::unpack(compute_apart([&] {
     return write_scenario(is_urdf ? readers.read_urdf(text, path.filename().string(), options.fixed_base)
-                                  : readers.read_mjcf(options.file));
-  });
+                                  : readers.read_mjcf(options.file))
+        .pack();
+  }));
   // An unphysical model is reported like that of any scenario, and not written.
-  const hil::Scenario checked = hil::load_scenario_text(scenario, "the scenario that it makes");
+  const hil::Scenario checked = load_made(scenario);
   hil::build_simulation(checked);
-  write_text(scenario, options.out);
+  write_text(scenario.text, options.out);
   std::fprintf(stderr, "%s: %s, %s; its first lines say what was left out\n", options.out.c_str(),
                count(checked.model.bodies.size(), "body").c_str(), count(checked.model.joints.size(), "joint").c_str());
   return kExitDone;

@@ -23,14 +23,23 @@ void add_still_held(const RunReport& report, std::vector<std::string>& verdicts)
   }
 }
 
+// Compares the bodies that leave the same base. A body has left it when the last of the joints between the two is free.
 void add_late_leavers(const std::vector<hil::TipOff>& tip_offs, std::vector<std::string>& verdicts) {
-  const auto earliest =
-      std::min_element(tip_offs.begin(), tip_offs.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+  const auto of_same_pair = [](const hil::TipOff& a, const hil::TipOff& b) {
+    return a.body == b.body && a.base == b.base;
+  };
+  std::vector<hil::TipOff> leavers;
   for (const hil::TipOff& tip_off : tip_offs) {
-    const double later = tip_off.time - earliest->time;
+    std::erase_if(leavers, [&](const hil::TipOff& earlier) { return of_same_pair(earlier, tip_off); });
+    leavers.push_back(tip_off);  // in the order of time
+  }
+  for (const hil::TipOff& leaver : leavers) {
+    const hil::TipOff& first = *std::find_if(leavers.begin(), leavers.end(),
+                                             [&](const hil::TipOff& other) { return other.base == leaver.base; });
+    const double later = leaver.time - first.time;
     if (later < kStayedLong_s) continue;
-    verdicts.push_back(tip_off.body + " stayed on " + tip_off.base + " " + to_seconds(later) + " longer than " +
-                       earliest->body + ", the first to leave");
+    verdicts.push_back(leaver.body + " stayed on " + leaver.base + " " + to_seconds(later) + " longer than " +
+                       first.body + ", the first to leave it");
   }
 }
 
