@@ -9,6 +9,7 @@
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/text/suggestion.h"
 #include "unlatch/quantities.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -143,56 +144,32 @@ class List {
 
   // Adds elements, numbered like State::elements.
   void add_elements() {
-    std::size_t number = 0;
-    const auto finish = [this](const Subject& of) {
+    std::size_t contacts = 0;
+    for (int number = 0; number < model_.element_count(); ++number) {
+      const ElementTraits traits = describe_element(model_, number);
+      const Subject of{"element", model_.element_name(number), static_cast<std::size_t>(number)};
+      if (traits.is_contact)
+        add_contact({of.group, of.name, contacts++});
+      else
+        add_readings(of, traits);
       add(Kind::kElementScale, of, "scale", "scale", "", "1", {"scale"});
-    };
-    for (const Load& load : model_.loads) {
-      const Subject of{"element", load.name, number++};
-      add_force(of, load.kind == Load::Kind::kTorque);
-      finish(of);
     }
-    for (const PointSpring& spring : model_.point_springs) {
-      const Subject of{"element", spring.name, number++};
-      add_force(of, false);
+  }
+
+  void add_readings(const Subject& of, const ElementTraits& traits) {
+    add_force(of, traits.angular);
+    const char* const length_unit = traits.angular ? "rad" : "m";
+    if (traits.has_points) {
       add(Kind::kElementLength, of, "length", "length", "", "m", {"length"});
       add(Kind::kElementStroke, of, "stroke", "stroke", "", "m", {"stroke"});
       add(Kind::kElementRate, of, "rate", "rate", "", "m/s", {"rate"});
-      finish(of);
+      return;
     }
-    for (const JointSpring& spring : model_.joint_springs) {
-      const Subject of{"element", spring.name, number++};
-      add_force(of, spring.axis >= kRotX);
-      add_coordinate(of, spring.axis >= kRotX);
-      finish(of);
-    }
-    for (const PlaneTorsion& torsion : model_.plane_torsions) {
-      const Subject of{"element", torsion.name, number++};
-      add_force(of, true);
-      add_coordinate(of, true);
-      finish(of);
-    }
-    for (std::size_t i = 0; i < model_.contacts.size(); ++i) {
-      add_contact({"element", model_.contacts[i].name, i});
-      finish({"element", model_.contacts[i].name, number++});
-    }
-    for (const OneSided& force : model_.one_sided) {
-      const Subject of{"element", force.name, number++};
-      const bool angular = force.joint != kNone && force.axis >= kRotX;
-      add_force(of, angular);
-      add_coordinate(of, angular);
-      add(Kind::kElementStroke, of, "stroke", "stroke", "", angular ? "rad" : "m", {"stroke"});
-      if (force.drum) {
-        add(Kind::kElementWound, of, "wound", "wound", "", "rad", {"wound"});
-        add(Kind::kElementOnDrum, of, "on_drum", "on_drum", "", "m", {"on_drum"});
-      }
-      finish(of);
-    }
-    for (const JointFriction& friction : model_.frictions) {
-      const Subject of{"element", friction.name, number++};
-      add_force(of, friction.axis >= kRotX);
-      add_coordinate(of, friction.axis >= kRotX);
-      finish(of);
+    if (traits.has_coordinate) add_coordinate(of, traits.angular);
+    if (traits.has_stroke) add(Kind::kElementStroke, of, "stroke", "stroke", "", length_unit, {"stroke"});
+    if (traits.has_drum) {
+      add(Kind::kElementWound, of, "wound", "wound", "", "rad", {"wound"});
+      add(Kind::kElementOnDrum, of, "on_drum", "on_drum", "", "m", {"on_drum"});
     }
   }
 

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "kernel/dynamics/flexible.h"
 #include "kernel/dynamics/varying.h"
-#include "kernel/elements/compliance.h"
-#include "kernel/elements/contacts.h"
-#include "kernel/elements/friction.h"
-#include "kernel/elements/loads.h"
-#include "kernel/elements/one_sided.h"
+#include "kernel/elements/kinds/kinds.h"
 #include "kernel/elements/push.h"
-#include "kernel/elements/springs.h"
-#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 namespace {
@@ -30,49 +25,33 @@ void add_loads(const PlanData& plan, Evaluation& ev) {
   }
 }
 
-void add_point_springs(const Instant& now, Evaluation& ev) {
-  const PlanData& plan = now.plan;
-  for (const PlanPointSpring& spring : plan.point_springs) {
-    const double scale = calc_scale(now.state.elements[at(spring.element)], now.t);
+template <class Kind>
+void add_efforts(const Instant& now, Evaluation& ev) {
+  const auto& list = Kind::of_plan(now.plan);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto& own = list[i];
+    if (!Kind::acts(now, ev, own, i)) continue;
+    const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
     if (scale == 0) continue;
-    const PointSpringForce f =
-        calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
-    if (f.acts) push_apart(ev, spring.base, spring.follower, f.r_base, f.r_follower, f.size * f.direction);
+    if constexpr (HasEffort<Kind>) {
+      const Effort effort = Kind::calc(StageMotion{now, ev}, own, i, scale);
+      if (!effort.acts) continue;
+      const Vec3 push = effort.size * effort.direction;
+      if (effort.turns)
+        turn_apart(ev, effort.base, effort.follower, push);
+      else
+        push_apart(ev, effort.base, effort.follower, effort.r_base, effort.r_follower, push);
+    } else {
+      Kind::add_forces(now, own, scale, ev);
+    }
   }
 }
 
-void add_joint_springs(const Instant& now, Evaluation& ev) {
-  const PlanData& plan = now.plan;
-  for (const PlanJointSpring& spring : plan.joint_springs) {
-    const double scale = calc_scale(now.state.elements[at(spring.element)], now.t);
-    if (scale == 0) continue;
-    const std::size_t coordinate = at(spring.coordinate);
-    double x = ev.coordinates[coordinate], rate = ev.speeds[coordinate], lead = 0;
-    if (spring.compliant != kNone) lead = calc_lead(ev.compliant[at(spring.compliant)], now.implicit, x, rate);
-    const double size = calc_joint_spring(spring, x, rate, scale) + lead;
-    push_apart(ev, JointView(plan, ev, spring.joint), spring.axis, size);
-  }
-}
-
-void add_plane_torsions(const Instant& now, Evaluation& ev) {
-  const PlanData& plan = now.plan;
-  for (const PlanPlaneTorsion& spring : plan.plane_torsions) {
-    const double scale = calc_scale(now.state.elements[at(spring.element)], now.t);
-    if (scale == 0) continue;
-    const PlaneTorsionForce f =
-        calc_force(spring, get_body_frame(ev, spring.base), get_body_frame(ev, spring.follower), scale);
-    if (f.acts) turn_apart(ev, spring.base, spring.follower, f.size * f.axis);
-  }
-}
-
-// Between two bodies.
+// Of elements between two bodies: all kinds but loads.
 void add_pair_forces(const Instant& now, Evaluation& ev) {
-  add_point_springs(now, ev);
-  add_joint_springs(now, ev);
-  add_plane_torsions(now, ev);
-  add_contacts(now, ev);
-  add_one_sided_forces(now, ev);
-  add_friction_forces(now.plan, ev);
+  for_each_kind([&]<class Kind>(Kind) {
+    if constexpr (!std::is_same_v<Kind, LoadKind>) add_efforts<Kind>(now, ev);
+  });
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kernel/elements/loads.h"
+#include "kernel/elements/kinds/load.h"
 
 namespace unlatch {
 namespace {

@@ -25,14 +25,4 @@ inline void turn_apart(Evaluation& ev, int base, int follower, const Vec3& torqu
   push(ev, base, {0, 0, 0}, -torque);
 }
 
-// A force along a joint's axis at its point, or a torque about it; `size`: N or N m.
-inline void push_apart(Evaluation& ev, const JointView& joint, int axis, double size) {
-  const std::int32_t base = joint.get_joint().base, follower = joint.get_joint().follower;
-  const Vec3 effort = size * joint.get_axis(axis);
-  if (axis < kRotX)
-    push_apart(ev, base, follower, joint.get_arm(false), joint.get_arm(true), effort);
-  else
-    turn_apart(ev, base, follower, effort);
-}
-
 }  // namespace unlatch

@@ -5,8 +5,8 @@
 
 #include "kernel/dynamics/balance.h"
 #include "kernel/dynamics/energy.h"
-#include "kernel/elements/loads.h"
-#include "kernel/elements/one_sided.h"
+#include "kernel/elements/kinds/load.h"
+#include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/events/guards.h"
 #include "kernel/events/impulses.h"
 #include "kernel/integration/integrator.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "kernel/elements/contacts.h"
-#include "kernel/elements/one_sided.h"
+#include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/quantities/quantities.h"
 

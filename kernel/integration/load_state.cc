@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "kernel/elements/one_sided.h"
+#include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/joints/kinematics.h"
 #include "kernel/joints/residuals.h"
 

@@ -1,9 +1,7 @@
 #include "unlatch/model.h"
 
 #include <algorithm>
-#include <stdexcept>
 
-#include "kernel/model/elements.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch {
@@ -21,24 +19,6 @@ const char* sensor_unit(Sensor::Kind kind) {
   if (kind == Sensor::Kind::kReaction) return "N, N m";   // along or about a row: both units are named
   if (kind == Sensor::Kind::kSpeed) return "m/s, rad/s";  // likewise
   return get_traits(get_quantity({}, Sensor{.name = {}, .kind = kind}).kind).unit;
-}
-
-int Model::element_count() const {
-  std::size_t count = 0;
-  for_each_element_list(*this, [&](const auto& list) { count += list.size(); });
-  return static_cast<int>(count);
-}
-
-const std::string& Model::element_name(int element) const {
-  const std::string* found = nullptr;
-  std::size_t first = 0;
-  const auto index = static_cast<std::size_t>(element);
-  for_each_element_list(*this, [&](const auto& list) {
-    if (index >= first && index < first + list.size()) found = &list[index - first].name;
-    first += list.size();
-  });
-  if (found == nullptr) throw std::out_of_range("element " + std::to_string(element));
-  return *found;
 }
 
 void add_contact_events(Model& model) {

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "kernel/math/index.h"
-#include "kernel/model/elements.h"
 #include "kernel/model/validate.h"
 
 namespace unlatch {

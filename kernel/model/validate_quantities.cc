@@ -36,7 +36,7 @@ const char* get_noun(SubjectOf of) {
   return "";
 }
 
-struct Check {
+struct QuantityCheck {
   const Model& model;
   const std::string& where;
   const std::string& key;
@@ -125,7 +125,7 @@ struct Check {
 
 void check_quantity(const Model& model, const Quantity& quantity, bool single, const std::string& where,
                     const std::string& key, ModelErrors& errors) {
-  Check check{model, where, key, errors};
+  QuantityCheck check{model, where, key, errors};
   if (static_cast<int>(quantity.kind) < 0 || static_cast<int>(quantity.kind) >= count_quantity_kinds())
     return check.report("its kind of quantity does not exist", "one of Quantity::Kind");
   const QuantityTraits& traits = get_traits(quantity.kind);

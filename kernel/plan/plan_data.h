@@ -211,7 +211,7 @@ struct PlanShapes {
   Mat3 inverse_inertia{};
 };
 
-// A contact, see kernel/elements/contacts.h.
+// A contact, see kernel/elements/kinds/contact/contact.h.
 struct PlanContact {
   std::int32_t base, follower, element;  // into PlanData::shapes; into State::elements
   std::int32_t first_pair, pairs;        // into PlanData::contact_pairs
@@ -224,7 +224,7 @@ struct ContactPair {
   bool closed;                                       // at the start
 };
 
-// A force on one side of a limit, see kernel/elements/one_sided.h.
+// A force on one side of a limit, see kernel/elements/kinds/one_sided/one_sided.h.
 struct PlanOneSided {
   std::int32_t number, element;                          // its own place in PlanData::one_sided
   std::int32_t joint, axis, coordinate, base, follower;  // joint, coordinate: kNone between two points

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernel/elements/element_reading.h"
-#include "kernel/elements/one_sided.h"
+#include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/quantities/quantity_calc.h"
 
 namespace unlatch::quantities {

@@ -1,7 +1,7 @@
 // Quantities of shapes: clearances and contacts.
 #pragma once
 
-#include "kernel/elements/contacts.h"
+#include "kernel/elements/kinds/contact/contact.h"
 #include "kernel/quantities/quantity_calc.h"
 
 namespace unlatch::quantities {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "kernel/model/join.h"
+#include "kernel/compile/join.h"
 #include "kernel/plan/evaluation.h"
 #include "unlatch/bundle.h"
 
@@ -27,7 +27,7 @@ struct BundleMember {
 struct BundleData {
   explicit BundleData(Plan plan_in);
 
-  Plan plan;  // of all members, see model/join.h
+  Plan plan;  // of all members, see compile/join.h
   std::vector<BundleMember> members;
   std::vector<double> commands;  // of all members' channels
   std::unique_ptr<std::byte, void (*)(std::byte*)> memory;

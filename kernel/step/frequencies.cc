@@ -4,7 +4,7 @@
 
 #include "kernel/dispatch/kernels.h"
 #include "kernel/dynamics/flexible.h"
-#include "kernel/elements/one_sided.h"
+#include "kernel/elements/kinds/kinds.h"
 #include "kernel/integration/integrator.h"
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/kinematics.h"
@@ -13,26 +13,21 @@
 namespace unlatch {
 namespace {
 
-// The wrenches of an element with unit effort: equal and opposite on two bodies.
-struct Effort {
+// Wrenches of an element with unit effort: equal and opposite on two bodies, at their origins.
+struct UnitEffort {
   int base, follower;
   Spatial on_base, on_follower;
 };
 
-Effort calc_push(const BodyFrame& base, const BodyFrame& follower, int b, int f, const Vec3& r_base,
-                 const Vec3& r_follower) {
-  const Vec3 line = (follower.p + r_follower) - (base.p + r_base);
-  const double length = norm(line);
-  const Vec3 e = length > 0 ? (1.0 / length) * line : Vec3{1, 0, 0};
-  return {b, f, {-e, -cross(r_base, e)}, {e, cross(r_follower, e)}};
-}
-
-Effort calc_turn(int base, int follower, const Vec3& axis) {
-  return {base, follower, {{0, 0, 0}, -axis}, {{0, 0, 0}, axis}};
+// Of an element that has no direction now, along x.
+UnitEffort calc_unit(const Effort& effort) {
+  const Vec3 e = norm(effort.direction) > 0 ? effort.direction : Vec3{1, 0, 0};
+  if (effort.turns) return {effort.base, effort.follower, {{0, 0, 0}, -e}, {{0, 0, 0}, e}};
+  return {effort.base, effort.follower, {-e, -cross(effort.r_base, e)}, {e, cross(effort.r_follower, e)}};
 }
 
 // Acceleration along the element that its unit effort brings about: 1 / effective mass.
-double calc_mobility(const PlanData& plan, const Effort& effort, Evaluation& ev) {
+double calc_mobility(const PlanData& plan, const UnitEffort& effort, Evaluation& ev) {
   double* blocks = ev.blocks.data();
   for (const Place& place : plan.places) write(blocks, place, &SharedLane::force, {{0, 0, 0}, {0, 0, 0}});
   if (effort.base != kGround) write(blocks, ev.places[at(effort.base)], &SharedLane::force, effort.on_base);
@@ -41,35 +36,6 @@ double calc_mobility(const PlanData& plan, const Effort& effort, Evaluation& ev)
   double sum = dot(effort.on_follower, ev.get_acceleration(effort.follower));
   if (effort.base != kGround) sum += dot(effort.on_base, ev.get_acceleration(effort.base));
   return sum > 0 ? sum : 0;
-}
-
-Effort calc_effort(const Evaluation& ev, const PlanPointSpring& s) {
-  const BodyFrame base = get_body_frame(ev, s.base), follower = get_body_frame(ev, s.follower);
-  return calc_push(base, follower, s.base, s.follower, base.R * s.point_base, follower.R * s.point_follower);
-}
-
-// Unit effort of a spring or of friction in a joint, along or about its axis; world axes, at the bodies' origins.
-template <class InJoint>
-Effort calc_joint_effort(const PlanData& plan, const State& state, const Evaluation& ev, const InJoint& s) {
-  const PlanJoint& joint = plan.joints[at(s.joint)];
-  const JointFrame f = get_joint_frame(plan, state, ev, s.joint);
-  if (s.axis >= kRotX) return calc_turn(joint.base, joint.follower, column(f.m, s.axis - kRotX));
-  const Vec3& n = column(f.n, s.axis);
-  return {joint.base, joint.follower, {-n, -cross(f.r_base, n)}, {n, cross(f.r_follower, n)}};
-}
-
-Effort calc_effort(const PlanData& plan, const State& state, const Evaluation& ev, const PlanOneSided& s) {
-  const OneSidedMotion m = calc_motion(plan, state, ev, s);
-  const Vec3 e = norm(m.direction) > 0 ? m.direction : Vec3{1, 0, 0};
-  if (s.joint != kNone && s.axis >= kRotX) return calc_turn(s.base, s.follower, e);
-  return {s.base, s.follower, {-e, -cross(m.r_base, e)}, {e, cross(m.r_follower, e)}};
-}
-
-Effort calc_effort(const Evaluation& ev, const PlanPlaneTorsion& s) {
-  const Vec3 across =
-      cross(get_body_frame(ev, s.base).R * s.normal_base, get_body_frame(ev, s.follower).R * s.axis_follower);
-  const double size = norm(across);
-  return calc_turn(s.base, s.follower, size > 0 ? (1.0 / size) * across : Vec3{1, 0, 0});
 }
 
 // An evaluation of `state` that mobilities can be computed with; null if a pivot vanishes.
@@ -88,34 +54,47 @@ Evaluation* factor(const PlanData& plan, const State& state, Workspace& workspac
 
 }  // namespace
 
-std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& state, Workspace& workspace) {
+namespace {
+
+// Calls use(kind, element of the plan, mobility along it) for the elements of the kinds for which `chosen` is true.
+template <class Choose, class Use>
+void for_each_mobility(const Plan& owner, const State& state, Workspace& workspace, const Choose& chosen,
+                       const Use& use) {
   const PlanData& plan = owner.data();
+  Evaluation* const ev = factor(plan, state, workspace);
+  if (ev == nullptr) return;
+  const Inputs none;
+  const Instant now{plan, none, state, plan.get_time(state.header->tick)};
+  for_each_kind([&]<class Kind>(Kind kind) {
+    if constexpr (HasEffort<Kind>) {
+      if (!chosen(kind)) return;
+      const auto& list = Kind::of_plan(plan);
+      for (std::size_t i = 0; i < list.size(); ++i)
+        use(kind, list[i], calc_mobility(plan, calc_unit(Kind::calc(StageMotion{now, *ev}, list[i], i, 1)), *ev));
+    }
+  });
+}
+
+}  // namespace
+
+std::vector<ElementFrequency> calc_frequencies(const Plan& owner, const State& state, Workspace& workspace) {
   std::vector<ElementFrequency> out;
-  Evaluation* const factored = factor(plan, state, workspace);
-  if (factored == nullptr) return out;
-  Evaluation& ev = *factored;
-  const auto add = [&](int element, double stiffness, double damping, const Effort& effort, bool implicit = false) {
-    const double mobility = calc_mobility(plan, effort, ev);
-    out.push_back({element, std::sqrt(stiffness * mobility), damping * mobility, implicit});
-  };
-  for (const PlanPointSpring& s : plan.point_springs) add(s.element, s.stiffness, s.damping, calc_effort(ev, s));
-  for (const PlanJointSpring& s : plan.joint_springs)
-    add(s.element, s.stiffness, s.damping, calc_joint_effort(plan, state, ev, s), s.compliant != kNone);
-  for (const PlanPlaneTorsion& s : plan.plane_torsions) add(s.element, s.stiffness, s.damping, calc_effort(ev, s));
-  for (const PlanOneSided& s : plan.one_sided)
-    add(s.element, calc_largest_stiffness(get_law(plan, s)), s.law.damping, calc_effort(plan, state, ev, s));
+  const auto is_spring = []<class Kind>(Kind) { return HasSpring<Kind>; };
+  for_each_mobility(owner, state, workspace, is_spring, [&]<class Kind>(Kind, const auto& own, double mobility) {
+    if constexpr (HasSpring<Kind>) {
+      const LinearSpring spring = Kind::get_spring(owner.data(), own);
+      out.push_back({own.element, std::sqrt(spring.stiffness * mobility), spring.damping * mobility, spring.implicit});
+    }
+  });
   return out;
 }
 
 std::vector<ElementMobility> calc_mobilities(const Plan& owner, const State& state, Workspace& workspace) {
-  const PlanData& plan = owner.data();
   std::vector<ElementMobility> out;
-  Evaluation* const ev = factor(plan, state, workspace);
-  if (ev == nullptr) return out;
-  for (const PlanOneSided& s : plan.one_sided)
-    out.push_back({s.element, calc_mobility(plan, calc_effort(plan, state, *ev, s), *ev)});
-  for (const PlanFriction& s : plan.frictions)
-    out.push_back({s.element, calc_mobility(plan, calc_joint_effort(plan, state, *ev, s), *ev)});
+  const auto has_friction = []<class Kind>(Kind) { return Kind::kHasFriction; };
+  for_each_mobility(owner, state, workspace, has_friction, [&](auto, const auto& own, double mobility) {
+    out.push_back({own.element, mobility});
+  });
   return out;
 }
 

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "kernel/elements/contact_parts.h"
+#include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/events/event_search.h"
 #include "kernel/events/events.h"
 #include "kernel/events/guards.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "kernel/model/model_hash.h"
+#include "kernel/compile/model_hash.h"
 #include "tests/hil/scenario_support.h"
 
 namespace unlatch::test {

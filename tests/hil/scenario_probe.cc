@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/scenario/scenario.h"
-#include "kernel/model/model_hash.h"
+#include "kernel/compile/model_hash.h"
 
 namespace {
 

@@ -17,7 +17,7 @@ OTHERS = {"s", "ms", "us", "ns", "is", "was", "has", "its", "as", "this", "diffe
 NEVER_ONE = {
     "hil/session/realtime/preflight.cc: bytes": "a limit of memory",
     "hil/scenario/language/scenario_sources.cc: bytes": "a limit",
-    "kernel/model/validate.cc: bodies": "more than the most",
+    "kernel/compile/validate.cc: bodies": "more than the most",
 }
 
 

@@ -146,6 +146,17 @@ TEST(Compliance, ThePlanDecidesByTheStepAndTheUserOverrules) {
   EXPECT_NE(Simulation(model, {.dt = 1e-3}).data().joint_springs[0].compliant, kNone);
 }
 
+// h c / (m r²) is 10: an explicit step would be unstable, although the stiffness is small.
+TEST(Compliance, AStrongDamperIsImplicitWhateverItsStiffness) {
+  SpringPendulum pendulum;
+  pendulum.stiffness = 1;
+  const double inertia = pendulum.mass * pendulum.arm * pendulum.arm;  // about the hinge, without the body's own
+  pendulum.damping = 10 / 1e-3 * inertia;
+  const Model model = build_model(pendulum);
+  EXPECT_NE(Simulation(model, {.dt = 1e-3}).data().joint_springs[0].compliant, kNone);
+  EXPECT_EQ(Simulation(model, {.dt = 1e-6}).data().joint_springs[0].compliant, kNone);
+}
+
 TEST(Compliance, ASpringInAJointThatClosesALoopStaysExplicitUnlessDemanded) {
   Model model = build_model(SpringPendulum{.stiffness = 1e9});
   Joint second = model.joints[0];

@@ -15,7 +15,7 @@
 #include "kernel/dynamics/forces.h"
 #include "kernel/dynamics/varying.h"
 #include "kernel/elements/compliance.h"
-#include "kernel/elements/loads.h"
+#include "kernel/elements/kinds/load.h"
 #include "kernel/solver/loop_rows.h"
 #include "tests/support/modal_model.h"
 #include "tests/support/random.h"

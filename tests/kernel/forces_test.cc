@@ -305,6 +305,83 @@ TEST(Forces, CoordinatesAtTheStartAreThoseOfTheFirstEvaluation) {
   }
 }
 
+// Reports before a run and the step share one law per kind.
+TEST(Forces, ElementsAtTheStartHaveTheForcesAndTheEnergyOfTheFirstEvaluation) {
+  Model model = build_pair();
+  for (Body& body : model.bodies) body.v_WB = body.w_WB_B = Eigen::Vector3d::Zero();
+  PointSpring line;
+  line.name = "line";
+  line.base = 0;
+  line.follower = 1;
+  line.point_base = {0.4, -0.1, 0.2};
+  line.stiffness = 20;
+  line.free_length = 1;
+  model.point_springs.push_back(line);
+  Joint joint;
+  joint.name = "joint";
+  joint.base = 0;
+  joint.follower = 1;
+  joint.modes = {{"free", 0}};
+  model.joints.push_back(joint);
+  JointSpring slide;
+  slide.name = "slide";
+  slide.axis = kY;
+  slide.stiffness = 30;
+  slide.rest = 0.7;
+  slide.effort = 2;
+  model.joint_springs.push_back(slide);
+  PlaneTorsion torsion;
+  torsion.name = "torsion";
+  torsion.base = 0;
+  torsion.follower = 1;
+  torsion.stiffness = 4;
+  model.plane_torsions.push_back(torsion);
+  OneSided pusher;
+  pusher.name = "pusher";
+  pusher.kind = OneSided::Kind::kPusher;
+  pusher.base = 0;
+  pusher.follower = 1;
+  pusher.point_follower = {-0.3, 0.2, 0.1};
+  pusher.stroke = 0.2;
+  pusher.preload = 50;
+  pusher.stiffness = 100;
+  model.one_sided.push_back(pusher);
+  Simulation s(model);
+  ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk);
+  double energy = 0;
+  for (int i = 0; i < model.element_count(); ++i) {
+    const ElementStart start = calc_element_start(model, i);
+    const ElementReading first = calc_element(s.plan, s.state, s.workspace, i);
+    ASSERT_NE(start.kind, nullptr) << model.element_name(i);
+    EXPECT_GT(std::abs(start.force), 1e-3) << model.element_name(i);  // a test of zeros would show nothing
+    EXPECT_GT(start.energy, 1e-3) << model.element_name(i);
+    EXPECT_NEAR(start.force, first.force, kRounding * 100) << model.element_name(i);
+    EXPECT_NEAR(start.length, first.length, kRounding) << model.element_name(i);
+    energy += start.energy;
+  }
+  EXPECT_NEAR(energy, calc_energy_flow(s.plan, s.state, s.workspace, {0, 0, 0}).strain, 100 * kRounding);
+}
+
+TEST(Forces, EveryElementNamesItsBodiesAndWhatItsReadingsMean) {
+  Model model = build_pair();
+  PlaneTorsion torsion;
+  torsion.name = "torsion";
+  torsion.base = 0;
+  torsion.follower = 1;
+  model.plane_torsions.push_back(torsion);
+  Load load;
+  load.name = "jet";
+  load.body = 1;
+  model.loads.push_back(load);
+  EXPECT_EQ(list_element_bodies(model, 0), std::vector<int>({1}));
+  EXPECT_FALSE(describe_element(model, 0).has_coordinate);
+  EXPECT_EQ(list_element_bodies(model, 1), std::vector<int>({0, 1}));
+  EXPECT_TRUE(describe_element(model, 1).angular);
+  EXPECT_EQ(calc_element_start(model, 0).kind, nullptr);
+  EXPECT_THROW(describe_element(model, 2), std::out_of_range);
+  EXPECT_THROW(describe_element(model, -1), std::out_of_range);
+}
+
 TEST(Forces, DampersTakeEnergyAndNoMomentum) {
   Model model = build_pair();
   PlaneTorsion torsion;

@@ -1,10 +1,10 @@
 #include <algorithm>
 
 #include "hil/run/findings/finding_parts.h"
-#include "hil/run/findings/spring_start.h"
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/notices.h"
 #include "hil/scenario/model/index.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -23,17 +23,19 @@ bool frees_with(const Event& event, int joint, const Model& model, int element) 
 }  // namespace
 
 void add_coincident_point_findings(const Model& model, std::vector<Finding>& findings) {
+  auto element = static_cast<int>(model.loads.size());
   for (const PointSpring& s : model.point_springs) {
-    const double length = start_point_spring(model, s).length, force = s.stiffness * s.free_length;
+    const double length = calc_element_start(model, element++).length, force = s.stiffness * s.free_length;
     if (length > kCoincident || force == 0) continue;
     findings.push_back({"direction", quoted("element", s.name),
                         format("its two points coincide, to %.1g m, with %.4g N in it: the force has no direction, and "
                                "rounding picks one or none; move one of the points along the line of the force",
                                length, force)});
   }
+  element = get_first_one_sided(model);
   for (const OneSided& f : model.one_sided) {
+    const ElementStart start = calc_element_start(model, element++);
     if (f.joint != kNone || f.guide || f.kind == OneSided::Kind::kCord) continue;
-    const SpringStart start = start_one_sided(model, f);
     if (start.length > kCoincident || start.force == 0) continue;
     findings.push_back(
         {"direction", quoted("element", f.name),

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "hil/scenario/model/index.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::hil {
 namespace {
@@ -27,28 +28,6 @@ bool is_timed(const Model& model, const EventName& name) {
 }
 
 }  // namespace
-
-std::vector<int> list_element_bodies(const Model& model, int element) {
-  std::size_t i = at(element);
-  const auto is_in = [&i](const auto& list) {
-    if (i < list.size()) return true;
-    i -= list.size();
-    return false;
-  };
-  const auto of_joint = [&model](int joint) {
-    return list_pair(model.joints[at(joint)].base, model.joints[at(joint)].follower);
-  };
-  if (is_in(model.loads)) return {model.loads[i].body};
-  if (is_in(model.point_springs)) return list_pair(model.point_springs[i].base, model.point_springs[i].follower);
-  if (is_in(model.joint_springs)) return of_joint(model.joint_springs[i].joint);
-  if (is_in(model.plane_torsions)) return list_pair(model.plane_torsions[i].base, model.plane_torsions[i].follower);
-  if (is_in(model.contacts)) return list_contact_bodies(model, static_cast<int>(i));
-  if (is_in(model.one_sided)) {
-    const OneSided& force = model.one_sided[i];
-    return force.joint == kNone ? list_pair(force.base, force.follower) : of_joint(force.joint);
-  }
-  return i < model.frictions.size() ? of_joint(model.frictions[i].joint) : list_all_bodies(model);
-}
 
 std::vector<int> list_contact_bodies(const Model& model, int contact) {
   const Contact& own = model.contacts[at(contact)];

@@ -10,6 +10,7 @@
 
 #include "hil/scenario/requirements.h"
 #include "unlatch/model.h"
+#include "unlatch/readings.h"
 #include "unlatch/state.h"
 
 namespace unlatch::hil {
@@ -40,8 +41,6 @@ class UnresolvedBodies {
   double first_ = kNever;  // s
 };
 
-// Bodies of an element of the model's shared numbering, of a joint, of a contact; without the ground.
-std::vector<int> list_element_bodies(const Model& model, int element);
 std::vector<int> list_contact_bodies(const Model& model, int contact);
 // Every body.
 std::vector<int> list_all_bodies(const Model& model);

@@ -1,6 +1,7 @@
 // Elements, the channels that drive them, and the signals.
 #include <algorithm>
 
+#include "hil/scenario/model/index.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
 namespace unlatch::hil {
@@ -76,28 +77,58 @@ void ScenarioReader::read_elements(YamlMap& top) {
   for (int i = 0; i < model_.element_count(); ++i) elements_.push_back(model_.element_name(i));
 }
 
-void ScenarioReader::read_element(const std::string& name, const YamlNode& node) {
-  static const std::vector<std::string> kTypes{"thrust",        "force",  "torque", "spring",        "joint_spring",
-                                               "plane_torsion", "pusher", "cord",   "joint_friction"};
-  YamlMap map(node, "element '" + name + "'", mistakes_);
-  const int type = map.choice("type", "element type", kTypes);
-  if (type < 0) return;  // the valid keys depend on the type
-  Load load;
-  load.name = name;
-  load.kind = type == 2 ? Load::Kind::kTorque : Load::Kind::kForce;
-  if (type == 1 || type == 2) {
+namespace {
+
+template <class Item>
+Item make_named(const std::string& name) {
+  Item item;
+  item.name = name;
+  return item;
+}
+
+}  // namespace
+
+// Types of elements: what stands at `type`, and what reads the rest of its keys. A new kind of element is a line here.
+const std::vector<ScenarioReader::ElementType>& ScenarioReader::get_element_types() {
+  using Reader = ScenarioReader;
+  static const auto read_turnable = [](Reader& reader, YamlMap& map, Load load) {
     const int frame = map.choice("frame", "frame", {"body", "world"}, 0);
     load.frame = frame == 1 ? Load::Frame::kWorld : Load::Frame::kBody;
-  }
-  if (type <= 2) read_load(map, std::move(load));
-  if (type == 3) read_point_spring(map, {.name = name});
-  if (type == 4) read_joint_spring(map, {.name = name});
-  if (type == 5) read_plane_torsion(map, {.name = name});
-  OneSided force;
-  force.name = name;
-  if (type == 6) read_pusher(map, std::move(force));
-  if (type == 7) read_cord(map, std::move(force));
-  if (type == 8) read_friction(map, {.name = name});
+    reader.read_load(map, std::move(load));
+  };
+  static const std::vector<ElementType> kTypes{
+      {"thrust", [](Reader& r, YamlMap& map, const std::string& name) { r.read_load(map, make_named<Load>(name)); }},
+      {"force",
+       [](Reader& r, YamlMap& map, const std::string& name) { read_turnable(r, map, make_named<Load>(name)); }},
+      {"torque",
+       [](Reader& r, YamlMap& map, const std::string& name) {
+         Load load = make_named<Load>(name);
+         load.kind = Load::Kind::kTorque;
+         read_turnable(r, map, std::move(load));
+       }},
+      {"spring", [](Reader& r, YamlMap& map,
+                    const std::string& name) { r.read_point_spring(map, make_named<PointSpring>(name)); }},
+      {"joint_spring", [](Reader& r, YamlMap& map,
+                          const std::string& name) { r.read_joint_spring(map, make_named<JointSpring>(name)); }},
+      {"plane_torsion", [](Reader& r, YamlMap& map,
+                           const std::string& name) { r.read_plane_torsion(map, make_named<PlaneTorsion>(name)); }},
+      {"pusher",
+       [](Reader& r, YamlMap& map, const std::string& name) { r.read_pusher(map, make_named<OneSided>(name)); }},
+      {"cord", [](Reader& r, YamlMap& map, const std::string& name) { r.read_cord(map, make_named<OneSided>(name)); }},
+      {"joint_friction",
+       [](Reader& r, YamlMap& map, const std::string& name) { r.read_friction(map, make_named<JointFriction>(name)); }},
+  };
+  return kTypes;
+}
+
+void ScenarioReader::read_element(const std::string& name, const YamlNode& node) {
+  const std::vector<ElementType>& types = get_element_types();
+  std::vector<std::string> names;
+  for (const ElementType& type : types) names.push_back(type.name);
+  YamlMap map(node, "element '" + name + "'", mistakes_);
+  const int type = map.choice("type", "element type", names);
+  if (type < 0) return;  // the valid keys depend on the type
+  types[at(type)].read(*this, map, name);
   map.finish();
 }
 

@@ -91,6 +91,11 @@ class ScenarioReader {
   Eigen::Matrix3d read_frame(const YamlNode& node);
 
   // Elements. They are numbered by type, so they are first read into their lists and numbered afterwards.
+  struct ElementType {
+    const char* name;
+    void (*read)(ScenarioReader& reader, YamlMap& map, const std::string& name);
+  };
+  static const std::vector<ElementType>& get_element_types();
   void read_element(const std::string& name, const YamlNode& node);
   void read_load(YamlMap& map, Load load);
   void read_point_spring(YamlMap& map, PointSpring spring);

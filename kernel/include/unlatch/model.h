@@ -254,8 +254,8 @@ struct OneSided {
 //
 //   −coefficient · r · |R| · v / sqrt(v² + v_s²),   v = r · speed of the axis,   r = 1 along x, y, z, else `radius`
 //
-// R is the reaction of the point–plane rows that hold, found as in kernel/elements/friction.h. Regularised: at rest it
-// creeps at v / v_s = load / (μ |R|).
+// R is the reaction of the point–plane rows that hold, found as in kernel/elements/kinds/friction.h. Regularised: at
+// rest it creeps at v / v_s = load / (μ |R|).
 struct JointFriction {
   std::string name;        // unique among elements
   int joint = 0;           // index of the joint
@@ -460,8 +460,8 @@ struct ModelError {
   std::string key{};  // the property, as scenarios call it: "mass"; empty for the whole
 };
 
-// Value of Model::contact_substeps for as many parts as the present depths, speeds and masses need, a power of two up to
-// kMaxAutomaticSubsteps (kernel/elements/contact_parts.h).
+// Value of Model::contact_substeps for as many parts as the present depths, speeds and masses need, a power of two up
+// to kMaxAutomaticSubsteps (kernel/elements/kinds/contact/contact_parts.h).
 inline constexpr int kAutomaticSubsteps = 0;
 // Largest number of parts that are chosen automatically.
 inline constexpr int kMaxAutomaticSubsteps = 256;

@@ -1,8 +1,9 @@
-// Readings of a state that are neither in it nor in the workspace: forces and strokes of elements, modal rates. For
-// outputs and reports. The step computes each force by the same formula (kernel/elements/springs.h).
+// Readings of a state that are neither in it nor in the workspace: forces and strokes of elements, modal rates; and
+// elements whatever their kind: what they act on, what their readings mean, how they start. For outputs and reports. The step computes each force by the same formula (kernel/elements/kinds).
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "unlatch/model.h"
 #include "unlatch/plan.h"
@@ -10,6 +11,42 @@
 #include "unlatch/workspace.h"
 
 namespace unlatch {
+
+// What a kind of element says about one of them. Bodies and joints that do not exist are reported as the ground and
+// kNone.
+struct ElementTraits {
+  const char* kind = "";       // as scenarios call it: "joint_spring"
+  int base = kGround;          // body that it acts on; of a load the ground
+  int follower = kGround;      // the other body
+  int joint = kNone;           // that it sits in
+  int axis = kX;               // Row of that joint
+  const char* note = "";       // for drawings: "pushes"
+  bool on = true;              // at the start
+  bool angular = false;        // its coordinate is an angle, rad, and its effort a moment, N m
+  bool has_coordinate = true;  // ElementReading::length and rate mean something
+  bool has_points = false;     // the coordinate is the length of a line between two points
+  bool has_stroke = false;     // ElementReading::stroke means something
+  bool has_drum = false;       // and wound, on_drum
+  bool is_contact = false;     // its readings are those of a contact (unlatch/contacts.h)
+};
+
+// `element`: in the one numbering of all elements (Model::element_name()). Throws std::out_of_range.
+ElementTraits describe_element(const Model& model, int element);
+
+// The bodies that an element acts on, without the ground.
+std::vector<int> list_element_bodies(const Model& model, int element);
+
+// A spring, pusher, stop, cord or torsion spring at the initial poses, all bodies at rest, switched on.
+struct ElementStart {
+  const char* kind = nullptr;  // "spring", "pusher", "joint spring", "torsion", "stop", "cord"; null: it stores nothing
+  double length = 0;           // m or rad: between the points, or the joint's coordinate
+  double force = 0;            // N or N m on the follower along the length
+  double energy = 0;           // J stored
+  double stroke = 0;           // m or rad to the place without force
+};
+
+// `model`: with its markers placed (place_markers()).
+ElementStart calc_element_start(const Model& model, int element);
 
 // Length and force of a spring between two points.
 struct SpringReading {
@@ -24,7 +61,7 @@ SpringReading calc_point_spring(const Plan& plan, const State& state, int spring
 // Force of a spring between two points. World axes.
 struct PointSpringForce {
   Vec3 r_base, r_follower;  // its ends from the bodies' origins, m
-  Vec3 direction{0, 0, 0};  // of the line from base to follower, unit; 0 while it does not act
+  Vec3 direction{0, 0, 0};  // of the line from base to follower, unit; 0 for ends that coincide
   double length = 0;        // between its ends, m
   double rate = 0;          // of the length, m/s
   double elastic = 0;       // part of `size` by the law of its stiffness, N

@@ -31,8 +31,9 @@ void print_springs(std::FILE* to, const std::vector<hil::SpringStart>& springs) 
   std::fprintf(to, "  %-20s %-13s %12s %12s %12s %12s\n", "", "", "length", "force", "energy", "stroke");
   FoldedList list;
   for (const hil::SpringStart& spring : springs)
-    list.add(spring.name, format("%-13s %12.6g %12.6g %12.6g %12.6g%s", spring.kind.c_str(), spring.length,
-                                 spring.force, spring.energy, spring.stroke, spring.on ? "" : "  not enabled yet"));
+    list.add(spring.name,
+             format("%-13s %12.6g %12.6g %12.6g %12.6g%s", spring.start.kind, spring.start.length, spring.start.force,
+                    spring.start.energy, spring.start.stroke, spring.on ? "" : "  not enabled yet"));
   list.print(to, 20);
 }
 
@@ -50,13 +51,13 @@ Json build_springs_json(const std::vector<hil::SpringStart>& springs) {
   Json list = Json::array();
   for (const hil::SpringStart& spring : springs) {
     list.push_back({{"name", spring.name},
-                    {"kind", spring.kind},
+                    {"kind", spring.start.kind},
                     {"enabled", spring.on},
                     {"angular", spring.angular},
-                    {"length", spring.length},
-                    {"force", spring.force},
-                    {"energy", spring.energy},
-                    {"stroke", spring.stroke}});
+                    {"length", spring.start.length},
+                    {"force", spring.start.force},
+                    {"energy", spring.start.energy},
+                    {"stroke", spring.start.stroke}});
   }
   return list;
 }

@@ -9,6 +9,7 @@
 #include "tools/common/text.h"
 #include "tools/unlatch/results/redundancy.h"
 #include "unlatch/quantities.h"
+#include "unlatch/readings.h"
 
 namespace unlatch::tools {
 namespace {
@@ -73,15 +74,16 @@ class Structure {
       if (load.channel != kNone) text += " · " + model_.channels[static_cast<std::size_t>(load.channel)].name;
       loads_[load.body].push_back((load.kind == Load::Kind::kForce ? "→ " : "↻ ") + text);
     }
-    for (const OneSided& force : model_.one_sided)
-      if (force.joint != kNone)
-        springs_[force.joint].push_back("~ " + force.name + (force.axis < kRotX ? " along " : " about ") +
-                                        "xyz"[force.axis % 3] + (force.on ? "" : " (off)"));
-    for (const JointFriction& friction : model_.frictions)
-      springs_[friction.joint].push_back("~ " + friction.name + " (friction)" + (friction.on ? "" : " (off)"));
-    for (const JointSpring& spring : model_.joint_springs)
-      springs_[spring.joint].push_back("~ " + spring.name + (spring.axis < kRotX ? " along " : " about ") +
-                                       "xyz"[spring.axis % 3] + (spring.on ? "" : " (off)"));
+    for (int i = 0; i < model_.element_count(); ++i) {
+      const ElementTraits traits = describe_element(model_, i);
+      if (traits.joint == kNone) continue;
+      springs_[traits.joint].push_back("~ " + model_.element_name(i) + (traits.angular ? " about " : " along ") +
+                                       "xyz"[traits.axis % 3] + describe_note(traits) + (traits.on ? "" : " (off)"));
+    }
+  }
+
+  static std::string describe_note(const ElementTraits& traits) {
+    return *traits.note == 0 ? "" : std::string(" (") + traits.note + ")";
   }
 
   static std::string join(const Texts& texts, std::size_t of) {
@@ -187,13 +189,12 @@ class Structure {
   // Springs between bodies, those of one pair on one line.
   std::string describe_springs() const {
     std::map<std::pair<std::string, std::string>, std::vector<std::string>> pairs;
-    for (const PointSpring& s : model_.point_springs)
-      pairs[{get_node(s.base), get_node(s.follower)}].push_back(s.name + (s.push_only ? " (pushes)" : ""));
-    for (const OneSided& f : model_.one_sided)
-      if (f.joint == kNone)
-        pairs[{get_node(f.base), get_node(f.follower)}].push_back(f.name + (f.pulls ? " (pulls)" : " (pushes)"));
-    for (const PlaneTorsion& s : model_.plane_torsions)
-      pairs[{get_node(s.base), get_node(s.follower)}].push_back(s.name + " (torsion)");
+    for (int i = 0; i < model_.element_count(); ++i) {
+      const ElementTraits traits = describe_element(model_, i);
+      if (traits.joint != kNone || !traits.has_coordinate) continue;
+      pairs[{get_node(traits.base), get_node(traits.follower)}].push_back(model_.element_name(i) +
+                                                                          describe_note(traits));
+    }
     std::string dot;
     std::size_t number = 0;
     for (const auto& [pair, names] : pairs) {

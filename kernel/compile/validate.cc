@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/elements/kinds/kinds.h"
 #include "unlatch/inertia.h"
 #include "unlatch/quantities.h"
 
@@ -54,15 +55,6 @@ void check_all_names(const Model& model, ModelErrors& errors) {
   check("surface", model.surfaces, name_of);
 }
 
-void check_finite(const std::string& where, const std::string& key, bool finite, ModelErrors& errors) {
-  if (!finite) errors.push_back({where, key + " is not finite", "give a finite value", key});
-}
-
-void check_not_negative(const std::string& where, const std::string& key, double value, ModelErrors& errors) {
-  if (!(value >= 0) || !std::isfinite(value))
-    errors.push_back({where, key + " is " + show(value), "0 or more, and finite", key});
-}
-
 // --- Bodies ---------------------------------------------------------------------------------------------------------
 
 // Masses and moments of inertia of other sizes leave the range of doubles where the solver multiplies four of them.
@@ -73,10 +65,8 @@ bool has_good_size(double number) { return number >= kSmallest && number <= kLar
 // Programs for design print I_z = I_x + I_y of a plate to three or four digits: what they miss by is no mistake.
 constexpr double kPlate = 1e-3;
 
-void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErrors& errors) {
-  const auto report = [&](const std::string& what, const std::string& mend) {
-    errors.push_back({where, what, mend, "inertia"});
-  };
+void check_inertia(const Check& check, const Eigen::Matrix3d& J) {
+  const auto report = [&](const std::string& what, const std::string& mend) { check.report(what, mend, "inertia"); };
   if (!J.allFinite()) return report("its inertia is not finite", "give finite moments of inertia");
   const double scale = J.cwiseAbs().maxCoeff();
   if ((J - J.transpose()).cwiseAbs().maxCoeff() > kRelative * scale)
@@ -92,10 +82,8 @@ void check_inertia(const std::string& where, const Eigen::Matrix3d& J, ModelErro
            "no body's largest principal moment exceeds the sum of the other two");
 }
 
-void check_law(const std::string& where, const MassLaw& law, ModelErrors& errors) {
-  const auto report = [&](const std::string& what, const std::string& mend) {
-    errors.push_back({where, what, mend, "law"});
-  };
+void check_law(const Check& check, const MassLaw& law) {
+  const auto report = [&](const std::string& what, const std::string& mend) { check.report(what, mend, "law"); };
   if (law.knots.empty()) return report("its mass law has no knots", "at least one: mass, centre of mass, inertia");
   for (std::size_t i = 0; i < law.knots.size(); ++i) {
     const MassLaw::Knot& knot = law.knots[i];
@@ -104,10 +92,10 @@ void check_law(const std::string& where, const MassLaw& law, ModelErrors& errors
       report("its mass law's knots do not increase: " + show(law.knots[i - 1].at) + ", " + show(knot.at),
              "each is later, or more has been burnt, than at the one before");
     if (!has_good_size(knot.mass)) report("its mass becomes " + show(knot.mass) + " kg at " + show(knot.at), kSizes);
-    check_finite(where, "law", knot.centre.allFinite(), errors);
-    check_inertia(where, knot.inertia, errors);
+    check.check_finite("law", knot.centre.allFinite());
+    check_inertia(check, knot.inertia);
   }
-  check_finite(where, "law", law.exit.allFinite(), errors);
+  check.check_finite("law", law.exit.allFinite());
 }
 
 // Sizes, and that modal masses are 1: Σ m Φ_k·Φ_l is the trace of Σ m Φ_k Φ_lᵀ.
@@ -156,25 +144,15 @@ void check_marker(const Model& model, const std::string& where, const Marker& ma
     report("its place or shapes are not finite", "finite values");
 }
 
-// Joints, loads and sensors of a flexible body are at its markers.
-void check_attached(const Model& model, const std::string& where, int body, ModelErrors& errors) {
-  if (is_index(body, model.bodies.size()) && model.bodies[static_cast<std::size_t>(body)].flexible)
-    errors.push_back({where,
-                      "it acts on the flexible body '" + model.bodies[static_cast<std::size_t>(body)].name + "' itself",
-                      "name one of its markers", "body"});
-}
-
+// Joints of a flexible body are at its markers.
 void validate_attachments(const Model& model, ModelErrors& errors) {
   for (const Joint& joint : model.joints)
     for (const int body : {joint.base, joint.follower})
-      check_attached(model, quoted("joint", joint.name), body, errors);
-  for (const Load& load : model.loads) check_attached(model, quoted("element", load.name), load.body, errors);
-  for (const PointSpring& spring : model.point_springs)
-    for (const int body : {spring.base, spring.follower})
-      check_attached(model, quoted("element", spring.name), body, errors);
-  for (const PlaneTorsion& torsion : model.plane_torsions)
-    for (const int body : {torsion.base, torsion.follower})
-      check_attached(model, quoted("element", torsion.name), body, errors);
+      if (is_index(body, model.bodies.size()) && model.bodies[static_cast<std::size_t>(body)].flexible)
+        errors.push_back(
+            {quoted("joint", joint.name),
+             "it acts on the flexible body '" + model.bodies[static_cast<std::size_t>(body)].name + "' itself",
+             "name one of its markers", "between"});
 }
 
 void validate_bodies(const Model& model, ModelErrors& errors) {
@@ -185,6 +163,7 @@ void validate_bodies(const Model& model, ModelErrors& errors) {
                       "give at most " + std::to_string(kMostBodies) + ": places are numbers of 32 bits", "bodies"});
   for (const Body& body : model.bodies) {
     const std::string where = quoted("body", body.name);
+    const Check check{model, where, errors};
     if (body.law.has_value() + body.flexible.has_value() + body.marker.has_value() > 1)
       errors.push_back(
           {where, "it has more than one of a mass law, modes, and a body that carries it", "at most one", ""});
@@ -194,11 +173,11 @@ void validate_bodies(const Model& model, ModelErrors& errors) {
     }
     if (body.flexible) check_flexible(where, *body.flexible, errors);
     if (!has_good_size(body.mass)) errors.push_back({where, "its mass is " + show(body.mass) + " kg", kSizes, "mass"});
-    check_inertia(where, body.inertia, errors);
-    check_finite(where, "position", body.p_WB.allFinite(), errors);
-    check_finite(where, "velocity", body.v_WB.allFinite(), errors);
-    check_finite(where, "rate", body.w_WB_B.allFinite(), errors);
-    if (body.law) check_law(where, *body.law, errors);
+    check_inertia(check, body.inertia);
+    check.check_finite("position", body.p_WB.allFinite());
+    check.check_finite("velocity", body.v_WB.allFinite());
+    check.check_finite("rate", body.w_WB_B.allFinite());
+    if (body.law) check_law(check, *body.law);
     const double length = body.q_WB.norm();
     if (!(length > kShortest) || !std::isfinite(length))
       errors.push_back(
@@ -208,111 +187,21 @@ void validate_bodies(const Model& model, ModelErrors& errors) {
 
 // --- Elements -------------------------------------------------------------------------------------------------------
 
-void check_table(const std::string& where, const Profile& profile, ModelErrors& errors) {
-  const auto report = [&](const std::string& what, const std::string& mend) {
-    errors.push_back({where, what, mend, "profile"});
-  };
-  const std::vector<double>& t = profile.times;
-  if (t.empty() || t.size() != profile.values.size())
-    return report("its table has times (" + std::to_string(t.size()) + ") and values (" +
-                      std::to_string(profile.values.size()) + ")",
-                  "as many of each, at least one");
-  for (const std::vector<double>* list : {&profile.times, &profile.values})
-    for (const double value : *list)
-      if (!std::isfinite(value)) return report("its table has a value that is not finite", "finite times and values");
-  for (std::size_t i = 1; i < t.size(); ++i)
-    if (!(t[i] > t[i - 1]))
-      return report("its table's times do not increase: " + show(t[i - 1]) + ", " + show(t[i]),
-                    "each time is later than the one before");
+void validate_elements(const Model& model, ModelErrors& errors) {
+  for_each_kind([&](auto kind) {
+    for (const auto& item : kind.of(model)) kind.validate(item, Check{model, quoted("element", item.name), errors});
+  });
 }
 
-void check_profile(const std::string& where, const Profile& profile, ModelErrors& errors) {
-  const auto report = [&](const std::string& what, const std::string& mend) {
-    errors.push_back({where, what, mend, "profile"});
-  };
-  switch (profile.kind) {
-    case Profile::Kind::kConstant:
-      check_finite(where, "profile", std::isfinite(profile.value), errors);
-      break;
-    case Profile::Kind::kExponential:
-      check_finite(where, "profile", std::isfinite(profile.initial) && std::isfinite(profile.final), errors);
-      if (!(profile.tau > 0) || !std::isfinite(profile.tau))
-        report("its time constant tau is " + show(profile.tau) + " s", "greater than 0, and finite");
-      break;
-    case Profile::Kind::kTable:
-      check_table(where, profile, errors);
-      break;
-    case Profile::Kind::kHarmonic:
-      for (const Profile::Harmonic& h : profile.harmonics)
-        if (!std::isfinite(h.amplitude) || !std::isfinite(h.frequency) || !std::isfinite(h.phase)) {
-          report("a harmonic is not finite", "finite amplitude, frequency and phase");
-          break;
-        }
-  }
-}
-
-void check_pair(const Model& model, const std::string& where, int base, int follower, ModelErrors& errors) {
-  if (base != kGround && !is_index(base, model.bodies.size()))
-    errors.push_back({where, "its base is no body", "a body's index, or kGround", "between"});
-  if (!is_index(follower, model.bodies.size()))
-    errors.push_back({where, "its follower is no body", "a body's index", "between"});
-  else if (base == follower)
-    errors.push_back({where, "it connects a body with itself", "name two bodies", "between"});
-}
-
-void check_unit(const std::string& where, const std::string& key, const Eigen::Vector3d& axis, ModelErrors& errors) {
-  if (!(std::abs(axis.norm() - 1) < kRelative))
-    errors.push_back({where, key + " has the length " + show(axis.norm()), "a vector that is not zero", key});
-}
-
-void validate_loads(const Model& model, ModelErrors& errors) {
-  for (const Load& load : model.loads) {
-    const std::string where = quoted("element", load.name);
-    if (!is_index(load.body, model.bodies.size()))
-      errors.push_back({where, "it acts on no body", "a body's index", "body"});
-    if (load.channel != kNone && !is_index(load.channel, model.channels.size()))
-      errors.push_back({where, "its channel does not exist", "a channel's index, or kNone", "channel"});
-    check_not_negative(where, "consumption", load.consumption, errors);
-    const int tank = load.tank == kNone ? load.body : load.tank;
-    if (load.consumption > 0 &&
-        (!is_index(tank, model.bodies.size()) || !model.bodies[static_cast<std::size_t>(tank)].law))
-      errors.push_back({where, "it consumes propellant of a body that has no mass law",
-                        "give that body a `law`, or name the tank", "consumption"});
-    if (load.consumption > 0 && load.kind == Load::Kind::kTorque)
-      errors.push_back({where, "a torque consumes nothing", "only a force does", "consumption"});
-    check_finite(where, "point", load.point.allFinite(), errors);
-    check_finite(where, "direction", load.direction.allFinite(), errors);
-    check_profile(where, load.profile, errors);
-  }
-}
-
-void validate_springs(const Model& model, ModelErrors& errors) {
-  for (const PointSpring& spring : model.point_springs) {
-    const std::string where = quoted("element", spring.name);
-    check_pair(model, where, spring.base, spring.follower, errors);
-    check_finite(where, "point", spring.point_base.allFinite(), errors);
-    check_finite(where, "follower_point", spring.point_follower.allFinite(), errors);
-    check_not_negative(where, "stiffness", spring.stiffness, errors);
-    check_not_negative(where, "damping", spring.damping, errors);
-    check_not_negative(where, "free_length", spring.free_length, errors);
-  }
-  for (const JointSpring& spring : model.joint_springs) {
-    const std::string where = quoted("element", spring.name);
-    if (!is_index(spring.joint, model.joints.size()))
-      errors.push_back({where, "it is on no joint", "a joint's index", "joint"});
-    if (!is_index(spring.axis, kRows)) errors.push_back({where, "it has no axis", "x … rot_z", "axis"});
-    check_finite(where, "effort", std::isfinite(spring.effort), errors);
-    check_finite(where, "rest", std::isfinite(spring.rest), errors);
-    check_not_negative(where, "stiffness", spring.stiffness, errors);
-    check_not_negative(where, "damping", spring.damping, errors);
-  }
-  for (const PlaneTorsion& torsion : model.plane_torsions) {
-    const std::string where = quoted("element", torsion.name);
-    check_pair(model, where, torsion.base, torsion.follower, errors);
-    check_unit(where, "normal", torsion.normal_base, errors);
-    check_unit(where, "axis", torsion.axis_follower, errors);
-    check_not_negative(where, "stiffness", torsion.stiffness, errors);
-    check_not_negative(where, "damping", torsion.damping, errors);
+void validate_impulses(const Model& model, ModelErrors& errors) {
+  for (std::size_t i = 0; i < model.impulses.size(); ++i) {
+    const Impulse& impulse = model.impulses[i];
+    const Check check{model, "impulse " + std::to_string(i + 1), errors};
+    check.check_body(impulse.body, "body");
+    check.check_finite("point", impulse.point.allFinite());
+    check.check_finite("linear", impulse.linear.allFinite());
+    check.check_finite("angular", impulse.angular.allFinite());
+    check.check_channel(impulse.channel);
   }
 }
 
@@ -338,7 +227,7 @@ void validate_channels(const Model& model, ModelErrors& errors) {
 void validate_sensors(const Model& model, ModelErrors& errors) {
   for (const Sensor& sensor : model.sensors) {
     const std::string where = quoted("sensor", sensor.name);
-    check_finite(where, "point", sensor.point.allFinite(), errors);
+    Check{model, where, errors}.check_finite("point", sensor.point.allFinite());
     if (sensor.kind != Sensor::Kind::kQuantity) {
       Quantity quantity = get_quantity(model, sensor);
       quantity.point.setZero();  // checked above, and not read by every kind
@@ -349,26 +238,26 @@ void validate_sensors(const Model& model, ModelErrors& errors) {
   }
 }
 
-void validate_gravity(const Gravity& gravity, ModelErrors& errors) {
-  check_finite("gravity", "uniform", gravity.uniform.allFinite(), errors);
-  check_finite("gravity", "centre", gravity.centre.allFinite(), errors);
-  check_not_negative("gravity", "mu", gravity.mu, errors);
+void validate_gravity(const Model& model, ModelErrors& errors) {
+  const Check check{model, "gravity", errors};
+  check.check_finite("uniform", model.gravity.uniform.allFinite());
+  check.check_finite("centre", model.gravity.centre.allFinite());
+  check.check_not_negative("mu", model.gravity.mu);
 }
 
 ModelErrors validate_placed(const Model& model) {
   ModelErrors errors;
   check_all_names(model, errors);
-  validate_gravity(model.gravity, errors);
+  validate_gravity(model, errors);
   validate_bodies(model, errors);
   validate_channels(model, errors);
   validate_joints(model, errors);
-  validate_loads(model, errors);
-  validate_springs(model, errors);
-  validate_one_sided(model, errors);
+  validate_elements(model, errors);
+  validate_impulses(model, errors);
   validate_attachments(model, errors);
   validate_quantities(model, errors);
   validate_sensors(model, errors);
-  validate_contacts(model, errors);
+  validate_surfaces(model, errors);
   validate_events(model, errors);
   return errors;
 }

@@ -1,10 +1,7 @@
-#include "kernel/elements/friction.h"
+#include "kernel/elements/kinds/friction.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "kernel/elements/push.h"
-#include "kernel/joints/kinematics.h"
 
 namespace unlatch {
 namespace {
@@ -34,13 +31,6 @@ void update_friction(const Instant& now, Evaluation& ev) noexcept {
     const double scale = calc_scale(now.state.elements[at(own.element)], now.t);
     ev.friction_sizes[i] =
         -(own.coefficient * own.radius * scale * reaction) * (v / std::sqrt(v * v + own.speed * own.speed));
-  }
-}
-
-void add_friction_forces(const PlanData& plan, Evaluation& ev) noexcept {
-  for (std::size_t i = 0; i < plan.frictions.size(); ++i) {
-    const PlanFriction& own = plan.frictions[i];
-    if (ev.friction_sizes[i] != 0) push_apart(ev, JointView(plan, ev, own.joint), own.axis, ev.friction_sizes[i]);
   }
 }
 

@@ -1,9 +1,11 @@
-#include "kernel/elements/contacts.h"
+#include "kernel/elements/kinds/contact/contact.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
-#include "kernel/elements/contact_parts.h"
+#include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/push.h"
 #include "kernel/geometry/bounds.h"
 
@@ -37,10 +39,15 @@ Vec3 calc_velocity(const BodyFrame& base, const BodyFrame& follower, const Vec3&
 // Rate of the distance, m/s: the witnesses lie along the normal, about which they may turn.
 double calc_rate(const geometry::Distance& distance, const Vec3& velocity) { return dot(distance.normal, velocity); }
 
-bool has_closed_pair(const State& state, const PlanContact& contact) {
-  for (std::int32_t i = 0; i < contact.pairs; ++i)
-    if (state.contacts[at(contact.first_pair + i)].closed != 0) return true;
-  return false;
+// A contact's totals among auxiliary states, or their rates.
+ContactTotals read_totals(std::span<const double> auxiliary, const PlanContact& contact) {
+  std::array<double, sizeof(ContactTotals) / sizeof(double)> numbers;
+  std::copy_n(auxiliary.begin() + contact.auxiliary, numbers.size(), numbers.begin());
+  return std::bit_cast<ContactTotals>(numbers);
+}
+void write_totals(const ContactTotals& totals, std::span<double> auxiliary, const PlanContact& contact) {
+  const auto numbers = std::bit_cast<std::array<double, sizeof(ContactTotals) / sizeof(double)>>(totals);
+  std::copy(numbers.begin(), numbers.end(), auxiliary.begin() + contact.auxiliary);
 }
 
 // Pairs whose bounds are within this part of their size are computed all the same: there an acceleration counts.
@@ -108,32 +115,34 @@ PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& 
   return out;
 }
 
-void add_contacts(const Instant& now, Evaluation& ev) noexcept {
+void ContactKind::add_forces(const Instant& now, const PlanContact& contact, double scale, Evaluation& ev) {
   const PlanData& plan = now.plan;
-  for (const PlanContact& contact : plan.contacts) {
-    if (!has_closed_pair(now.state, contact)) continue;
-    const double scale = calc_scale(now.state.elements[at(contact.element)], now.t);
-    if (scale == 0) continue;
-    const std::int32_t body_a = plan.shapes[at(contact.base)].body, body_b = plan.shapes[at(contact.follower)].body;
-    const BodyFrame base = get_body_frame(ev, body_a), follower = get_body_frame(ev, body_b);
-    double weight = 0, slip = 0, loss = 0;
-    for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
-      if (now.state.contacts[i].closed == 0) continue;
-      const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
-      const PairForce f = calc_pair_force(contact, distance, base, follower, scale);
-      ev.pair_distances[i] = distance.distance;
-      ev.closed_pairs[i] = {f.point, distance.normal, f.slip_velocity, -distance.distance, f.rate};
-      push(ev, body_b, f.force, cross(f.point - follower.p, f.force));
-      push(ev, body_a, -f.force, cross(f.point - base.p, -f.force));
-      weight += f.normal;
-      slip += f.normal * f.slip;
-      loss += f.calc_loss();
-    }
-    double* rates = ev.auxiliary.rate.data() + contact.auxiliary;
-    rates[0] = weight;
-    rates[1] = weight > 0 ? slip / weight : 0;
-    rates[2] = loss;
+  const std::int32_t body_a = plan.shapes[at(contact.base)].body, body_b = plan.shapes[at(contact.follower)].body;
+  const BodyFrame base = get_body_frame(ev, body_a), follower = get_body_frame(ev, body_b);
+  double weight = 0, slip = 0, loss = 0;
+  for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i) {
+    if (now.state.contacts[i].closed == 0) continue;
+    const geometry::Distance distance = calc_pair_distance(plan, plan.contact_pairs[i], base, follower);
+    const PairForce f = calc_pair_force(contact, distance, base, follower, scale);
+    ev.pair_distances[i] = distance.distance;
+    ev.closed_pairs[i] = {f.point, distance.normal, f.slip_velocity, -distance.distance, f.rate};
+    push(ev, body_b, f.force, cross(f.point - follower.p, f.force));
+    push(ev, body_a, -f.force, cross(f.point - base.p, -f.force));
+    weight += f.normal;
+    slip += f.normal * f.slip;
+    loss += f.calc_loss();
   }
+  write_totals({weight, weight > 0 ? slip / weight : 0, loss}, ev.auxiliary.rate, contact);
+}
+
+void ContactKind::add_energy(const StageMotion& motion, const PlanContact& contact, std::size_t, EnergySum& sum) {
+  const State& state = motion.state();
+  sum.flow.dissipated += read_totals(state.auxiliary, contact).dissipated;
+  const ElementState& element = state.elements[at(contact.element)];
+  if (calc_scale(element, motion.time()) == 0) return;
+  for (std::size_t i = at(contact.first_pair); i < at(contact.first_pair + contact.pairs); ++i)
+    if (state.contacts[i].closed != 0)
+      sum.store(element, motion.time(), calc_stored(contact, -motion.ev.pair_distances[i]));
 }
 
 double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, int b) noexcept {
@@ -180,8 +189,7 @@ std::span<const ContactState> get_contact_pairs(const Plan& plan, const State& s
 }
 
 ContactTotals get_contact_totals(const Plan& plan, const State& state, int contact) noexcept {
-  const double* totals = state.auxiliary.data() + plan.data().contacts[at(contact)].auxiliary;
-  return {totals[0], totals[1], totals[2]};
+  return read_totals(state.auxiliary, plan.data().contacts[at(contact)]);
 }
 
 namespace {

@@ -1,4 +1,4 @@
-// Shapes and contacts: shapes have volume, contacts and distances are of two bodies and of shapes that have a distance.
+// Surfaces: their shapes have volume; contacts and distances are of two bodies and of shapes that have a distance.
 #include <cmath>
 
 #include "kernel/model/validate.h"
@@ -31,26 +31,6 @@ int find_carrier(const Model& model, int body) {
   return marker ? marker->body : body;
 }
 
-void validate_contact(const Model& model, const Contact& c, ModelErrors& errors) {
-  const std::string where = quoted("contact", c.name);
-  check_shape_pair(model, where, c.base, c.follower, "between", errors);
-  const auto check = [&](bool good, const char* key, double value, const char* mend) {
-    if (!good || !std::isfinite(value)) errors.push_back({where, std::string(key) + " is " + show(value), mend, key});
-  };
-  check(c.stiffness > 0, "stiffness", c.stiffness, "greater than 0, and finite");
-  check(c.exponent == 1 || c.exponent == 1.5, "exponent", c.exponent, "1 or 1.5");
-  check(c.damping >= 0, "damping", c.damping, "0 or more, and finite, in s/m");
-  check(c.friction >= 0, "friction", c.friction, "0 or more, and finite");
-  check(c.slip_speed > 0, "slip_speed", c.slip_speed, "greater than 0, and finite, in m/s");
-  if (!c.restitution) return;
-  check(*c.restitution > 0 && *c.restitution <= 1, "restitution", *c.restitution,
-        "greater than 0 and at most 1; a blow without any bounce has no finite damping");
-  check(c.speed > 0, "speed", c.speed, "greater than 0, in m/s: the speed of the blow that has this restitution");
-  if (c.damping != 0)
-    errors.push_back(
-        {where, "it has both a damping and a restitution", "one of them: each follows from the other", "damping"});
-}
-
 }  // namespace
 
 void check_shape_pair(const Model& model, const std::string& where, int a, int b, const std::string& key,
@@ -72,9 +52,8 @@ void check_shape_pair(const Model& model, const std::string& where, int a, int b
                       "not two half-spaces, and not two hollow shapes", key});
 }
 
-void validate_contacts(const Model& model, ModelErrors& errors) {
+void validate_surfaces(const Model& model, ModelErrors& errors) {
   validate_shapes(model, errors);
-  for (const Contact& contact : model.contacts) validate_contact(model, contact, errors);
   const int parts = model.contact_substeps;
   if (parts != kAutomaticSubsteps && (parts < 1 || parts > kMaxContactSubsteps))
     errors.push_back({"model", "contact_substeps is " + std::to_string(parts),

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "kernel/model/elements.h"
+#include "kernel/elements/kinds/kinds.h"
 #include "unlatch/model.h"
 
 namespace unlatch {

@@ -1,45 +1,17 @@
-// Pushers, stops, cords, friction in joints, and impulses.
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/elements/kinds/one_sided/one_sided.h"
 #include "kernel/model/from_eigen.h"
-#include "kernel/model/validate.h"
+#include "unlatch/cords.h"
+#include "unlatch/elementary.h"
+#include "unlatch/motion.h"
+#include "unlatch/readings.h"
 
 namespace unlatch {
 namespace {
 
-struct Check {
-  const Model& model;
-  std::string where;
-  ModelErrors& errors;
-
-  void report(const std::string& what, const std::string& mend, const std::string& key) {
-    errors.push_back({where, what, mend, key});
-  }
-  void check_finite(const char* key, bool finite) {
-    if (!finite) report(std::string(key) + " is not finite", "give a finite value", key);
-  }
-  void check_not_negative(const char* key, double value) {
-    if (!(value >= 0) || !std::isfinite(value))
-      report(std::string(key) + " is " + show(value), "0 or more, and finite", key);
-  }
-  void check_positive(const char* key, double value) {
-    if (!(value > 0) || !std::isfinite(value))
-      report(std::string(key) + " is " + show(value), "greater than 0, and finite", key);
-  }
-  bool check_body(int body, const char* key) {
-    if (!is_index(body, model.bodies.size())) {
-      report("it acts on no body", "a body's index", key);
-      return false;
-    }
-    const Body& named = model.bodies[static_cast<std::size_t>(body)];
-    if (named.flexible)
-      report("it acts on the flexible body '" + named.name + "' itself", "name one of its markers", key);
-    return true;
-  }
-};
-
-void check_table(Check& check, const OneSided& f) {
+void check_table(const Check& check, const OneSided& f) {
   if (f.travels.empty() || f.travels.size() != f.forces.size())
     return check.report("its table has travels (" + std::to_string(f.travels.size()) + ") and forces (" +
                             std::to_string(f.forces.size()) + ")",
@@ -54,7 +26,7 @@ void check_table(Check& check, const OneSided& f) {
   }
 }
 
-void check_law(Check& check, const OneSided& f) {
+void check_law(const Check& check, const OneSided& f) {
   check.check_not_negative("stroke", f.stroke);
   if (f.kind == OneSided::Kind::kPusher && f.stroke == 0)
     check.report("its stroke is 0", "the length over which it pushes", "stroke");
@@ -84,7 +56,7 @@ void check_law(Check& check, const OneSided& f) {
 }
 
 // Checks of a cord's drum alone; true if the cord's end can be placed on it.
-bool check_drum(Check& check, const OneSided& f) {
+bool check_drum(const Check& check, const OneSided& f) {
   const Drum& drum = *f.drum;
   const std::size_t before = check.errors.size();
   if (f.kind != OneSided::Kind::kCord || !f.pulls || f.joint != kNone || f.guide)
@@ -102,7 +74,7 @@ bool check_drum(Check& check, const OneSided& f) {
 }
 
 // Its end is outside the drum, and its length reaches from the drum to there.
-void check_wound_end(Check& check, const OneSided& f) {
+void check_wound_end(const Check& check, const OneSided& f) {
   constexpr double kRounding = 1e-9;  // of the radius: an end that lies on the drum
   const Model placed = place_markers(check.model);
   const Eigen::Vector3d end = place(placed, f.follower, f.point_follower) - place(placed, f.base, f.drum->centre);
@@ -119,7 +91,7 @@ void check_wound_end(Check& check, const OneSided& f) {
 }
 
 // A stop's joint moves along its axis in one of its modes.
-void check_travel(Check& check, const OneSided& f) {
+void check_travel(const Check& check, const OneSided& f) {
   if (f.kind != OneSided::Kind::kStop || !is_index(f.joint, check.model.joints.size()) || !is_index(f.axis, kRows))
     return;
   const Joint& joint = check.model.joints[static_cast<std::size_t>(f.joint)];
@@ -129,58 +101,123 @@ void check_travel(Check& check, const OneSided& f) {
                  "an axis along which or about which the joint moves", "axis");
 }
 
-void check_one_sided(const Model& model, const OneSided& f, ModelErrors& errors) {
-  Check check{model, quoted("element", f.name), errors};
+}  // namespace
+
+// The anchor is as far back from the end as the cord is wound, and the bearing of its tangent.
+CordDrum place_drum(const Model& model, const OneSided& cord) {
+  const Drum& drum = *cord.drum;
+  const Eigen::Matrix3d R = get_attitude(model, cord.base);
+  const Vec3 z = to_vec(drum.left ? Eigen::Vector3d(-drum.axis) : drum.axis);
+  const Vec3 end =
+      to_vec(R.transpose() * (place(model, cord.follower, cord.point_follower) - place(model, cord.base, drum.centre)));
+  const double height = dot(z, end), r = drum.radius;
+  const Vec3 out = end - height * z;
+  const double rho = norm(out), straight = std::sqrt(std::max(0.0, (rho - r) * (rho + r)));
+  double wound = drum.wound.value_or(0);
+  if (!drum.wound && cord.limit)
+    wound = (std::sqrt(std::max(0.0, *cord.limit * *cord.limit - height * height)) - straight) / r;
+  const double bearing = elementary::atan2(straight, r) + std::max(0.0, wound);
+  const Vec3 e = (1.0 / rho) * out, across = cross(z, e);
+  double sine = 0, cosine = 1;
+  elementary::sincos(bearing, sine, cosine);
+  return {to_vec(drum.centre), {cosine * e - sine * across, sine * e + cosine * across, z}, r, bearing};
+}
+
+double calc_start(const Model& model, const Joint& joint, int row) {
+  const Eigen::Matrix3d base = get_attitude(model, joint.base);
+  if (row >= kRotX) {
+    const RotationFrame frame = get_rotation_frame(model, joint);
+    return calc_twist(to_mat(base * frame.base), to_mat(get_attitude(model, joint.follower) * frame.follower),
+                      row - kRotX);
+  }
+  const Eigen::Vector3d line =
+      place(model, joint.follower, joint.point_follower) - place(model, joint.base, joint.point_base);
+  return (base * joint.axes).col(row).dot(line);
+}
+
+double calc_start(const Model& model, const OneSided& force) {
+  if (force.drum) {
+    const CordDrum drum = place_drum(model, force);
+    const Eigen::Vector3d origin = place(model, force.base, Eigen::Vector3d::Zero());
+    return calc_cord_path(drum, to_mat(get_attitude(model, force.base)),
+                          to_vec(place(model, force.follower, force.point_follower) - origin), drum.bearing)
+        .length;
+  }
+  if (force.joint == kNone) {
+    const Eigen::Vector3d line =
+        place(model, force.follower, force.point_follower) - place(model, force.base, force.point_base);
+    return force.guide ? (get_attitude(model, force.base) * *force.guide).dot(line) : line.norm();
+  }
+  return calc_start(model, model.joints[at(force.joint)], force.axis);
+}
+
+double calc_limit(const Model& model, const OneSided& force) {
+  return force.limit ? *force.limit : calc_start(model, force) + (force.pulls ? -force.stroke : force.stroke);
+}
+
+ElementTraits OneSidedKind::describe(const Model& model, const OneSided& f) {
+  const char* const kinds[] = {"pusher", "stop", "cord"};
+  const char* const kind = kinds[static_cast<int>(f.kind)];
+  ElementTraits traits{.kind = kind, .base = f.base, .follower = f.follower, .note = f.pulls ? "pulls" : "pushes"};
+  if (f.joint != kNone) traits = describe_in_joint(kind, model, f.joint, f.axis);
+  traits.has_stroke = true;
+  traits.has_drum = f.drum.has_value();
+  return traits;
+}
+
+void OneSidedKind::validate(const OneSided& f, const Check& check) {
   check_law(check, f);
   check.check_finite("limit", !f.limit || std::isfinite(*f.limit));
   const bool placeable = !f.drum || check_drum(check, f);
   if (f.joint != kNone) {
-    if (!is_index(f.joint, model.joints.size())) check.report("it is on no joint", "a joint's index", "joint");
-    if (!is_index(f.axis, kRows)) check.report("it has no axis", "x … rot_z", "axis");
+    check.check_joint_axis(f.joint, f.axis);
     return check_travel(check, f);
   }
   check.check_finite("point", f.point_base.allFinite());
   check.check_finite("follower_point", f.point_follower.allFinite());
-  const bool held = f.base == kGround || check.check_body(f.base, "between");
-  const bool ends = check.check_body(f.follower, "between");
-  if (ends && f.base == f.follower) check.report("it connects a body with itself", "name two bodies", "between");
-  if (f.drum && placeable && held && ends) check_wound_end(check, f);
-  if (f.guide && !(std::abs(f.guide->norm() - 1) < 1e-9))
-    check.report("guide has the length " + show(f.guide->norm()), "a vector that is not zero", "guide");
+  if (check.check_ends(f.base, f.follower) && f.drum && placeable) check_wound_end(check, f);
+  if (f.guide) check.check_unit("guide", *f.guide);
 }
 
-void check_friction(const Model& model, const JointFriction& f, ModelErrors& errors) {
-  Check check{model, quoted("element", f.name), errors};
-  check.check_not_negative("coefficient", f.coefficient);
-  check.check_positive("speed", f.speed);
-  if (!is_index(f.axis, kRows)) return check.report("it has no axis", "x … rot_z", "axis");
-  if (f.axis >= kRotX) check.check_positive("radius", f.radius);
-  if (!is_index(f.joint, model.joints.size())) return check.report("it is on no joint", "a joint's index", "joint");
-  const Joint& joint = model.joints[static_cast<std::size_t>(f.joint)];
-  const bool rubs = std::any_of(joint.modes.begin(), joint.modes.end(), [&](const JointMode& mode) {
-    return !has_row(mode.rows, f.axis) && (mode.rows & kPointRows) != 0;
-  });
-  if (!rubs)
-    check.report("no mode of joint '" + joint.name + "' leaves " + kRowNames[f.axis] + " free and holds a point",
-                 "an axis along which or about which the joint moves", "axis");
+PlanOneSided OneSidedKind::compile(const OneSided& f, ElementCompiler& compiler) {
+  const Model& model = compiler.model;
+  PlanData& plan = compiler.plan;
+  PlanOneSided out{};
+  out.number = static_cast<std::int32_t>(plan.one_sided.size());
+  out.element = compiler.get_element();
+  out.joint = f.joint;
+  out.axis = f.axis;
+  out.coordinate = f.joint == kNone ? kNone : compiler.find_coordinate(f.joint, f.axis);
+  out.base = f.joint == kNone ? f.base : model.joints[at(f.joint)].base;
+  out.follower = f.joint == kNone ? f.follower : model.joints[at(f.joint)].follower;
+  out.sign = f.pulls ? -1 : 1;
+  out.guided = f.guide.has_value();
+  if (f.guide) out.guide = to_vec(*f.guide);
+  out.point_base = to_vec(f.point_base);
+  out.point_follower = to_vec(f.point_follower);
+  out.limit = calc_limit(model, f);
+  out.law = get_law(f);
+  out.law.travels = out.law.forces = {};
+  out.first = static_cast<std::int32_t>(plan.travels.size());
+  out.count = static_cast<std::int32_t>(f.travels.size());
+  plan.travels.insert(plan.travels.end(), f.travels.begin(), f.travels.end());
+  plan.travel_forces.insert(plan.travel_forces.end(), f.forces.begin(), f.forces.end());
+  if (f.drum) {
+    out.drum = static_cast<std::int32_t>(plan.drums.size());
+    plan.drums.push_back(place_drum(model, f));
+  }
+  out.engaged = out.sign * (out.limit - calc_start(model, f)) >= 0 ? 1 : 0;
+  return out;
 }
 
-void check_impulse(const Model& model, const Impulse& impulse, std::size_t number, ModelErrors& errors) {
-  Check check{model, "impulse " + std::to_string(number + 1), errors};
-  check.check_body(impulse.body, "body");
-  check.check_finite("point", impulse.point.allFinite());
-  check.check_finite("linear", impulse.linear.allFinite());
-  check.check_finite("angular", impulse.angular.allFinite());
-  if (impulse.channel != kNone && !is_index(impulse.channel, model.channels.size()))
-    check.report("its channel does not exist", "a channel's index, or kNone", "channel");
-}
-
-}  // namespace
-
-void validate_one_sided(const Model& model, ModelErrors& errors) {
-  for (const OneSided& force : model.one_sided) check_one_sided(model, force, errors);
-  for (const JointFriction& friction : model.frictions) check_friction(model, friction, errors);
-  for (std::size_t i = 0; i < model.impulses.size(); ++i) check_impulse(model, model.impulses[i], i, errors);
+ElementStart OneSidedKind::start(const Model& model, const OneSided& f) {
+  ElementStart out{.kind = describe(model, f).kind, .length = calc_start(model, f)};
+  const double sign = f.pulls ? -1 : 1, depth = sign * (calc_limit(model, f) - out.length);
+  if (depth < 0) return out;
+  out.force = sign * calc_one_sided_force(f, depth, 0);
+  out.energy = calc_one_sided_energy(f, depth);
+  out.stroke = depth;
+  return out;
 }
 
 }  // namespace unlatch

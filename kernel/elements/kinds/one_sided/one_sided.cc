@@ -1,8 +1,7 @@
-#include "kernel/elements/one_sided.h"
+#include "kernel/elements/kinds/one_sided/one_sided.h"
 
 #include <algorithm>
 
-#include "kernel/elements/push.h"
 #include "kernel/joints/kinematics.h"
 #include "unlatch/readings.h"
 
@@ -72,6 +71,22 @@ OneSidedMotion calc_motion(const PlanData& plan, const State& state, const Evalu
   return calc_point_motion(plan, state, own, get_body_frame(ev, own.base), get_body_frame(ev, own.follower));
 }
 
+OneSidedMotion calc_motion(const FinalMotion& motion, const PlanOneSided& own) noexcept {
+  if (own.joint != kNone) return calc_joint_depth(motion.ev, own);
+  return calc_point_motion(motion.plan(), motion.state(), own, motion.get_frame(own.base),
+                           motion.get_frame(own.follower));
+}
+
+ElementEnergy OneSidedKind::calc_energy(const StageMotion& motion, const PlanOneSided& own, const Effort& effort,
+                                        double scale) {
+  const OneSidedMotion m = calc_motion(motion, own);
+  if (motion.state().engaged[at(own.number)] == 0 && ends_with_depth(motion.plan(), own, m)) return {};
+  const OneSidedLaw law = get_law(motion.plan(), own);
+  const double force = own.sign * effort.size;
+  return {.potential = calc_stored_energy(law, std::max(0.0, m.depth)),
+          .dampers = (scale * calc_elastic_force(law, m.depth) - force) * m.depth_rate};
+}
+
 void store_bearings(const PlanData& plan, const Evaluation& ev, State& state) noexcept {
   if (plan.drums.empty()) return;
   for (const PlanOneSided& own : plan.one_sided)
@@ -105,26 +120,11 @@ bool ends_with_depth(const PlanData& plan, const PlanOneSided& own, const OneSid
   return motion.depth <= 0 || get_scale(law) * motion.depth < calc_sum(law, motion.depth, motion.depth_rate);
 }
 
-void add_one_sided_forces(const Instant& now, Evaluation& ev) noexcept {
-  const PlanData& plan = now.plan;
-  for (const PlanOneSided& own : plan.one_sided) {
-    if (now.state.engaged[at(own.number)] == 0) continue;
-    const OneSidedMotion m = calc_motion(plan, now.state, ev, own);
-    const Vec3 force = (own.sign * calc_force(plan, now.state, now.t, own, m)) * m.direction;
-    if (own.joint != kNone && own.axis >= kRotX)
-      turn_apart(ev, own.base, own.follower, force);
-    else
-      push_apart(ev, own.base, own.follower, m.r_base, m.r_follower, force);
-  }
-}
-
 OneSidedReading calc_one_sided(const Plan& owner, const State& state, const Workspace& workspace, int number) noexcept {
   const PlanData& plan = owner.data();
   const PlanOneSided& own = plan.one_sided[at(number)];
   const double t = plan.get_time(state.header->tick);
-  const OneSidedMotion m = own.joint != kNone ? calc_joint_depth(workspace.data().kept.evaluation, own)
-                                              : calc_point_motion(plan, state, own, calc_body_frame(state, own.base),
-                                                                  calc_body_frame(state, own.follower));
+  const OneSidedMotion m = calc_motion(FinalMotion{plan, state, workspace.data().kept.evaluation}, own);
   return {m.x,
           m.depth,
           m.depth_rate,

@@ -1,10 +1,10 @@
-#include "kernel/elements/contact_parts.h"
+#include "kernel/elements/kinds/contact/contact_parts.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/elements/contacts.h"
-#include "kernel/elements/loads.h"
+#include "kernel/elements/kinds/contact/contact.h"
+#include "kernel/elements/kinds/load.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch {

@@ -1,6 +1,10 @@
-#include "kernel/model/model_hash.h"
+#include "kernel/compile/model_hash.h"
 
 #include <bit>
+#include <type_traits>
+#include <utility>
+
+#include "kernel/elements/kinds/kinds.h"
 
 namespace unlatch {
 namespace {
@@ -63,20 +67,6 @@ class Hasher {
     if (j.share_length) add(*j.share_length);
   }
   void add_one(const Gravity& g) { add(g.uniform, g.mu, g.centre); }
-  void add_one(const Load& l) {
-    add(l.body, l.kind, l.frame, l.point, l.direction, l.profile, l.channel, l.on);
-    if (l.consumption != 0) add(l.consumption, l.tank);
-  }
-  void add_one(const PointSpring& s) {
-    add(s.base, s.follower, s.point_base, s.point_follower, s.stiffness, s.damping, s.free_length, s.push_only, s.on);
-  }
-  void add_one(const JointSpring& s) {
-    add(s.joint, s.axis, s.effort, s.stiffness, s.damping, s.rest, s.on);
-    if (s.implicit) add(*s.implicit);
-  }
-  void add_one(const PlaneTorsion& s) {
-    add(s.base, s.follower, s.normal_base, s.axis_follower, s.stiffness, s.damping, s.on);
-  }
   void add_one(const Vec3& v) { add(v.x, v.y, v.z); }
   void add_one(const geometry::ProfilePoint& p) { add(p.z, p.r); }
   void add_one(const geometry::Shape& s) {
@@ -85,17 +75,6 @@ class Hasher {
   }
   void add_one(const Surface& s) { add(s.body, s.shapes); }
   void add_one(const std::pair<int, int>& p) { add(p.first, p.second); }
-  void add_one(const Contact& c) {
-    add(c.base, c.follower, c.stiffness, c.exponent, c.damping, c.restitution, c.speed, c.friction, c.slip_speed, c.on,
-        c.except);
-  }
-  void add_one(const OneSided& f) {
-    add(f.kind, f.pulls, f.joint, f.axis, f.base, f.follower, f.point_base, f.point_follower, f.guide, f.limit,
-        f.stroke, f.law, f.preload, f.stiffness, f.gas_length, f.exponent, f.travels, f.forces, f.damping, f.friction,
-        f.friction_speed, f.on);
-    if (f.drum) add(f.drum->centre, f.drum->axis, f.drum->radius, f.drum->left, f.drum->wound);
-  }
-  void add_one(const JointFriction& f) { add(f.joint, f.axis, f.coefficient, f.radius, f.speed, f.on); }
   void add_one(const Impulse& i) { add(i.body, i.frame, i.point, i.linear, i.angular, i.channel); }
   void add_one(const Channel& c) { add(c.initial, c.minimum, c.maximum, c.safe); }
   void add_one(const Sensor& s) {
@@ -110,6 +89,16 @@ class Hasher {
     if (e.crossing) add(e.crossing);
   }
 
+  // An element, as its kind lists its numbers.
+  template <class Item>
+  requires requires(const Item& item) { item.on; }
+  void add_one(const Item& item) {
+    for_each_kind([&](auto kind) {
+      if constexpr (std::is_same_v<std::vector<Item>, std::remove_cvref_t<decltype(kind.of(std::declval<Model&>()))>>)
+        kind.list_numbers(item, [&](const auto&... values) { add(values...); });
+    });
+  }
+
   std::uint64_t hash_ = 0xCBF29CE484222325ull;
 };
 
@@ -121,9 +110,13 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
              model.point_springs, model.joint_springs, model.plane_torsions, model.channels,
              static_cast<int>(model.signals.size()), model.sensors, model.events);
   if (!model.surfaces.empty()) hasher.add(model.surfaces, model.contacts, model.contact_substeps);
-  // Models without these keep the hash that they have always had.
-  if (!model.one_sided.empty()) hasher.add(model.one_sided);
-  if (!model.frictions.empty()) hasher.add(model.frictions);
+  // Models without these keep the hash that they have always had. The kinds of elements above are hashed even where
+  // there are none; all others follow here.
+  std::size_t number = 0;
+  for_each_kind([&](auto kind) {
+    constexpr std::size_t kHashedAbove = 5;  // loads to contacts
+    if (number++ >= kHashedAbove && !kind.of(model).empty()) hasher.add(kind.of(model));
+  });
   if (!model.impulses.empty()) hasher.add(model.impulses);
   if (!model.quantities.empty()) hasher.add(model.quantities);
   return hasher.get();

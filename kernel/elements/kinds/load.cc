@@ -1,4 +1,4 @@
-#include "kernel/elements/loads.h"
+#include "kernel/elements/kinds/load.h"
 
 #include "kernel/math/table.h"
 #include "unlatch/elementary.h"
@@ -75,6 +75,17 @@ void update_loads(const Instant& now, Evaluation& ev) noexcept {
     if (!load.world && size != 0)
       add(blocks, ev.places[at(load.body)], &AppliedBlock<double>::wrench, size * load.wrench);
   }
+}
+
+void LoadKind::add_energy(const StageMotion& motion, const PlanLoad& load, std::size_t i, EnergySum& sum) {
+  const double size = motion.ev.load_sizes[i];
+  if (size == 0) return;
+  const BodyFrame body = motion.get_frame(load.body);
+  const Vec3 force = size * (load.world ? load.wrench.lin : body.R * load.wrench.lin);
+  const Vec3 torque = size * (load.world ? load.wrench.ang : body.R * load.wrench.ang);
+  const Vec3 v = load.world ? body.v + cross(body.w, body.R * load.point) : body.v;
+  sum.push(PowerSource::kLoads, force, v);
+  sum.add(PowerSource::kLoads, dot(torque, body.w));
 }
 
 }  // namespace unlatch

@@ -1,10 +1,11 @@
-#include "kernel/model/join.h"
+#include "kernel/compile/join.h"
 
 #include <array>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "kernel/elements/kinds/kinds.h"
 #include "kernel/math/index.h"
 #include "unlatch/quantities.h"
 
@@ -24,6 +25,16 @@ class Joiner {
     for (number_ = 0; number_ < models_.size(); ++number_) append(complete_events(*models_[number_]));
     return std::move(joined_);
   }
+
+  // Raises indices of an element by those of the models before its own; the ground and "none" stay.
+  void shift_body(int& body) const { body = shift(body, bodies_); }
+  void shift_bodies(int& base, int& follower) const {
+    shift_body(base);
+    shift_body(follower);
+  }
+  void shift_joint(int& joint) const { joint = shift(joint, joints_); }
+  void shift_surface(int& surface) const { surface = shift(surface, surfaces_); }
+  void shift_channel(int& channel) const { channel = shift(channel, channels_); }
 
  private:
   template <class Item>
@@ -87,39 +98,15 @@ class Joiner {
   }
 
   void append_elements(const Model& model) {
-    const auto change_ends = [&](auto& element) {
-      element.name = rename(element.name);
-      element.base = shift(element.base, bodies_);
-      element.follower = shift(element.follower, bodies_);
-    };
-    append(model.loads, joined_.loads, [&](Load& l) {
-      l.name = rename(l.name);
-      l.body = shift(l.body, bodies_);
-      l.channel = shift(l.channel, channels_);
-      l.tank = shift(l.tank, bodies_);
-    });
-    append(model.point_springs, joined_.point_springs, change_ends);
-    append(model.joint_springs, joined_.joint_springs, [&](JointSpring& s) {
-      s.name = rename(s.name);
-      s.joint += joints_;
-    });
-    append(model.plane_torsions, joined_.plane_torsions, change_ends);
     append(model.surfaces, joined_.surfaces, [&](Surface& s) {
       s.name = rename(s.name);
       s.body = shift(s.body, bodies_);
     });
-    append(model.contacts, joined_.contacts, [&](Contact& c) {
-      c.name = rename(c.name);
-      c.base += surfaces_;
-      c.follower += surfaces_;
-    });
-    append(model.one_sided, joined_.one_sided, [&](OneSided& o) {
-      change_ends(o);
-      o.joint = shift(o.joint, joints_);
-    });
-    append(model.frictions, joined_.frictions, [&](JointFriction& f) {
-      f.name = rename(f.name);
-      f.joint += joints_;
+    for_each_kind([&](auto kind) {
+      append(kind.of(model), kind.of(joined_), [&](auto& item) {
+        item.name = rename(item.name);
+        kind.shift(item, *this);
+      });
     });
   }
 
@@ -224,8 +211,8 @@ class Joiner {
 
 std::array<int, kElementKinds> count_elements(const Model& model) {
   std::array<int, kElementKinds> counts{};
-  std::size_t kind = 0;
-  for_each_element_list(model, [&](const auto& list) { counts[kind++] = static_cast<int>(list.size()); });
+  std::size_t number = 0;
+  for_each_kind([&](auto kind) { counts[number++] = static_cast<int>(kind.of(model).size()); });
   return counts;
 }
 

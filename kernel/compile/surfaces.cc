@@ -1,0 +1,39 @@
+#include "kernel/compile/surfaces.h"
+
+#include <Eigen/LU>
+
+namespace unlatch {
+namespace {
+
+// The carrier's mobility; of a body with a mass law, that of its lightest knot.
+void add_mobility(const Model& model, PlanShapes& shapes) {
+  if (shapes.body == kGround) return;
+  const Body* body = &model.bodies[at(shapes.body)];
+  if (body->marker) {
+    shapes.inverse_mass += body->marker->shape.squaredNorm();  // of the modes, whose modal masses are 1
+    body = &model.bodies[at(body->marker->body)];
+  }
+  double mass = body->mass;
+  Eigen::Matrix3d inertia = body->inertia;
+  if (body->law)
+    for (const MassLaw::Knot& knot : body->law->knots)
+      if (knot.mass < mass || &knot == body->law->knots.data()) {
+        mass = knot.mass;
+        inertia = knot.inertia;
+      }
+  shapes.inverse_mass += 1 / mass;
+  const Eigen::Matrix3d inverse = inertia.inverse();
+  const auto column = [&](int i) { return Vec3{inverse(0, i), inverse(1, i), inverse(2, i)}; };
+  shapes.inverse_inertia = {column(0), column(1), column(2)};
+}
+
+}  // namespace
+
+void compile_surfaces(const Model& model, PlanData& plan) {
+  for (const Surface& set : model.surfaces) {
+    plan.shapes.push_back({set.body, geometry::build_group(set.name, set.shapes)});
+    add_mobility(model, plan.shapes.back());
+  }
+}
+
+}  // namespace unlatch

@@ -1,0 +1,89 @@
+// Compliant contacts: forces of pairs of shapes that are closed. K. H. Hunt and F. R. E. Crossley, "Coefficient of
+// restitution interpreted as damping in vibroimpact", 1975; regularised Coulomb friction. THEORY.md has the law.
+//
+// A pair that is open at the beginning of a sub-step has no force within it: the sub-step ends where it touches
+// (kernel/step), so that stages see a smooth force. Cost: one distance per closed pair and stage.
+#pragma once
+
+#include "kernel/elements/effort.h"
+#include "kernel/elements/element_compiler.h"
+#include "kernel/elements/energy_sum.h"
+#include "kernel/model/check.h"
+#include "unlatch/contacts.h"
+#include "unlatch/readings.h"
+
+namespace unlatch {
+
+// A pair of shapes at one instant; forces at the contact's switch scale.
+struct PairForce {
+  Vec3 point{0, 0, 0};              // midpoint of the witnesses, W, m
+  Vec3 force{0, 0, 0};              // on the follower, at `point`, N
+  double depth = 0, rate = 0;       // δ, m; dδ/dt, m/s
+  double normal = 0, friction = 0;  // F_n and |F_t|, N
+  Vec3 slip_velocity{0, 0, 0};      // v_t, W, m/s
+  double slip = 0;                  // |v_t|, m/s
+  double elastic = 0, stored = 0;   // k δⁿ, N; k δⁿ⁺¹/(n + 1), J
+  double stiffness = 0;             // n k δⁿ⁻¹, N/m
+  double calc_loss() const { return (normal - elastic) * rate + friction * slip; }  // W
+};
+PairForce calc_pair_force(const PlanContact& contact, const geometry::Distance& distance, const BodyFrame& base,
+                          const BodyFrame& follower, double scale) noexcept;
+
+// k δⁿ⁺¹/(n + 1) at scale 1, J.
+double calc_stored(const PlanContact& contact, double depth) noexcept;
+
+// Signed distance of two surfaces where a guard could cross `threshold` within a step; farther apart a lower bound,
+// which is above `threshold`. Needs the bodies' kinematics.
+double calc_guarded_distance(const PlanData& plan, const Evaluation& ev, int a, int b, double threshold) noexcept;
+
+// ev.pair_distances and ev.pair_rates of pairs that are open and on: distances and their rates, or lower bounds of
+// those that cannot touch within a step and 0.
+void update_open_pairs(const Instant& now, Evaluation& ev) noexcept;
+
+// A contact at any instant of a step. Needs the bodies' kinematics.
+ContactReading calc_contact(const Instant& now, const Evaluation& ev, int contact) noexcept;
+
+// Distance of two surfaces. Needs the bodies' kinematics.
+double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, int b) noexcept;
+
+// d, s/m, of a contact whose blow with `speed` (m/s) parts with `restitution` (0 < e ≤ 1) times that speed; the same
+// for all masses, stiffnesses and exponents. From dE = F dδ: v dv/(1 + d v) has the same integral from v to 0 and from
+// 0 to −e v, so that x = d v solves x (1 + e) = ln((1 + x)/(1 − e x)).
+double calc_contact_damping(double restitution, double speed);
+
+struct ContactKind {
+  static auto& of(auto& model) { return model.contacts; }
+  static auto& of_plan(auto& plan) { return plan.contacts; }
+
+  static void list_numbers(const Contact& c, const auto& add) {
+    add(c.base, c.follower, c.stiffness, c.exponent, c.damping, c.restitution, c.speed, c.friction, c.slip_speed, c.on,
+        c.except);
+  }
+  static void shift(Contact& c, const auto& by) {
+    by.shift_surface(c.base);
+    by.shift_surface(c.follower);
+  }
+  static ElementTraits describe(const Model& model, const Contact& c);
+  static void validate(const Contact& contact, const Check& check);
+  // Needs the surfaces in the plan, and the auxiliary states of the bodies: its totals stand behind these.
+  static PlanContact compile(const Contact& contact, ElementCompiler& compiler);
+  static ElementStart start(const Model&, const Contact&) { return {}; }
+
+  static bool holds_ground(const PlanData& plan, const State&, const PlanContact& own) {
+    return plan.shapes[at(own.base)].body == kGround || plan.shapes[at(own.follower)].body == kGround;
+  }
+  // Some pair of its shapes is closed.
+  static bool acts(const Instant& now, const Evaluation&, const PlanContact& own, std::size_t) {
+    for (std::int32_t i = 0; i < own.pairs; ++i)
+      if (now.state.contacts[at(own.first_pair + i)].closed != 0) return true;
+    return false;
+  }
+  // Adds the forces of closed pairs, and the rates of the contact's totals; ev.pair_distances and ev.closed_pairs of
+  // those pairs.
+  static void add_forces(const Instant& now, const PlanContact& own, double scale, Evaluation& ev);
+  static ElementReading read(const auto&, const PlanContact&, std::size_t, double scale) { return {.scale = scale}; }
+  // Energy that closed pairs store, and all that the contact has lost.
+  static void add_energy(const StageMotion& motion, const PlanContact& own, std::size_t, EnergySum& sum);
+};
+
+}  // namespace unlatch

@@ -1,0 +1,72 @@
+// Springs, dampers and motors along or about an axis of a joint. Stiff ones are integrated implicitly: compliance.h.
+#pragma once
+
+#include "kernel/elements/compliance.h"
+#include "kernel/elements/effort.h"
+#include "kernel/elements/element_compiler.h"
+#include "kernel/model/check.h"
+#include "unlatch/readings.h"
+
+namespace unlatch {
+
+struct JointSpringKind {
+  static auto& of(auto& model) { return model.joint_springs; }
+  static auto& of_plan(auto& plan) { return plan.joint_springs; }
+  static constexpr bool kHasFriction = false;  // its size depends on a rate by Coulomb\'s law
+
+  static void list_numbers(const JointSpring& s, const auto& add) {
+    add(s.joint, s.axis, s.effort, s.stiffness, s.damping, s.rest, s.on);
+    if (s.implicit) add(*s.implicit);
+  }
+  static void shift(JointSpring& s, const auto& by) { by.shift_joint(s.joint); }
+  static ElementTraits describe(const Model& model, const JointSpring& s) {
+    return describe_in_joint("joint_spring", model, s.joint, s.axis);
+  }
+  static void validate(const JointSpring& spring, const Check& check);
+  static PlanJointSpring compile(const JointSpring& spring, ElementCompiler& compiler);
+  static ElementStart start(const Model& model, const JointSpring& spring);
+
+  static bool acts(const Instant&, const Evaluation&, const PlanJointSpring&, std::size_t) { return true; }
+  static bool holds_ground(const PlanData& plan, const State&, const PlanJointSpring& own) {
+    return plan.joints[at(own.joint)].base == kGround;
+  }
+  static Effort calc(const auto& motion, const PlanJointSpring& own, std::size_t, double scale) {
+    const PlanJoint& joint = motion.plan().joints[at(own.joint)];
+    const std::size_t coordinate = at(own.coordinate);
+    double x = motion.ev.coordinates[coordinate], rate = motion.ev.speeds[coordinate], lead = 0;
+    if (own.compliant != kNone) lead = calc_lead(motion.ev.compliant[at(own.compliant)], motion.implicit(), x, rate);
+    const JointLine line = motion.get_line(own.joint, own.axis);
+    return {.base = joint.base,
+            .follower = joint.follower,
+            .turns = own.axis >= kRotX,
+            .acts = true,
+            .direction = line.direction,
+            .r_base = line.r_base,
+            .r_follower = line.r_follower,
+            .size = calc_joint_spring(own, x, rate, scale) + lead,
+            .length = x,
+            .rate = rate};
+  }
+  // A torsion about an axis of the rotation frame has a potential while the two other rotations are held.
+  static bool has_potential(RowSet rows, int axis) {
+    const auto others = static_cast<RowSet>(kRotationRows & static_cast<RowSet>(~row_bit(axis)));
+    return axis < kRotX || (rows & others) == others;
+  }
+  static ElementEnergy calc_energy(const StageMotion& motion, const PlanJointSpring& own, const Effort& effort,
+                                   double scale) {
+    const double stretch = effort.length - own.rest;
+    double push = own.effort * scale, potential = 0;
+    if (has_potential(get_active_rows(motion.plan(), motion.state(), own.joint), own.axis))
+      potential = calc_stored(own.stiffness, stretch);
+    else
+      push -= own.stiffness * stretch * scale;
+    return {.potential = potential,
+            .motors = push * effort.rate,
+            .dampers = -own.damping * scale * effort.rate * effort.rate};
+  }
+  static LinearSpring get_spring(const PlanData&, const PlanJointSpring& own) {
+    return {own.stiffness, own.damping, own.compliant != kNone};
+  }
+};
+
+}  // namespace unlatch
