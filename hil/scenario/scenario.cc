@@ -284,6 +284,18 @@ void ScenarioReader::read_flight_software(YamlMap& top) {
   software.queue = static_cast<int>(read(get_number_key("scenario.flight_software.queue"), software.queue));
   const int policy = map.choice("policy", "policy", kPolicyNames, static_cast<int>(software.policy));
   if (policy >= 0) software.policy = static_cast<Policy>(policy);
+  if (const YamlNode* limits = map.find("require")) read_session_limits(*limits);
+  map.finish();
+}
+
+void ScenarioReader::read_session_limits(const YamlNode& node) {
+  FlightSoftware::Limits& limits = scenario_.flight_software.limits;
+  YamlMap map(node, "require", mistakes_);
+  const auto read = [&](const NumberKey& key, double fallback) { return read_bounded(map, key, fallback, mistakes_); };
+  limits.lost = static_cast<int>(read(get_number_key("scenario.session_limits.lost"), limits.lost));
+  limits.late = read(get_number_key("scenario.session_limits.late"), limits.late);
+  if (map.find("overruns") != nullptr)
+    limits.overruns = static_cast<int>(read(get_number_key("scenario.session_limits.overruns"), 0));
   map.finish();
 }
 

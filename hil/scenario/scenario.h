@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,12 @@ struct FlightSoftware {
   // their safe values; kPause: the run waits; kAbort: the run ends; kEvict: as kHold, and the participant may not
   // return.
   Policy policy = Policy::kHold;
+  // Most that a run may have to be passed; beyond it the run is failed, whatever its requirements say.
+  struct Limits {
+    int lost = 0;                   // times that a required participant was lost
+    double late = 1;                // late commands, as a part of the run's ticks
+    std::optional<int> overruns{};  // ticks that ended after the next was due
+  } limits;
 };
 extern const std::vector<std::string> kPolicyNames;  // "hold" …, in the order of Policy
 

@@ -33,11 +33,13 @@ class HealthReporterTest : public ::testing::TestWithParam<std::int64_t> {
   hil::RejectCounts rejects_;
   hil::CommandQueue commands_{simulation_->model().channels, {.session = 4711}, participants_, rejects_};
   hil::Publisher publisher_{*simulation_, recorder_, connection_, nullptr, 4711};
+  hil::Liveness liveness_{participants_, hil::Policy::kHold, kMs};
   hil::HealthReporter health_{{.timing = timing_,
                                .participants = participants_,
                                .commands = commands_,
                                .rejects = rejects_,
-                               .connection = connection_},
+                               .connection = connection_,
+                               .liveness = liveness_},
                               publisher_};
 };
 
@@ -63,6 +65,8 @@ TEST_P(HealthReporterTest, HealthAndTheSummaryHaveTheCountsOfAllParts) {
   timing_.skipped_outputs = 2;
   rejects_.add(hil::Reject::kDuplicate, 4);
   publisher_.set_resent(5);
+  liveness_.begin_round(0, at(0));
+  liveness_.begin_round(1, at(kMs));
   health_.publish_health(at(0));
   const hil::HealthMessage& health = connection_.sent.back().health;
   EXPECT_EQ(health.step_max_ns, 700);
@@ -75,6 +79,7 @@ TEST_P(HealthReporterTest, HealthAndTheSummaryHaveTheCountsOfAllParts) {
   EXPECT_EQ(summary.skipped_outputs, 2);
   EXPECT_EQ(summary.rejected[static_cast<std::size_t>(hil::Reject::kDuplicate)], 4);
   EXPECT_EQ(summary.resent, 5);
+  EXPECT_EQ(summary.unanswered, 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Clocks, HealthReporterTest, testing::Values(-3'600'000 * kMs, -500 * kMs, -1, 0, 1));

@@ -36,6 +36,33 @@ TEST_P(LivenessTest, AnAnswerCompletesTheRound) {
   EXPECT_EQ(liveness_.find_overdue(at(10 * kTimeout_ns)), nullptr) << "it owes nothing";
 }
 
+TEST_P(LivenessTest, AnAnswerAfterTheNextStateIsARoundTripOfItsOwn) {
+  liveness_.begin_round(3, at(0));
+  liveness_.begin_round(4, at(100));
+  liveness_.receive(make_step_ack(3), fsw(), at(130), at(131));
+  EXPECT_EQ(liveness_.take_late_round_trip_ns(), 130);
+  EXPECT_FALSE(liveness_.take_late_round_trip_ns());
+  liveness_.receive(make_step_ack(4), fsw(), at(150), at(151));
+  EXPECT_TRUE(liveness_.update(at(152)));
+  EXPECT_EQ(liveness_.take_round_trip_ns(), 50);
+  EXPECT_FALSE(liveness_.take_late_round_trip_ns());
+  EXPECT_EQ(liveness_.get_late_answers(), 1);
+  EXPECT_EQ(liveness_.get_unanswered(), 0);
+}
+
+TEST_P(LivenessTest, AnAnswerStandsForTheStatesBeforeAndThoseWithoutOneAreCounted) {
+  for (int tick = 0; tick < 10; ++tick) liveness_.begin_round(tick, at(100 * tick));
+  EXPECT_EQ(liveness_.get_unanswered(), 9) << "the latest may still be answered";
+  liveness_.receive(make_step_ack(7), fsw(), at(1000), at(1000));
+  int late = 0;
+  while (liveness_.take_late_round_trip_ns()) ++late;
+  EXPECT_EQ(late, 8);
+  EXPECT_EQ(liveness_.get_late_answers(), 8);
+  EXPECT_EQ(liveness_.get_unanswered(), 1);
+  for (int tick = 10; tick < 1000; ++tick) liveness_.begin_round(tick, at(100 * tick));
+  EXPECT_EQ(liveness_.get_unanswered(), 991) << "those whose place was given up are counted";
+}
+
 TEST_P(LivenessTest, AnAnswerIsOverdueAfterTheTimeout) {
   liveness_.begin_round(3, at(0));
   EXPECT_EQ(liveness_.find_overdue(at(kTimeout_ns)), nullptr);

@@ -134,6 +134,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"UnknownJoint", "{joint: nose, mode", "{joint: nos, mode", "s.yaml:37:44: ", "did you mean 'nose'?"},
         Wrong{"Skewed", "    modes:", "    axes: {x: [1, 0, 0], y: [0.1, 1, 0]}\n    modes:", "s.yaml:22:11: ",
               "not perpendicular"},
+        Wrong{"NearlySkewed", "    modes:", "    axes: {x: [1, 0, 0], y: [3.0e-7, 1, 0]}\n    modes:", "s.yaml:22:11: ",
+              "the cosine between them is 3e-07"},
         Wrong{"LeftHanded", "    modes:", "    axes: {x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, -1]}\n    modes:",
               "s.yaml:22:11: ", "left-handed"},
         Wrong{"Name", "name: pair", "name: a pair", "s.yaml:2:7: ", "is not a name"},

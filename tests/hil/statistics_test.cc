@@ -93,6 +93,55 @@ TEST(Statistics, SpearmanSeesOrderAlone) {
       EXPECT_EQ(ranked.calc_spearman(other)[k], hil::calc_spearman(several[k], other));
 }
 
+// An even dependence, of which a rank correlation sees nothing; an input without influence; interaction.
+TEST(Statistics, FirstOrderIndicesSeeAnyDependence) {
+  const std::int64_t n = 2000;
+  int covered = 0, significant = 0;
+  constexpr int kTrials = 200;
+  double sum = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const hil::SamplingPlan plan{hil::Sampling::kRandom, static_cast<std::uint64_t>(trial), n, 4, {}};
+    std::vector<std::vector<double>> x(4);
+    std::vector<double> y;
+    for (std::int64_t i = 0; i < n; ++i) {
+      const std::vector<double> u = hil::calc_point(plan, i);
+      for (std::size_t k = 0; k < 4; ++k) x[k].push_back(2 * u[k] - 1);
+      // variances: x² 4/45, 0.3 x 0.03, product of two 1/9 · 0.25
+      y.push_back(x[0].back() * x[0].back() + 0.3 * x[1].back() + 0.5 * x[2].back() * x[3].back() + 1e6);
+    }
+    hil::RankedVariables ranked;
+    for (const std::vector<double>& variable : x) ranked.add(variable);
+    const hil::FirstOrders orders = ranked.calc_first_orders(y);
+    const double exact = (4.0 / 45) / (4.0 / 45 + 0.03 + 0.25 / 9);
+    EXPECT_NEAR(orders.of_inputs[0].index, exact, 0.08);
+    sum += orders.of_inputs[0].index / kTrials;
+    covered += orders.of_inputs[0].interval.low <= exact && exact <= orders.of_inputs[0].interval.high ? 1 : 0;
+    significant += orders.of_inputs[2].index > orders.significant ? 1 : 0;  // no first order: interaction alone
+    EXPECT_LT(std::abs(ranked.calc_spearman(y)[0]), 0.1);
+    if (trial > 0) continue;
+    EXPECT_EQ(orders.bins, 22u);
+    EXPECT_GT(orders.of_inputs[1].index, orders.significant);
+  }
+  // Within a bin of width 2/bins a parabola varies by 5/bins² of its variance.
+  EXPECT_NEAR(sum, (1 - 5.0 / (22 * 22)) * (4.0 / 45) / (4.0 / 45 + 0.03 + 0.25 / 9), 0.002);
+  EXPECT_GT(covered, 0.9 * kTrials);  // the numbers are always the same: the test is not random
+  EXPECT_LT(significant, 0.12 * kTrials);
+}
+
+TEST(Statistics, FirstOrderIndicesOfConstantsAndOfFewValuesAreNoNumbers) {
+  hil::RankedVariables ranked;
+  std::vector<double> x, few;
+  for (int i = 0; i < 100; ++i) x.push_back(i), few.push_back(i < 30 ? i : std::nan(""));
+  ranked.add(x);
+  EXPECT_TRUE(std::isnan(ranked.calc_first_orders(std::vector<double>(100, 3.0)).of_inputs[0].index));
+  EXPECT_TRUE(std::isnan(ranked.calc_first_orders(few).of_inputs[0].index));
+  EXPECT_GT(ranked.calc_first_orders(x).of_inputs[0].index, 0.95);
+  // A constant input has one bin.
+  hil::RankedVariables constant;
+  constant.add(std::vector<double>(100, 1.0));
+  EXPECT_TRUE(std::isnan(constant.calc_first_orders(x).of_inputs[0].index));
+}
+
 // Ishigami's function, whose indices are known in closed form (Ishigami and Homma 1990).
 TEST(Statistics, SobolIndicesOfIshigamisFunctionAreInTheirIntervals) {
   constexpr double a = 7, b = 0.1, kPi = std::numbers::pi;

@@ -158,6 +158,63 @@ class CampaignTest(ProcessTest):
         self.assertIn("interrupted; --resume continues", shown)
         self.assertGreaterEqual(len(read_table(self.folder / "out")), done[-1])
 
+    def test_parameters_of_paths_whose_stars_mean_the_same_have_names_of_their_own(self):
+        (self.folder / "ball.yaml").write_text(BALL.replace("bodies:\n", "bodies:\n  low_l: {mass: 1, inertia: [1, 1, 1], position: [9, 0, 0]}\n"
+                                                            "  high_l: {mass: 1, inertia: [1, 1, 1], position: [0, 9, 0]}\n", 1))
+        path = self.folder / "c.yaml"
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\nsamples: 3\nparameters:\n"
+                        "  m: {path: [bodies.low_*.mass, bodies.high_*.mass], normal: {mean: nominal, sigma: 1 %}}\n"
+                        "  x: {path: 'bodies.*_l.mass', uniform: {min: 1 kg, max: 2 kg}}\n")
+        said = self.run_ok(UNLATCH, "check", path, code=2).stderr
+        self.assertIn("is varied twice", said)  # both parameters
+        path.write_text(path.read_text().replace("  x: {path: 'bodies.*_l.mass', uniform: {min: 1 kg, max: 2 kg}}\n",
+                                                 "  x: {path: 'bodies.*_l.inertia[0]', uniform: {min: 1, max: 1.5}}\n"))
+        names = [column["name"] for column in self.run_campaign(path, "out", code=(0, 1))["inputs"]]
+        self.assertEqual(names, ["m:low_l", "m:high_l", "x:low", "x:high"])
+        path.write_text(path.read_text().replace("samples: 3", "sampling: csv\ntable: t.csv"))
+        (self.folder / "t.csv").write_text("m:low_l,m:low_l\n1,1\n")
+        self.assertIn("two columns 'm:low_l'", self.run_ok(UNLATCH, "check", path, code=2).stderr)
+
+    def test_check_warns_of_the_scenario_and_of_the_corners_of_what_may_be_drawn(self):
+        spring = ("elements:\n  soft: {type: spring, between: [base, ball], follower_point: [0, 0, 1], stiffness: k}\n"
+                  "constants: {k: 10}\n")
+        (self.folder / "ball.yaml").write_text(BALL + spring)
+        path = self.folder / "c.yaml"
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\nsamples: 3\nparameters:\n"
+                        "  k: {path: constants.k, uniform: {min: 1, max: 1e6}}\n")
+        self.assertEqual(self.run_json(UNLATCH, "check", self.folder / "ball.yaml")["warnings"], [])
+        warnings = self.run_json(UNLATCH, "check", path)["warnings"]
+        self.assertEqual([(w["name"], w["where"]) for w in warnings], [("step", "element 'soft'")])
+        self.assertTrue(0 < warnings[0]["corners"] < 8, warnings)
+        self.assertIn("corners of what may be drawn", self.run_ok(UNLATCH, "check", path).stdout)
+        (self.folder / "ball.yaml").write_text(BALL + spring.replace("k: 10", "k: 1e6"))
+        self.assertEqual(self.run_json(UNLATCH, "check", path)["warnings"][0]["corners"], 0)
+
+    def test_an_even_dependence_is_a_sensitivity(self):
+        (self.folder / "ball.yaml").write_text(BALL.replace("velocity: [0, 0, 0]", "velocity: [100*y*y, x, 0]", 1) + "constants: {x: 0, y: 0}\n")
+        path = self.folder / "c.yaml"
+        path.write_text("unlatch_campaign: 1\nname: c\nscenario: ball.yaml\nsamples: 400\nparameters:\n"
+                        "  x: {path: constants.x, uniform: {min: -0.1, max: 0.1}}\n  y: {path: constants.y, uniform: {min: -0.1, max: 0.1}}\n")
+        summary = self.run_campaign(path, "out", code=(0, 1))
+        fast = next(column for column in summary["columns"] if column["name"] == "fast")["sensitivity"]
+        self.assertLess(abs(fast["spearman"][1]), 0.2)
+        self.assertGreater(fast["first_order"][1]["index"], 0.8)
+        self.assertLess(fast["first_order"][0]["index"], 0.2)
+        self.assertGreater(fast["first_order"][1]["interval"][0], fast["significant"])
+        page = self.folder / "page.html"
+        self.run_ok(UNLATCH, "campaign", "report", self.folder / "out", "--out", page, "--flights", "0")
+        browser = Browser()
+        try:
+            browser.open(page)
+            bars = "[...document.querySelectorAll('#tornado .bar')].map((bar) => Number(bar.getAttribute('width')))"
+            longest, other = browser.evaluate(bars)
+            self.assertGreater(longest, 5 * other)
+            self.assertEqual(browser.evaluate("document.querySelectorAll('#tornado .significant').length"), 1)
+            self.assertIn("First-order index", browser.evaluate("document.getElementById('tornado-caption').textContent"))
+            self.assertEqual(browser.complaints, [])
+        finally:
+            browser.close()
+
     def test_numbers_drawn_for_constants_keep_their_units(self):
         (self.folder / "ball.yaml").write_text(BALL.replace("velocity: [0, 0, 0]", "velocity: [way / span, 0, 0]", 1)
                                                + "constants: {way: 2 m, span: 1 s}\n")

@@ -90,6 +90,28 @@ class FmuLoopTest(ProcessTest):
             fmu = self.pack(version, description=describe(version, inputs, outputs, booleans=booleans))
             self.assertEqual(self.run_json(UNLATCH, "hil", BOOSTERS, f"--fmu=fsw={fmu}", *SAID, code=None)["hash"], wanted)
 
+    def test_other_names_are_mapped_by_options_and_files(self):
+        wanted = self.run_json(UNLATCH, "hil", BOOSTERS, *SAID, code=None)["hash"]
+        inputs = {f"In{k}": at for k, (_, at) in enumerate(INPUTS.items())} | {"Spare": 200}
+        outputs = {f"Out{k}": at for k, (_, at) in enumerate(OUTPUTS.items())}
+        maps = [f"In{k} = sensors.{name}" for k, name in enumerate(INPUTS)] + [f"Out{k}={name}" for k, name in enumerate(OUTPUTS)]
+        fmu = self.pack(3, description=describe(3, inputs, outputs))
+        options = [part for line in [*maps, "Spare=-"] for part in ("--map", line)]
+        self.assertEqual(self.run_json(UNLATCH, "hil", BOOSTERS, "--fmu", fmu, *options, *SAID, code=None)["hash"], wanted)
+        file = self.folder / "names.map"
+        file.write_text("# the controller's ports\n\n" + "\n".join(maps) + "\nfsw:Spare = -  # not wired\n")
+        self.assertEqual(self.run_json(UNLATCH, "hil", BOOSTERS, "--fmu", fmu, "--map", file, *SAID, code=None)["hash"], wanted)
+        for option, words in ((f"In0={'x' * 5}", ("'In0', mapped to 'xxxxx'", "no sensor")), ("Out0=nothing", ("'Out0', mapped to 'nothing'", "no channel")),
+                              ("In99=kr1", ("no input or output 'In99'", "Spare")), ("In0", ("neither VARIABLE=NAME nor a file",)),
+                              ("In0=", ("is no VARIABLE=NAME",))):
+            with self.subTest(option):
+                result = self.fly(fmu, 2, "--map", option)
+                for word in words:
+                    self.assertIn(word, result.stderr)
+        file.write_text("In0 = kr1\nIn0 = kr2\n")
+        self.assertIn("names.map:2: 'In0' is mapped twice", self.fly(fmu, 2, "--map", file).stderr)
+        self.assertIn("give one by --fmu", self.run_ok(UNLATCH, "hil", BOOSTERS, *SAID, "--map", "In0=kr1", code=2).stderr)
+
     def test_an_fmu_of_our_own_is_refused_because_its_names_are_those_of_a_vehicle(self):
         own = self.folder / "own.fmu"
         self.run_ok(UNLATCH, "export", BOOSTERS, "--fmu", own)

@@ -92,6 +92,26 @@ TEST_F(Watching, OthersAreToldOnceEachAndInventedOnesDoNotFillTheNotices) {
   EXPECT_EQ(count_told(), 8);
 }
 
+TEST_F(Watching, AFloodOfOneNoticePushesOutNoOther) {
+  hear_state(7, 1);
+  hil::EventMessage event;
+  event.session = 7;
+  hil::set_name(event.name, "release");
+  hear(event);
+  for (std::int64_t i = 0; i < 5000; ++i) {
+    hil::VerdictMessage verdict;
+    verdict.session = 7;
+    verdict.refers_to = i;
+    verdict.channel = -1;
+    verdict.reason = static_cast<std::int32_t>(hil::Reject::kPastTick);
+    hear(verdict);
+  }
+  EXPECT_TRUE(has_notice("release"));
+  const auto& notices = look().notices;
+  ASSERT_EQ(std::count_if(notices.begin(), notices.end(), [](const auto& one) { return one.count == 5000; }), 1);
+  EXPECT_NE(notices.back().text.find("message 4999"), std::string::npos) << "the latest";
+}
+
 TEST_F(Watching, ASessionThatHasEndedMakesWayAtOnce) {
   hear_state(7, 1, hil::RunStatus::kDone);
   hear_hello(8);

@@ -342,6 +342,25 @@ class OptimizeTest(ProcessTest):
         self.assertIn("refute", ask("document.querySelector('#verdict .bad').textContent"))
         self.assertEqual(ask("document.querySelectorAll('#constraints .bad').length") > 0, True)
 
+    # The best push reaches 0.99 / m: 1 m with probability 0.45, for m uniform from 0.9 to 1.1 kg.
+    def test_samples_that_are_too_few_to_decide_are_no_proof_that_nothing_is_found(self):
+        best = CATALOGUE.replace("values: [0 N, 1 N, 2 N, 3 N]", "values: [0 N, 1.4 N]")
+        statuses = set()
+        for seed in range(1, 7):
+            self.write_campaign(10, seed=seed)
+            result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, checks: 4000}\n"
+                                   "constraints: [{requirement: far, probability: 0.4}]\n", f"o{seed}", code=None)
+            statuses.add(result["status"])
+            if result["status"] != "undecided":
+                continue
+            self.assertEqual(result["verification"]["dispersed"][0]["verdict"], "confirmed")
+            self.assertIn("too few to decide", result["violation"]["why"])
+        self.assertEqual(statuses, {"optimal", "undecided"})
+        self.write_campaign(10, seed=1)
+        result = self.optimize(best + "campaign: {file: c.yaml, samples: 10, checks: 4000}\n"
+                               "constraints: [{requirement: far, probability: 0.6}]\n", "worse", code=1)
+        self.assertIn(result["status"], ("infeasible", "refuted"))  # the others show it, whatever the ten say
+
     def test_a_probability_that_other_samples_confirm_is_told_so_and_one_without_a_check_too(self):
         self.write_campaign(20)
         text = CATALOGUE + "campaign: {file: c.yaml, samples: 20, checks: 200}\nconstraints: [{requirement: far, probability: 0.9}]\n"

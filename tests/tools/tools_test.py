@@ -9,8 +9,9 @@ import signal
 import subprocess
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
-from processes import BOOSTERS, FSW, HANG, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, main
+from processes import BOOSTERS, FSW, HANG, PATIENT, REFERENCE, SCENARIOS, UNLATCH, ProcessTest, call, main
 
 DEAD_NOZZLE = str(SCENARIOS / "boosters/dead-nozzle.yaml")
 
@@ -181,7 +182,7 @@ class ToolsTest(ProcessTest):
                            "subject": "kr1" if "contact" in name else "nozzle1"}, report["notices"])
 
     def test_a_frozen_computer_comes_back_at_its_tick_the_same_way_every_time(self):
-        patience = ["--set", "flight_software.timeout=1"]
+        patience = ["--set", "flight_software.timeout=1", "--set", "flight_software.require={lost: 1}"]
         reports = [self.run_with_faults(transport, "frozen-computer", *patience) for transport in ("inproc", "dds")]
         self.assertEqual(len({report["hash"] for report in reports}), 1)
         names = [n["name"] for n in reports[0]["notices"]]
@@ -250,6 +251,18 @@ class ToolsTest(ProcessTest):
         self.assertEqual([n["name"] for n in report["notices"]], ["participant.joined", "policy.hold"])
         self.assertEqual((report["status"], report["ticks"]), ("ok", 30000))
         self.assertIn("has not answered for 0.5", said)
+        self.assertEqual([(limit["id"], limit["value"], limit["at_most"], limit["met"]) for limit in report["session_limits"]],
+                         [("flight_software.lost", 1, 0, False)])
+
+    def test_a_run_that_lost_its_flight_software_is_failed_unless_that_is_the_test(self):
+        self.kill_flight_software("safe", "lockstep", 1)
+        log = self.folder / "safe-lockstep.log"
+        junit = self.folder / "lost.xml"
+        result = call(UNLATCH, "replay", log, "--junit", junit)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("flight_software.lost      not met  times that a required participant was lost: 1, at most 0", result.stdout)
+        case = next(case for case in ElementTree.parse(junit).iter("testcase") if case.get("name") == "flight_software.lost")
+        self.assertEqual(case.find("failure").get("type"), "not met")
 
     def test_killed_flight_software_ends_in_the_policy_abort(self):
         report, said = self.kill_flight_software("abort", "realtime", 1)

@@ -49,6 +49,14 @@ Json describe_sensitivity(const CampaignData& data, const hil::RankedVariables& 
   Json json = {{"spearman", Json::array()}};
   for (const double rho : inputs.calc_spearman(values)) json["spearman"].push_back(to_json(rho));
   const std::string sampling = data.manifest.at("sampling");
+  if (sampling != "morris" && sampling != "saltelli") {
+    const hil::FirstOrders orders = inputs.calc_first_orders(values);
+    for (const hil::FirstOrder& one : orders.of_inputs)
+      json["first_order"].push_back(
+          {{"index", to_json(one.index)}, {"interval", {to_json(one.interval.low), to_json(one.interval.high)}}});
+    json["significant"] = to_json(orders.significant);
+    json["bins"] = orders.bins;
+  }
   std::size_t axes = 0;
   Json names = Json::array();
   for (const Json& parameter : data.manifest.at("parameters")) {

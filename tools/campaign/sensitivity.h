@@ -8,7 +8,8 @@
 
 namespace unlatch::tools {
 
-// Spearman's rank correlation with each input; of designs for it Morris' effects or Sobol' indices. `values`: of the
+// Spearman's rank correlation and the first-order index of each input; of designs for it Morris' effects or Sobol'
+// indices. `values`: of the
 // column.
 Json describe_sensitivity(const CampaignData& data, const hil::RankedVariables& inputs,
                           const std::vector<double>& values);

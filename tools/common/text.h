@@ -1,6 +1,7 @@
 // Numbers and words as text.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -16,6 +17,9 @@ namespace unlatch::tools {
 
 // Six digits.
 std::string to_short_text(double value);
+
+// The value, but 0 where it is what rounding leaves of numbers of this size.
+inline double drop_rounding(double value, double size) { return std::abs(value) < 1e-12 * size ? 0 : value; }
 
 using hil::count;
 

@@ -104,10 +104,11 @@ constexpr StatePart kStateParts[] = {
 
 class Controller final : public fsw::ControlLaw {
  public:
-  explicit Controller(const std::string& path) : file_(fs::path(path).filename().string()) {
+  Controller(const std::string& path, const NameMap& names) : file_(fs::path(path).filename().string()), names_(names) {
     call([&] {
       const ZipFile zip(read_file(path));
       description_ = read_description(zip.read("modelDescription.xml"));
+      check_names();
       binary_ = find_binary(zip, description_);
       for (const auto& [name, member] : zip.members())
         if (name.starts_with("resources/") || name.starts_with(binary_.substr(0, binary_.rfind('/') + 1)))
@@ -123,13 +124,21 @@ class Controller final : public fsw::ControlLaw {
     outputs_.clear();
     for (const Variable& variable : description_.variables) {
       if (variable.causality == Variable::Causality::kInput) {
-        std::optional<Input> input = find_input(variable, vehicle);
+        const std::string name = get_name(variable);
+        if (name == kUnconnected) continue;
+        std::optional<Input> input = find_input(variable, name, vehicle);
         if (input) inputs_.push_back(std::move(*input));
         if (!input)
-          missing += (missing.empty() ? "" : ", ") + ("input '" + variable.name) + "', which is no sensor and no state";
+          missing += (missing.empty() ? "" : ", ") + ("input '" + variable.name) + "'" +
+                     (name == variable.name ? "" : ", mapped to '" + name + "'") +
+                     ", which is no sensor and no state (--map gives it another name)";
       } else if (variable.causality == Variable::Causality::kOutput) {
-        const int channel = vehicle.find_channel(strip(variable.name, "channels."));
+        const std::string name = get_name(variable);
+        const int channel = vehicle.find_channel(strip(name, "channels."));
         if (channel >= 0) outputs_.push_back({&variable, channel, std::nullopt});
+        if (channel < 0 && names_.contains(variable.name) && name != kUnconnected)
+          missing += (missing.empty() ? "" : ", ") + ("output '" + variable.name) + "', mapped to '" + name +
+                     "', which is no channel";
       }
     }
     for (const auto* variable : list_used())
@@ -179,6 +188,28 @@ class Controller final : public fsw::ControlLaw {
     std::optional<double> sent;
   };
 
+  static constexpr const char* kUnconnected = "-";
+
+  // Its name in the scenario.
+  [[nodiscard]] std::string get_name(const Variable& variable) const {
+    const auto mapped = names_.find(variable.name);
+    return mapped == names_.end() ? variable.name : mapped->second;
+  }
+
+  void check_names() const {
+    for (const auto& [name, to] : names_) {
+      const bool known = std::ranges::any_of(description_.variables, [&name = name](const Variable& variable) {
+        return variable.name == name && variable.causality != Variable::Causality::kOther;
+      });
+      if (known) continue;
+      std::string list;
+      for (const Variable& variable : description_.variables)
+        if (variable.causality != Variable::Causality::kOther) list += (list.empty() ? "" : ", ") + variable.name;
+      throw FmuError("it has no input or output '" + name + "', which is mapped to '" + to +
+                     "'; it has: " + (list.empty() ? "none" : list));
+    }
+  }
+
   template <class Function>
   void call(const Function& function, std::optional<std::int64_t> time_ns = std::nullopt) {
     try {
@@ -197,10 +228,10 @@ class Controller final : public fsw::ControlLaw {
         load_version(description_, (folder_.path() / binary_).string(), (folder_.path() / "resources").string());
   }
 
-  std::optional<Input> find_input(const Variable& variable, const Vehicle& vehicle) const {
-    const int sensor = vehicle.find_sensor(strip(variable.name, "sensors."));
+  static std::optional<Input> find_input(const Variable& variable, const std::string& called, const Vehicle& vehicle) {
+    const int sensor = vehicle.find_sensor(strip(called, "sensors."));
     if (sensor >= 0) return Input{&variable, [sensor](const Vehicle& v) { return v.get_sensor(sensor); }};
-    const std::string name = strip(variable.name, "bodies.");
+    const std::string name = strip(called, "bodies.");
     for (const StatePart& part : kStateParts) {
       const std::string ending = std::string(".") + part.name;
       if (!name.ends_with(ending)) continue;
@@ -219,6 +250,7 @@ class Controller final : public fsw::ControlLaw {
   }
 
   const std::string file_;
+  const NameMap names_;
   TemporaryFolder folder_;
   Description description_;
   std::string binary_;  // member
@@ -230,9 +262,9 @@ class Controller final : public fsw::ControlLaw {
 
 }  // namespace
 
-std::unique_ptr<fsw::ControlLaw> open_controller(const std::string& path) {
+std::unique_ptr<fsw::ControlLaw> open_controller(const std::string& path, const NameMap& names) {
   try {
-    return std::make_unique<Controller>(path);
+    return std::make_unique<Controller>(path, names);
   } catch (const FmuError& error) {  // no temporary folder
     throw ControlError(error.what());
   }
@@ -241,6 +273,6 @@ std::unique_ptr<fsw::ControlLaw> open_controller(const std::string& path) {
 }  // namespace unlatch::fmu
 
 // Entry point of the module unlatch-controller.
-extern "C" unlatch::fsw::ControlLaw* unlatch_open_controller(const char* path) {
-  return unlatch::fmu::open_controller(path).release();
+extern "C" unlatch::fsw::ControlLaw* unlatch_open_controller(const char* path, const unlatch::fmu::NameMap& names) {
+  return unlatch::fmu::open_controller(path, names).release();
 }

@@ -112,7 +112,8 @@ bool Observation::follow(const hil::Message& message, Time now) {
   if (session == 0 || !is_from_simulator(message.kind)) return false;
   const bool is_free = view_.session == 0 || has_ended(view_.status) || to_seconds(now - heard_) > kSilent_s;
   if (!is_free) {
-    if (reported_others_.is_news(session)) notify("another simulator sends here too, session " + name_session(session), true);
+    if (reported_others_.is_news(session))
+      notify("another simulator sends here too, session " + name_session(session), true);
     return false;
   }
   begin(session);
@@ -142,8 +143,8 @@ void Observation::begin(std::int64_t session) {
   reported_silence_ = false;
   if (is_second) {
     notify("session " + before + (had_ended ? " has ended" : " has stopped sending") + "; now follows session " +
-             name_session(session),
-         !had_ended);
+               name_session(session),
+           !had_ended);
   }
 }
 
@@ -281,8 +282,8 @@ void Observation::hear_event(const hil::EventMessage& event) {
   const std::string_view name = hil::get_name(event.name);
   const bool is_bad = name.starts_with(hil::kPolicyPrefix) || name.starts_with(hil::kOverrunPrefix) ||
                       name.starts_with(hil::kFaultPrefix) || name == hil::kLeft || name == hil::kNotAdmitted;
-  view_.notices.push_back({event.time, clean_text(name) + " " + clean_text(hil::get_name(event.subject)), is_bad});
-  if (view_.notices.size() > kNotices) view_.notices.pop_front();
+  const std::string text = clean_text(name) + " " + clean_text(hil::get_name(event.subject));
+  keep({event.time, text, is_bad, text});
 }
 
 void Observation::hear_verdict(const hil::VerdictMessage& verdict) {
@@ -291,9 +292,10 @@ void Observation::hear_verdict(const hil::VerdictMessage& verdict) {
   const std::string name = verdict.channel >= 0 && channel < channels_.size() ? " for " + channels_[channel] : "";
   const auto reason = static_cast<hil::Reject>(verdict.reason);
   if (reason == hil::Reject::kMissing) return;  // of the protocol's own
-  notify((reason == hil::Reject::kLate ? "late: message " : "refused, " + std::string(get_text(reason)) + ": message ") +
-           std::to_string(verdict.refers_to) + name + " of " + find_participant(verdict.participant).name,
-       true);
+  const std::string what =
+      reason == hil::Reject::kLate ? "late: message " : "refused, " + std::string(get_text(reason)) + ": message ";
+  const std::string of = name + " of " + find_participant(verdict.participant).name;
+  keep({view_.time, what + std::to_string(verdict.refers_to) + of, true, what + of});
 }
 
 WatchedParticipant& Observation::find_participant(std::int32_t id) {
@@ -325,8 +327,16 @@ void Observation::hear_participant(const hil::Message& message) {
   }
 }
 
-void Observation::notify(std::string text, bool is_bad) {
-  view_.notices.push_back({view_.time, std::move(text), is_bad});
+void Observation::notify(std::string text, bool is_bad) { keep({view_.time, std::move(text), is_bad}); }
+
+// One with the key of another takes its place, at the end of the list, and counts it.
+void Observation::keep(WatchedNotice notice) {
+  const auto same = [&](const WatchedNotice& other) { return !notice.key.empty() && other.key == notice.key; };
+  if (const auto known = std::ranges::find_if(view_.notices, same); known != view_.notices.end()) {
+    notice.count += known->count;
+    view_.notices.erase(known);
+  }
+  view_.notices.push_back(std::move(notice));
   if (view_.notices.size() > kNotices) view_.notices.pop_front();
 }
 

@@ -46,6 +46,7 @@ class Observation {
   void update_clearances();
   void update_rates(Time now);
   void notify(std::string text, bool is_bad);
+  void keep(WatchedNotice notice);
   WatchedParticipant& find_participant(std::int32_t id);
 
   View view_;

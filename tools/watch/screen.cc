@@ -300,7 +300,11 @@ class Screen {
       const bool is_ready = one.status == hil::AckStatus::kReady;
       Flow line = begin_flow("Participant");
       line.add(pad(one.name, 14));
-      const std::string status = is_ready ? "ready" : one.status == hil::AckStatus::kRefused ? "refuses" : "is missing";
+      const bool is_over = view_.status >= hil::RunStatus::kDone;
+      const std::string status = is_ready                                 ? "ready"
+                                 : one.status == hil::AckStatus::kRefused ? "refuses"
+                                 : is_over                                ? "has left"
+                                                                          : "is missing";
       line.add(is_ready ? Colour::kGreen : Colour::kYellow, status, one.tick >= 0 ? "," : "");
       if (one.tick >= 0) {
         line.add(format("answered tick %lld, %lld behind;", static_cast<long long>(one.tick),
@@ -319,7 +323,9 @@ class Screen {
          ++notice) {
       Line line = begin();
       line.add(format("  %10.4f s  ", notice->time));
-      notice->is_bad ? line.add(Colour::kYellow, notice->text) : line.add(notice->text);
+      const std::string text =
+          notice->text + (notice->count > 1 ? "  (" + std::to_string(notice->count) + " times)" : "");
+      notice->is_bad ? line.add(Colour::kYellow, text) : line.add(text);
       add(line);
     }
   }

@@ -28,9 +28,11 @@ struct WatchedParticipant {
 };
 
 struct WatchedNotice {
-  double time = 0;  // simulated, s
+  double time = 0;  // simulated, s; of the latest of its kind
   std::string text;
   bool is_bad = false;
+  std::string key{};       // notices with one key are one, so that a flood pushes out no other; empty: this alone
+  std::int64_t count = 1;  // how many
 };
 
 struct View {

@@ -77,7 +77,8 @@ std::string build_json(const View& view) {
   if (!view.scenario_note.empty()) json["note"] = view.scenario_note;
   json["notices"] = Json::array();
   for (const WatchedNotice& notice : view.notices) {
-    json["notices"].push_back({{"t", notice.time}, {"text", notice.text}, {"bad", notice.is_bad}});
+    json["notices"].push_back(
+        {{"t", notice.time}, {"text", notice.text}, {"bad", notice.is_bad}, {"count", notice.count}});
   }
   return json.dump();
 }

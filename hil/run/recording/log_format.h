@@ -28,7 +28,7 @@
 
 namespace unlatch::hil {
 
-inline constexpr std::int32_t kLogVersion = 4;
+inline constexpr std::int32_t kLogVersion = 5;
 inline constexpr std::string_view kHeaderChannel = "UNLATCH_LOG_HEADER";
 inline constexpr std::string_view kCheckpointChannel = "UNLATCH_LOG_CHECKPOINT";
 inline constexpr std::string_view kTickChannel = "UNLATCH_LOG_TICK";

@@ -4,6 +4,7 @@
 
 #include "hil/scenario/sections/scenario_reader.h"
 #include "hil/scenario/text/count.h"
+#include "hil/scenario/text/number_text.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {
@@ -199,7 +200,7 @@ Eigen::Quaterniond ScenarioReader::read_attitude(const YamlNode& node) {
     const std::vector<double> n = read_numbers(node, 4, "", mistakes_);
     Eigen::Quaterniond q(n[0], n[1], n[2], n[3]);
     if (node.is_sequence() && !(std::abs(q.norm() - 1) <= kUnitTolerance)) {
-      mistakes_.add(node.mark, "a quaternion of length " + std::to_string(q.norm()), "[w, x, y, z] of length 1");
+      mistakes_.add(node.mark, "a quaternion of length " + write_short(q.norm()), "[w, x, y, z] of length 1");
       return Eigen::Quaterniond::Identity();
     }
     return node.is_sequence() ? q.normalized() : Eigen::Quaterniond::Identity();
@@ -255,7 +256,7 @@ Eigen::Matrix3d ScenarioReader::read_frame(const YamlNode& node) {
     for (std::size_t j = 0; j < i; ++j) {
       const double cosine = frame.col(given[i]).dot(frame.col(given[j]));
       if (!(std::abs(cosine) < kRightAngle))
-        return reject("axes that are not perpendicular: the cosine between them is " + std::to_string(cosine),
+        return reject("axes that are not perpendicular: the cosine between them is " + write_short(cosine),
                       "make them perpendicular to 1e-9");
     }
   if (mistakes_.count() != before) return Eigen::Matrix3d::Identity();

@@ -29,6 +29,7 @@ class ScenarioReader {
   void read_step(YamlMap& top);
   void read_gravity(YamlMap& top);
   void read_flight_software(YamlMap& top);
+  void read_session_limits(const YamlNode& node);
   void read_timing(YamlMap& top);
   void report_physics();
 

@@ -45,6 +45,8 @@ std::int64_t HealthReporter::calc_dropped() const noexcept {
 TimingSummary HealthReporter::summarize() const {
   TimingSummary summary = sources_.timing.summarize();
   summary.late_commands = sources_.commands.get_late();
+  summary.late_answers = sources_.liveness.get_late_answers();
+  summary.unanswered = sources_.liveness.get_unanswered();
   summary.rejected = sources_.rejects.by_reason;
   summary.dropped = calc_dropped();
   summary.resent = publisher_.get_resent();

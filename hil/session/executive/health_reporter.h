@@ -8,6 +8,7 @@
 #include "hil/session/executive/publisher.h"
 #include "hil/session/participants/command_queue.h"
 #include "hil/session/participants/connection.h"
+#include "hil/session/participants/liveness.h"
 #include "hil/session/participants/participants.h"
 #include "hil/session/participants/reject_counts.h"
 #include "hil/session/realtime/executive_timing.h"
@@ -23,6 +24,7 @@ class HealthReporter {
     const CommandQueue& commands;
     const RejectCounts& rejects;
     const Connection& connection;
+    const Liveness& liveness;
   };
   HealthReporter(const Sources& sources, Publisher& publisher) : sources_(sources), publisher_(publisher) {}
 

@@ -110,6 +110,7 @@ void Session::handle(const StepAckMessage& ack, std::int64_t arrived_ns) noexcep
   if (!sane) return rejects_.add(Reject::kMalformed);
   resume(*sender);
   liveness_.receive(ack, *sender, arrived_ns, clock_.get_ns());
+  exchange_.record_late_answers();
 }
 
 // A connection never gives back our own Hello. One simulator with our session number counts more than any other.

@@ -40,6 +40,10 @@ bool StateExchange::is_answered(std::int64_t now_ns) noexcept {
   return answered;
 }
 
+void StateExchange::record_late_answers() noexcept {
+  while (const auto round_trip_ns = liveness_.take_late_round_trip_ns()) round_trip_.record(*round_trip_ns);
+}
+
 std::int64_t StateExchange::get_quiet_since_ns(std::int64_t sent_ns) const noexcept {
   for (const Participant& participant : participants_.all()) {
     if (!participant.required || !participant.is_present()) continue;

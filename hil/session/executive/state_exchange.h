@@ -36,6 +36,8 @@ class StateExchange {
 
   // True when all required participants that take part have answered.
   [[nodiscard]] bool is_answered(std::int64_t now_ns) noexcept;
+  // Takes the round trips of States whose answers came after the next State. Call after each answer.
+  void record_late_answers() noexcept;
   // The later of `sent_ns` and the time of the latest news from a participant that has not answered yet.
   [[nodiscard]] std::int64_t get_quiet_since_ns(std::int64_t sent_ns) const noexcept;
 

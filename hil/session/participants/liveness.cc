@@ -14,6 +14,11 @@ std::optional<double> calc_policy_value(Policy policy, const Channel& channel) n
 }
 
 void Liveness::begin_round(std::int64_t tick, std::int64_t now_ns) noexcept {
+  if (round_open_ && sent_ns_) {
+    LateRound& place = late_rounds_[next_late_round_++ % late_rounds_.size()];
+    forgotten_ += place.open ? 1 : 0;
+    place = {tick_, *sent_ns_, true};
+  }
   tick_ = tick;
   sent_ns_ = now_ns;
   round_open_ = true;
@@ -67,6 +72,29 @@ bool Liveness::update(std::int64_t now_ns) noexcept {
 }
 
 std::optional<std::int64_t> Liveness::take_round_trip_ns() noexcept { return std::exchange(round_trip_ns_, {}); }
+
+std::optional<std::int64_t> Liveness::take_late_round_trip_ns() noexcept {
+  for (LateRound& round : late_rounds_) {
+    if (!round.open) continue;
+    std::optional<std::int64_t> last_ns;
+    bool all = true;
+    for (const Participant& participant : participants_.all()) {
+      if (!participant.required || !participant.is_present()) continue;
+      all = all && participant.ack.tick >= round.tick;
+      last_ns = std::max(last_ns.value_or(participant.ack_arrived_ns), participant.ack_arrived_ns);
+    }
+    if (!all || !last_ns) continue;
+    round.open = false;
+    ++late_answers_;
+    return *last_ns - round.sent_ns;
+  }
+  return std::nullopt;
+}
+
+std::int64_t Liveness::get_unanswered() const noexcept {
+  return forgotten_ +
+         std::count_if(late_rounds_.begin(), late_rounds_.end(), [](const LateRound& round) { return round.open; });
+}
 
 Participant* Liveness::find_overdue(std::int64_t now_ns) noexcept {
   for (Participant& participant : participants_.all()) {

@@ -2,6 +2,8 @@
 // time. Wall time decides here; simulated time everything else.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -38,6 +40,13 @@ class Liveness {
   // Round trip that update() has completed: State sent to last answer, ns. Once for each round.
   [[nodiscard]] std::optional<std::int64_t> take_round_trip_ns() noexcept;
 
+  // Round trip of a State whose last answer came after the next State, ns; call until there is none. An answer to a
+  // later State stands for those before it: the time is then an upper bound.
+  [[nodiscard]] std::optional<std::int64_t> take_late_round_trip_ns() noexcept;
+  // Numbers of such States, and of those whose answer never came; a State that has just been sent is none of them.
+  [[nodiscard]] std::int64_t get_late_answers() const noexcept { return late_answers_; }
+  [[nodiscard]] std::int64_t get_unanswered() const noexcept;
+
   // Required participant that has not answered in time, or leaves; null if there is none.
   [[nodiscard]] Participant* find_overdue(std::int64_t now_ns) noexcept;
   // Marks the participant as lost, or as evicted under that policy. True if it was leaving.
@@ -56,6 +65,14 @@ class Liveness {
   std::optional<std::int64_t> sent_ns_;  // time of the latest State
   bool round_open_ = false;              // answers are missing
   std::optional<std::int64_t> round_trip_ns_;
+  // The latest States that were not answered when the next was sent; the oldest gives its place up.
+  struct LateRound {
+    std::int64_t tick = 0, sent_ns = 0;
+    bool open = false;
+  };
+  std::array<LateRound, 256> late_rounds_{};
+  std::size_t next_late_round_ = 0;
+  std::int64_t late_answers_ = 0, forgotten_ = 0;
 };
 
 }  // namespace unlatch::hil

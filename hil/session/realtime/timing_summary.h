@@ -72,6 +72,8 @@ struct TimingSummary {
   std::int64_t slipped_ns = 0;          // delay of the ticks by the policy `slip`
   std::int64_t skipped_outputs = 0;     // States left out by the policy `skip_output`
   std::int64_t late_commands = 0;       // commands applied a tick or more after the one they name
+  std::int64_t late_answers = 0;        // States whose last answer came after the next State; in `round_trip` too
+  std::int64_t unanswered = 0;          // States whose answer never came, while a later one was sent
   std::int64_t dropped = 0;             // messages that found a ring full
   std::int64_t resent = 0;              // State messages sent again
   std::array<std::int64_t, kRejectReasons> rejected{};

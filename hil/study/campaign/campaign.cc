@@ -168,6 +168,30 @@ void CampaignReader::read_parameters(YamlMap& top) {
                   "add `NAME: {path: bodies.core.mass, normal: {mean: nominal, sigma: 1 %}}`");
 }
 
+namespace {
+
+// True if no two are equal.
+bool are_different(const std::vector<std::string>& names) {
+  return std::set<std::string>(names.begin(), names.end()).size() == names.size();
+}
+
+// Names of the places that one parameter varies independently: what their stars stand for; if two paths make these
+// equal, as elements.low_*.preload and elements.high_*.preload do, the part of the path with the star ("low_l");
+// at last, their numbers from 1.
+std::vector<std::string> name_places(const std::vector<MetPath>& paths) {
+  std::vector<std::string> stars, parts, numbers;
+  for (const MetPath& met : paths) {
+    numbers.push_back(std::to_string(numbers.size() + 1));
+    stars.push_back(met.stars.empty() ? numbers.back() : met.stars);
+    parts.push_back(met.parts.empty() ? numbers.back() : met.parts);
+  }
+  for (const std::vector<std::string>* names : {&stars, &parts})
+    if (are_different(*names)) return *names;
+  return numbers;
+}
+
+}  // namespace
+
 void CampaignReader::read_parameter(const std::string& name, const YamlNode& node) {
   const std::size_t before = mistakes_.count();
   YamlMap map(node, "a parameter", mistakes_);
@@ -175,7 +199,7 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
   parameter.name = name;
   parameter.mark = node.mark;
   const bool shared = map.boolean("shared", false);
-  std::vector<std::pair<std::string, std::string>> paths;
+  std::vector<MetPath> paths;
   if (const YamlNode* path = map.require("path")) {
     std::vector<const YamlNode*> list;
     if (path->is_sequence())
@@ -185,7 +209,8 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
     for (const YamlNode* item : list) try {
         const std::string text = read_text(*item, mistakes_);
         if (item->is_scalar())
-          for (auto& met : expand_path(text, item->mark, campaign_.tree->get_root())) paths.push_back(std::move(met));
+          for (MetPath& met : expand_path(text, item->mark, campaign_.tree->get_root()))
+            paths.push_back(std::move(met));
       } catch (const YamlError& e) {
         mistakes_.add(e.mark, e.what(), e.mend);
       }
@@ -209,14 +234,15 @@ void CampaignReader::read_parameter(const std::string& name, const YamlNode& nod
     campaign_.parameters.push_back(std::move(one));
   };
   if (shared || paths.size() == 1) {
-    for (const auto& [path, star] : paths) parameter.paths.push_back(path);
-    if (!paths.empty()) add(parameter, paths[0].first);
+    for (const MetPath& met : paths) parameter.paths.push_back(met.path);
+    if (!paths.empty()) add(parameter, paths[0].path);
   } else {
+    const std::vector<std::string> places = name_places(paths);
     for (std::size_t i = 0; i < paths.size() && mistakes_.count() == before; ++i) {  // stops after the first mistake
       CampaignParameter one = parameter;
-      one.name += ":" + (paths[i].second.empty() ? std::to_string(i + 1) : paths[i].second);
-      one.paths = {paths[i].first};
-      add(std::move(one), paths[i].first);
+      one.name += ":" + places[i];
+      one.paths = {paths[i].path};
+      add(std::move(one), paths[i].path);
     }
   }
   if (campaign_.parameters.size() > kMostDraws) mistakes_.add(node.mark, "more than 500 parameters", "share some");

@@ -58,10 +58,15 @@ class CampaignReader {
   int levels_ = 0;
 };
 
-// Returns the paths that match a path with *, each with the texts that the stars stand for, joined by ':'. A path
-// without * is returned as it is, even if nothing is at that place. Throws YamlError at `mark`.
-std::vector<std::pair<std::string, std::string>> expand_path(const std::string& path, const SourceMark& mark,
-                                                             const YamlNode& root);
+// A path of the scenario that a path with * matches.
+struct MetPath {
+  std::string path;   // without *
+  std::string stars;  // what the stars stand for, joined by ':'; empty without a star
+  std::string parts;  // likewise the whole parts of the path with a star in them: "low_l" of elements.low_*.preload
+};
+// Returns the paths that match a path with *. A path without * is returned as it is, even if nothing is at that place.
+// Throws YamlError at `mark`.
+std::vector<MetPath> expand_path(const std::string& path, const SourceMark& mark, const YamlNode& root);
 
 // Table of numbers with a header of names; " [unit]" after a name is removed.
 struct NumberTable {
@@ -70,6 +75,10 @@ struct NumberTable {
 };
 // Throws YamlError at `mark`.
 NumberTable read_number_table(const std::string& folder, const std::string& name, const SourceMark& mark);
+
+// Point of the unit cube with every axis at one of its ends; that of a discrete parameter at any value. The same for
+// the same number.
+std::vector<double> draw_corner(const Campaign& campaign, std::uint64_t corner);
 
 // Adds a mistake for each parameter of which a value makes no valid scenario, with the probability of such values: the
 // ends of a distribution and every discrete value are tried; for values together the corners, and their probability is

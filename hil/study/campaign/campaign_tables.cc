@@ -58,25 +58,25 @@ std::vector<std::string> list_children(const YamlNode& node) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> expand_path(const std::string& path, const SourceMark& mark,
-                                                             const YamlNode& root) {
-  std::vector<std::pair<std::string, std::string>> met{{"", ""}};
+std::vector<MetPath> expand_path(const std::string& path, const SourceMark& mark, const YamlNode& root) {
+  std::vector<MetPath> met{{}};
   for (const std::string& part : split(path, '.')) {
     const bool starred = part.find('*') != std::string::npos;
     if (starred && std::count(part.begin(), part.end(), '*') > 1)
       throw YamlError(mark, "two * in one part of '" + path + "'", "write one");
-    std::vector<std::pair<std::string, std::string>> next;
-    for (const auto& [before, stars] : met) {
-      const std::string dot = before.empty() ? "" : before + ".";
+    std::vector<MetPath> next;
+    for (const MetPath& before : met) {
+      const std::string dot = before.path.empty() ? "" : before.path + ".";
       if (!starred) {
-        next.emplace_back(dot + part, stars);
+        next.push_back({dot + part, before.stars, before.parts});
         continue;
       }
-      const YamlNode* const node = before.empty() ? &root : find_value(before, mark, root);
+      const YamlNode* const node = before.path.empty() ? &root : find_value(before.path, mark, root);
       if (node == nullptr) continue;
+      const std::string colon = before.parts.empty() ? "" : ":";
       for (const std::string& name : list_children(*node))
         if (const auto star = match(part, name))
-          next.emplace_back(dot + name, stars + (stars.empty() ? "" : ":") + *star);
+          next.push_back({dot + name, before.stars + colon + *star, before.parts + colon + name});
     }
     met = std::move(next);
     if (met.size() > kMostMet) throw YamlError(mark, "'" + path + "' meets more than 500 values", "write it closer");
@@ -102,7 +102,12 @@ NumberTable read_number_table(const std::string& folder, const std::string& name
     if (trim(line).empty()) continue;
     const std::vector<std::string> cells = split(line, ',');
     if (table.names.empty()) {
-      for (const std::string& cell : cells) table.names.push_back(trim(cell.substr(0, cell.find(" ["))));
+      for (const std::string& cell : cells) {
+        const std::string column = trim(cell.substr(0, cell.find(" [")));
+        if (std::find(table.names.begin(), table.names.end(), column) != table.names.end())
+          throw YamlError(mark, "table '" + name + "' has two columns '" + column + "'", "give each its own name");
+        table.names.push_back(column);
+      }
       continue;
     }
     const std::string where = "table '" + name + "', line " + std::to_string(number);

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "hil/run/findings/findings.h"
+#include "hil/run/run.h"
+#include "hil/study/campaign/campaign_findings.h"
 #include "hil/study/campaign/campaign_reader.h"
 #include "hil/study/sampling/philox.h"
 
@@ -125,7 +128,8 @@ std::vector<double> draw_point(const Campaign& campaign, std::uint64_t number) {
   return point;
 }
 
-// Point with every axis at one of its ends; that of a discrete parameter at any value.
+}  // namespace
+
 std::vector<double> draw_corner(const Campaign& campaign, std::uint64_t corner) {
   std::vector<double> point = draw_point(campaign, corner);
   std::size_t axis = 0;
@@ -139,6 +143,8 @@ std::vector<double> draw_corner(const Campaign& campaign, std::uint64_t corner) 
   }
   return point;
 }
+
+namespace {
 
 // Checks values that are valid one by one but not together, such as three moments of inertia: at corners, and at as
 // many draws. The probability of such values is estimated from more draws.
@@ -179,6 +185,27 @@ void check_draws(const Campaign& campaign, Mistakes& mistakes) {
   if (!check_medians(campaign, median, mistakes)) return;
   check_ends(campaign, median, mistakes);
   if (mistakes.count() == 0) check_together(campaign, mistakes);
+}
+
+std::vector<CampaignFinding> list_campaign_findings(const Campaign& campaign) {
+  std::vector<CampaignFinding> list;
+  const auto add = [&](const std::vector<Setting>& settings, int corners) {
+    const Scenario scenario = campaign.tree->read(settings);
+    for (const Finding& finding : list_findings(scenario, *build_simulation(scenario))) {
+      const auto known = std::ranges::find_if(list, [&](const CampaignFinding& other) {
+        return other.finding.name == finding.name && other.finding.where == finding.where;
+      });
+      if (known == list.end())
+        list.push_back({finding, corners});
+      else if (known->corners > 0)
+        ++known->corners;
+    }
+  };
+  add({}, 0);
+  if (campaign.plan.sampling == Sampling::kCsv || campaign.parameters.empty()) return list;
+  for (int corner = 0; corner < kFindingCorners; ++corner)
+    add(make_settings(campaign, calc_inputs(campaign, draw_corner(campaign, static_cast<std::uint64_t>(corner)))), 1);
+  return list;
 }
 
 }  // namespace unlatch::hil

@@ -177,6 +177,89 @@ std::vector<double> RankedVariables::calc_spearman(const std::vector<double>& y)
   return all;
 }
 
+namespace {
+
+// Number, mean and sum of squares about the mean of values that come one by one, and without some of them again.
+struct Moments {
+  double count = 0, sum = 0, square = 0;
+
+  void add(const Moments& other, double sign) {
+    count += sign * other.count;
+    sum += sign * other.sum;
+    square += sign * other.square;
+  }
+  [[nodiscard]] double calc_spread() const { return count > 0 ? square - sum * sum / count : 0; }
+};
+
+constexpr std::size_t kParts = 20;    // of the jackknife
+constexpr double kStudent19 = 2.093;  // 97.5 % of Student's t with 19 degrees of freedom
+
+double calc_epsilon_squared(const std::vector<Moments>& bins) {
+  Moments all;
+  double within = 0, used = 0;
+  for (const Moments& bin : bins) {
+    all.add(bin, 1);
+    within += bin.calc_spread();
+    used += bin.count > 0 ? 1 : 0;
+  }
+  const double total = all.calc_spread();
+  if (!(total > 0) || used < 2 || all.count <= used) return kNaN;
+  return 1 - (within / (all.count - used)) / (total / (all.count - 1));
+}
+
+// `parts`: moments by part of the samples and bin.
+FirstOrder calc_first_order(const std::vector<std::vector<Moments>>& parts) {
+  std::vector<Moments> all(parts[0].size());
+  for (const std::vector<Moments>& part : parts)
+    for (std::size_t bin = 0; bin < all.size(); ++bin) all[bin].add(part[bin], 1);
+  const double index = calc_epsilon_squared(all);
+  double mean = 0, square = 0;
+  std::vector<double> without;
+  for (const std::vector<Moments>& part : parts) {
+    std::vector<Moments> others = all;
+    for (std::size_t bin = 0; bin < all.size(); ++bin) others[bin].add(part[bin], -1);
+    without.push_back(calc_epsilon_squared(others));
+    mean += without.back() / static_cast<double>(parts.size());
+  }
+  for (const double one : without) square += (one - mean) * (one - mean);
+  const auto n = static_cast<double>(parts.size());
+  const double half = kStudent19 * std::sqrt(square * (n - 1) / n);
+  return {index, {index - half, index + half}};
+}
+
+}  // namespace
+
+FirstOrders RankedVariables::calc_first_orders(const std::vector<double>& y) const {
+  FirstOrders out;
+  std::vector<double> present;
+  for (const double value : y)
+    if (!std::isnan(value)) present.push_back(value);
+  const double mean = present.empty() ? 0 : calc_mean(present), n = static_cast<double>(present.size());
+  constexpr double kLeastBins = 4, kMostBins = 50;
+  out.bins = static_cast<std::size_t>(std::clamp(std::floor(std::sqrt(n) / 2), kLeastBins, kMostBins));
+  const auto bins = static_cast<double>(out.bins);
+  if (n < 2 * kParts) {
+    out.of_inputs.assign(variables_.size(), {kNaN, {kNaN, kNaN}});
+    out.significant = kNaN;
+    return out;
+  }
+  // of the part between the bins, which is beta distributed where there is no influence
+  const double chance = calc_beta_quantile(0.5 * (bins - 1), 0.5 * (n - bins), kConfidence);
+  out.significant = 1 - (1 - chance) * (n - 1) / (n - bins);
+  for (const Ranks& variable : variables_) {
+    std::vector<std::vector<Moments>> parts(kParts, std::vector<Moments>(out.bins));
+    const auto count = static_cast<double>(variable.twice.size());
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      if (std::isnan(y[i]) || variable.twice[i] == kNoRank) continue;
+      const double centred = y[i] - mean;  // of large values little would be left of the squares
+      const auto bin = static_cast<std::size_t>(0.5 * variable.twice[i] / count * bins);
+      parts[i % kParts][std::min(bin, out.bins - 1)].add({1, centred, centred * centred}, 1);
+    }
+    out.of_inputs.push_back(calc_first_order(parts));
+  }
+  return out;
+}
+
 MorrisEffect calc_morris(const std::vector<double>& effects) {
   MorrisEffect effect;
   const auto n = static_cast<double>(effects.size());

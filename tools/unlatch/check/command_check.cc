@@ -7,6 +7,7 @@
 #include "hil/run/run.h"
 #include "hil/run/starting_quantities.h"
 #include "hil/study/campaign/campaign.h"
+#include "hil/study/campaign/campaign_findings.h"
 #include "hil/study/sampling/philox.h"
 #include "tools/common/alike.h"
 #include "tools/common/output.h"
@@ -189,6 +190,19 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
       std::fprintf(to, "  %-24s from the table: %s\n", parameter.name.c_str(), paths.c_str());
     list.push_back({{"name", parameter.name}, {"paths", parameter.paths}, {"unit", parameter.unit}});
   }
+  nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+  for (const hil::CampaignFinding& one : hil::list_campaign_findings(campaign)) {
+    if (warnings.empty()) std::fprintf(to, "Warnings of the scenario\n");
+    const std::string corners =
+        one.corners == 0 ? ""
+                         : format(" (at %d of %d corners of what may be drawn)", one.corners, hil::kFindingCorners);
+    const std::string text = one.finding.where + (one.finding.where.empty() ? "" : " ") + one.finding.text + corners;
+    std::fprintf(to, "  %s\n", paint(to, Colour::kYellow, text).c_str());
+    warnings.push_back({{"name", one.finding.name},
+                        {"where", one.finding.where},
+                        {"text", one.finding.text},
+                        {"corners", one.corners}});
+  }
   std::fprintf(to, "%s is valid\n", campaign.file.c_str());
   if (!json.empty())
     write_json(nlohmann::ordered_json{{"schema", 1},
@@ -196,7 +210,8 @@ int check_campaign(const ScenarioOptions& options, const std::string& json) {
                                       {"samples", campaign.plan.samples},
                                       {"parameters", list},
                                       {"chosen_columns", campaign.chosen.count()},
-                                      {"remarks", campaign.remarks}},
+                                      {"remarks", campaign.remarks},
+                                      {"warnings", warnings}},
                json);
   return kExitDone;
 }

@@ -19,6 +19,7 @@ struct ReplayOptions {
 int run(const ReplayOptions& options) {
   check_output(options.json);
   check_output(options.junit);
+  const WallTime wall_time;
   ReplayedLog log(options.log, options.outputs);
   Progress progress(log.opened.recording.header.dt, log.opened.recording.header.last_tick);
   log.replay([&](const StepReport&) { progress.show(log.opened.simulation->get_tick()); });
@@ -27,7 +28,7 @@ int run(const ReplayOptions& options) {
   const bool unresolved = tell_unresolved(log.analysis, report.status, report.message);
   print_report(get_people_stream(options.json), report);
   write_json(report, options.json);
-  write_junit(report, options.junit);
+  write_junit(report, options.junit, wall_time.get());
   return log.is_sound() && !unresolved && is_met(report) ? kExitDone : kExitFailed;
 }
 

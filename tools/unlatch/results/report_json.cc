@@ -148,6 +148,8 @@ Json to_json(const hil::TimingSummary& timing) {
           {"slipped_ns", timing.slipped_ns},
           {"skipped_outputs", timing.skipped_outputs},
           {"late_commands", timing.late_commands},
+          {"late_answers", timing.late_answers},
+          {"unanswered", timing.unanswered},
           {"dropped", timing.dropped},
           {"resent", timing.resent},
           {"rejected", rejected}};
@@ -219,6 +221,7 @@ nlohmann::ordered_json build_json(const RunReport& report) {
   for (const hil::ContactRecord& contact : report.analysis.list_contacts())
     json["contacts"].push_back(build_contact(contact));
   json["verdict"] = build_requirements_json(report);
+  json["session_limits"] = build_session_verdicts_json(report);
   json["separations"] = build_separations_json(report);
   json["tip_off"] = Json::array();
   for (const hil::TipOff& tip_off : report.analysis.tip_offs) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tools/common/alike.h"
@@ -136,14 +137,15 @@ void print_reactions(std::FILE* to, const RunReport& report) {
   for (const std::vector<std::size_t>& group : group_alike(keys)) {
     if (group.size() > 1) std::fprintf(to, "  %s, the largest of each row:\n", name_group(group, names).c_str());
     std::fprintf(to, "  %-12s", group.size() > 1 ? "" : names[group[0]].c_str());
-    for (std::size_t row = 0; row < kRows; ++row) {
-      double largest = 0;
+    std::array<double, kRows> peaks{};
+    double largest = 0;  // N or N m, of any row
+    for (std::size_t row = 0; row < kRows; ++row)
       for (const std::size_t i : group) {
         const double value = report.analysis.get_peak(i, row).value;
-        if (std::abs(value) > std::abs(largest)) largest = value;
+        if (std::abs(value) > std::abs(peaks[row])) peaks[row] = value;
+        largest = std::max(largest, std::abs(value));
       }
-      std::fprintf(to, " %12.5g", largest);
-    }
+    for (const double peak : peaks) std::fprintf(to, " %12.5g", drop_rounding(peak, largest));
     std::fprintf(to, "  %s\n", get_mode(group[0]).c_str());
   }
   for (const hil::SharedReactions& shared : report.analysis.shared)
@@ -194,7 +196,12 @@ void print_overruns(std::FILE* to, const hil::TimingSummary& timing) {
   if (timing.skipped_outputs > 0) {
     std::fprintf(to, ", states not sent %lld", static_cast<long long>(timing.skipped_outputs));
   }
-  std::fprintf(to, ", late commands %lld\n", static_cast<long long>(timing.late_commands));
+  std::fprintf(to, ", late commands %lld", static_cast<long long>(timing.late_commands));
+  if (timing.late_answers > 0)
+    std::fprintf(to, ", answers after the next State %lld", static_cast<long long>(timing.late_answers));
+  if (timing.unanswered > 0)
+    std::fprintf(to, ", States without an answer %lld", static_cast<long long>(timing.unanswered));
+  std::fputc('\n', to);
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, timing.worst_overruns.size()); ++i) {
     const hil::Overrun& overrun = timing.worst_overruns[i];
@@ -278,6 +285,7 @@ void print_report(std::FILE* to, const RunReport& report) {
   print_timing(to, report.timing);
   print_verdicts(to, report);
   print_requirements(to, report);
+  print_session_verdicts(to, report);
   const bool ok = report.status == "ok";
   std::fprintf(to, "\n%s: %s, %s of %g s, t = %g s, state hash %s\n",
                paint(to, Colour::kBold, report.scenario.name).c_str(),

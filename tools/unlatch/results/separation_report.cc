@@ -47,11 +47,17 @@ const hil::Clearance* find_clearance(const RunReport& report, const hil::Separat
 // Slower, or opening at the end: not closing. Convex distances are exact to 1e-6 m.
 bool is_closing(const hil::Clearance& clearance) { return clearance.now > 0 && clearance.rate < -1e-6; }
 
+// A rate in deg/s as it is printed: with four decimals, and never as -0.0000.
+double to_shown_rate(double rate) {
+  const double degrees = rate * kDegPerRad;
+  return std::abs(degrees) < 0.00005 ? 0 : degrees;
+}
+
 void print_side(std::FILE* to, const RunReport& report, const hil::SeparatedSide& side) {
   if (side.body == kGround) return;
   std::fprintf(to, "    %-24s axial %9.4f, transverse %9.4f deg/s",
-               get_body_name(report.scenario.model, side.body).c_str(), side.rate.axial * kDegPerRad,
-               side.rate.transverse * kDegPerRad);
+               get_body_name(report.scenario.model, side.body).c_str(), to_shown_rate(side.rate.axial),
+               to_shown_rate(side.rate.transverse));
   if (side.has_coning && std::isfinite(side.coning.period))
     std::fprintf(to, "; coning half-angle %.4g deg, nutation period %.5g s", side.coning.half_angle * kDegPerRad,
                  side.coning.period);
@@ -66,7 +72,7 @@ void print_separation(std::FILE* to, const RunReport& report, const hil::Separat
   std::fprintf(to, "    relative velocity        %.6g m/s along %s, %.6g m/s across\n", pair.along, pair.axis.c_str(),
                pair.across);
   std::fprintf(to, "    relative rate            axial %9.4f, transverse %9.4f deg/s\n",
-               pair.relative.axial * kDegPerRad, pair.relative.transverse * kDegPerRad);
+               to_shown_rate(pair.relative.axial), to_shown_rate(pair.relative.transverse));
   print_side(to, report, pair.base);
   print_side(to, report, pair.follower);
   std::vector<std::string> springs;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hil/scenario/text/xml_text.h"
+#include "hil/session/messages/event_names.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
@@ -66,7 +67,32 @@ std::string pad(const std::string& text, std::size_t width) {
 
 }  // namespace
 
+std::vector<SessionVerdict> judge_session(const RunReport& report) {
+  std::vector<SessionVerdict> list;
+  if (report.notices.empty()) return list;
+  const hil::FlightSoftware::Limits& limits = report.scenario.flight_software.limits;
+  // Under the policy `pause` simulated time waits for it: nothing is lost.
+  const auto is_loss = [](const hil::EventMessage& notice) {
+    const std::string_view name = hil::get_name(notice.name);
+    return name.starts_with(hil::kPolicyPrefix) && !name.ends_with("pause");
+  };
+  const auto lost = std::ranges::count_if(report.notices, is_loss);
+  list.push_back({"flight_software.lost", "times that a required participant was lost", static_cast<double>(lost),
+                  static_cast<double>(limits.lost)});
+  if (limits.late < 1)
+    list.push_back(
+        {"flight_software.late", "late commands, as a part of the ticks",
+         static_cast<double>(report.timing.late_commands) / static_cast<double>(std::max<std::int64_t>(1, report.tick)),
+         limits.late});
+  if (limits.overruns)
+    list.push_back({"flight_software.overruns", "ticks that ended after the next was due",
+                    static_cast<double>(report.timing.overruns), static_cast<double>(*limits.overruns)});
+  return list;
+}
+
 bool is_met(const RunReport& report) {
+  for (const SessionVerdict& limit : judge_session(report))
+    if (!limit.is_met()) return false;
   const std::vector<hil::Verdict> verdicts = report.analysis.judge();
   return std::all_of(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) { return verdict.is_met(); });
 }
@@ -106,6 +132,28 @@ void print_requirements(std::FILE* to, const RunReport& report) {
     std::fprintf(to, "  %s\n", paint(to, missed == 0 ? Colour::kGreen : Colour::kRed, count).c_str());
 }
 
+void print_session_verdicts(std::FILE* to, const RunReport& report) {
+  const std::vector<SessionVerdict> verdicts = judge_session(report);
+  if (verdicts.empty()) return;
+  std::fprintf(to, "\n%s\n", paint(to, Colour::kBold, "Limits of the session (flight_software.require)").c_str());
+  for (const SessionVerdict& limit : verdicts)
+    std::fprintf(
+        to, "  %s  %s  %s: %s, at most %s\n", pad(limit.id, 24).c_str(),
+        paint(to, limit.is_met() ? Colour::kGreen : Colour::kRed, limit.is_met() ? "met    " : "not met").c_str(),
+        limit.text.c_str(), to_short_text(limit.value).c_str(), to_short_text(limit.most).c_str());
+}
+
+nlohmann::ordered_json build_session_verdicts_json(const RunReport& report) {
+  Json list = Json::array();
+  for (const SessionVerdict& limit : judge_session(report))
+    list.push_back({{"id", limit.id},
+                    {"text", limit.text},
+                    {"met", limit.is_met()},
+                    {"value", limit.value},
+                    {"at_most", limit.most}});
+  return list;
+}
+
 nlohmann::ordered_json build_requirements_json(const RunReport& report) {
   Json list = Json::array();
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
@@ -135,22 +183,25 @@ nlohmann::ordered_json build_requirements_json(const RunReport& report) {
   return list;
 }
 
-void write_junit(const RunReport& report, const std::string& target) {
+void write_junit(const RunReport& report, const std::string& target, double seconds) {
   if (target.empty()) return;
   const std::vector<hil::Verdict> verdicts = report.analysis.judge();
-  const auto failed =
-      static_cast<std::size_t>(std::count_if(verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) {
-        return verdict.is_resolved() && !verdict.is_met();
-      }));
+  const std::vector<SessionVerdict> limits = judge_session(report);
+  const auto failed = static_cast<std::size_t>(std::count_if(
+                          verdicts.begin(), verdicts.end(),
+                          [](const hil::Verdict& verdict) { return verdict.is_resolved() && !verdict.is_met(); })) +
+                      static_cast<std::size_t>(std::count_if(
+                          limits.begin(), limits.end(), [](const SessionVerdict& limit) { return !limit.is_met(); }));
   const auto unresolved = static_cast<std::size_t>(std::count_if(
       verdicts.begin(), verdicts.end(), [](const hil::Verdict& verdict) { return !verdict.is_resolved(); }));
   const bool ok = report.status == "ok";
+  const std::string time = format("%.3f", seconds);
   const std::string name = hil::escape_xml(report.scenario.name);
-  const std::string counts = "tests=\"" + std::to_string(verdicts.size() + 1) + "\" failures=\"" +
+  const std::string counts = "tests=\"" + std::to_string(verdicts.size() + limits.size() + 1) + "\" failures=\"" +
                              std::to_string(failed) + "\" errors=\"" + std::to_string(unresolved + (ok ? 0 : 1)) + "\"";
   std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites " + counts + ">\n <testsuite name=\"" +
-                    name + "\" " + counts + " skipped=\"0\" time=\"0\">\n  <testcase classname=\"" + name +
-                    "\" name=\"run\" time=\"0\">\n";
+                    name + "\" " + counts + " skipped=\"0\" time=\"" + time + "\">\n  <testcase classname=\"" + name +
+                    "\" name=\"run\" time=\"" + time + "\">\n";
   if (!ok)
     xml += "   <error type=\"" + hil::escape_xml(report.status) + "\" message=\"" + hil::escape_xml(report.message) +
            "\"/>\n";
@@ -168,6 +219,12 @@ void write_junit(const RunReport& report, const std::string& target) {
     }
     xml += "   <system-out>" + hil::escape_xml(requirement.text.empty() ? what : requirement.text + " (" + what + ")") +
            ": " + value + "</system-out>\n  </testcase>\n";
+  }
+  for (const SessionVerdict& limit : limits) {
+    const std::string value = limit.text + ": " + to_short_text(limit.value) + ", at most " + to_short_text(limit.most);
+    xml += "  <testcase classname=\"" + name + "\" name=\"" + limit.id + "\" time=\"0\">\n";
+    if (!limit.is_met()) xml += "   <failure type=\"not met\" message=\"" + value + "\"/>\n";
+    xml += "   <system-out>" + value + "</system-out>\n  </testcase>\n";
   }
   write_text(xml + " </testsuite>\n</testsuites>\n", target);
 }

@@ -51,12 +51,13 @@ struct HilOptions {
   PacingOptions pacing;
   std::string faults;             // file
   std::vector<std::string> fmus;  // FILE, or NAME=FILE
+  std::vector<std::string> maps;  // VARIABLE=NAME, or a file of such lines
   OutputOptions output;
 };
 
 std::string describe(const hil::EventMessage& notice, const hil::FlightSoftware& flight_software) {
   const std::string name(hil::get_name(notice.name)), subject(hil::get_name(notice.subject));
-  const std::string at = "t = " + std::to_string(notice.time) + " s: ";
+  const std::string at = format("t = %.6f s: ", notice.time);
   if (name.starts_with(hil::kFaultPrefix)) return at + "fault script: " + name.substr(6) + " " + subject;
   if (name == hil::kJoined) return "flight software '" + subject + "' takes part";
   if (name == hil::kResumed) return at + "flight software '" + subject + "' is back, the run goes on";
@@ -120,7 +121,7 @@ class Session {
       port_ = open_port(options_.transport, bridge::Role::kSimulator);
     } else {
       port_ = hub_.open(bridge::Role::kSimulator);
-      if (options_.pace != hil::Pace::kFast) hosted_.emplace(options_.fmus, scenario_).start(hub_);
+      if (options_.pace != hil::Pace::kFast) hosted_.emplace(options_.fmus, options_.maps, scenario_).start(hub_);
     }
     if (options_.pace == hil::Pace::kLockstep) {
       connection_ = std::make_unique<bridge::DirectConnection>(*port_);
@@ -263,11 +264,12 @@ class Session {
                            recording.notices, replayed, refused_, unfit_, {},      &outputs};
     print_report(get_people_stream(options_.output.json), report);
     write_json(report, options_.output.json);
-    write_junit(report, options_.output.junit);
+    write_junit(report, options_.output.junit, wall_time_.get());
     if (!error.empty()) throw OutputError(error);
     return status == "ok" && is_met(report) ? kExitDone : kExitFailed;
   }
 
+  const WallTime wall_time_;
   const HilOptions& options_;
   const hil::Scenario scenario_;
   const std::unique_ptr<hil::Simulation> simulation_;
@@ -318,6 +320,13 @@ void add_hil(Command app, int& exit_code) {
                   "FMU (FMI 2.0 or 3.0, co-simulation) as flight software, NAME=FILE for one of several; in lockstep, "
                   "inproc. Inputs are named as sensors or states, outputs as channels")
       .type_name("FILE");
+  command
+      .add_option(
+          "--map", options->maps,
+          "name in the scenario of a variable of the FMU that is called otherwise: In1=gyro.x, Out1=main_engine; "
+          "In3=- leaves an input at its start value; or a file with such a line each (# begins a comment). Of "
+          "one of several FMUs: fsw:In1=gyro.x")
+      .type_name("VARIABLE=NAME|FILE");
   add_pacing_options(command, options->pacing);
   command.add_option("--faults", options->faults, "fault script (.yaml), see hil/scenarios/FAULTS.md")
       .type_name("FILE");

@@ -187,6 +187,7 @@ int run(const RunOptions& given) {
   check_output(options.output.junit);
   for (const auto& [time, path] : options.checkpoints) check_output(path);
   std::optional<hil::AccuracyReport> chosen;
+  const WallTime wall_time;
   if (chooses) chosen = choose_step(options);
   const hil::Scenario scenario = load(options.scenario);
   const std::int64_t last_tick = calc_last_tick(scenario);
@@ -228,7 +229,7 @@ int run(const RunOptions& given) {
   }
   print_report(get_people_stream(options.output.json), report);
   write_json(report, options.output.json);
-  write_junit(report, options.output.junit);
+  write_junit(report, options.output.junit, wall_time.get());
   if (recorder && !recorder->get_error().empty()) throw OutputError(recorder->get_error());
   const bool is_interrupted = report.accuracy && report.accuracy->interrupted;
   return end.status == hil::RunStatus::kDone && !unresolved && !is_interrupted && is_met(report) ? kExitDone

@@ -18,8 +18,10 @@ namespace unlatch::tools {
 class HostedSoftware {
  public:
   // `fmus`: FILE, or NAME=FILE where several participants are required. An FMU that cannot be used, or that does not
-  // fit the scenario, is a mistake of the option --fmu.
-  HostedSoftware(const std::vector<std::string>& fmus, const hil::Scenario& scenario);
+  // fit the scenario, is a mistake of the option --fmu. `maps`: VARIABLE=NAME, or a file with such a line each; of one
+  // of several FMUs PARTICIPANT:VARIABLE=NAME. Mistakes in them are those of the option --map.
+  HostedSoftware(const std::vector<std::string>& fmus, const std::vector<std::string>& maps,
+                 const hil::Scenario& scenario);
   ~HostedSoftware();
   HostedSoftware(const HostedSoftware&) = delete;
   HostedSoftware& operator=(const HostedSoftware&) = delete;

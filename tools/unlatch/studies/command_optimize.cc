@@ -163,7 +163,7 @@ int optimize(const OptimizeOptions& options) {
       report.verification.end = DesignVerification::End::kInterrupted;
     else if (best.status != hil::SampleStatus::kInvalid)
       report.verification = verify(problem, patch, best);
-    if (report.verification.end == DesignVerification::End::kDone && result.feasible)
+    if (report.verification.end == DesignVerification::End::kDone)
       report.verification.failures = evaluations.check_dispersed(best.point);
     if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());
   }

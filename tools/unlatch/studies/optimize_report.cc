@@ -68,9 +68,26 @@ bool is_finished(const DesignReport& report) {
   return report.verification.end == DesignVerification::End::kDone && !is_check_missing(report);
 }
 
+// The nearest point misses constraints with a probability alone, by the samples of the search, and other samples do not
+// show that it misses them: the search had too few samples to say that nothing meets them.
+bool is_undecided(const DesignReport& report) {
+  const DesignResult& result = report.result;
+  if (result.feasible || report.evaluations.get_samples().empty()) return false;
+  const DesignSample& best = report.evaluations.get_samples()[result.best];
+  bool misses = false;
+  for (std::size_t i = 0; i < report.problem.constraints.size(); ++i) {
+    if (best.margins.size() <= i || best.margins[i] >= 0) continue;
+    if (!std::isfinite(best.margins[i]) || !(report.problem.constraints[i].probability > 0)) return false;
+    if (is_refuted(report, i)) return false;
+    misses = true;
+  }
+  return misses;
+}
+
 std::string get_status(const DesignReport& report) {
   const DesignResult& result = report.result;
   if (result.end == DesignResult::End::kStopped) return "interrupted";
+  if (is_undecided(report)) return "undecided";
   if (!result.feasible) return result.settled ? "infeasible" : "not-found";
   if (is_any_refuted(report)) return "refuted";
   if (!is_finished(report) || !report.verification.met || !report.verification.same_bits) return "unverified";
@@ -186,6 +203,12 @@ std::string describe_failure(const DesignReport& report) {
   const std::string status = get_status(report);
   if (status == "interrupted") return "no point so far meets all constraints";
   if (status == "infeasible") return "no point meets all constraints";
+  if (status == "undecided")
+    return "the " + count(report.problem.campaign->samples, "sample") +
+           " of the search are too few to decide: by them the nearest point misses a probability, by " +
+           (report.verification.failures ? count(report.problem.campaign->checks, "other sample") + " it may have it"
+                                         : std::string("others nothing is known")) +
+           "; raise campaign.samples";
   const hil::DesignBudget& budget = report.problem.budget;
   const bool by_runs = budget.seconds == 0 || report.result.search_runs >= budget.runs;
   return "no feasible point found within the budget of " +
@@ -240,7 +263,8 @@ void print_verification(std::FILE* to, const DesignReport& report) {
   if (hil::has_probabilities(problem) && problem.campaign->checks == 0)
     std::fprintf(to, "  no other samples have checked the probabilities (checks: 0)\n");
   if (is_any_refuted(report))
-    std::fprintf(to, "  the samples of the search were too few to decide: raise campaign.samples, or the probability\n");
+    std::fprintf(to,
+                 "  the samples of the search were too few to decide: raise campaign.samples, or the probability\n");
 }
 
 }  // namespace
