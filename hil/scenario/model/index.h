@@ -23,9 +23,11 @@ inline RowSet list_held_rows(const Joint& joint) {
   return rows;
 }
 
-// Number, as in State::elements, of the model's first one-sided force; the others follow it.
+// Number, as in State::elements, of the model's first one-sided force; the others follow it. Counted from the front: new
+// kinds of elements come after all others.
 inline int get_first_one_sided(const Model& model) {
-  return model.element_count() - static_cast<int>(model.frictions.size() + model.one_sided.size());
+  return static_cast<int>(model.loads.size() + model.point_springs.size() + model.joint_springs.size() +
+                          model.plane_torsions.size() + model.contacts.size());
 }
 
 }  // namespace unlatch::hil

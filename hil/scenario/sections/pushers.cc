@@ -1,6 +1,7 @@
 // One-sided elements: pushers, cords, stops; friction in joints; and the events that belong to them.
 #include <algorithm>
 
+#include "hil/scenario/model/index.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
 namespace unlatch::hil {
@@ -221,7 +222,7 @@ void ScenarioReader::report_idle_partings() {
 // Appends the events of joints and elements to those of the scenario.
 void ScenarioReader::append_events() {
   report_idle_partings();
-  const int first = model_.element_count() - static_cast<int>(model_.one_sided.size() + model_.frictions.size());
+  const int first = get_first_one_sided(model_);
   for (Event& event : cord_events_)
     for (Action& action : event.then) action.subject += first;
   const std::size_t own = model_.events.size();
