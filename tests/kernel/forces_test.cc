@@ -359,6 +359,13 @@ TEST(Forces, ElementsAtTheStartHaveTheForcesAndTheEnergyOfTheFirstEvaluation) {
     EXPECT_NEAR(start.length, first.length, kRounding) << model.element_name(i);
     energy += start.energy;
   }
+  const auto half_square = [&](int element, double stiffness, double rest) {
+    const double stretch = calc_element_start(model, element).length - rest;
+    return 0.5 * stiffness * stretch * stretch;
+  };
+  EXPECT_NEAR(calc_element_start(model, 0).energy, half_square(0, 20, 1), kRounding * 100);    // line
+  EXPECT_NEAR(calc_element_start(model, 1).energy, half_square(1, 30, 0.7), kRounding * 100);  // slide
+  EXPECT_NEAR(calc_element_start(model, 2).energy, half_square(2, 4, 0), kRounding * 100);     // torsion
   EXPECT_NEAR(energy, calc_energy_flow(s.plan, s.state, s.workspace, {0, 0, 0}).strain, 100 * kRounding);
 }
 

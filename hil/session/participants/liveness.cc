@@ -15,7 +15,7 @@ std::optional<double> calc_policy_value(Policy policy, const Channel& channel) n
 
 void Liveness::begin_round(std::int64_t tick, std::int64_t now_ns) noexcept {
   if (round_open_ && sent_ns_) {
-    LateRound& place = late_rounds_[next_late_round_++ % late_rounds_.size()];
+    LateRound& place = late_rounds_[static_cast<std::size_t>(late_rounds_begun_++) % late_rounds_.size()];
     forgotten_ += place.open ? 1 : 0;
     place = {tick_, *sent_ns_, true};
   }
@@ -74,6 +74,7 @@ bool Liveness::update(std::int64_t now_ns) noexcept {
 std::optional<std::int64_t> Liveness::take_round_trip_ns() noexcept { return std::exchange(round_trip_ns_, {}); }
 
 std::optional<std::int64_t> Liveness::take_late_round_trip_ns() noexcept {
+  if (get_unanswered() == forgotten_) return std::nullopt;  // none is open, as usual
   for (LateRound& round : late_rounds_) {
     if (!round.open) continue;
     std::optional<std::int64_t> last_ns;
@@ -89,11 +90,6 @@ std::optional<std::int64_t> Liveness::take_late_round_trip_ns() noexcept {
     return *last_ns - round.sent_ns;
   }
   return std::nullopt;
-}
-
-std::int64_t Liveness::get_unanswered() const noexcept {
-  return forgotten_ +
-         std::count_if(late_rounds_.begin(), late_rounds_.end(), [](const LateRound& round) { return round.open; });
 }
 
 Participant* Liveness::find_overdue(std::int64_t now_ns) noexcept {

@@ -45,7 +45,7 @@ class Liveness {
   [[nodiscard]] std::optional<std::int64_t> take_late_round_trip_ns() noexcept;
   // Numbers of such States, and of those whose answer never came; a State that has just been sent is none of them.
   [[nodiscard]] std::int64_t get_late_answers() const noexcept { return late_answers_; }
-  [[nodiscard]] std::int64_t get_unanswered() const noexcept;
+  [[nodiscard]] std::int64_t get_unanswered() const noexcept { return late_rounds_begun_ - late_answers_; }
 
   // Required participant that has not answered in time, or leaves; null if there is none.
   [[nodiscard]] Participant* find_overdue(std::int64_t now_ns) noexcept;
@@ -71,8 +71,8 @@ class Liveness {
     bool open = false;
   };
   std::array<LateRound, 256> late_rounds_{};
-  std::size_t next_late_round_ = 0;
-  std::int64_t late_answers_ = 0, forgotten_ = 0;
+  std::int64_t late_rounds_begun_ = 0, late_answers_ = 0;
+  std::int64_t forgotten_ = 0;  // that gave their places up
 };
 
 }  // namespace unlatch::hil
