@@ -1,5 +1,5 @@
 #include "bench/solve_solver.h"
-#include "tests/support/mujoco_system.h"
+#include "tests/support/peers/mujoco_system.h"
 
 namespace unlatch::bench {
 namespace {

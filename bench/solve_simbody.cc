@@ -2,7 +2,7 @@
 // everything is computed anew, or only the stages are invalidated: then Simbody keeps the results for the positions,
 // its factorisation (articulated inertias) included, and merely solves.
 #include "bench/solve_solver.h"
-#include "tests/support/simbody_system.h"
+#include "tests/support/peers/simbody_system.h"
 
 namespace unlatch::bench {
 namespace {

@@ -14,7 +14,7 @@
 #include "bridge/core/threaded_connection.h"
 #include "hil/run/recording/replay_reader.h"
 #include "tests/bridge/computer.h"
-#include "tests/hil/session_support.h"
+#include "tests/hil/session/session_support.h"
 #include "unlatch/contacts.h"
 
 namespace unlatch::test {

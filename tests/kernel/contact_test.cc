@@ -171,7 +171,7 @@ TEST(Contact, ASlidingBallComesToRollAtFiveSeventhsOfItsSpeed) {
   EXPECT_NEAR(get_contact_totals(s.plan, s.state, 0).dissipated, 1.0 / 7, 1e-5);  // of ½ m v², 2/7
 }
 
-// tests/support/tube_reference.py: planar, in x and z.
+// tests/references/tube_reference.py: planar, in x and z.
 TEST(Contact, ACapsuleInATubeAgreesWithAnIndependentIntegrationAfterTenBounces) {
   constexpr double kPlace = 1e-8, kTime = 1e-8;  // m and rad; s
   const nlohmann::json reference = load_reference("tube");

@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 
 // Andrews' squeezing mechanism: seven bodies in a plane, a motor, a spring, three loops. Giles 1978; Manning 1981;
 // Hairer and Wanner, Solving Ordinary Differential Equations II, VII.7; test set for IVP solvers (Bari, Amsterdam),
-// problem "andrews", whose constants, start and solution at 0.03 s these are. tests/support/andrews.py integrates its
-// planar equations and finds the same solution to 1.4e-9 rad and 5.4e-7 rad/s.
+// problem "andrews", whose constants, start and solution at 0.03 s these are. tests/references/andrews.py integrates
+// its planar equations and finds the same solution to 1.4e-9 rad and 5.4e-7 rad/s.
 //
 // m, kg, kg m², N/m, N m. Names as published: lengths of a body and its centre of mass (a) along it.
 namespace andrews {

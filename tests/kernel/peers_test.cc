@@ -10,12 +10,12 @@
 #include "tests/support/solve_comparison.h"
 #include "tests/support/tree_links.h"
 #ifdef UNLATCH_PEER_MUJOCO
-#include "tests/support/mujoco_system.h"
+#include "tests/support/peers/mujoco_system.h"
 #endif
 #ifdef UNLATCH_PEER_SIMBODY
 #include "tests/support/contact_models.h"
-#include "tests/support/simbody_blow.h"
-#include "tests/support/simbody_system.h"
+#include "tests/support/peers/simbody_blow.h"
+#include "tests/support/peers/simbody_system.h"
 #endif
 
 namespace unlatch::test {

@@ -313,8 +313,7 @@ TEST(RedundantReactions, DoNotChatterAlongASmoothMotion) {
     before = last, last = now, basic_before = basic_last, basic_last = basic;
   }
   const double fastest = 6 + 2 * turning;
-  std::printf("largest %.4g N, second difference %.2g N, of a basic solution %.2g N\n", largest, bend,
-              basic_bend);
+  std::printf("largest %.4g N, second difference %.2g N, of a basic solution %.2g N\n", largest, bend, basic_bend);
   EXPECT_LT(bend, fastest * fastest * dt * dt * largest);
   EXPECT_GT(basic_bend, 100 * bend);
 }

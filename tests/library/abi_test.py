@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from processes import BOOSTERS, BIN, REFERENCE, SANITIZED, SOURCE, ProcessTest, call, main  # noqa: E402
 
 CXX, CC = sys.argv[3:5]

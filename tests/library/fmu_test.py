@@ -16,7 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_uint8, c_void_p
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from fmi_rules import list_faults  # noqa: E402
 from processes import BIN, BOOSTERS, REFERENCE, SANITIZED, SCENARIOS, UNLATCH, ProcessTest, main  # noqa: E402
 

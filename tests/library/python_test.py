@@ -14,7 +14,7 @@ import sys
 import threading
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from processes import BIN, BOOSTERS, HANG, REFERENCE, SANITIZED, SOURCE, ProcessTest, main  # noqa: E402
 
 BUILD = BIN.parent

@@ -117,7 +117,7 @@ inline Model build_spinning_pair() {
   return model;
 }
 
-// Builds a capsule of 2 kg that bounces in a tube, as in tests/support/tube_reference.py.
+// Builds a capsule of 2 kg that bounces in a tube, as in tests/references/tube_reference.py.
 inline Model build_capsule_in_tube() {
   Model model;
   model.name = "tube";

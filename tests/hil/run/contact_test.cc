@@ -1,0 +1,223 @@
+// Contacts of the language, and their results in a run, against closed forms.
+#include <cmath>
+#include <map>
+
+#include "hil/run/analysis/accuracy.h"
+#include "hil/run/findings/findings.h"
+#include "tests/hil/run/analysed_run.h"
+
+namespace unlatch::test {
+namespace {
+
+constexpr double kLocated = 1e-6;  // s, also for a peak: located inside the step
+constexpr double kAudited = 1e-6;  // of an impact's energy loss: RK4 with eight sub-steps a millisecond
+
+// A ball of 2 kg flies with 3 m/s at a wall of 10^9 kg: k = 2e5 N/m without damping is 316 rad/s, half a period 9.93
+// ms.
+std::string build_blow(const std::string& law, const std::string& rest = "", double gap = 0.3) {
+  return R"(unlatch: 1
+name: blow
+step: {dt: 1 ms, until: 0.2, contact_substeps: 8}
+bodies:
+  wall: {mass: 1e9, inertia: [1e9, 1e9, 1e9], shape: [{name: face, box: {size: [2, 10, 10]}}]}
+  ball: {mass: 2, inertia: [1, 1, 1], position: [)" +
+         std::to_string(1.5 + gap) + R"(, 0, 0], velocity: [-3, 0, 0], shape: [{sphere: {radius: 0.5}}]}
+contacts:
+  blow: {between: [wall.face, ball], )" +
+         law + "}\n" + rest;
+}
+
+const hil::RunNotice* find_notice(const AnalysedRun& run, const std::string& name) {
+  for (const hil::RunNotice& notice : run.analysis.accuracy().get())
+    if (notice.name == name) return &notice;
+  return nullptr;
+}
+
+TEST(Contacts, ABlowHasItsForceImpulseAndTimes) {
+  const AnalysedRun run(
+      build_blow("stiffness: 0.2 MN/m",
+                 "requirements:\n"
+                 "  - {id: force, contact: {name: blow}, at_most: 1 kN}\n"
+                 "  - {id: depth, contact: {name: blow, value: depth}, at_most: 1 m}\n"
+                 "  - {id: impulse, contact: {name: blow, value: impulse}, take: final, at_most: 20 N s}\n"
+                 "  - {id: touch, time: {event: lift:blow, after: touch:blow}, at_most: 1 s}\n"));
+  const double omega = std::sqrt(2e5 / 2), half = std::acos(-1.0) / omega;
+  const std::vector<hil::ContactRecord> contacts = run.analysis.list_contacts();
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_NEAR(*contacts[0].touch, 0.1, 1e-9);
+  EXPECT_NEAR(*contacts[0].lift, 0.1 + half, kLocated);
+  EXPECT_NEAR(contacts[0].duration, half, kLocated);
+  EXPECT_EQ(contacts[0].touches, 1);
+  EXPECT_NEAR(contacts[0].peak_force, 3 * std::sqrt(2e5 * 2), 1e-3);
+  EXPECT_NEAR(contacts[0].peak_time, 0.1 + half / 2, 1e-5);
+  EXPECT_NEAR(contacts[0].depth, 3 / omega, 1e-7);
+  EXPECT_NEAR(contacts[0].totals.impulse, 12, 1e-5);
+  EXPECT_NEAR(contacts[0].totals.dissipated, 0, 1e-6);
+  EXPECT_NEAR(run.judge("force").value, contacts[0].peak_force, 1e-9 * contacts[0].peak_force);
+  EXPECT_NEAR(run.judge("force").time, contacts[0].peak_time, kLocated);
+  EXPECT_NEAR(run.judge("depth").value, contacts[0].depth, 1e-9 * contacts[0].depth);
+  EXPECT_FALSE(run.judge("force").is_met());
+  EXPECT_NEAR(run.judge("impulse").value, 12, 1e-5);
+  EXPECT_NEAR(run.judge("touch").value, half, kLocated);
+  EXPECT_EQ(run.analysis.timeline.size(), 2u);
+  EXPECT_EQ(find_notice(run, "contact"), nullptr);
+}
+
+TEST(Contacts, EstimatedErrorsBoundTheTrueOnesOfABlow) {
+  const auto list = [](const std::string& dt) {
+    std::string text = build_blow("stiffness: 0.2 MN/m");
+    text.replace(text.find("dt: 1 ms"), 8, "dt: " + dt);
+    const AnalysedRun run(text);
+    return hil::list_values(run.scenario, *run.simulation, run.analysis);
+  };
+  const std::vector<hil::NamedValue> full = list("2 ms"), half = list("1 ms"), quarter = list("0.5 ms");
+  const AnalysedRun run(build_blow("stiffness: 0.2 MN/m"));
+  const hil::AccuracyReport report = hil::compare_steps(run.scenario, *run.simulation, full, half, quarter);
+  EXPECT_EQ(report.mismatch, "");
+  const double omega = std::sqrt(2e5 / 2), swing = std::acos(-1.0) / omega;
+  const std::map<std::string, double> truths{{"first touch of blow", 0.1},
+                                             {"last lift of blow", 0.1 + swing},
+                                             {"peak force of blow", 3 * std::sqrt(2e5 * 2)},
+                                             {"greatest depth of blow", 3 / omega},
+                                             {"impulse of blow", 12}};
+  std::size_t found = 0;
+  for (const hil::AccuracyEntry& entry : report.entries) {
+    const auto truth = truths.find(entry.value.what);
+    if (truth == truths.end()) continue;
+    ++found;
+    EXPECT_LT(std::abs(entry.value.value - truth->second), 3 * entry.error + 1e-10 * truth->second) << truth->first;
+    EXPECT_LT(entry.error, 1e-3 * truth->second) << truth->first;
+  }
+  EXPECT_EQ(found, truths.size());
+}
+
+// A blow within one step and a half: its greatest force is between the knots, in the piece before the lift or after the
+// touch.
+TEST(Contacts, ARequirementOnAShortBlowHasTheValueOfTheTable) {
+  for (const char* const law : {"stiffness: 2.5 MN/m", "stiffness: 2.5 MN/m, damping: 0.2", "hertz_stiffness: 60e6"}) {
+    const AnalysedRun run(build_blow(law,
+                                     "requirements:\n"
+                                     "  - {id: force, contact: {name: blow}, at_most: 1 kN}\n"
+                                     "  - {id: depth, contact: {name: blow, value: depth}, at_most: 1 m}\n"));
+    const hil::ContactRecord blow = run.analysis.list_contacts().at(0);
+    ASSERT_GT(blow.peak_force, 1e3);
+    EXPECT_NEAR(run.judge("force").value, blow.peak_force, 1e-9 * blow.peak_force) << law;
+    EXPECT_NEAR(run.judge("depth").value, blow.depth, 1e-9 * blow.depth) << law;
+  }
+}
+
+TEST(Contacts, TheAuditExplainsTheEnergyThatABlowTakes) {
+  const AnalysedRun run(build_blow("stiffness: 0.2 MN/m, restitution: {coefficient: 0.5, speed: 3 m/s}"));
+  const hil::EnergyBalance& energy = run.analysis.accuracy().get_energy();
+  EXPECT_NEAR(energy.contacts, -0.5 * 2 * 9 * 0.75, 1e-4);
+  EXPECT_LT(std::abs(energy.unexplained), kAudited * 6.75);
+}
+
+TEST(Contacts, OneThatIsClosedAtTheStartIsToldAndIsNoTouch) {
+  const std::string text = build_blow("stiffness: 0.2 MN/m", "", -0.001);
+  const AnalysedRun run(text);
+  EXPECT_TRUE(run.analysis.list_contacts()[0].closed_at_start);
+  EXPECT_FALSE(run.analysis.list_contacts()[0].touch.has_value());
+  ASSERT_NE(find_notice(run, "contact"), nullptr);
+  EXPECT_NE(find_notice(run, "contact")->text.find("closed at the start"), std::string::npos);
+  const auto at_start = hil::build_simulation(run.scenario);
+  bool found = false;
+  for (const hil::Finding& finding : hil::list_findings(run.scenario, *at_start))
+    found = found || (finding.name == "contact" && finding.where == "contact 'blow'");
+  EXPECT_TRUE(found);
+}
+
+TEST(Contacts, AStepThatDoesNotResolveABlowIsTold) {
+  const AnalysedRun run(build_blow("stiffness: 2000 MN/m"));  // √(k/m)·h = 3.95
+  ASSERT_NE(find_notice(run, "contact"), nullptr);
+  EXPECT_NE(find_notice(run, "contact")->text.find("sqrt(k/m)·h"), std::string::npos);
+}
+
+// Without a restitution nothing in the scenario names a speed: that of the bodies does, or 1 m/s.
+TEST(Contacts, ABlowOfHertzThatTheStepDoesNotResolveIsForeseen) {
+  const auto find = [](const std::string& text) -> std::string {
+    const hil::Scenario scenario = hil::load_scenario_text(text, "s.yaml");
+    for (const hil::Finding& finding : hil::list_findings(scenario, *hil::build_simulation(scenario)))
+      if (finding.name == "contact") return finding.text;
+    return "";
+  };
+  const std::string hard = build_blow("hertz_stiffness: 1e15, damping: 0.1");
+  EXPECT_NE(find(hard).find("beyond what is stable"), std::string::npos) << find(hard);
+  EXPECT_NE(find(hard).find("for a blow of 3 m/s"), std::string::npos) << find(hard);
+  std::string at_rest = hard;
+  at_rest.replace(at_rest.find("velocity: [-3, 0, 0]"), 20, "velocity: [0, 0, 0]");
+  EXPECT_NE(find(at_rest).find("for a blow of 1 m/s"), std::string::npos) << find(at_rest);
+  EXPECT_EQ(find(build_blow("hertz_stiffness: 1e6, damping: 0.1")), "");
+}
+
+// Each of them was taken in silence before.
+TEST(Contacts, WhatCannotBeMeantIsRefused) {
+  const auto list_errors = [](const std::string& text) -> std::string {
+    try {
+      hil::load_scenario_text(text, "s.yaml");
+      return "";
+    } catch (const hil::ScenarioError& error) {
+      return error.what();
+    }
+  };
+  const auto expect = [&](const std::string& text, const std::string& says) {
+    EXPECT_NE(list_errors(text).find(says), std::string::npos) << list_errors(text);
+  };
+  const std::string second = "  more: {between: [ball, wall], stiffness: 1 kN/m}\n";
+  expect(build_blow("stiffness: 1 MN/m", second),
+         "s.yaml:9:19: contact 'blow' acts between ball.shape[0] and wall.face too");
+  EXPECT_EQ(list_errors(build_blow("stiffness: 1 MN/m, enabled: false", second)), "") << "one may follow the other";
+  expect(build_blow("stiffness: 1 MN/m, damping: 0, restitution: {coefficient: 0.5, speed: 1}"),
+         "s.yaml:8:66: a contact with a damping and a restitution");
+  std::string lines = build_blow("stiffness: 1 MN/m");
+  for (const char* const shape : {"box: {size: [2, 10, 10]}", "sphere: {radius: 0.5}"})
+    lines.replace(lines.find(shape), std::string(shape).size(), "capsule: {from: [0, 0, 0], to: [1, 0, 0], radius: 0}");
+  expect(lines, "s.yaml:8:19: two lines: capsules of the radius 0 never overlap");
+
+  const auto build_pair = [](const std::string& rest) {
+    return "unlatch: 1\nname: pair\nstep: {dt: 1 ms, until: 1}\nbodies:\n  a: {mass: 1, inertia: [1, 1, 1]}\n"
+           "  b: {mass: 1, inertia: [1, 1, 1], position: [2, 0, 0]}\n" +
+           rest;
+  };
+  const auto part = [&](const std::string& parts, const std::string& more = "") {
+    return build_pair(
+        "joints: {j: {between: [a, b], point: [2, 0, 0], modes: {held: {kind: weld}, free: {kind: free}}, "
+        "mode: held, parts: " +
+        parts + "}}\n" + more);
+  };
+  expect(part("{mode: free, force: -10}"), "it would part without any load");
+  expect(part("{mode: free, moment: 0}"), "it would part without any load");
+  expect(part("{mode: held, force: 10}"), "joint 'j' parts into the mode in which it already is");
+  EXPECT_EQ(list_errors(part("{mode: held, force: 10}",
+                             "events: [{name: go, when: {time: 0.1}, then: [{set_mode: "
+                             "{joint: j, mode: free}}]}]\n")),
+            "")
+      << "it has left it before";
+  expect(build_pair("elements: {c: {type: cord, between: [a, b], stiffness: 1000, parts_at: -3}}\n"),
+         "s.yaml:7:72: it would part without any load");
+  expect(build_pair("events: [{name: bang, when: {time: 0.01}, then: [{impulse: {body: b}}]}]\n"),
+         "an impulse without a size");
+  const auto stop = [&](const std::string& kind, const std::string& stiffness) {
+    return build_pair("joints: {j: {between: [a, b], point: [2, 0, 0], modes: {only: {kind: " + kind +
+                      "}}}}\nstops: {f: {joint: j, axis: x, at_most: 0.1, stiffness: " + stiffness + "}}\n");
+  };
+  EXPECT_EQ(list_errors(stop("free", "10")), "");
+  expect(stop("weld", "10"), "every mode of joint 'j' holds x: it never moves there");
+  expect(stop("free", "0"), "its stiffness is 0, so that it stops nothing");
+}
+
+TEST(Contacts, EventsWaitForContactsAndClearances) {
+  const AnalysedRun run(
+      build_blow("stiffness: 0.2 MN/m",
+                 "events:\n"
+                 "  - {name: near, when: {clearance: {between: [wall, ball]}, below: 15 cm}}\n"
+                 "  - {name: hit, when: {contact: blow}, then: [{switch: {element: blow, to: false}}]}\n"));
+  ASSERT_GE(run.analysis.timeline.size(), 3u);
+  EXPECT_EQ(run.analysis.timeline[0].name, "near");
+  EXPECT_NEAR(run.analysis.timeline[0].time, 0.05, 1e-9);
+  EXPECT_EQ(run.analysis.timeline[1].name, "hit");
+  EXPECT_NEAR(run.simulation->state().bodies[1].v.x, -3, 1e-9) << "switched off at once, it pushes no more";
+}
+
+}  // namespace
+}  // namespace unlatch::test

@@ -1,0 +1,211 @@
+// The audit of energy and the notices of a run, against closed forms.
+#include "hil/run/notices/energy_audit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "hil/run/notices/notices.h"
+#include "hil/run/run.h"
+#include "hil/scenario/scenario.h"
+#include "tests/hil/scenario/scenario_support.h"
+
+namespace unlatch::test {
+namespace {
+
+// Error of the balance of a resolved motion, relative to its largest energy: RK4 at h·ω = 0.02 loses (h·ω)⁶/144 a step,
+// and the quadrature of powers errs by (h·ω)³/24 of a tick's work, of either sign.
+constexpr double kBalances = 1e-6;
+constexpr double kExact = 1e-9;  // where every power is linear in time: rounding of a thousand ticks
+
+const std::string kPair = R"(unlatch: 1
+name: pair
+step: {dt: 0.001, until: 1}
+bodies:
+  a: {mass: 2, inertia: [1, 1, 1]}
+  b: {mass: 2, inertia: [1, 1, 1], position: [1.5, 0, 0]}
+)";
+
+struct Audited {
+  explicit Audited(const std::string& text)
+      : scenario(hil::load_scenario_text(text, "s.yaml")),
+        simulation(hil::build_simulation(scenario)),
+        watch(scenario, *simulation) {
+    watch.update(StepReport{});
+    while (simulation->get_time() < scenario.until - 0.5 * scenario.dt) {
+      const StepReport report = simulation->step();
+      if (report.status != StepStatus::kOk) break;
+      watch.update(report);
+    }
+  }
+  [[nodiscard]] const hil::EnergyBalance& energy() const { return watch.get_energy(); }
+  [[nodiscard]] double get_work(PowerSource source) const {
+    return energy().work[static_cast<std::size_t>(static_cast<int>(source))];
+  }
+  [[nodiscard]] double get_part() const { return std::abs(energy().largest) / energy().scale; }
+  [[nodiscard]] std::vector<std::string> get_names() const {
+    std::vector<std::string> names;
+    for (const hil::RunNotice& notice : watch.get()) names.push_back(notice.name + " " + notice.subject);
+    return names;
+  }
+
+  const hil::Scenario scenario;
+  const std::unique_ptr<hil::Simulation> simulation;
+  hil::NoticeWatch watch;
+};
+
+std::string spring(const std::string& stiffness, const std::string& damping) {
+  return kPair + "elements:\n  s: {type: spring, between: [a, b], stiffness: " + stiffness + ", damping: " + damping +
+         ", free_length: 1}\n";
+}
+
+// x'' + 2 ζ ω x' + ω² x = 0 with the reduced mass 1 kg: the remaining energy after t is E(t); the damper has dissipated
+// the rest. From rest, with a force that begins as t, the energy grows as t⁴: the trapezoidal rule gives twice of it in
+// the first tick.
+TEST(EnergyAudit, AForceThatBeginsFromZeroAtRestIsExplained) {
+  const Audited run(R"(unlatch: 1
+name: sine
+step: {dt: 0.0005, until: 0.4}
+bodies:
+  a: {mass: 500, inertia: [1, 1, 1]}
+elements:
+  thruster: {type: thrust, body: a, direction: [1, 0, 0], profile: {harmonic: [{amplitude: 1500, frequency: 6, phase: 0}]}}
+)");
+  EXPECT_THAT(run.get_names(), testing::IsEmpty());
+  EXPECT_EQ(run.watch.describe_failure(), "");
+}
+
+TEST(EnergyAudit, ASpringAndItsDamperBalanceAsTheClosedFormSays) {
+  const Audited run(spring("400", "1.2"));
+  const double omega = 20, decay = 0.6, swing = std::sqrt(omega * omega - decay * decay), t = 1, x0 = 0.5;
+  const double shrunk = x0 * std::exp(-decay * t);
+  const double x = shrunk * (std::cos(swing * t) + decay / swing * std::sin(swing * t));
+  const double v = -shrunk * omega * omega / swing * std::sin(swing * t);
+  const double kinetic = 0.5 * v * v, stored = 0.5 * 400 * x * x, start = 0.5 * 400 * x0 * x0;
+  EXPECT_NEAR(run.energy().kinetic, kinetic, 1e-5 * start);  // RK4: (h·ω)⁴/120 of the phase
+  EXPECT_NEAR(run.energy().strain, start - stored, 1e-5 * start);
+  EXPECT_NEAR(run.get_work(PowerSource::kDampers), kinetic + stored - start, 1e-5 * start);
+  EXPECT_LT(run.get_part(), kBalances);
+  EXPECT_THAT(run.get_names(), ::testing::IsEmpty());
+}
+
+TEST(EnergyAudit, AThrustBesideTheCentreSpinsTheBodyUp) {
+  const Audited run(kPair +
+                    "elements:\n  jet: {type: thrust, body: a, point: [0, 1, 0], direction: [-2, 0, 0], profile: 1}\n");
+  // 2 N at 1 m: 2 N m on 1 kg m², ½ J w² = ½ (2 t)²; and 2 N on 2 kg
+  EXPECT_NEAR(0.5 * run.simulation->state().bodies[0].w.z * run.simulation->state().bodies[0].w.z, 2, kExact);
+  EXPECT_LT(run.get_part(), kExact);
+  EXPECT_THAT(run.get_names(), ::testing::IsEmpty());
+}
+
+TEST(EnergyAudit, ALatchTakesHalfTheReducedMassTimesTheSpeedSquared) {
+  std::string text = kPair;
+  text.replace(text.find("position: [1.5, 0, 0]"), 21, "position: [1.5, 0, 0], velocity: [-1, 0, 0]");
+  const Audited run(text + R"(joints:
+  latch: {between: [a, b], modes: {open: {kind: free}, held: {kind: weld}}, mode: open}
+events:
+  - {name: close, when: {time: 0.5}, then: [{set_mode: {joint: latch, mode: held}}]}
+)");
+  EXPECT_NEAR(run.energy().impulses, -0.5, kExact);  // ½ · 1 kg · (1 m/s)²
+  EXPECT_NEAR(run.energy().kinetic, -0.5, kExact);
+  EXPECT_LT(run.get_part(), kExact);
+}
+
+TEST(EnergyAudit, APusherThatEndsItsStrokeInsideAStepBalances) {
+  std::string text = spring("400", "0");
+  text.replace(text.find("free_length: 1"), 14, "free_length: 2, push_only: true");
+  const Audited run(text);
+  EXPECT_NEAR(run.energy().kinetic, 50, 1e-4 * 50);  // ½ · 400 · 0.5²; the stroke ends inside a step: (h·ω)² of it
+  EXPECT_LT(run.get_part(), 1e-4);
+  EXPECT_THAT(run.get_names(), ::testing::IsEmpty());
+}
+
+// Every power is linear in time. A force against the push leaves the depth at the located end above 0 by rounding.
+TEST(EnergyAudit, APusherBalancesOnEitherSideOfItsEndsRounding) {
+  std::string text = kPair;
+  text.insert(text.rfind('}'), ", velocity: [3, 0, 0]");
+  text += R"(elements:
+  f: {type: force, body: b, direction: [-1, 0, 0], profile: 30}
+  p: {type: pusher, between: [a, b], stroke: 0.3, preload: )";
+  text.replace(text.find("until: 1"), 8, "until: 0.2");  // it has not returned yet
+  for (double preload = 5; preload < 15; preload += 0.25) {
+    const Audited run(text + std::to_string(preload) + "}\n");
+    EXPECT_NEAR(run.energy().strain, 0.3 * preload, kExact * preload) << preload;
+    EXPECT_LT(run.get_part(), kExact) << preload;
+  }
+}
+
+// A damped stop opens while its spring is still compressed: the energy stored then is lost.
+TEST(EnergyAudit, AStopThatLetsGoBeforeItsSpringIsSlackBalances) {
+  std::string text = kPair;
+  text.insert(text.rfind('}'), ", velocity: [1, 0, 0]");
+  text += R"(joints: {j: {between: [a, b], point: [1.5, 0, 0], modes: {slide: {kind: prismatic, axis: x}}}}
+stops: {s: {joint: j, axis: x, at_most: 0.1, stiffness: 400, damping: )";
+  for (int damping = 5; damping < 45; ++damping) {
+    const Audited run(text + std::to_string(damping) + "}}\n");
+    EXPECT_LT(run.get_work(PowerSource::kDampers), -0.1) << damping;
+    EXPECT_LT(run.get_part(), 1e-4) << damping;  // (h ω)² of the energy, at the two events
+  }
+}
+
+// A flight speed and a gravity field add nothing to the unexplained energy.
+TEST(EnergyAudit, AFlightOfKilometresASecondHidesNoSpring) {
+  std::string text = spring("400", "1.2");
+  for (const char* body : {"inertia: [1, 1, 1]}", "position: [1.5, 0, 0]}"}) {
+    const std::string was = body;
+    text.replace(text.find(was), was.size(), was.substr(0, was.size() - 1) + ", velocity: [0, 7600, 0]}");
+  }
+  const Audited run(text + "gravity: {uniform: [0, 0, -9.81]}\n");
+  EXPECT_NEAR(run.energy().scale, 50, 0.1);
+  EXPECT_LT(run.get_part(), kBalances);
+}
+
+TEST(EnergyAudit, AnUnresolvedSpringDoesNotBalanceAndFailsTheRun) {
+  const Audited run(spring("6e6", "0"));  // h·ω = 2.4: stable, and damped by the method
+  EXPECT_GT(run.get_part(), hil::kEnergyFailure);
+  EXPECT_NE(run.watch.describe_failure(), "");
+  EXPECT_THAT(run.get_names(), ::testing::UnorderedElementsAre("spring s", "energy "));
+  EXPECT_EQ(run.watch.get()[0].time, 0);
+}
+
+TEST(EnergyAudit, AMarginalSpringIsToldAndDoesNotFail) {
+  const Audited run(spring("9e4", "0"));  // h·ω = 0.3: 5e-6 of the energy a step
+  EXPECT_THAT(run.get_names(), ::testing::Contains("spring s"));
+  EXPECT_EQ(run.watch.describe_failure(), "");
+}
+
+TEST(Notices, ABodyThatTurnsFarInAStepIsToldOnceWithItsFirstTime) {
+  std::string text = kPair;
+  text.replace(text.find("inertia: [1, 1, 1]}"), 19, "inertia: [1, 1, 1], rate: [0, 0, 190]}");
+  // 20 rad/s² from 190 to 210 rad/s: 0.2 rad a step at 0.5 s
+  const Audited run(text + "elements:\n  jet: {type: torque, body: a, direction: [0, 0, 1], profile: 20}\n");
+  ASSERT_EQ(run.watch.get().size(), 1u);
+  EXPECT_EQ(run.watch.get()[0].name, "rotation");
+  EXPECT_NEAR(run.watch.get()[0].time, 0.5, 0.0021);
+}
+
+TEST(Notices, ALoopThatSwingsWithinItsDelayIsTold) {
+  const std::string text = kPair + R"(channels:
+  valve: {initial: 0, range: [-1, 1], safe: 0}
+elements:
+  jet: {type: thrust, body: a, direction: [1, 0, 0], profile: 1, channel: valve}
+)";
+  for (const auto& [ticks, told] : {std::pair{4, true}, {40, false}}) {
+    const hil::Scenario scenario = hil::load_scenario_text(text, "s.yaml");
+    const auto simulation = hil::build_simulation(scenario);
+    hil::NoticeWatch watch(scenario, *simulation);
+    watch.update(StepReport{});
+    for (int tick = 0; tick < 400; ++tick) {
+      simulation->set_channel(0, (tick / ticks) % 2 == 0 ? 1 : -1);
+      watch.update(simulation->step());
+    }
+    EXPECT_EQ(watch.get().size(), told ? 1u : 0u) << ticks;
+    for (const hil::RunNotice& notice : watch.get()) EXPECT_EQ(notice.name + " " + notice.subject, "command valve");
+    EXPECT_LT(std::abs(watch.get_energy().unexplained), kExact * watch.get_energy().scale + 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace unlatch::test
