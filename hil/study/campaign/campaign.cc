@@ -124,9 +124,6 @@ void CampaignReader::read_plan(YamlMap& top) {
   SamplingPlan& plan = campaign_.plan;
   const int sampling = top.choice("sampling", "sampling", kSamplingNames, 0);
   if (sampling >= 0) plan.sampling = static_cast<Sampling>(sampling);
-  if (plan.sampling == Sampling::kSobol && !has_sobol())
-    mistakes_.add(top.node().find("sampling")->mark, "this program was built without Boost, which has Sobol's sequence",
-                  "install libboost-dev and build again, or write `latin-hypercube`");
   plan.samples = static_cast<std::int64_t>(read_whole(top, "samples", 0, 0, kMostSamples));
   plan.seed = static_cast<std::uint64_t>(read_whole(top, "seed", 1, 0, kMostSeed));
   levels_ = read_levels(top, 3);

@@ -46,7 +46,4 @@ struct MorrisStep {
 MorrisStep get_morris_step(const SamplingPlan& plan, std::int64_t trajectory, std::size_t k);
 inline constexpr double kMorrisStep = 2.0 / 3;  // of four levels, 0 1/3 2/3 1
 
-// Returns false in a build without Boost.
-bool has_sobol();
-
 }  // namespace unlatch::hil

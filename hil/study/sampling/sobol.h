@@ -6,8 +6,7 @@
 
 namespace unlatch::hil {
 
-// Element `index` of the sequence, 64 bits of each coordinate. Throws std::runtime_error in a build without Boost, and
-// for more dimensions than its table has (3,667).
+// Element `index` of the sequence, 64 bits of each coordinate. Throws for more dimensions than its table has (3,667).
 std::vector<std::uint64_t> calc_sobol(std::size_t dimensions, std::uint64_t index);
 
 }  // namespace unlatch::hil

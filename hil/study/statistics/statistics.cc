@@ -6,52 +6,12 @@
 #include <numeric>
 
 #include "hil/study/sampling/philox.h"
+#include "hil/study/statistics/binomial.h"
 
 namespace unlatch::hil {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-// The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), by Lentz's method.
-double calc_beta_fraction(double a, double b, double x) {
-  constexpr double kTiny = 1e-300, kSame = 1e-15;
-  constexpr int kMost = 10000;
-  const auto guard = [](double v) { return std::abs(v) < kTiny ? kTiny : v; };
-  double c = 1, d = 1 / guard(1 - (a + b) * x / (a + 1)), h = d;
-  for (int m = 1; m < kMost; ++m) {
-    const double even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
-    d = 1 / guard(1 + even * d);
-    c = guard(1 + even / c);
-    h *= d * c;
-    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
-    d = 1 / guard(1 + odd * d);
-    c = guard(1 + odd / c);
-    h *= d * c;
-    if (std::abs(d * c - 1) < kSame) break;
-  }
-  return h;
-}
-
-// Regularised incomplete beta function I_x(a, b).
-double calc_beta(double a, double b, double x) {
-  if (x <= 0) return 0;
-  if (x >= 1) return 1;
-  const double front =
-      std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
-  if (x < (a + 1) / (a + b + 2)) return front * calc_beta_fraction(a, b, x) / a;
-  return 1 - front * calc_beta_fraction(b, a, 1 - x) / b;
-}
-
-// Finds x with I_x(a, b) = p, by bisection.
-double calc_beta_quantile(double a, double b, double p) {
-  double low = 0, high = 1;
-  constexpr int kHalvings = 200;
-  for (int i = 0; i < kHalvings && high - low > 1e-16 * high; ++i) {
-    const double middle = 0.5 * (low + high);
-    (calc_beta(a, b, middle) < p ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
 
 std::vector<double> calc_ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
@@ -96,28 +56,13 @@ double calc_quantile(const std::vector<double>& sorted, double p) {
   return sorted[k] + (at - static_cast<double>(k)) * (sorted[k + 1] - sorted[k]);
 }
 
-double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p) {
-  if (k < 0) return 0;
-  if (k >= trials) return 1;
-  return 1 - calc_beta(static_cast<double>(k) + 1, static_cast<double>(trials - k), p);
-}
-
 // Finds x(r) ≤ quantile < x(s) with P(r ≤ count < s), for the count of values below the quantile.
 std::optional<Interval> calc_quantile_interval(const std::vector<double>& sorted, double p, double confidence) {
   const auto n = static_cast<std::int64_t>(sorted.size());
+  if (n == 0) return std::nullopt;
   const double tail = 0.5 * (1 - confidence);
-  const auto find = [&](double probability) {  // least k with P(count ≤ k) ≥ probability
-    std::int64_t low = 0, high = n;
-    while (low < high) {
-      const std::int64_t middle = (low + high) / 2;
-      if (calc_binomial_cdf(middle, n, p) >= probability)
-        high = middle;
-      else
-        low = middle + 1;
-    }
-    return low;
-  };
-  const std::int64_t r = find(tail), s = find(1 - tail) + 1;  // ranks from 1
+  const std::int64_t r = calc_binomial_quantile(tail, n, p),
+                     s = calc_binomial_quantile(1 - tail, n, p) + 1;  // ranks from 1
   // P(count < r) ≤ tail: x(r) is below the quantile with the confidence; x(s) above.
   if (r < 1 || s > n) return std::nullopt;
   return Interval{sorted[static_cast<std::size_t>(r - 1)], sorted[static_cast<std::size_t>(s - 1)]};
@@ -125,9 +70,8 @@ std::optional<Interval> calc_quantile_interval(const std::vector<double>& sorted
 
 Interval calc_clopper_pearson(std::int64_t hits, std::int64_t trials, double confidence) {
   if (trials <= 0) return {0, 1};
-  const double tail = 0.5 * (1 - confidence), k = static_cast<double>(hits), n = static_cast<double>(trials);
-  return {hits == 0 ? 0 : calc_beta_quantile(k, n - k + 1, tail),
-          hits == trials ? 1 : calc_beta_quantile(k + 1, n - k, 1 - tail)};
+  const double tail = 0.5 * (1 - confidence);
+  return {calc_lower_bound(hits, trials, tail), calc_upper_bound(hits, trials, tail)};
 }
 
 std::int64_t calc_wilks_trials(double coverage, double confidence) {
@@ -136,9 +80,7 @@ std::int64_t calc_wilks_trials(double coverage, double confidence) {
 
 // Greatest rank r with P(fewer than r of the trials are above the quantile) ≤ 1 − confidence.
 std::int64_t calc_wilks_rank(std::int64_t trials, double coverage, double confidence) {
-  std::int64_t rank = 0;
-  while (rank < trials && calc_binomial_cdf(rank, trials, 1 - coverage) <= 1 - confidence) ++rank;
-  return rank;
+  return trials <= 0 ? 0 : calc_binomial_quantile(1 - confidence, trials, 1 - coverage);
 }
 
 double calc_spearman(const std::vector<double>& x_in, const std::vector<double>& y_in) {

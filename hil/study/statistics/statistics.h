@@ -31,9 +31,6 @@ Interval calc_clopper_pearson(std::int64_t hits, std::int64_t trials, double con
 std::int64_t calc_wilks_trials(double coverage, double confidence = kConfidence);
 std::int64_t calc_wilks_rank(std::int64_t trials, double coverage, double confidence = kConfidence);
 
-// P(X ≤ k) of a binomial count.
-double calc_binomial_cdf(std::int64_t k, std::int64_t trials, double p);
-
 // Rank correlation, ties at their mean rank; pairs with a NaN left out. NaN if one variable is constant.
 double calc_spearman(const std::vector<double>& x, const std::vector<double>& y);
 

@@ -228,7 +228,6 @@ TEST_F(CampaignFileTest, LevelsOfAParameterAreAWholeNumberFromTwo) {
 }
 
 TEST_F(CampaignFileTest, SamplesOfSobolThatAreNoPowerOfTwoAreANote) {
-  if (!hil::has_sobol()) GTEST_SKIP() << "built without Boost";
   const std::string rest =
       "set: {flight_software.required: []}\nsampling: sobol\nparameters:\n"
       "  m: {path: bodies.core.mass, uniform: {min: 90, max: 110}}\n";
