@@ -13,7 +13,8 @@ using QuantityKind = unlatch::Quantity::Kind;
 
 bool is_written(const QuantityTraits& traits) {
   return traits.of != SubjectOf::kNothing && traits.kind != QuantityKind::kOneSidedForce &&
-         traits.kind != QuantityKind::kReach;
+         traits.kind != QuantityKind::kReach && traits.kind != QuantityKind::kLaw &&
+         traits.kind != QuantityKind::kOnTime;
 }
 
 std::string show(const Eigen::Vector3d& v) {
@@ -97,6 +98,8 @@ const char* get_subject_key(SubjectOf of) {
       return "channel";
     case SubjectOf::kEvent:
       return "event";
+    case SubjectOf::kLaw:
+      return "law";
     case SubjectOf::kNothing:
       break;
   }

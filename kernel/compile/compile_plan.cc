@@ -9,6 +9,7 @@
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/compile/surfaces.h"
 #include "kernel/elements/kinds/kinds.h"
+#include "kernel/laws/law_model.h"
 #include "kernel/math/number_text.h"
 #include "kernel/model/from_eigen.h"
 #include "kernel/simd/instruction_set.h"
@@ -126,7 +127,9 @@ void compile_elements(const Model& model, ElementCompiler& compiler) {
     // Without an element between two bodies, add_forces() calls none of their kinds.
     if constexpr (!std::is_same_v<Kind, LoadKind>) plan.pair_forces = plan.pair_forces || !Kind::of_plan(plan).empty();
   });
-  // Every stage needs the coordinates up to here: those that forces read. Conditions and sensors add theirs later.
+  compile_laws(model, compiler);
+  // Every stage needs the coordinates up to here: those that forces read, and laws that forces read. Conditions and
+  // sensors add theirs later.
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
 }
 

@@ -35,6 +35,7 @@ class Joiner {
   void shift_joint(int& joint) const { joint = shift(joint, joints_); }
   void shift_surface(int& surface) const { surface = shift(surface, surfaces_); }
   void shift_channel(int& channel) const { channel = shift(channel, channels_); }
+  void shift_law(int& law) const { law = shift(law, laws_); }
 
  private:
   template <class Item>
@@ -58,10 +59,12 @@ class Joiner {
     bodies_ = count(j.bodies), joints_ = count(j.joints), surfaces_ = count(j.surfaces), contacts_ = count(j.contacts);
     one_sided_ = count(j.one_sided), channels_ = count(j.channels), signals_ = count(j.signals);
     impulses_ = count(j.impulses), events_ = count(j.events), quantities_ = count(j.quantities);
+    tables_ = count(j.tables), laws_ = count(j.laws);
     find_elements(model);
     append_bodies(model);
     append_elements(model);
     append_interfaces(model);
+    append_laws(model);
     append(model.events, joined_.events, [&](Event& e) {
       e.name = rename(e.name);
       change(e.when);
@@ -124,6 +127,26 @@ class Joiner {
     });
   }
 
+  void append_laws(const Model& model) {
+    const auto change_channels = [&](auto& item) {
+      shift_channel(item.scale_channel);
+      shift_channel(item.offset_channel);
+    };
+    append(model.tables, joined_.tables, [&](Table& t) {
+      t.name = rename(t.name);
+      change_channels(t);
+    });
+    append(model.laws, joined_.laws, [&](Law& l) {
+      l.name = rename(l.name);
+      change_channels(l);
+      for (LawStep& step : l.steps) {
+        if (step.kind == LawStep::Kind::kQuantity) step.subject += quantities_;
+        if (step.kind == LawStep::Kind::kCommand) step.subject += channels_;
+        if (step.kind == LawStep::Kind::kTable) step.subject += tables_;
+      }
+    });
+  }
+
   // By which indices of these subjects rise; those of elements do not rise by one number.
   int get_shift(SubjectOf of) const {
     switch (of) {
@@ -148,6 +171,8 @@ class Joiner {
         return channels_;
       case SubjectOf::kEvent:
         return events_;
+      case SubjectOf::kLaw:
+        return laws_;
     }
     return 0;
   }
@@ -203,7 +228,7 @@ class Joiner {
   Model joined_;
   // Items of the models before it, by which its indices rise; its elements' numbers in the joined model.
   int bodies_ = 0, joints_ = 0, surfaces_ = 0, contacts_ = 0, one_sided_ = 0, channels_ = 0, signals_ = 0,
-      impulses_ = 0, events_ = 0, quantities_ = 0;
+      impulses_ = 0, events_ = 0, quantities_ = 0, tables_ = 0, laws_ = 0;
   std::vector<int> elements_;
 };
 

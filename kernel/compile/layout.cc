@@ -15,7 +15,7 @@ class Layout {
       : model_(model), plan_(plan), lanes_(grouped.lanes), loaded_(model.bodies.size(), false) {
     plan_.nodes = grouped.nodes;
     for (const PlanLoad& load : plan.loads)
-      if (!load.world) loaded_[at(load.body)] = true;
+      if (!load.apart) loaded_[at(load.body)] = true;
   }
 
   void compile(const std::vector<NodeGroup>& groups) {

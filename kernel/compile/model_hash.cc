@@ -46,7 +46,24 @@ class Hasher {
     for (const T& value : values) add(value);
   }
   void add_one(const Profile::Harmonic& h) { add(h.amplitude, h.frequency, h.phase); }
-  void add_one(const Profile& p) { add(p.kind, p.value, p.initial, p.final, p.tau, p.times, p.values, p.harmonics); }
+  void add_one(const Profile& p) {
+    add(p.kind, p.value, p.initial, p.final, p.tau, p.times, p.values, p.harmonics);
+    if (p.kind == Profile::Kind::kLaw) add(p.law);
+  }
+  template <class Scaled>
+  void add_scaling(const Scaled& s) {
+    add(s.scale, s.offset, s.scale_channel, s.offset_channel);
+  }
+  void add_one(const TableAxis& a) { add(a.knots, a.below, a.above); }
+  void add_one(const Table& t) {
+    add(t.axes, t.values, t.interpolation);
+    add_scaling(t);
+  }
+  void add_one(const LawStep& s) { add(s.kind, s.subject, s.value); }
+  void add_one(const Law& l) {
+    add(l.steps);
+    add_scaling(l);
+  }
   void add_one(const MassLaw::Knot& k) { add(k.at, k.mass, k.centre, k.inertia); }
   void add_one(const MassLaw& l) { add(l.of, l.knots, l.jet_damping, l.exit); }
   void add_one(const FlexibleBody& f) {
@@ -119,6 +136,8 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
   });
   if (!model.impulses.empty()) hasher.add(model.impulses);
   if (!model.quantities.empty()) hasher.add(model.quantities);
+  if (!model.tables.empty()) hasher.add(model.tables);
+  if (!model.laws.empty()) hasher.add(model.laws);
   return hasher.get();
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/elements/kinds/kinds.h"
+#include "kernel/laws/law_model.h"
 #include "unlatch/inertia.h"
 #include "unlatch/quantities.h"
 
@@ -53,6 +54,8 @@ void check_all_names(const Model& model, ModelErrors& errors) {
   check("quantity", model.quantities, name_of);
   check("sensor", model.sensors, name_of);
   check("surface", model.surfaces, name_of);
+  check("table", model.tables, name_of);
+  check("law", model.laws, name_of);
 }
 
 // --- Bodies ---------------------------------------------------------------------------------------------------------
@@ -256,6 +259,8 @@ ModelErrors validate_placed(const Model& model) {
   validate_impulses(model, errors);
   validate_attachments(model, errors);
   validate_quantities(model, errors);
+  validate_tables(model, errors);
+  if (errors.empty()) validate_laws(model, errors);  // the rest of the model is what they read
   validate_sensors(model, errors);
   validate_surfaces(model, errors);
   validate_events(model, errors);

@@ -12,14 +12,19 @@
 namespace unlatch {
 namespace {
 
-// Consumption of propellant, and loads that keep their direction in the world; init_forces() has the others.
+// Consumption of propellant, and loads that stand apart: in the world's axes, or sized by a law. init_forces() has the
+// others.
 void add_loads(const PlanData& plan, Evaluation& ev) {
   for (const std::int32_t i : plan.external_loads) {
     const PlanLoad& load = plan.loads[at(i)];
     const double size = ev.load_sizes[at(i)];
     if (load.consumption != 0) ev.auxiliary.rate[at(load.varying)] += load.consumption * std::abs(size) * load.length;
-    if (!load.world || size == 0) continue;
+    if (!load.apart || size == 0) continue;
     const Mat3 R = read(ev.blocks.data(), ev.places[at(load.body)], &BodyLane::R);
+    if (!load.world) {
+      push(ev, load.body, R * (size * load.wrench.lin), R * (size * load.wrench.ang));
+      continue;
+    }
     const Vec3 force = size * load.wrench.lin;
     push(ev, load.body, force, cross(R * load.point, force) + size * load.wrench.ang);
   }

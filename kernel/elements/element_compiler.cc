@@ -6,7 +6,7 @@ namespace unlatch {
 namespace {
 
 std::vector<double> list_numbers(const Profile& p) {
-  std::vector<double> all{static_cast<double>(p.kind), p.value, p.initial, p.final, p.tau};
+  std::vector<double> all{static_cast<double>(p.kind), p.value, p.initial, p.final, p.tau, static_cast<double>(p.law)};
   all.insert(all.end(), p.times.begin(), p.times.end());
   all.insert(all.end(), p.values.begin(), p.values.end());
   for (const Profile::Harmonic& h : p.harmonics) all.insert(all.end(), {h.amplitude, h.frequency, h.phase});

@@ -10,6 +10,7 @@
 #include "kernel/integration/load_state.h"
 #include "kernel/joints/coordinates.h"
 #include "kernel/joints/residuals.h"
+#include "kernel/laws/laws.h"
 #include "kernel/solver/loop_rows.h"
 #include "kernel/solver/redundant_rows.h"
 
@@ -50,10 +51,17 @@ void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
   }
 }
 
+// Laws that forces read, and the loads that they size. Out of line: most systems have none.
+[[gnu::noinline]] void update_driving_laws(const Instant& now, Evaluation& ev) {
+  update_laws(now, LawSet::kDriving, ev);
+  update_law_loads(now, ev);
+}
+
 // At the present joint frames and loads.
 int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independent_rows, Evaluation& ev) {
   const PlanData& plan = now.plan;
   update_coordinates(plan, now.state, sweep.multipliers ? CoordinateSet::kAll : CoordinateSet::kDriven, ev);
+  if (!plan.laws.empty()) update_driving_laws(now, ev);
   const bool rubs = begin_friction(now, ev);
   update_forces(now, ev);
   Sweep own = sweep;
@@ -136,12 +144,14 @@ int integrate_implicitly(const Instant& now, const SubstepStart& start, double e
 // Forces alone are new: the factor serves.
 int evaluate_commands(const Instant& now, Evaluation& ev) {
   update_loads(now, ev);
+  if (!now.plan.laws.empty()) update_driving_laws(now, ev);
   const bool rubs = begin_friction(now, ev);
   update_forces(now, ev);
   get_kernels(now.plan).solve(now.plan, ev, {});
   if (ev.loop_redundant > 0) split_redundant_rows(now.plan, now.state, ev);
   if (rubs) solve_friction(now, {}, ev);
   if (!now.plan.rigid) update_modal_rates(now.plan, ev);
+  if (!now.plan.laws.empty()) update_laws(now, LawSet::kOthers, ev);
   return kNone;
 }
 
@@ -198,7 +208,9 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
       update_loads(now, ev);
       update_joints(plan, now.state, RowTarget::kAcceleration, ev);
   }
-  return solve_dynamics(now, {}, kAllRows, ev);
+  const int node = solve_dynamics(now, {}, kAllRows, ev);
+  if (!plan.laws.empty() && node == kNone) update_laws(now, LawSet::kOthers, ev);
+  return node;
 }
 
 SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept {

@@ -136,6 +136,7 @@ std::string get_unit(const Model& model, const Quantity& quantity) {
     const std::string& unit = model.channels[at(quantity.subject)].unit;
     return unit.empty() ? traits.unit : unit;
   }
+  if (traits.of == SubjectOf::kLaw) return model.laws[at(quantity.subject)].unit;
   return traits.angular_unit != nullptr && is_angular(model, quantity, traits) ? traits.angular_unit : traits.unit;
 }
 
@@ -164,6 +165,8 @@ std::string get_subject_name(const Model& model, SubjectOf of, int subject) {
       return model.channels[i].name;
     case SubjectOf::kEvent:
       return name_event(model.events[i]);
+    case SubjectOf::kLaw:
+      return model.laws[i].name;
   }
   return "";
 }
@@ -192,6 +195,8 @@ std::size_t count_subjects(const Model& model, SubjectOf of) {
       return model.channels.size();
     case SubjectOf::kEvent:
       return model.events.size();
+    case SubjectOf::kLaw:
+      return model.laws.size();
   }
   return 0;
 }

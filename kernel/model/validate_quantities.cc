@@ -30,6 +30,8 @@ const char* get_noun(SubjectOf of) {
       return "channel";
     case SubjectOf::kEvent:
       return "event";
+    case SubjectOf::kLaw:
+      return "law";
     case SubjectOf::kNothing:
       break;
   }

@@ -49,6 +49,9 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
     arena.take(*numbers, plan.initial_auxiliary.size());
   arena.take(ev.profiles, plan.profiles.size());
   arena.take(ev.load_sizes, plan.loads.size());
+  arena.take(ev.laws, plan.laws.list.size());
+  arena.take(ev.law_operands, plan.laws.operands.size());
+  arena.take(ev.table_exits, plan.laws.tables.size());
   arena.take(ev.friction_sizes, plan.frictions.size());
   arena.take(ev.varying, plan.varying.size());
   arena.take(ev.modal, static_cast<std::size_t>(plan.modal_work));
@@ -113,6 +116,7 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
 
   for (KeptProfile& profile : ev.profiles) profile.s = std::numeric_limits<double>::quiet_NaN();
   for (double& size : ev.friction_sizes) size = 0;
+  for (TableExit& exit : ev.table_exits) exit = {};
   for (double& tolerance : data_->exact) tolerance = 0;
   ev.places = plan.places;
   ev.multipliers = multipliers = {ev.blocks.data(), plan.multipliers};
@@ -121,6 +125,8 @@ Workspace::Workspace(const Plan& owner, std::span<std::byte> memory) noexcept {
   accelerations = {ev.blocks.data(), plan.accelerations};
   sensors = ev.sensors;
   quantities = ev.quantities;
+  laws = ev.laws;
+  table_exits = ev.table_exits;
 }
 
 std::size_t Plan::get_workspace_bytes() const noexcept {

@@ -52,13 +52,13 @@ struct LoopRow {
 
 // A loop that is eliminated where it closes (PlanData::closures). Lanes: its rows, in the order of Row.
 struct ClosureWork {
-  std::int32_t count, rank, start_rank;   // rows; independent ones, and those at the beginning of the sub-step
-  std::int32_t first;                     // into Evaluation::loop_rows
-  std::int32_t order[kRows];              // lanes in the order of their pivots
-  double inverse[kEight];                 // of the pivots, in that order
-  double own[kEight];                     // diagonal entries of Λ
-  double target[kEight];                  // right-hand side, then what forward elimination leaves of it
-  double mu[kEight];                      // multipliers
+  std::int32_t count, rank, start_rank;     // rows; independent ones, and those at the beginning of the sub-step
+  std::int32_t first;                       // into Evaluation::loop_rows
+  std::int32_t order[kRows];                // lanes in the order of their pivots
+  double inverse[kEight];                   // of the pivots, in that order
+  double own[kEight];                       // diagonal entries of Λ
+  double target[kEight];                    // right-hand side, then what forward elimination leaves of it
+  double mu[kEight];                        // multipliers
   double gradient[kEight], change[kEight];  // of the split of redundant reactions
 };
 
@@ -113,6 +113,9 @@ struct Evaluation {
 
   Auxiliary auxiliary;
   std::span<KeptProfile> profiles;
+  std::span<double> laws;                // per law
+  std::span<double> law_operands;        // as PlanLaws::operands
+  std::span<TableExit> table_exits;      // per table
   std::span<double> load_sizes;          // per load, N or N m per length of its direction; 0 if it is off
   std::span<double> friction_sizes;      // per friction, force or torque on the follower along its axis
   std::span<VaryingBody> varying;        // per body with a mass law
@@ -140,8 +143,8 @@ struct Evaluation {
   SplitScratch split;
   // loops that are eliminated where they close
   std::span<ClosureWork> closures;
-  std::span<double> cluster_matrix;                // Λ, then its factor
-  std::span<double> cluster_columns;               // wrenches at the nodes, and what the pivots there met
+  std::span<double> cluster_matrix;               // Λ, then its factor
+  std::span<double> cluster_columns;              // wrenches at the nodes, and what the pivots there met
   std::span<double> split_matrix, split_columns;  // of the split of redundant reactions
 
   // per pair of shapes of contacts: of those that are on, m; its rate of those that are open, m/s, 0 far apart

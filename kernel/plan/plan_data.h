@@ -12,6 +12,7 @@
 #include "kernel/math/index.h"
 #include "kernel/model/one_sided_law.h"
 #include "kernel/plan/blocks.h"
+#include "kernel/plan/plan_laws.h"
 #include "unlatch/cords.h"
 #include "unlatch/geometry.h"
 #include "unlatch/plan.h"
@@ -173,12 +174,14 @@ struct PlanProfile {
 
 struct PlanLoad {
   std::int32_t body, element, profile, channel;
-  bool world;            // it keeps its direction in the world, else in the body
-  Vec3 point;            // of a force in the world, body axes
-  Spatial wrench;        // of size 1, in its axes; in the body at the origin, in the world at the point
-  double length;         // of the direction
-  double consumption;    // kg per N s
-  std::int32_t varying;  // into PlanData::varying: what burns it
+  bool world;                // it keeps its direction in the world, else in the body
+  bool apart;                // each stage adds it by itself: in the world's axes, or sized by a law
+  Vec3 point;                // of a force in the world, body axes
+  Spatial wrench;            // of size 1, in its axes; in the body at the origin, in the world at the point
+  double length;             // of the direction
+  double consumption;        // kg per N s
+  std::int32_t varying;      // into PlanData::varying: what burns it
+  std::int32_t law = kNone;  // into PlanLaws::list: its size, instead of `profile`
 };
 
 struct PlanPointSpring {
@@ -382,8 +385,8 @@ struct PlanData {
   std::int32_t driven_coordinates = 0;      // of these, the first, springs do, so that every stage needs them
   std::int32_t rotation_count = 0;          // rotations among them all
   std::vector<PlanLoad> loads;
-  std::vector<std::int32_t> external_loads;  // of these, those that push in the world's axes or burn something
-  bool commanded_loads = false;              // some load's size is a command's
+  std::vector<std::int32_t> external_loads;  // of these, those that stand apart or burn something
+  bool commanded_loads = false;              // a command decides the size of some load, or some law
   std::vector<PlanPointSpring> point_springs;
   std::vector<PlanJointSpring> joint_springs;
   std::vector<PlanCompliant> compliant;
@@ -401,6 +404,7 @@ struct PlanData {
   std::vector<PlanProfile> profiles;
   std::vector<Knot> knots;
   std::vector<Profile::Harmonic> harmonics;
+  PlanLaws laws;
   std::vector<double> element_scales;  // initial switch scale per element: 0 or 1
 
   // events and sensors

@@ -12,6 +12,11 @@ void calc_reading(const Instant& now, const Evaluation& ev, const PlanQuantity& 
   out[0] = calc_element(now, ev, own.subject).*value;
 }
 
+inline void calc_on_time(const Instant& now, const Evaluation&, const PlanQuantity& own, double* out) {
+  const ElementState& element = now.state.elements[at(own.subject)];
+  out[0] = is_on(element, now.t) ? now.t - element.switched_on : 0;
+}
+
 inline OneSidedMotion calc_own_motion(const Instant& now, const Evaluation& ev, const PlanQuantity& own) {
   return calc_motion(now.plan, now.state, ev, now.plan.one_sided[at(own.subject)]);
 }

@@ -1,4 +1,4 @@
-// Quantities of the instant: time, signals, commands.
+// Quantities of the instant: time, signals, commands, laws.
 #pragma once
 
 #include "kernel/quantities/quantity_calc.h"
@@ -19,6 +19,11 @@ inline void calc_signal(const Instant& now, const Evaluation&, const PlanQuantit
 
 inline void calc_command(const Instant& now, const Evaluation&, const PlanQuantity& own, double* out) {
   out[0] = now.inputs.commands[at(own.subject)];
+}
+
+// Computed with the evaluation, see kernel/laws.
+inline void calc_law_value(const Instant&, const Evaluation& ev, const PlanQuantity& own, double* out) {
+  out[0] = ev.laws[at(own.subject)];
 }
 
 }  // namespace unlatch::quantities

@@ -293,6 +293,15 @@ constexpr QuantityRow kTable[] = {
      calc_own_reach},
     {{.kind = Kind::kWound, .name = "wound", .phrase = "angle wound of", .of = Of::kCord, .unit = "rad"}, calc_wound},
     {{.kind = Kind::kBearing, .name = "bearing", .phrase = "bearing of", .of = Of::kCord, .unit = "rad"}, calc_bearing},
+    {{.kind = Kind::kLaw, .name = "law", .phrase = "law", .of = Of::kLaw, .unit = "1", .reads = kTime | kInputs},
+     calc_law_value},
+    {{.kind = Kind::kOnTime,
+      .name = "on_time",
+      .phrase = "time on of",
+      .of = Of::kElement,
+      .unit = "s",
+      .reads = kTime | kEvents},
+     calc_on_time},
 };
 
 constexpr bool is_in_order() {

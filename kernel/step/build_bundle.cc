@@ -64,6 +64,8 @@ class MemberPlacer {
     pass(next_.bearing, plan.drums);
     pass(next_.load, plan.loads);
     pass(next_.friction, plan.frictions);
+    pass(next_.law, plan.laws.list);
+    pass(next_.table, plan.laws.tables);
     next_.signal += plan.signal_count;
     next_.sensor += plan.sensor_count;
     next_.quantity += plan.quantity_count;

@@ -176,12 +176,19 @@ class SideBySide {
       if (events[e].phase == EventPhase::kArmed && low.events[e] < 0 &&
           high.events[e] >= -(own.events[e].by_time ? slack : 0.0))
         return false;
+    if (own.laws.strict && leaves_table(m)) return false;  // its own step reports it
     const auto first = at(data_.members[m].pair);
     for (std::size_t i = 0; i < low.pairs.size(); ++i)
       if ((low.pairs[i] < 0 && high.pairs[i] >= 0) ||
           (search_.rates_low[first + i] < 0 && ev_.pair_rates[first + i] > 0))
         return false;
     return true;
+  }
+
+  bool leaves_table(std::size_t m) const {
+    const std::span<const TableExit> exits =
+        ev_.table_exits.subspan(at(data_.members[m].table), runs_[m].plan->data().laws.tables.size());
+    return std::ranges::any_of(exits, [](const TableExit& exit) { return exit.end == TableAxis::End::kError; });
   }
 
   // A member's state at the end of the step, its outputs and its report.
@@ -216,6 +223,8 @@ class SideBySide {
   // Those of elements that do not follow from the state alone, see calc_element() in elements/readings.cc.
   void copy_readings(const BundleMember& member, Evaluation& to) const {
     std::copy_n(ev_.load_sizes.begin() + member.load, to.load_sizes.size(), to.load_sizes.begin());
+    std::copy_n(ev_.laws.begin() + member.law, to.laws.size(), to.laws.begin());
+    std::copy_n(ev_.table_exits.begin() + member.table, to.table_exits.size(), to.table_exits.begin());
     std::copy_n(ev_.friction_sizes.begin() + member.friction, to.friction_sizes.size(), to.friction_sizes.begin());
     for (std::size_t i = 0; i < member.coordinates.size(); ++i) {
       to.coordinates[i] = ev_.coordinates[at(member.coordinates[i])];

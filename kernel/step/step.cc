@@ -118,6 +118,18 @@ bool begin_step(Run& run, const State& state, double begin, Changed changed) {
   return true;
 }
 
+// False if a table was left at the end of the step whose ends are errors.
+bool check_tables(Run& run) {
+  const std::span<const TableExit> exits = run.ev().table_exits;
+  for (std::size_t i = 0; i < exits.size(); ++i) {
+    if (exits[i].axis == kNone || exits[i].end != TableAxis::End::kError) continue;
+    run.report.table = static_cast<std::int32_t>(i);
+    run.report.exit = exits[i];
+    return run.fail(StepStatus::kOutsideTable);
+  }
+  return true;
+}
+
 StepReport finish(const Run& run) {
   StepReport report = run.report;
   if (report.status == StepStatus::kSingular) report.joint = run.plan.nodes[at(run.node)].joint;
@@ -149,6 +161,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   if (run.report.status != StepStatus::kOk) return finish(run);
   update_readings(run.get_instant(end), run.ev());
   if (!is_finite(run.state(), run.ev().sensors)) run.fail(StepStatus::kNotFinite);
+  if (run.plan.laws.strict && run.report.status == StepStatus::kOk) check_tables(run);
   if (run.report.status != StepStatus::kOk) return finish(run);
 
   run.report.redundant = run.ev().loop_redundant;
@@ -184,6 +197,8 @@ const char* get_status_text(StepStatus status) noexcept {
       return "singular pivot";
     case StepStatus::kTooManyEvents:
       return "too many events at one instant";
+    case StepStatus::kOutsideTable:
+      return "a table was left";
   }
   return "unknown";
 }

@@ -122,8 +122,8 @@ FrameRecorder::Frame FrameRecorder::take() const {
 
 void FrameRecorder::take_loads(float* to) const {
   for (std::size_t i = 0; i < scenario_.model.loads.size(); ++i)
-    to[i] = static_cast<float>(
-        calc_load_size(simulation_.plan(), {simulation_.get_inputs()}, simulation_.state(), static_cast<int>(i)));
+    to[i] = static_cast<float>(calc_load_size(simulation_.plan(), {simulation_.get_inputs()}, simulation_.state(),
+                                              simulation_.workspace(), static_cast<int>(i)));
 }
 
 void FrameRecorder::take_points(float* to) const {

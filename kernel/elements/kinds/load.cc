@@ -50,13 +50,17 @@ double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) 
         sum += h.amplitude * elementary::sin(h.frequency * s + h.phase);
       return sum;
     }
+    case Profile::Kind::kLaw:  // see update_law_loads()
+      break;
   }
-  return 0;
+  return 1;
 }
 
-double calc_load_size(const Plan& owner, const Inputs& inputs, const State& state, int load) noexcept {
+double calc_load_size(const Plan& owner, const Inputs& inputs, const State& state, const Workspace& workspace,
+                      int load) noexcept {
   const PlanData& plan = owner.data();
   const PlanLoad& own = plan.loads[at(load)];
+  if (own.law != kNone) return workspace.data().kept.evaluation.load_sizes[at(load)];
   return calc_size(own, state.elements[at(own.element)], inputs, plan.get_time(state.header->tick),
                    [&](int profile, double s) { return calc_profile(plan, plan.profiles[at(profile)], s); });
 }
@@ -72,8 +76,16 @@ void update_loads(const Instant& now, Evaluation& ev) noexcept {
     const double size = calc_size(load, elements[load.element], now.inputs, now.t,
                                   [&](int profile, double s) { return find_profile(plan, profile, s, ev); });
     *sizes++ = size;
-    if (!load.world && size != 0)
+    if (!load.apart && size != 0)
       add(blocks, ev.places[at(load.body)], &AppliedBlock<double>::wrench, size * load.wrench);
+  }
+}
+
+void update_law_loads(const Instant& now, Evaluation& ev) noexcept {
+  for (const std::int32_t i : now.plan.laws.loads) {
+    const PlanLoad& load = now.plan.loads[at(i)];
+    ev.load_sizes[at(i)] = calc_size(load, now.state.elements[at(load.element)], now.inputs, now.t,
+                                     [&](int, double) { return ev.laws[at(load.law)]; });
   }
 }
 

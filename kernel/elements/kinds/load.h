@@ -1,5 +1,6 @@
-// Loads: forces and torques that a law of time and a command size. Neither asks where the bodies are, so that stages of
-// a step at one instant share them; those fixed in a body are summed in its axes, and go with it into the world.
+// Loads: forces and torques that a profile over time and a command size. Neither asks where the bodies are, so that
+// stages of a step at one instant share them; those fixed in a body are summed in its axes, and go with it into the
+// world. Those that a law sizes (kernel/laws) may ask, and are computed in every stage.
 #pragma once
 
 #include "kernel/elements/effort.h"
@@ -15,6 +16,8 @@ double calc_profile(const PlanData& plan, const PlanProfile& profile, double s) 
 
 // ev.load_sizes, and in the blocks the wrenches that loads fixed in a body add up to.
 void update_loads(const Instant& now, Evaluation& ev) noexcept;
+// ev.load_sizes of loads that laws size. Needs ev.laws.
+void update_law_loads(const Instant& now, Evaluation& ev) noexcept;
 
 struct LoadKind {
   static auto& of(auto& model) { return model.loads; }
@@ -28,6 +31,7 @@ struct LoadKind {
     by.shift_body(l.body);
     by.shift_body(l.tank);
     by.shift_channel(l.channel);
+    by.shift_law(l.profile.law);
   }
   static ElementTraits describe(const Model&, const Load& l) {
     return {.kind = l.kind == Load::Kind::kTorque ? "torque" : "force",

@@ -42,6 +42,11 @@ void check_profile(const Check& check, const Profile& profile) {
           report("a harmonic is not finite", "finite amplitude, frequency and phase");
           break;
         }
+      break;
+    case Profile::Kind::kLaw:
+      if (!is_index(profile.law, check.model.laws.size()))
+        report("the law of its profile does not exist", "the index of one law");
+      break;
   }
 }
 
@@ -67,18 +72,22 @@ PlanLoad LoadKind::compile(const Load& l, ElementCompiler& compiler) {
   PlanData& plan = compiler.plan;
   const bool world = l.frame == Load::Frame::kWorld, torque = l.kind == Load::Kind::kTorque;
   const Vec3 none{0, 0, 0}, point = torque ? none : to_vec(l.point), size = to_vec(l.direction);
-  if (world || l.consumption != 0) plan.external_loads.push_back(static_cast<std::int32_t>(plan.loads.size()));
+  const bool by_law = l.profile.kind == Profile::Kind::kLaw, apart = world || by_law;
+  if (by_law) plan.laws.loads.push_back(static_cast<std::int32_t>(plan.loads.size()));
+  if (apart || l.consumption != 0) plan.external_loads.push_back(static_cast<std::int32_t>(plan.loads.size()));
   if (l.channel != kNone) plan.commanded_loads = true;
   return {l.body,
           compiler.get_element(),
           compiler.find_profile(l.profile),
           l.channel,
           world,
+          apart,
           point,
           torque ? Spatial{none, size} : Spatial{size, world ? none : cross(point, size)},
           l.direction.norm(),
           l.consumption,
-          plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying};
+          plan.bodies[at(l.tank == kNone ? l.body : l.tank)].varying,
+          l.profile.law};
 }
 
 }  // namespace unlatch

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "unlatch/law.h"
 #include "unlatch/quantity.h"
 #include "unlatch/shapes.h"
 
@@ -122,10 +123,10 @@ struct Joint {
 
 // --- Elements: what pushes and pulls --------------------------------------------------------------------------------
 
-// A value over the element's own time s = t − (time it was switched on).
+// A value over the element's own time s = t − (time it was switched on), or a law.
 struct Profile {
   // Shape of a profile.
-  enum class Kind { kConstant, kExponential, kTable, kHarmonic };
+  enum class Kind { kConstant, kExponential, kTable, kHarmonic, kLaw };
   // One sine of a harmonic profile.
   struct Harmonic {
     double amplitude, frequency, phase;  // amplitude · sin(frequency · s + phase); rad/s, rad
@@ -136,6 +137,7 @@ struct Profile {
   double tau = 1;                     // s
   std::vector<double> times, values;  // kTable: linear between, constant outside; times strictly increasing
   std::vector<Harmonic> harmonics;    // kHarmonic: the sum
+  int law = kNone;                    // kLaw: index of the law
 };
 
 // A force or torque on one body: thrust, nozzle, disturbance. Its size is profile · switch scale · channel.
@@ -442,6 +444,8 @@ struct Model {
   std::vector<Channel> channels;             // commanded values
   std::vector<std::string> signals;          // names
   std::vector<Quantity> quantities;          // named numbers, of one value each
+  std::vector<Table> tables;                 // that laws look up
+  std::vector<Law> laws;                     // that profiles, quantities and elements name
   std::vector<Sensor> sensors;               // measured values
   std::vector<Impulse> impulses;             // that actions name
   std::vector<Event> events;                 // in the order in which they act at one instant

@@ -22,6 +22,7 @@ enum class SubjectOf {
   kSignal,    // Model::signals
   kChannel,   // Model::channels
   kEvent,     // Model::events
+  kLaw,       // Model::laws
 };
 
 // Values of a kind, and what `part` chooses among them.
@@ -53,7 +54,7 @@ struct QuantityTraits {
   const char* phrase;   // for readers, before the name of its subject: "velocity of"
   SubjectOf of = SubjectOf::kNothing, other = SubjectOf::kNothing;  // subjects
   QuantityValues values = QuantityValues::kOne;                     // values
-  const char* unit;  // SI; "1" for a plain number; of a command its channel's
+  const char* unit;  // SI; "1" for a plain number; of a command its channel's, of a law its own
   const char* angular_unit =
       nullptr;                    // of rotation rows, of elements that turn, of the size of an attitude, if it differs
   const char* frame = "";         // axes of the values: "W", "body", "joint"; empty for none

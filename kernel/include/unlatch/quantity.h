@@ -50,6 +50,8 @@ struct Quantity {
     kReach,                // depth or force of one-sided force `subject`, whichever is less: for complete_events()
     kWound,                // angle that cord `subject` (number of a one-sided force) is wound on its drum, rad
     kBearing,              // bearing of its end about the drum, turns counted, rad
+    kLaw,                  // value of law `subject`, in its unit
+    kOnTime,               // time since element `subject` was switched on, s; 0 while it is off
   };
   // `part` of a kind with several values: all of them, for sensors alone; their size. Otherwise the number of a value,
   // a Row or the number of a mode.

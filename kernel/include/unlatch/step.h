@@ -22,13 +22,15 @@ enum class StepStatus : std::int32_t {
   kNotFinite,      // a number of the new state is not finite
   kSingular,       // a pivot of the factorisation vanished; `joint` says where
   kTooManyEvents,  // more events at one instant than the plan's bound
+  kOutsideTable,   // a table whose ends are errors was left; `table` says which
 };
 // The status in words.
 const char* get_status_text(StepStatus status) noexcept;
 
-// Size of a load (its number in the model) at the state's tick: law · switch scale · command, N or N m per length of
-// its direction.
-double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, int load) noexcept;
+// Size of a load (its number in the model) at the state's tick: profile · switch scale · command, N or N m per length
+// of its direction. `workspace`: with the outputs of this state.
+double calc_load_size(const Plan& plan, const Inputs& inputs, const State& state, const Workspace& workspace,
+                      int load) noexcept;
 
 // One event that acted during the step.
 struct FiredEvent {
@@ -90,6 +92,8 @@ struct OpenSearch {
 struct StepReport {
   StepStatus status = StepStatus::kOk;  // result
   std::int32_t joint = kNone;           // kSingular: index of the joint
+  std::int32_t table = kNone;           // kOutsideTable: index of the table
+  TableExit exit{};                     // likewise: the axis and the coordinate
   std::int32_t substeps = 0;            // integrations done, 1 without events
   std::int32_t redundant = 0;           // rows of closed loops that follow from the others, at the end of the step
   std::int32_t postponed = 0;           // instants left to the next tick because the bound on splits was reached

@@ -55,6 +55,13 @@ class AccelerationView {
   std::span<const NumberColumn> bodies_;
 };
 
+// Where a table was looked up beyond its ends at the end of the latest step.
+struct TableExit {
+  std::int32_t axis = kNone;                    // number of the first such axis; kNone: within all
+  TableAxis::End end = TableAxis::End::kClamp;  // that was left
+  double value = 0;                             // coordinate there
+};
+
 // A view of the caller's memory; copies share it. The plan must outlive it.
 class Workspace {
  public:
@@ -65,8 +72,10 @@ class Workspace {
   // Outputs of the state at the end of the latest step() or update_outputs().
   AccelerationView accelerations;
   MultiplierView multipliers;
-  std::span<const double> sensors;     // in the order of the model's sensors, each with its width
-  std::span<const double> quantities;  // in the order of the model's quantities
+  std::span<const double> sensors;         // in the order of the model's sensors, each with its width
+  std::span<const double> quantities;      // in the order of the model's quantities
+  std::span<const double> laws;            // in the order of the model's laws
+  std::span<const TableExit> table_exits;  // in the order of the model's tables
 
   // For the kernel and its tests.
   WorkspaceData& data() const { return *data_; }

@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <map>
+#include <span>
+#include <tuple>
+
+#include "kernel/laws/law_graph.h"
+#include "kernel/laws/law_model.h"
+#include "unlatch/quantities.h"
+
+namespace unlatch {
+namespace {
+
+std::int32_t get_size(const auto& list) { return static_cast<std::int32_t>(list.size()); }
+
+// The part of its axis that a coordinate is in, as find_cell() in tables.cc finds it.
+std::int32_t find_part(const PlanTableAxis& axis, std::span<const double> knots, double x) {
+  return std::clamp(static_cast<std::int32_t>((x - knots[0]) * axis.bucket_scale), 0, axis.bucket_count - 1);
+}
+
+// Twice as many uniform parts as cells; one on which the scale would overflow has one.
+void compile_buckets(std::span<const double> knots, PlanLaws& plan, PlanTableAxis& axis) {
+  axis.bucket_count = 2 * (axis.count - 1);
+  axis.bucket_scale = axis.bucket_count / (knots.back() - knots.front());
+  axis.buckets = get_size(plan.buckets);
+  // A coordinate in part b is not before the knots of earlier parts, and before those of later ones: rounding is
+  // monotone.
+  std::int32_t before = 0;
+  for (std::int32_t b = 0; b <= axis.bucket_count; ++b) {
+    while (before < axis.count && find_part(axis, knots, knots[at(before)]) < b) ++before;
+    plan.buckets.push_back(std::max(0, before - 1));
+  }
+}
+
+// Slope at knot p of the parabola through three knots from `first` on, as weights of their values; of two knots that of
+// the line.
+struct Slope {
+  std::int32_t first, count;
+  double weights[3];
+};
+Slope calc_slope(std::span<const double> knots, std::int32_t p) {
+  const std::int32_t n = get_size(knots);
+  if (n == 2) return {0, 2, {-1 / (knots[1] - knots[0]), 1 / (knots[1] - knots[0]), 0}};
+  const std::int32_t first = std::clamp(p - 1, 0, n - 3);
+  const double a = knots[at(first)], b = knots[at(first + 1)], c = knots[at(first + 2)], x = knots[at(p)];
+  return {first,
+          3,
+          {((x - b) + (x - c)) / ((a - b) * (a - c)), ((x - a) + (x - c)) / ((b - a) * (b - c)),
+           ((x - a) + (x - b)) / ((c - a) * (c - b))}};
+}
+
+// Cubic of Hermite of each cell over u, 0 to 1, as polynomials of the weights of its support.
+void compile_cells(std::span<const double> knots, PlanLaws& plan, PlanTableAxis& axis) {
+  axis.cells = get_size(plan.numbers);
+  for (std::int32_t cell = 0; cell + 1 < axis.count; ++cell) {
+    const std::int32_t first = std::clamp(cell - 1, 0, axis.count - axis.support);
+    const double width = knots[at(cell + 1)] - knots[at(cell)];
+    double c[kCellKnots][4]{};
+    const auto add = [&](std::int32_t knot, double weight, double u, double u2, double u3) {
+      double* own = c[knot - first];
+      own[1] += weight * u, own[2] += weight * u2, own[3] += weight * u3;
+    };
+    c[cell - first][0] = 1;
+    add(cell, 1, 0, -3, 2);
+    add(cell + 1, 1, 0, 3, -2);
+    const Slope left = calc_slope(knots, cell), right = calc_slope(knots, cell + 1);
+    for (std::int32_t k = 0; k < left.count; ++k) add(left.first + k, left.weights[k] * width, 1, -2, 1);
+    for (std::int32_t k = 0; k < right.count; ++k) add(right.first + k, right.weights[k] * width, 0, -1, 1);
+    for (const auto& own : c) plan.numbers.insert(plan.numbers.end(), std::begin(own), std::end(own));
+  }
+}
+
+class TableCompiler {
+ public:
+  explicit TableCompiler(PlanLaws& plan) : plan_(plan) {}
+
+  void compile(const Table& table) {
+    const Content content{list_axes(table), &table.values, table.interpolation};
+    const auto [found, is_new] = known_.emplace(content, plan_.tables.size());
+    PlanTable out = is_new ? append(table) : plan_.tables[found->second];
+    out.scale = table.scale, out.offset = table.offset;
+    out.scale_channel = table.scale_channel, out.offset_channel = table.offset_channel;
+    plan_.tables.push_back(out);
+    for (const TableAxis& axis : table.axes)
+      plan_.strict = plan_.strict || axis.below == TableAxis::End::kError || axis.above == TableAxis::End::kError;
+  }
+
+ private:
+  // Compared by what it points to. Joined models have the tables of each run.
+  struct Content {
+    std::vector<std::tuple<std::vector<double>, TableAxis::End, TableAxis::End>> axes;
+    const std::vector<double>* values;
+    Table::Interpolation interpolation;
+    bool operator<(const Content& other) const {
+      return std::tie(axes, *values, interpolation) < std::tie(other.axes, *other.values, other.interpolation);
+    }
+  };
+  static decltype(Content::axes) list_axes(const Table& table) {
+    decltype(Content::axes) list;
+    for (const TableAxis& axis : table.axes) list.emplace_back(axis.knots, axis.below, axis.above);
+    return list;
+  }
+
+  PlanTable append(const Table& table) {
+    PlanTable out{};
+    out.smooth = table.interpolation == Table::Interpolation::kSmooth;
+    out.first_axis = get_size(plan_.axes);
+    out.axis_count = get_size(table.axes);
+    std::int32_t stride = get_size(table.values);
+    for (const TableAxis& axis : table.axes) {
+      PlanTableAxis own{};
+      own.knots = get_size(plan_.numbers);
+      own.count = get_size(axis.knots);
+      own.support = out.smooth ? std::min(own.count, kCellKnots) : 2;
+      own.stride = stride /= own.count;
+      own.below = axis.below, own.above = axis.above;
+      plan_.numbers.insert(plan_.numbers.end(), axis.knots.begin(), axis.knots.end());
+      compile_buckets(axis.knots, plan_, own);
+      if (out.smooth) compile_cells(axis.knots, plan_, own);
+      plan_.axes.push_back(own);
+    }
+    out.values = get_size(plan_.numbers);
+    plan_.numbers.insert(plan_.numbers.end(), table.values.begin(), table.values.end());
+    return out;
+  }
+
+  PlanLaws& plan_;
+  std::map<Content, std::size_t> known_;
+};
+
+class LawCompiler {
+ public:
+  LawCompiler(const Model& model, ElementCompiler& compiler)
+      : model_(model), graph_(build_law_graph(model)), compiler_(compiler), plan_(compiler.plan.laws) {}
+
+  void compile() {
+    for (const bool driving : {true, false}) {
+      for (const int law : graph_.order)
+        if (graph_.driving[at(law)] == driving) {
+          plan_.order.push_back(law);
+          find_operands(model_.laws[at(law)], driving);
+        }
+      if (!driving) break;
+      plan_.driving = get_size(plan_.order);
+      plan_.driving_operands = get_size(plan_.operands);
+    }
+    for (const Law& law : model_.laws) append(law);
+  }
+
+ private:
+  const Quantity* get_quantity(const LawStep& step) const {
+    return step.kind == LawStep::Kind::kQuantity ? &model_.quantities[at(step.subject)] : nullptr;
+  }
+
+  // The model's quantities are the first of the plan.
+  void find_operands(const Law& law, bool driving) {
+    for (const LawStep& step : law.steps) {
+      const Quantity* quantity = get_quantity(step);
+      if (quantity == nullptr || quantity->kind == Quantity::Kind::kLaw) continue;
+      if (!operands_.emplace(step.subject, get_size(plan_.operands)).second) continue;
+      plan_.operands.push_back(step.subject);
+      if (driving && (get_traits(quantity->kind).reads & kReadsCoordinate) != 0)
+        compiler_.find_coordinate(quantity->subject, quantity->part);
+    }
+  }
+
+  void append(const Law& law) {
+    plan_.list.push_back(
+        {get_size(plan_.steps), get_size(law.steps), law.scale_channel, law.offset_channel, law.scale, law.offset});
+    for (const LawStep& step : law.steps) {
+      PlanLawStep out{step.kind, step.subject, step.value, false};
+      if (const Quantity* quantity = get_quantity(step)) {
+        out.of_law = quantity->kind == Quantity::Kind::kLaw;
+        out.subject = out.of_law ? quantity->subject : operands_.at(step.subject);
+      }
+      plan_.steps.push_back(out);
+    }
+  }
+
+  const Model& model_;
+  const LawGraph graph_;
+  ElementCompiler& compiler_;
+  PlanLaws& plan_;
+  std::map<int, std::int32_t> operands_;  // by the model's number of the quantity
+};
+
+// A command decides the value of some law.
+bool reads_commands(const Model& model) {
+  const auto scaled = [](const auto& item) { return item.scale_channel != kNone || item.offset_channel != kNone; };
+  return std::ranges::any_of(model.tables, scaled) || std::ranges::any_of(model.laws, [&](const Law& law) {
+           return scaled(law) || std::ranges::any_of(law.steps, [&](const LawStep& step) {
+                    return step.kind == LawStep::Kind::kCommand ||
+                           (step.kind == LawStep::Kind::kQuantity &&
+                            (get_traits(model.quantities[at(step.subject)].kind).reads & kReadsInputs) != 0);
+                  });
+         });
+}
+
+}  // namespace
+
+void compile_laws(const Model& model, ElementCompiler& compiler) {
+  if (model.laws.empty()) return;
+  TableCompiler tables(compiler.plan.laws);
+  for (const Table& table : model.tables) tables.compile(table);
+  LawCompiler(model, compiler).compile();
+  compiler.plan.commanded_loads = compiler.plan.commanded_loads || reads_commands(model);
+}
+
+}  // namespace unlatch

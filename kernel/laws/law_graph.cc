@@ -1,0 +1,98 @@
+#include "kernel/laws/law_graph.h"
+
+#include "kernel/elements/kinds/kinds.h"
+#include "kernel/math/index.h"
+#include "unlatch/driving_laws.h"
+
+namespace unlatch {
+namespace {
+
+// Notes the laws that an element names: a kind raises all its indices by shift(), laws among them.
+struct LawLister {
+  std::vector<bool>& named;
+
+  void shift_body(int&) const {}
+  void shift_bodies(int&, int&) const {}
+  void shift_joint(int&) const {}
+  void shift_surface(int&) const {}
+  void shift_channel(int&) const {}
+  void shift_law(int& law) const {
+    if (law >= 0 && at(law) < named.size()) named[at(law)] = true;
+  }
+};
+
+std::vector<int> list_laws_read(const Model& model, const Law& law) {
+  std::vector<int> read;
+  for (const LawStep& step : law.steps)
+    if (step.kind == LawStep::Kind::kQuantity && model.quantities[at(step.subject)].kind == Quantity::Kind::kLaw)
+      read.push_back(model.quantities[at(step.subject)].subject);
+  return read;
+}
+
+// Depth first without recursion, so that a chain of many laws is no danger. False where a law is met that is under way.
+class Sorter {
+ public:
+  explicit Sorter(const Model& model) : model_(model), marks_(model.laws.size(), Mark::kNew) {}
+
+  LawGraph sort() {
+    for (std::size_t i = 0; i < marks_.size(); ++i)
+      if (marks_[i] == Mark::kNew) visit(static_cast<int>(i));
+    return std::move(graph_);
+  }
+
+ private:
+  enum class Mark { kNew, kOpen, kDone };
+  struct Entry {
+    int law;
+    std::vector<int> reads;
+    std::size_t next = 0;
+  };
+
+  void visit(int first) {
+    std::vector<Entry> stack;
+    const auto open = [&](int law) {
+      marks_[at(law)] = Mark::kOpen;
+      stack.push_back({law, list_laws_read(model_, model_.laws[at(law)])});
+    };
+    open(first);
+    while (!stack.empty()) {
+      Entry& top = stack.back();
+      if (top.next == top.reads.size()) {
+        marks_[at(top.law)] = Mark::kDone;
+        graph_.order.push_back(top.law);
+        stack.pop_back();
+        continue;
+      }
+      const int other = top.reads[top.next++];
+      if (other < 0 || at(other) >= marks_.size()) continue;  // reported with the quantity
+      if (marks_[at(other)] == Mark::kOpen)
+        graph_.circle.push_back(other);
+      else if (marks_[at(other)] == Mark::kNew)
+        open(other);
+    }
+  }
+
+  const Model& model_;
+  std::vector<Mark> marks_;
+  LawGraph graph_;
+};
+
+}  // namespace
+
+std::vector<bool> list_driving_laws(const Model& model) { return build_law_graph(model).driving; }
+
+LawGraph build_law_graph(const Model& model) {
+  LawGraph graph = Sorter(model).sort();
+  graph.driving.assign(model.laws.size(), false);
+  const LawLister lister{graph.driving};
+  for_each_kind([&](auto kind) {
+    for (auto item : kind.of(model)) kind.shift(item, lister);
+  });
+  for (std::size_t i = graph.order.size(); i-- > 0;)  // each before those that it reads
+    if (graph.driving[at(graph.order[i])])
+      for (const int read : list_laws_read(model, model.laws[at(graph.order[i])]))
+        if (read >= 0 && at(read) < graph.driving.size()) graph.driving[at(read)] = true;
+  return graph;
+}
+
+}  // namespace unlatch

@@ -1,0 +1,19 @@
+// LawGraph: which law reads which, and which of them forces read.
+#pragma once
+
+#include <vector>
+
+#include "unlatch/model.h"
+
+namespace unlatch {
+
+struct LawGraph {
+  std::vector<int> order;     // all laws, each behind those that it reads
+  std::vector<bool> driving;  // per law: some force reads it, or a law that a force reads
+  std::vector<int> circle;    // laws that read themselves through others; then the rest counts for nothing
+};
+
+// Indices in laws must exist; those in elements need not.
+LawGraph build_law_graph(const Model& model);
+
+}  // namespace unlatch

@@ -1,0 +1,157 @@
+#include "kernel/laws/laws.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <span>
+
+#include "kernel/laws/tables.h"
+#include "kernel/quantities/quantities.h"
+#include "unlatch/elementary.h"
+
+namespace unlatch {
+namespace {
+
+// value · scale · command + offset + command
+template <class Scaled>
+double rescale(const Scaled& own, const Inputs& inputs, double value) {
+  value *= own.scale;
+  if (own.scale_channel != kNone) value *= inputs.commands[at(own.scale_channel)];
+  value += own.offset;
+  if (own.offset_channel != kNone) value += inputs.commands[at(own.offset_channel)];
+  return value;
+}
+
+double calc_power(double a, std::int32_t exponent) {
+  double power = 1;
+  for (std::int32_t i = 0; i < std::abs(exponent); ++i) power *= a;
+  return exponent < 0 ? 1 / power : power;
+}
+
+// asin and acos by atan2, which has the same bits everywhere; beyond ±1 they are NaN.
+double calc_asin(double x) { return elementary::atan2(x, std::sqrt((1 - x) * (1 + x))); }
+double calc_acos(double x) { return elementary::atan2(std::sqrt((1 - x) * (1 + x)), x); }
+
+double calc_tan(double x) {
+  double sine, cosine;
+  elementary::sincos(x, sine, cosine);
+  return sine / cosine;
+}
+
+double look_up(const Instant& now, const Evaluation& ev, std::int32_t number, const double* coordinates) {
+  const PlanLaws& plan = now.plan.laws;
+  const PlanTable& table = plan.tables[at(number)];
+  return rescale(table, now.inputs, calc_table(plan, table, coordinates, ev.table_exits[at(number)]));
+}
+
+// A step of one argument.
+double apply(const PlanLawStep& step, double a) {
+  using Kind = LawStep::Kind;
+  switch (step.kind) {
+    case Kind::kPower:
+      return calc_power(a, step.subject);
+    case Kind::kNegate:
+      return -a;
+    case Kind::kSqrt:
+      return std::sqrt(a);
+    case Kind::kAbs:
+      return std::abs(a);
+    case Kind::kSin:
+      return elementary::sin(a);
+    case Kind::kCos:
+      return elementary::cos(a);
+    case Kind::kTan:
+      return calc_tan(a);
+    case Kind::kAsin:
+      return calc_asin(a);
+    case Kind::kAcos:
+      return calc_acos(a);
+    case Kind::kAtan:
+      return elementary::atan2(a, 1);
+    case Kind::kExp:
+      return elementary::exp(a);
+    default:
+      return elementary::log(a);
+  }
+}
+
+// A step of two arguments. The smaller and the larger of NaN and a number are NaN: nothing hides it.
+double apply(const PlanLawStep& step, double a, double b) {
+  using Kind = LawStep::Kind;
+  switch (step.kind) {
+    case Kind::kAdd:
+      return a + b;
+    case Kind::kSubtract:
+      return a - b;
+    case Kind::kMultiply:
+      return a * b;
+    case Kind::kDivide:
+      return a / b;
+    case Kind::kAtan2:
+      return elementary::atan2(a, b);
+    case Kind::kMin:
+      return a < b || a != a ? a : b;
+    default:
+      return a > b || a != a ? a : b;
+  }
+}
+
+}  // namespace
+
+double calc_law(const Instant& now, const Evaluation& ev, int law) noexcept {
+  using Kind = LawStep::Kind;
+  const PlanLaws& plan = now.plan.laws;
+  const PlanLaw& own = plan.list[at(law)];
+  double stack[kLawStack];
+  double* top = stack;  // one past the last value
+  for (const PlanLawStep& step : std::span(plan.steps).subspan(at(own.first), at(own.count))) switch (step.kind) {
+      case Kind::kConstant:
+        *top++ = step.value;
+        break;
+      case Kind::kQuantity:
+        *top++ = step.of_law ? ev.laws[at(step.subject)] : ev.law_operands[at(step.subject)];
+        break;
+      case Kind::kCommand:
+        *top++ = now.inputs.commands[at(step.subject)];
+        break;
+      case Kind::kTable:
+        top -= plan.tables[at(step.subject)].axis_count;
+        *top = look_up(now, ev, step.subject, top);
+        ++top;
+        break;
+      case Kind::kAdd:
+      case Kind::kSubtract:
+      case Kind::kMultiply:
+      case Kind::kDivide:
+      case Kind::kAtan2:
+      case Kind::kMin:
+      case Kind::kMax:
+        --top;
+        top[-1] = apply(step, top[-1], top[0]);
+        break;
+      case Kind::kIfLess:
+        top -= 3;
+        if (top[-1] != top[-1] || top[0] != top[0])
+          top[-1] += top[0];  // NaN
+        else
+          top[-1] = top[-1] < top[0] ? top[1] : top[2];
+        break;
+      default:
+        top[-1] = apply(step, top[-1]);
+    }
+  return rescale(own, now.inputs, stack[0]);
+}
+
+void update_laws(const Instant& now, LawSet set, Evaluation& ev) noexcept {
+  const PlanLaws& plan = now.plan.laws;
+  const bool driving = set == LawSet::kDriving;
+  if (driving) std::fill(ev.table_exits.begin(), ev.table_exits.end(), TableExit{});
+  const std::size_t operands = plan.operands.size(), laws = plan.order.size();
+  for (std::size_t i = driving ? 0 : at(plan.driving_operands); i < (driving ? at(plan.driving_operands) : operands);
+       ++i)
+    ev.law_operands[i] = calc_scalar(now, ev, now.plan.quantities[at(plan.operands[i])]);
+  for (std::size_t i = driving ? 0 : at(plan.driving); i < (driving ? at(plan.driving) : laws); ++i)
+    ev.laws[at(plan.order[i])] = calc_law(now, ev, plan.order[i]);
+}
+
+}  // namespace unlatch

@@ -1,0 +1,15 @@
+// Tables: values over one to six axes, between whose knots they are interpolated (Table in unlatch/law.h).
+//
+// Cost: one bucket per axis finds the cell, whatever the number of knots; where knots lie unevenly, so that a bucket
+// holds several, these are bisected. Then 2ⁿ values of a linear table, up to 4ⁿ of a smooth one.
+#pragma once
+
+#include "kernel/plan/evaluation.h"
+
+namespace unlatch {
+
+// Value at the coordinates `at`, one per axis, without scale and offset; NaN if one of them is. `exit`: the first axis
+// that is left, unless it has one already.
+double calc_table(const PlanLaws& plan, const PlanTable& table, const double* at, TableExit& exit) noexcept;
+
+}  // namespace unlatch

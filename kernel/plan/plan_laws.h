@@ -1,0 +1,66 @@
+// PlanLaws: laws and tables in a plan. Their evaluation is kernel/laws.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "unlatch/law.h"
+
+namespace unlatch {
+
+// An axis of a table. Its knots, and of smooth tables the polynomials of its cells, are in PlanLaws::numbers.
+struct PlanTableAxis {
+  std::int32_t knots, count;           // the first of them; how many
+  std::int32_t cells;                  // smooth: kCellNumbers of each cell from here on
+  std::int32_t buckets, bucket_count;  // PlanLaws::buckets: per uniform part of the axis, the cell where it begins
+  std::int32_t support;                // knots that one value takes in: 2, smooth up to kCellKnots
+  std::int32_t stride;                 // of the values along this axis
+  TableAxis::End below, above;
+  double bucket_scale;  // parts per unit of the axis
+};
+inline constexpr int kCellKnots = 4;
+// Per knot of a cell's support, the four coefficients of its weight over the cell, 0 to 1.
+inline constexpr int kCellNumbers = 4 * kCellKnots;
+
+// Tables with the same axes and values share them.
+struct PlanTable {
+  std::int32_t first_axis, axis_count;  // into PlanLaws::axes
+  std::int32_t values;                  // into PlanLaws::numbers
+  bool smooth;
+  std::int32_t scale_channel, offset_channel;
+  double scale, offset;
+};
+
+// The step of a law; of a quantity `subject` is its place in Evaluation::law_operands, of a law, which is a kind of
+// quantity to the model, in Evaluation::laws.
+struct PlanLawStep {
+  LawStep::Kind kind;
+  std::int32_t subject;
+  double value;
+  bool of_law;
+};
+
+struct PlanLaw {
+  std::int32_t first, count;  // into PlanLaws::steps
+  std::int32_t scale_channel, offset_channel;
+  double scale, offset;
+};
+
+struct PlanLaws {
+  std::vector<PlanLaw> list;  // the model's
+  std::vector<PlanLawStep> steps;
+  std::vector<PlanTable> tables;  // the model's
+  std::vector<PlanTableAxis> axes;
+  std::vector<double> numbers;
+  std::vector<std::int32_t> buckets;
+  // Order of evaluation: a law behind those that it reads. The first `driving` are those that forces read, directly or
+  // through others; likewise the operands, which are places in PlanData::quantities.
+  std::vector<std::int32_t> order, operands;
+  std::int32_t driving = 0, driving_operands = 0;
+  std::vector<std::int32_t> loads;  // that a law sizes
+  bool strict = false;              // some table ends the run where it is left
+
+  bool empty() const { return list.empty(); }
+};
+
+}  // namespace unlatch
