@@ -1,12 +1,15 @@
-// Zip files (PKWARE's APPNOTE, 4.3), to read: stored and deflated members, with bounds on everything that the file
-// states. No member whose name leads out of the folder that it is unpacked to.
+// Zip files, to read, by libzip: stored and deflated members of at most 1 GiB together. No member whose name leads out
+// of the folder that it is unpacked to.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
+
+struct zip;
 
 namespace unlatch::fmu {
 
@@ -22,24 +25,26 @@ class ZipFile {
   explicit ZipFile(std::string bytes);
 
   struct Member {
-    std::size_t offset = 0;              // of its local header
-    std::size_t packed = 0, length = 0;  // bytes in the file, and unpacked
-    std::uint32_t crc = 0;
-    bool deflated = false;
+    std::uint64_t index = 0;  // in the file's directory
+    std::size_t length = 0;   // bytes, unpacked
   };
   // By their names, without those of folders.
   [[nodiscard]] const std::map<std::string, Member>& members() const { return members_; }
-  // Unpacked. Throws FmuError, also if there is none of this name.
+  // Unpacked, its length and checksum compared. Throws FmuError, also if there is none of this name.
   [[nodiscard]] std::string read(const std::string& name) const;
 
   static constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // of all members, unpacked
 
  private:
-  void add_member(std::size_t at, std::size_t& length);
-  [[nodiscard]] std::uint64_t get(std::size_t at, int bytes) const;
+  struct Close {
+    void operator()(struct zip* archive) const;
+  };
+  void add_member(std::uint64_t index);
 
   const std::string bytes_;
+  std::unique_ptr<struct zip, Close> archive_;  // reads bytes_
   std::map<std::string, Member> members_;
+  std::size_t length_ = 0;  // of all members
 };
 
 }  // namespace unlatch::fmu

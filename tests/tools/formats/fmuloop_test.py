@@ -2,7 +2,9 @@
 """Option unlatch hil --fmu: controller FMUs as flight software, valid and hostile ones: fmuloop_test.py BIN_FOLDER SOURCE_FOLDER"""
 import os
 import platform
+import struct
 import subprocess
+import warnings
 import zipfile
 from pathlib import Path
 
@@ -162,6 +164,30 @@ class FmuLoopTest(ProcessTest):
             self.refuse(path, "controller.fmu")
         path.write_bytes(sound[:len(sound) // 2])
         self.refuse(path, "no zip file")
+
+    def test_a_member_that_is_not_what_the_directory_states_is_refused(self):
+        path = self.pack(3, compression=zipfile.ZIP_STORED)
+        stored = bytearray(path.read_bytes())
+        stored[stored.index(b"fmiModelDescription") + 3] ^= 1  # nothing but the checksum sees it
+        path.write_bytes(stored)
+        self.refuse(path, "modelDescription.xml", "CRC error")
+        path = self.pack(3)
+        packed = path.read_bytes()
+        length = packed.index(b"PK\x01\x02") + 24  # of modelDescription.xml, in the directory
+        for change in (-1, 1):
+            spoilt = bytearray(packed)
+            spoilt[length:length + 4] = struct.pack("<I", struct.unpack_from("<I", packed, length)[0] + change)
+            path.write_bytes(spoilt)
+            self.refuse(path, "modelDescription.xml")
+        spoilt = bytearray(packed)
+        spoilt[length:length + 4] = struct.pack("<I", 1 << 30)
+        path.write_bytes(spoilt)
+        self.refuse(path, "larger than 1 GiB")
+        with zipfile.ZipFile(path, "w") as archive, warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that the name is there already
+            for _ in range(2):
+                archive.writestr("modelDescription.xml", "")
+        self.refuse(path, "it is there twice")
 
     def test_a_binary_that_does_not_fit_is_refused(self):
         for version in (2, 3):
