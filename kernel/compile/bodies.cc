@@ -5,6 +5,7 @@
 
 #include "kernel/dynamics/flexible.h"
 #include "kernel/model/from_eigen.h"
+#include "kernel/plan/plan_lists.h"
 #include "unlatch/frequencies.h"
 
 namespace unlatch {
@@ -20,11 +21,18 @@ void write(double* to, const std::vector<Eigen::Matrix3d>& matrices) {
       for (Eigen::Index c = 0; c < 3; ++c) *to++ = m(r, c);
 }
 
+// Room for so many numbers more in PlanDraft::modal.
+double* add_numbers(PlanDraft& plan, int count) {
+  const std::size_t begin = plan.modal.size();
+  plan.modal.resize(begin + at(count));
+  return plan.modal.data() + begin;
+}
+
 // Some mode swings faster than the step resolves.
 bool has_stiff_mode(const FlexibleBody& body, double dt) { return (body.frequencies.array() * dt > kResolved).any(); }
 
 // `markers`: bodies that are markers on it.
-void compile_flexible(const Model& model, int body, const std::vector<int>& markers, PlanData& plan) {
+void compile_flexible(const Model& model, int body, const std::vector<int>& markers, PlanDraft& plan) {
   const FlexibleBody& shape = *model.bodies[at(body)].flexible;
   const auto m = static_cast<std::int32_t>(shape.frequencies.size());
   PlanFlexible out{body,
@@ -38,7 +46,7 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
                    has_stiff_mode(shape, plan.options.dt),
                    model.bodies[at(body)].mass,
                    to_sym(model.bodies[at(body)].inertia)};
-  const ModalShapeOf<double> to = add_shape(plan, m);
+  const ModalShapeOf<double> to = place_shape(m, add_numbers(plan, get_shape_size(m)));
   write(to.momentum, shape.momentum);
   write(to.first, shape.first);
   write(to.second, shape.second);
@@ -52,7 +60,8 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
     const std::optional<Marker>& marker = model.bodies[at(i)].marker;
     plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
                             static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
-    const MarkerShapeOf<double> to_marker = add_marker_shape(plan, m);
+    const MarkerShapeOf<double> to_marker =
+        place_marker_shape(m, add_numbers(plan, get_marker_shape_size(m)));
     write(to_marker.displacement, marker->shape);
     write(to_marker.turn, marker->turn);
     plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
@@ -65,7 +74,7 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
 
 // Flexible bodies and their markers in the tree: the marker by which each is held, and what hangs on the others.
 // Initial motion of the markers.
-void place_flexible(PlanData& plan) {
+void place_flexible(PlanDraft& plan) {
   std::vector<std::int32_t> marker_of(plan.bodies.size(), kNone);
   for (std::size_t i = 0; i < plan.markers.size(); ++i) marker_of[at(plan.markers[i].body)] = static_cast<int>(i);
   for (const TreeNode& node : plan.nodes) {
@@ -78,12 +87,12 @@ void place_flexible(PlanData& plan) {
   for (const PlanMarker& marker : plan.markers) {
     const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
     const double* coordinates = plan.initial_auxiliary.data() + carrier.auxiliary;
-    plan.bodies[at(marker.body)].initial = calc_marker_state(plan, marker, plan.bodies[at(carrier.body)].initial,
+    plan.bodies[at(marker.body)].initial = calc_marker_state(get_view(plan), marker, plan.bodies[at(carrier.body)].initial,
                                                              coordinates, coordinates + carrier.modes);
   }
 }
 
-PlanBody compile_body(const Body& body, PlanData& plan) {
+PlanBody compile_body(const Body& body, PlanDraft& plan) {
   PlanBody out{body.mass, {to_vec(body.p_WB), to_quat(body.q_WB), to_vec(body.v_WB), to_vec(body.w_WB_B)}};
   if (!body.law && !body.flexible && !body.marker) return out;
   out.mass = 0;  // what these have beyond a constant diag(mass, inertia) is added where it is known
@@ -99,14 +108,14 @@ PlanBody compile_body(const Body& body, PlanData& plan) {
 }
 
 // Bodies whose block is more than diag(mass, inertia) are no leaves to the solver, whatever is beyond them.
-void mark_blocks(const Model& model, PlanData& plan) {
+void mark_blocks(const Model& model, PlanDraft& plan) {
   for (TreeNode& node : plan.nodes)
     if (model.bodies[at(node.body)].law || model.bodies[at(node.body)].flexible) node.leaf = false;
 }
 
 }  // namespace
 
-void compile_bodies(const Model& model, PlanData& plan) {
+void compile_bodies(const Model& model, PlanDraft& plan) {
   for (const Body& body : model.bodies) plan.bodies.push_back(compile_body(body, plan));
   plan.initial_auxiliary.assign(plan.varying.size(), 0.0);  // burnt masses stand before modal coordinates and contacts
   std::vector<std::vector<int>> markers(model.bodies.size());

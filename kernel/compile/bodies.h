@@ -7,6 +7,6 @@
 namespace unlatch {
 
 // Fills PlanData::bodies and what bends or burns of them; needs the tree.
-void compile_bodies(const Model& model, PlanData& plan);
+void compile_bodies(const Model& model, PlanDraft& plan);
 
 }  // namespace unlatch

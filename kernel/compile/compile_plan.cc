@@ -3,6 +3,7 @@
 #include "kernel/compile/bodies.h"
 #include "kernel/compile/constants.h"
 #include "kernel/compile/events.h"
+#include "kernel/compile/image.h"
 #include "kernel/compile/layout.h"
 #include "kernel/compile/model_hash.h"
 #include "kernel/compile/quantities.h"
@@ -23,7 +24,7 @@
 namespace unlatch {
 namespace {
 
-void link_conditions(PlanData& plan, ElementCompiler& compiler) {
+void link_conditions(PlanDraft& plan, ElementCompiler& compiler) {
   for (PlanCondition& c : plan.conditions)
     if (c.kind == Condition::Kind::kAngle || c.kind == Condition::Kind::kDisplacement ||
         c.kind == Condition::Kind::kSpeed)
@@ -32,7 +33,7 @@ void link_conditions(PlanData& plan, ElementCompiler& compiler) {
 
 // What quantities read of others: coordinates, the times of events. Those of conditions that guards read by themselves
 // stand before them.
-void link_quantities(PlanData& plan, ElementCompiler& compiler) {
+void link_quantities(PlanDraft& plan, ElementCompiler& compiler) {
   for (PlanQuantity& quantity : plan.quantities) {
     const QuantityTraits& traits = get_traits(quantity.kind);
     if ((traits.reads & kReadsCoordinate) != 0)
@@ -42,7 +43,7 @@ void link_quantities(PlanData& plan, ElementCompiler& compiler) {
 }
 
 // Multipliers that guards read.
-void place_multipliers(PlanData& plan) {
+void place_multipliers(PlanDraft& plan) {
   for (PlanCondition& c : plan.conditions) {
     if (c.kind != Condition::Kind::kReaction) continue;
     const NumberColumn multipliers = plan.multipliers[at(c.subject)];
@@ -63,7 +64,7 @@ PlanJoint compile_joint(const Model& model, const Joint& joint, int first_mode) 
 }
 
 // Axes by which rotations are measured, and their initial angles: they are counted on from step to step.
-void init_angles(const Model& model, PlanData& plan) {
+void init_angles(const Model& model, PlanDraft& plan) {
   for (PlanCoordinate& c : plan.coordinates) {
     if (c.row < kRotX) continue;
     const Joint& joint = model.joints[at(c.joint)];
@@ -92,7 +93,7 @@ std::vector<RowSet> list_axes(const Model& model, const std::vector<bool>& chose
 
 // Springs that are integrated implicitly: those that the user or the step size wants so, if their joint is an edge of
 // the tree. Returns what the tree refuses to those that the user wants.
-std::vector<ModelError> compile_compliance(const Model& model, const std::vector<bool>& stiff, PlanData& plan) {
+std::vector<ModelError> compile_compliance(const Model& model, const std::vector<bool>& stiff, PlanDraft& plan) {
   std::vector<ModelError> errors;
   std::vector<bool> edge(model.joints.size(), false);
   for (const TreeNode& node : plan.nodes)
@@ -118,7 +119,7 @@ std::vector<ModelError> compile_compliance(const Model& model, const std::vector
 
 // All elements, numbered in the order of kinds.h.
 void compile_elements(const Model& model, ElementCompiler& compiler) {
-  PlanData& plan = compiler.plan;
+  PlanDraft& plan = compiler.plan;
   for_each_kind([&]<class Kind>(Kind) {
     for (const auto& item : Kind::of(model)) {
       plan.element_scales.push_back(item.on ? 1 : 0);
@@ -133,13 +134,13 @@ void compile_elements(const Model& model, ElementCompiler& compiler) {
   plan.driven_coordinates = static_cast<std::int32_t>(plan.coordinates.size());
 }
 
-void compile_impulses(const Model& model, PlanData& plan) {
+void compile_impulses(const Model& model, PlanDraft& plan) {
   for (const Impulse& i : model.impulses)
     plan.impulses.push_back(
         {i.body, i.channel, i.frame == Load::Frame::kWorld, to_vec(i.point), to_vec(i.linear), to_vec(i.angular)});
 }
 
-void compile_sensors(const Model& model, PlanData& plan) {
+void compile_sensors(const Model& model, PlanDraft& plan) {
   for (const Sensor& sensor : model.sensors) {
     const Quantity quantity = get_quantity(model, sensor);
     plan.sensors.push_back({add_quantity(quantity, plan), plan.sensor_count, quantity.part == Quantity::kAll});
@@ -161,7 +162,7 @@ void check_options(const Model& model, const PlanOptions& options, std::vector<M
 }
 
 // First phase: the tree. Errors: what it refuses.
-std::vector<ModelError> compile_tree(const Model& model, PlanData& plan) {
+std::vector<ModelError> compile_tree(const Model& model, PlanDraft& plan) {
   const std::vector<bool> stiff = find_stiff_springs(model, plan.options.dt);
   Topology topology = compile_topology(model, list_axes(model, stiff), plan.options.root);
   plan.nodes = std::move(topology.nodes);
@@ -170,7 +171,7 @@ std::vector<ModelError> compile_tree(const Model& model, PlanData& plan) {
 }
 
 // Second phase: bodies, joints, elements, events and sensors, by number. The order matters where a line says so.
-void compile_parts(const Model& model, PlanData& plan) {
+void compile_parts(const Model& model, PlanDraft& plan) {
   compile_bodies(model, plan);
   compile_quantities(model, plan);  // before conditions and sensors add theirs
   compile_events(model, plan);
@@ -191,10 +192,11 @@ void compile_parts(const Model& model, PlanData& plan) {
   plan.contact_substeps = model.contact_substeps;
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());
   plan.channel_count = static_cast<std::int32_t>(model.channels.size());
+  for (const Channel& channel : model.channels) plan.initial_commands.push_back(channel.initial);
 }
 
 // Third phase: places in memory, and constants there; needs all parts.
-void compile_memory(const Model& model, PlanData& plan) {
+void compile_memory(const Model& model, PlanDraft& plan) {
   // Numbers the nodes anew: before all that keeps a node or a place.
   lay_out_blocks(model, group_nodes(model, plan.nodes, plan.compliant_axes), plan);
   fill_constants(model, plan);
@@ -210,7 +212,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   check_options(model, options, result.errors);
   if (!result.errors.empty()) return result;
 
-  PlanData plan;
+  PlanDraft plan;
   plan.options = options;
   plan.instruction_set = resolve(options.instruction_set);
   result.errors = compile_tree(model, plan);
@@ -218,7 +220,7 @@ PlanResult compile_placed(const Model& model, const PlanOptions& options) {
   compile_parts(model, plan);
   compile_memory(model, plan);
   plan.hash = calc_model_hash(model, options);
-  result.plan.emplace(std::make_shared<const PlanData>(std::move(plan)));
+  result.plan = build_plan(plan);
   return result;
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 // Bodies with mass laws and flexible ones have no mass and inertia of their own. Nor has an empty lane a mass, but an
 // inertia that is not singular.
-void fill_bodies(const Model& model, PlanData& plan) {
+void fill_bodies(const Model& model, PlanDraft& plan) {
   using Constants = BodyConstants<double>;
   plan.body_constants.assign(kNumbers<BodyConstants> * kEight * plan.eights.size(), 0.0);
   const auto get_constants = [&](const BodyEight& eight, int lane) {
@@ -28,7 +28,7 @@ void fill_bodies(const Model& model, PlanData& plan) {
 }
 
 // An empty lane's joint has a frame that is not singular.
-void fill_joint(const Model& model, int joint, const Group& group, int lane, PlanData& plan) {
+void fill_joint(const Model& model, int joint, const Group& group, int lane, PlanDraft& plan) {
   const Joint* j = joint == kNone ? nullptr : &model.joints[at(joint)];
   double* first = plan.joint_constants.data() + group.constants + lane;
   const Vec3 none{0, 0, 0};
@@ -43,7 +43,7 @@ void fill_joint(const Model& model, int joint, const Group& group, int lane, Pla
 }
 
 // Constants of a group's joints and of the solver. An empty lane has a body that nothing holds.
-void fill_group(const Model& model, const Group& group, PlanData& plan) {
+void fill_group(const Model& model, const Group& group, PlanDraft& plan) {
   for (int lane = 0; lane < group.width; ++lane) {
     const int node = plan.lane_nodes[at(group.first + lane)];
     const TreeNode* n = node == kNone ? nullptr : &plan.nodes[at(node)];
@@ -56,7 +56,7 @@ void fill_group(const Model& model, const Group& group, PlanData& plan) {
 
 }  // namespace
 
-void fill_constants(const Model& model, PlanData& plan) {
+void fill_constants(const Model& model, PlanDraft& plan) {
   fill_bodies(model, plan);
   plan.solver_constants.assign(kNumbers<SolverConstants> * plan.lane_nodes.size(), 0.0);
   for (const Group& group : plan.groups) fill_group(model, group, plan);

@@ -6,6 +6,6 @@
 namespace unlatch {
 
 // Needs the layout of the groups.
-void fill_constants(const Model& model, PlanData& plan);
+void fill_constants(const Model& model, PlanDraft& plan);
 
 }  // namespace unlatch

@@ -32,7 +32,7 @@ bool is_read_by_guards(Condition::Kind kind) {
 }
 
 // Appends a guard in postfix order; returns how many values its evaluation keeps at once.
-std::int32_t compile_condition(const Model& model, const Condition& c, PlanData& plan) {
+std::int32_t compile_condition(const Model& model, const Condition& c, PlanDraft& plan) {
   std::int32_t depth = 1, subject = c.subject;
   for (std::size_t i = 0; i < c.parts.size(); ++i)
     depth = std::max(depth, static_cast<std::int32_t>(i) + compile_condition(model, c.parts[i], plan));
@@ -56,7 +56,7 @@ bool is_switch(const Model& model, const Condition& c) {
 
 }  // namespace
 
-void compile_events(const Model& model, PlanData& plan) {
+void compile_events(const Model& model, PlanDraft& plan) {
   for (const Event& event : model.events) {
     Condition when = event.when;
     const bool all = when.kind == Condition::Kind::kAll &&
@@ -93,7 +93,7 @@ void compile_events(const Model& model, PlanData& plan) {
   }
 }
 
-bool has_commanded_guards(const PlanData& plan) {
+bool has_commanded_guards(const PlanDraft& plan) {
   return std::ranges::any_of(plan.quantities, [](const PlanQuantity& quantity) {
     return quantity.guarded && (get_traits(quantity.kind).reads & kReadsInputs) != 0;
   });

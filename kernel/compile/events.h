@@ -6,9 +6,9 @@
 
 namespace unlatch {
 
-void compile_events(const Model& model, PlanData& plan);
+void compile_events(const Model& model, PlanDraft& plan);
 
 // Some guard reads the step's inputs.
-bool has_commanded_guards(const PlanData& plan);
+bool has_commanded_guards(const PlanDraft& plan);
 
 }  // namespace unlatch

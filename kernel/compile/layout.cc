@@ -11,7 +11,7 @@ namespace {
 
 class Layout {
  public:
-  Layout(const Model& model, const GroupedNodes& grouped, PlanData& plan)
+  Layout(const Model& model, const GroupedNodes& grouped, PlanDraft& plan)
       : model_(model), plan_(plan), lanes_(grouped.lanes), loaded_(model.bodies.size(), false) {
     plan_.nodes = grouped.nodes;
     for (const PlanLoad& load : plan.loads)
@@ -224,7 +224,7 @@ class Layout {
   }
 
   const Model& model_;
-  PlanData& plan_;
+  PlanDraft& plan_;
   const std::vector<GroupLane>& lanes_;                 // per node
   std::vector<bool> loaded_;                            // per body
   std::vector<int> eight_of_;                           // per group
@@ -234,7 +234,7 @@ class Layout {
 
 }  // namespace
 
-void lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanData& plan) {
+void lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanDraft& plan) {
   Layout(model, grouped, plan).compile(grouped.groups);
 }
 

@@ -7,6 +7,6 @@
 namespace unlatch {
 
 // Takes over the nodes in their groups' order, and lays out the blocks. O(n).
-void lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanData& plan);
+void lay_out_blocks(const Model& model, const GroupedNodes& grouped, PlanDraft& plan);
 
 }  // namespace unlatch

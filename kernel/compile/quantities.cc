@@ -4,7 +4,7 @@
 
 namespace unlatch {
 
-std::int32_t add_quantity(const Quantity& quantity, PlanData& plan) {
+std::int32_t add_quantity(const Quantity& quantity, PlanDraft& plan) {
   PlanQuantity out{.kind = quantity.kind, .subject = quantity.subject, .other = quantity.other, .part = quantity.part};
   out.direction = to_vec(quantity.direction);
   out.other_direction = to_vec(quantity.other_direction);
@@ -14,7 +14,7 @@ std::int32_t add_quantity(const Quantity& quantity, PlanData& plan) {
   return static_cast<std::int32_t>(plan.quantities.size()) - 1;
 }
 
-void compile_quantities(const Model& model, PlanData& plan) {
+void compile_quantities(const Model& model, PlanDraft& plan) {
   for (const Quantity& quantity : model.quantities) add_quantity(quantity, plan);
   plan.quantity_count = static_cast<std::int32_t>(plan.quantities.size());
 }

@@ -8,9 +8,9 @@ namespace unlatch {
 
 // Appends a quantity to PlanData::quantities; returns its place. link_quantities() of compile_plan.cc finds the
 // coordinate that it reads.
-std::int32_t add_quantity(const Quantity& quantity, PlanData& plan);
+std::int32_t add_quantity(const Quantity& quantity, PlanDraft& plan);
 
 // The model's quantities: the first of the plan.
-void compile_quantities(const Model& model, PlanData& plan);
+void compile_quantities(const Model& model, PlanDraft& plan);
 
 }  // namespace unlatch

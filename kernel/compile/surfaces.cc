@@ -27,11 +27,26 @@ void add_mobility(const Model& model, PlanShapes& shapes) {
   shapes.inverse_inertia = {column(0), column(1), column(2)};
 }
 
+void append_shape(const geometry::CompiledShape& shape, PlanDraft& plan) {
+  geometry::ShapeNumbers numbers = shape;
+  const auto append = [&](auto& list, const auto& points) {
+    numbers.first = static_cast<std::int32_t>(list.size());
+    numbers.count = static_cast<std::int32_t>(points.size());
+    list.insert(list.end(), points.begin(), points.end());
+  };
+  if (shape.kind == geometry::ShapeKind::kHull) append(plan.hull_points, shape.points);
+  if (shape.kind == geometry::ShapeKind::kHollow) append(plan.profile_points, shape.profile);
+  plan.shape_parts.push_back(numbers);
+}
+
 }  // namespace
 
-void compile_surfaces(const Model& model, PlanData& plan) {
+void compile_surfaces(const Model& model, PlanDraft& plan) {
   for (const Surface& set : model.surfaces) {
-    plan.shapes.push_back({set.body, geometry::build_group(set.name, set.shapes)});
+    const geometry::ShapeGroup group = geometry::build_group(set.name, set.shapes);
+    plan.shapes.push_back({set.body, static_cast<std::int32_t>(plan.shape_parts.size()),
+                           static_cast<std::int32_t>(group.shapes.size()), group});
+    for (const geometry::CompiledShape& shape : group.shapes) append_shape(shape, plan);
     add_mobility(model, plan.shapes.back());
   }
 }

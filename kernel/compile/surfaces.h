@@ -6,6 +6,6 @@
 
 namespace unlatch {
 
-void compile_surfaces(const Model& model, PlanData& plan);
+void compile_surfaces(const Model& model, PlanDraft& plan);
 
 }  // namespace unlatch

@@ -93,12 +93,6 @@ auto count_into(int& size) {
     return nullptr;
   };
 }
-// Room for so many numbers more in PlanData::modal.
-double* add_numbers(PlanData& plan, int count) {
-  const std::size_t begin = plan.modal.size();
-  plan.modal.resize(begin + at(count));
-  return plan.modal.data() + begin;
-}
 
 MarkerShape get_marker_shape(const PlanData& plan, const PlanMarker& marker, int m) {
   return arrange_marker_shape<const double>(m, take_from(plan.modal.data() + marker.numbers));
@@ -199,16 +193,22 @@ void write_body(Evaluation& ev, int body, const BodyState& s) {
 ModalShape get_shape(const PlanData& plan, const PlanFlexible& body) noexcept {
   return arrange_shape<const double>(body.modes, take_from(plan.modal.data() + body.numbers));
 }
-ModalShapeOf<double> add_shape(PlanData& plan, int m) {
+int get_shape_size(int m) noexcept {
   int size = 0;
   arrange_shape<double>(m, count_into(size));
-  return arrange_shape<double>(m, take_from(add_numbers(plan, size)));
+  return size;
+}
+ModalShapeOf<double> place_shape(int m, double* numbers) noexcept {
+  return arrange_shape<double>(m, take_from(numbers));
 }
 
-MarkerShapeOf<double> add_marker_shape(PlanData& plan, int m) {
+int get_marker_shape_size(int m) noexcept {
   int size = 0;
   arrange_marker_shape<double>(m, count_into(size));
-  return arrange_marker_shape<double>(m, take_from(add_numbers(plan, size)));
+  return size;
+}
+MarkerShapeOf<double> place_marker_shape(int m, double* numbers) noexcept {
+  return arrange_marker_shape<double>(m, take_from(numbers));
 }
 
 ModalWork get_work(const PlanFlexible& body, Evaluation& ev) noexcept {

@@ -53,9 +53,11 @@ struct MarkerShapeOf {
 };
 using MarkerShape = MarkerShapeOf<const double>;
 
-// Room for a body's or a marker's numbers behind those of PlanData::modal, for the compilation.
-ModalShapeOf<double> add_shape(PlanData& plan, int modes);
-MarkerShapeOf<double> add_marker_shape(PlanData& plan, int modes);
+// How many these are, and their places from a first one on, for the compilation.
+int get_shape_size(int modes) noexcept;
+int get_marker_shape_size(int modes) noexcept;
+ModalShapeOf<double> place_shape(int modes, double* numbers) noexcept;
+MarkerShapeOf<double> place_marker_shape(int modes, double* numbers) noexcept;
 
 // Six numbers per mode, one mode behind the other.
 struct SixPerMode {

@@ -13,7 +13,7 @@ std::vector<double> list_numbers(const Profile& p) {
   return all;
 }
 
-void append_profile(const Profile& profile, PlanData& plan) {
+void append_profile(const Profile& profile, PlanDraft& plan) {
   PlanProfile out{profile.kind, profile.value, profile.initial, profile.final, profile.tau, 0, 0};
   if (profile.kind == Profile::Kind::kTable) {
     out.first = static_cast<std::int32_t>(plan.knots.size());
@@ -29,7 +29,7 @@ void append_profile(const Profile& profile, PlanData& plan) {
 
 }  // namespace
 
-ElementCompiler::ElementCompiler(const Model& own_model, PlanData& own_plan) : model(own_model), plan(own_plan) {}
+ElementCompiler::ElementCompiler(const Model& own_model, PlanDraft& own_plan) : model(own_model), plan(own_plan) {}
 
 std::int32_t ElementCompiler::find_coordinate(int joint, int axis) {
   const auto next = static_cast<std::int32_t>(plan.coordinates.size());

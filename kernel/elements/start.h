@@ -20,7 +20,7 @@ struct StartMotion {
 // Effort of an element between two points or axes of bodies, switched on.
 template <class Kind, class Item>
 Effort calc_start_effort(const Model& model, const Item& item) {
-  PlanData plan;
+  PlanDraft plan;
   plan.element_scales = {1};
   ElementCompiler compiler(model, plan);
   return Kind::calc(StartMotion{model}, Kind::compile(item, compiler), 0, 1);

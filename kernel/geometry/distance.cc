@@ -13,11 +13,12 @@ struct Placed {
   Mat3 R;  // axes in W
 };
 
-Placed place(const CompiledShape& shape, const Placement& at, const Vec3& origin) {
+Placed place(const ShapeNumbers& shape, const Placement& at, const Vec3& origin) {
   return {(at.p_WB - origin) + at.R_WB * shape.p_BS, at.R_WB * shape.R_BS};
 }
 
-Rounded build_core(const CompiledShape& shape, const Placed& at) {
+Rounded build_core(const ShapeView& view, const Placed& at) {
+  const ShapeNumbers& shape = view.numbers;
   Rounded out;
   Core& core = out.core;
   core.c = at.c;
@@ -39,8 +40,8 @@ Rounded build_core(const CompiledShape& shape, const Placed& at) {
       break;
     case ShapeKind::kHull:
       core.kind = Core::Kind::kPoints;
-      core.points = shape.points.data();
-      core.count = static_cast<int>(shape.points.size());
+      core.points = view.points.data();
+      core.count = static_cast<int>(view.points.size());
       break;
     default:
       core.kind = Core::Kind::kFrustum;
@@ -75,10 +76,10 @@ Distance calc_half_space(const Placed& space, const Rounded& b) {
 }
 
 // The solid between two points of a profile.
-Core build_piece(const CompiledShape& hollow, const Placed& at, std::size_t i) {
+Core build_piece(const ShapeView& hollow, const Placed& at, std::size_t i) {
   const ProfilePoint &p = hollow.profile[i], &q = hollow.profile[i + 1];
   Core solid;
-  solid.kind = hollow.half ? Core::Kind::kHalfFrustum : Core::Kind::kFrustum;
+  solid.kind = hollow.numbers.half ? Core::Kind::kHalfFrustum : Core::Kind::kFrustum;
   solid.R = at.R;
   solid.c = at.c + (0.5 * (p.z + q.z)) * at.R.z;
   solid.h = 0.5 * (q.z - p.z);
@@ -91,7 +92,7 @@ Core build_piece(const CompiledShape& hollow, const Placed& at, std::size_t i) {
 }
 
 // The least of the walls between the profile's points.
-Distance calc_hollow(const CompiledShape& hollow, const Placed& at, const Rounded& b) {
+Distance calc_hollow(const ShapeView& hollow, const Placed& at, const Rounded& b) {
   Distance least;
   for (std::size_t i = 0; i + 1 < hollow.profile.size(); ++i) {
     const Core solid = build_piece(hollow, at, i);
@@ -111,7 +112,7 @@ Distance mirror(const Distance& d) {
 }
 
 // The lowest point of a wall is that of the solids that it bounds: it lies on their rims.
-Distance calc_hollow_half_space(const CompiledShape& hollow, const Placed& at, const Placed& space) {
+Distance calc_hollow_half_space(const ShapeView& hollow, const Placed& at, const Placed& space) {
   Distance least;
   for (std::size_t i = 0; i + 1 < hollow.profile.size(); ++i) {
     const Distance d = calc_half_space(space, {build_piece(hollow, at, i), 0});
@@ -133,34 +134,36 @@ int compare(const Mat3& a, const Mat3& b) {
 }
 
 // An order of shapes and places, by kind, sizes and place, so that both orders of the arguments compute the same.
-int compare(const CompiledShape& a, const Placement& at_a, const CompiledShape& b, const Placement& at_b) {
+int compare(const ShapeView& view_a, const Placement& at_a, const ShapeView& view_b, const Placement& at_b) {
+  const ShapeNumbers &a = view_a.numbers, &b = view_b.numbers;
   if (a.kind != b.kind) return a.kind > b.kind ? -1 : 1;
   if (const int c = compare(a.bound, b.bound)) return c;
   if (const int c = compare(a.r0, b.r0)) return c;
   if (const int c = compare(a.r1, b.r1)) return c;
   if (const int c = compare(a.half_length, b.half_length)) return c;
   if (const int c = compare(a.half_size, b.half_size)) return c;
-  if (a.points.size() != b.points.size()) return a.points.size() < b.points.size() ? -1 : 1;
+  const std::span<const Vec3> of_a = view_a.points, of_b = view_b.points;
+  if (of_a.size() != of_b.size()) return of_a.size() < of_b.size() ? -1 : 1;
   if (const int c = compare(at_a.p_WB, at_b.p_WB)) return c;
   if (const int c = compare(at_a.R_WB, at_b.R_WB)) return c;
   if (const int c = compare(a.p_BS, b.p_BS)) return c;
   if (const int c = compare(a.R_BS, b.R_BS)) return c;
-  for (std::size_t i = 0; i < a.points.size(); ++i)
-    if (const int c = compare(a.points[i], b.points[i])) return c;
+  for (std::size_t i = 0; i < of_a.size(); ++i)
+    if (const int c = compare(of_a[i], of_b[i])) return c;
   return 0;
 }
 
-Distance calc_ordered(const CompiledShape& a, const Placement& at_a, const CompiledShape& b, const Placement& at_b) {
+Distance calc_ordered(const ShapeView& a, const Placement& at_a, const ShapeView& b, const Placement& at_b) {
   const Vec3 origin = at_a.p_WB;
-  const Placed place_a = place(a, at_a, origin);
-  const Placed place_b = place(b, at_b, origin);
+  const Placed place_a = place(a.numbers, at_a, origin);
+  const Placed place_b = place(b.numbers, at_b, origin);
   Distance out;
-  if (b.kind == ShapeKind::kHalfSpace) {  // A is hollow
+  if (b.numbers.kind == ShapeKind::kHalfSpace) {  // A is hollow
     out = calc_hollow_half_space(a, place_a, place_b);
   } else {
     const Rounded core_b = build_core(b, place_b);
-    out = a.kind == ShapeKind::kHollow      ? calc_hollow(a, place_a, core_b)
-          : a.kind == ShapeKind::kHalfSpace ? calc_half_space(place_a, core_b)
+    out = a.numbers.kind == ShapeKind::kHollow      ? calc_hollow(a, place_a, core_b)
+          : a.numbers.kind == ShapeKind::kHalfSpace ? calc_half_space(place_a, core_b)
                                             : calc_convex(build_core(a, place_a), core_b);
   }
   out.on_a += origin;
@@ -174,9 +177,9 @@ bool has_distance(ShapeKind a, ShapeKind b) noexcept {
   return a != b || (a != ShapeKind::kHollow && a != ShapeKind::kHalfSpace);
 }
 
-Distance calc_distance(const CompiledShape& a, const Placement& at_a, const CompiledShape& b,
+Distance calc_distance(const ShapeView& a, const Placement& at_a, const ShapeView& b,
                        const Placement& at_b) noexcept {
-  if (!has_distance(a.kind, b.kind)) return {};
+  if (!has_distance(a.numbers.kind, b.numbers.kind)) return {};
   if (compare(a, at_a, b, at_b) <= 0) return calc_ordered(a, at_a, b, at_b);
   return mirror(calc_ordered(b, at_b, a, at_a));
 }

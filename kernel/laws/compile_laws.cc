@@ -18,7 +18,7 @@ std::int32_t find_part(const PlanTableAxis& axis, std::span<const double> knots,
 }
 
 // Twice as many uniform parts as cells; one on which the scale would overflow has one.
-void compile_buckets(std::span<const double> knots, PlanLaws& plan, PlanTableAxis& axis) {
+void compile_buckets(std::span<const double> knots, PlanLawLists<GrowingList>& plan, PlanTableAxis& axis) {
   axis.bucket_count = 2 * (axis.count - 1);
   axis.bucket_scale = axis.bucket_count / (knots.back() - knots.front());
   axis.buckets = get_size(plan.buckets);
@@ -49,7 +49,7 @@ Slope calc_slope(std::span<const double> knots, std::int32_t p) {
 }
 
 // Cubic of Hermite of each cell over u, 0 to 1, as polynomials of the weights of its support.
-void compile_cells(std::span<const double> knots, PlanLaws& plan, PlanTableAxis& axis) {
+void compile_cells(std::span<const double> knots, PlanLawLists<GrowingList>& plan, PlanTableAxis& axis) {
   axis.cells = get_size(plan.numbers);
   for (std::int32_t cell = 0; cell + 1 < axis.count; ++cell) {
     const std::int32_t first = std::clamp(cell - 1, 0, axis.count - axis.support);
@@ -71,7 +71,7 @@ void compile_cells(std::span<const double> knots, PlanLaws& plan, PlanTableAxis&
 
 class TableCompiler {
  public:
-  explicit TableCompiler(PlanLaws& plan) : plan_(plan) {}
+  explicit TableCompiler(PlanDraft& plan) : plan_(plan.laws), strict_(plan.law_numbers.strict) {}
 
   void compile(const Table& table) {
     const Content content{list_axes(table), &table.values, table.interpolation};
@@ -81,7 +81,7 @@ class TableCompiler {
     out.scale_channel = table.scale_channel, out.offset_channel = table.offset_channel;
     plan_.tables.push_back(out);
     for (const TableAxis& axis : table.axes)
-      plan_.strict = plan_.strict || axis.below == TableAxis::End::kError || axis.above == TableAxis::End::kError;
+      strict_ = strict_ || axis.below == TableAxis::End::kError || axis.above == TableAxis::End::kError;
   }
 
  private:
@@ -123,7 +123,8 @@ class TableCompiler {
     return out;
   }
 
-  PlanLaws& plan_;
+  PlanLawLists<GrowingList>& plan_;
+  bool& strict_;
   std::map<Content, std::size_t> known_;
 };
 
@@ -140,8 +141,8 @@ class LawCompiler {
           find_operands(model_.laws[at(law)], driving);
         }
       if (!driving) break;
-      plan_.driving = get_size(plan_.order);
-      plan_.driving_operands = get_size(plan_.operands);
+      compiler_.plan.law_numbers.driving = get_size(plan_.order);
+      compiler_.plan.law_numbers.driving_operands = get_size(plan_.operands);
     }
     for (const Law& law : model_.laws) append(law);
   }
@@ -179,7 +180,7 @@ class LawCompiler {
   const Model& model_;
   const LawGraph graph_;
   ElementCompiler& compiler_;
-  PlanLaws& plan_;
+  PlanLawLists<GrowingList>& plan_;
   std::map<int, std::int32_t> operands_;  // by the model's number of the quantity
 };
 
@@ -199,7 +200,7 @@ bool reads_commands(const Model& model) {
 
 void compile_laws(const Model& model, ElementCompiler& compiler) {
   if (model.laws.empty()) return;
-  TableCompiler tables(compiler.plan.laws);
+  TableCompiler tables(compiler.plan);
   for (const Table& table : model.tables) tables.compile(table);
   LawCompiler(model, compiler).compile();
   compiler.plan.commanded_loads = compiler.plan.commanded_loads || reads_commands(model);

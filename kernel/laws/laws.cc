@@ -145,12 +145,12 @@ double calc_law(const Instant& now, const Evaluation& ev, int law) noexcept {
 void update_laws(const Instant& now, LawSet set, Evaluation& ev) noexcept {
   const PlanLaws& plan = now.plan.laws;
   const bool driving = set == LawSet::kDriving;
+  const std::size_t first_laws = at(now.plan.law_numbers.driving), first_operands = at(now.plan.law_numbers.driving_operands);
   if (driving) std::fill(ev.table_exits.begin(), ev.table_exits.end(), TableExit{});
   const std::size_t operands = plan.operands.size(), laws = plan.order.size();
-  for (std::size_t i = driving ? 0 : at(plan.driving_operands); i < (driving ? at(plan.driving_operands) : operands);
-       ++i)
+  for (std::size_t i = driving ? 0 : first_operands; i < (driving ? first_operands : operands); ++i)
     ev.law_operands[i] = calc_scalar(now, ev, now.plan.quantities[at(plan.operands[i])]);
-  for (std::size_t i = driving ? 0 : at(plan.driving); i < (driving ? at(plan.driving) : laws); ++i)
+  for (std::size_t i = driving ? 0 : first_laws; i < (driving ? first_laws : laws); ++i)
     ev.laws[at(plan.order[i])] = calc_law(now, ev, plan.order[i]);
 }
 

@@ -13,17 +13,20 @@
 
 namespace unlatch {
 
-// Numbers of a law; of a table, travels and forces.
-struct OneSidedLaw {
+// Numbers of a law, but for its table.
+struct OneSidedNumbers {
   OneSided::Law kind;
   double stroke, preload, stiffness, gas_length, exponent;
   double damping, friction, friction_speed;
-  std::span<const double> travels, forces;
+};
+struct OneSidedLaw : OneSidedNumbers {
+  std::span<const double> travels, forces;  // of a table
 };
 
 inline OneSidedLaw get_law(const OneSided& f) {
-  return {f.law,     f.stroke,   f.preload,        f.stiffness, f.gas_length, f.exponent,
-          f.damping, f.friction, f.friction_speed, f.travels,   f.forces};
+  return {{f.law, f.stroke, f.preload, f.stiffness, f.gas_length, f.exponent, f.damping, f.friction, f.friction_speed},
+          f.travels,
+          f.forces};
 }
 
 // (L / (L + u))^p

@@ -7,11 +7,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include "kernel/math/index.h"
 #include "kernel/model/one_sided_law.h"
 #include "kernel/plan/blocks.h"
+#include "kernel/plan/list_kinds.h"
 #include "kernel/plan/plan_laws.h"
 #include "unlatch/cords.h"
 #include "unlatch/geometry.h"
@@ -207,7 +208,8 @@ struct PlanPlaneTorsion {
 // Shapes of a body, see Surface in unlatch/model.h.
 struct PlanShapes {
   std::int32_t body;
-  geometry::ShapeGroup group;
+  std::int32_t first, count;  // into PlanData::shape_parts
+  geometry::GroupNumbers group;
   // Of the body that carries them, held by nothing: 1/kg, of a flexible body with the mobility of its modes there; 0
   // for the ground. About its origin, body axes, 1/(kg m²).
   double inverse_mass = 0;
@@ -234,7 +236,7 @@ struct PlanOneSided {
   double sign, limit;
   bool guided;
   Vec3 point_base, point_follower, guide;
-  OneSidedLaw law;            // without its table
+  OneSidedNumbers law;
   std::int32_t first, count;  // its table, into PlanData::travels and travel_forces
   std::int64_t engaged;       // at the start
   std::int32_t drum = kNone;  // into PlanData::drums and State::bearings
@@ -317,115 +319,142 @@ struct GravityField {
 // Part of a step: times nearer than this are one instant.
 inline constexpr double kSameInstant = 1e-9;
 
-struct PlanData {
+// Numbers of a plan.
+struct PlanNumbers {
   PlanOptions options;
   InstructionSet instruction_set = InstructionSet::kScalar;  // chosen for this processor
   std::uint64_t hash = 0;  // of the model and its options: two plans with one hash step alike
   double get_time(std::int64_t tick) const { return static_cast<double>(tick) * options.dt; }  // s
   double get_slack() const { return kSameInstant * options.dt; }  // s: times nearer than this are one instant
 
-  // tree
-  std::vector<TreeNode> nodes;
-  std::vector<PlanBody> bodies;
-  std::vector<PlanJoint> joints;
-  std::vector<RowSet> modes;
-  std::vector<PlanNonTreeJoint> non_tree_joints;
-
   // loops
-  std::vector<std::int32_t> loops;   // joints that close a loop over the tree
-  std::vector<LoopNode> loop_nodes;  // children before parents
-  std::vector<LoopEnd> loop_ends;
   std::int32_t loop_rows = 0, loop_columns = 0;  // that the loops' joints hold at most; the same, padded for packs
   std::int32_t loop_load_rows = 0;               // of Evaluation::loop_loads, before its scratch
   std::int32_t loop_modal_rows = 0;              // of these, the first, of modal coordinates
-  std::vector<LoopPath> loop_paths;              // per loop
-  std::vector<PathNode> path_nodes;
-  std::vector<std::int32_t> ring_joints;  // joints of the tree that lie in loops
-  std::int32_t ring_rows = 0;             // that they hold at most
-  std::vector<LoopMesh> meshes;
-  std::vector<std::int32_t> mesh_joints;  // of each mesh, in the order of the model
+  std::int32_t ring_rows = 0;                    // that PlanLists::ring_joints hold at most
+  std::int32_t cluster_blocks = 0;               // of Evaluation::cluster_matrix
+  std::int32_t cluster_numbers = 0;              // of Evaluation::cluster_columns
 
-  // loops that are eliminated where they close; empty if all are by one dense matrix
-  std::vector<LoopClosure> closures;
-  std::vector<LoopLink> loop_links;
-  std::vector<LoopSlot> loop_slots;
-  std::vector<std::int32_t> loop_pairs;
-  std::vector<ClusterNode> cluster_nodes;    // parents before children
-  std::vector<std::int32_t> group_clusters;  // per group: its first cluster node; and the end
-  std::int32_t cluster_blocks = 0;           // of Evaluation::cluster_matrix
-  std::int32_t cluster_numbers = 0;          // of Evaluation::cluster_columns
-
-  // blocks, see blocks.h
-  std::vector<BodyEight> eights;
-  std::vector<Group> groups;                // parents before children
-  std::vector<std::int32_t> inner_groups;   // whose SubtreeBlocks no child begins, see Group::begins
-  std::vector<std::int32_t> lane_nodes;     // per lane: its node, or kNone
-  std::vector<Place> lane_parents;          // per lane: where its parent is
-  std::vector<Place> places;                // per body
-  std::vector<NumberColumn> multipliers;    // per joint: the six of them
-  std::vector<NumberColumn> accelerations;  // per body: the six of it
-  std::vector<double> body_constants;       // BodyConstants of each block of eight
-  std::vector<double> joint_constants;      // JointConstants, and RotationConstants if needed, of each group
-  std::vector<double> solver_constants;     // SolverConstants of each group
-  std::int32_t block_numbers = 0;           // size of Evaluation::blocks
-
-  // bodies that bend or burn
-  std::vector<PlanVarying> varying;
-  std::vector<MassKnot> mass_knots;
-  std::vector<PlanFlexible> flexible;
-  std::vector<PlanMarker> markers;  // those of one flexible body together
-  std::vector<double> modal;
-  std::int32_t modal_work = 0;            // size of Evaluation::modal
-  std::vector<double> initial_auxiliary;  // auxiliary states: burnt by each of `varying`, modal ones, contacts
-  bool rigid = true;                      // no body bends or changes its mass: all of the above is empty
+  // blocks, bodies that bend or burn
+  std::int32_t block_numbers = 0;  // size of Evaluation::blocks
+  std::int32_t modal_work = 0;     // size of Evaluation::modal
+  bool rigid = true;               // no body bends or changes its mass: the lists of these are empty
 
   // elements
   GravityField gravity;
-  std::vector<PlanCoordinate> coordinates;  // that somebody reads, or their rates
-  std::int32_t driven_coordinates = 0;      // of these, the first, springs do, so that every stage needs them
-  std::int32_t rotation_count = 0;          // rotations among them all
-  std::vector<PlanLoad> loads;
-  std::vector<std::int32_t> external_loads;  // of these, those that stand apart or burn something
-  bool commanded_loads = false;              // a command decides the size of some load, or some law
-  std::vector<PlanPointSpring> point_springs;
-  std::vector<PlanJointSpring> joint_springs;
-  std::vector<PlanCompliant> compliant;
-  std::vector<RowSet> compliant_axes;  // per joint: axes with implicit springs
-  std::vector<PlanPlaneTorsion> plane_torsions;
-  std::vector<PlanShapes> shapes;
-  std::vector<PlanContact> contacts;
-  std::vector<ContactPair> contact_pairs;  // those of one contact together
-  std::int32_t contact_substeps = 1;       // kAutomaticSubsteps, or a number
-  std::vector<PlanOneSided> one_sided;
-  std::vector<CordDrum> drums;  // of cords, in the model's order
-  std::vector<double> travels, travel_forces;
-  std::vector<PlanFriction> frictions;
+  std::int32_t driven_coordinates = 0;  // of PlanLists::coordinates, the first, springs do, so that every stage needs them
+  std::int32_t rotation_count = 0;      // rotations among them all
+  bool commanded_loads = false;         // a command decides the size of some load, or some law
+  std::int32_t contact_substeps = 1;    // kAutomaticSubsteps, or a number
   bool pair_forces = false;  // some element pushes two bodies apart: has_pair_forces() in compile_plan.cc lists them
-  std::vector<PlanProfile> profiles;
-  std::vector<Knot> knots;
-  std::vector<Profile::Harmonic> harmonics;
-  PlanLaws laws;
-  std::vector<double> element_scales;  // initial switch scale per element: 0 or 1
+
+  PlanLawNumbers law_numbers;
 
   // events and sensors
-  std::vector<PlanCondition> conditions;
-  std::vector<Action> actions;
-  std::vector<PlanImpulse> impulses;
-  std::vector<PlanEvent> events;
-  std::vector<std::int32_t> repeating_events;
-  std::vector<std::int32_t> timed_events;  // that are due at a known time: by their guard, or after a delay
-  bool commanded_events = false;           // a command decides some guard, itself or through the reactions
-  std::vector<PlanQuantity> quantities;    // the model's, then those of conditions, then those of sensors
-  std::int32_t quantity_count = 0;         // of these, the model's
-  std::vector<PlanSensor> sensors;
-  std::int32_t sensor_count = 0;  // values, all sensors' components counted
+  bool commanded_events = false;    // a command decides some guard, itself or through the reactions
+  std::int32_t quantity_count = 0;  // of PlanLists::quantities, the model's
+  std::int32_t sensor_count = 0;    // values, all sensors' components counted
   std::int32_t signal_count = 0;
   std::int32_t channel_count = 0;
   std::int32_t guard_depth = 0;  // values that evaluating the deepest guard keeps at once
+};
+
+// Lists of a plan. A new list goes into for_each_list() of plan_lists.h as well.
+template <template <class> class List>
+struct PlanLists {
+  // tree
+  List<TreeNode> nodes;
+  List<PlanBody> bodies;
+  List<PlanJoint> joints;
+  List<RowSet> modes;
+  List<PlanNonTreeJoint> non_tree_joints;
+
+  // loops
+  List<std::int32_t> loops;   // joints that close a loop over the tree
+  List<LoopNode> loop_nodes;  // children before parents
+  List<LoopEnd> loop_ends;
+  List<LoopPath> loop_paths;              // per loop
+  List<PathNode> path_nodes;
+  List<std::int32_t> ring_joints;  // joints of the tree that lie in loops
+  List<LoopMesh> meshes;
+  List<std::int32_t> mesh_joints;  // of each mesh, in the order of the model
+
+  // loops that are eliminated where they close; empty if all are by one dense matrix
+  List<LoopClosure> closures;
+  List<LoopLink> loop_links;
+  List<LoopSlot> loop_slots;
+  List<std::int32_t> loop_pairs;
+  List<ClusterNode> cluster_nodes;    // parents before children
+  List<std::int32_t> group_clusters;  // per group: its first cluster node; and the end
+
+  // blocks, see blocks.h
+  List<BodyEight> eights;
+  List<Group> groups;                // parents before children
+  List<std::int32_t> inner_groups;   // whose SubtreeBlocks no child begins, see Group::begins
+  List<std::int32_t> lane_nodes;     // per lane: its node, or kNone
+  List<Place> lane_parents;          // per lane: where its parent is
+  List<Place> places;                // per body
+  List<NumberColumn> multipliers;    // per joint: the six of them
+  List<NumberColumn> accelerations;  // per body: the six of it
+  List<double> body_constants;       // BodyConstants of each block of eight
+  List<double> joint_constants;      // JointConstants, and RotationConstants if needed, of each group
+  List<double> solver_constants;     // SolverConstants of each group
+
+  // bodies that bend or burn
+  List<PlanVarying> varying;
+  List<MassKnot> mass_knots;
+  List<PlanFlexible> flexible;
+  List<PlanMarker> markers;  // those of one flexible body together
+  List<double> modal;
+  List<double> initial_auxiliary;  // auxiliary states: burnt by each of `varying`, modal ones, contacts
+
+  // elements
+  List<PlanCoordinate> coordinates;  // that somebody reads, or their rates
+  List<PlanLoad> loads;
+  List<std::int32_t> external_loads;  // of these, those that stand apart or burn something
+  List<PlanPointSpring> point_springs;
+  List<PlanJointSpring> joint_springs;
+  List<PlanCompliant> compliant;
+  List<RowSet> compliant_axes;  // per joint: axes with implicit springs
+  List<PlanPlaneTorsion> plane_torsions;
+  List<PlanShapes> shapes;
+  List<geometry::ShapeNumbers> shape_parts;  // those of one of `shapes` together
+  List<Vec3> hull_points;                    // of hulls
+  List<geometry::ProfilePoint> profile_points;  // of hollow shapes
+  List<PlanContact> contacts;
+  List<ContactPair> contact_pairs;  // those of one contact together
+  List<PlanOneSided> one_sided;
+  List<CordDrum> drums;  // of cords, in the model's order
+  List<double> travels, travel_forces;
+  List<PlanFriction> frictions;
+  List<PlanProfile> profiles;
+  List<Knot> knots;
+  List<Profile::Harmonic> harmonics;
+  PlanLawLists<List> laws;
+  List<double> element_scales;  // initial switch scale per element: 0 or 1
+
+  // events and sensors
+  List<PlanCondition> conditions;
+  List<Action> actions;
+  List<PlanImpulse> impulses;
+  List<PlanEvent> events;
+  List<std::int32_t> repeating_events;
+  List<std::int32_t> timed_events;  // that are due at a known time: by their guard, or after a delay
+  List<PlanQuantity> quantities;    // the model's, then those of conditions, then those of sensors
+  List<PlanSensor> sensors;
+  List<double> initial_commands;  // of the channels
 
   RowSet get_rows(int joint, std::int64_t mode) const {
     return modes[static_cast<std::size_t>(joints[static_cast<std::size_t>(joint)].first_mode + mode)];
   }
 };
+
+// A plan to step with. Its lists lie in an image (plan_image.h), which outlives it.
+struct PlanData : PlanNumbers, PlanLists<FixedList> {
+  std::span<const std::byte> image;
+};
+
+// A plan while it is compiled.
+struct PlanDraft : PlanNumbers, PlanLists<GrowingList> {};
 
 }  // namespace unlatch

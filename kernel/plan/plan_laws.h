@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "kernel/plan/list_kinds.h"
 #include "unlatch/law.h"
 
 namespace unlatch {
@@ -46,21 +46,28 @@ struct PlanLaw {
   double scale, offset;
 };
 
-struct PlanLaws {
-  std::vector<PlanLaw> list;  // the model's
-  std::vector<PlanLawStep> steps;
-  std::vector<PlanTable> tables;  // the model's
-  std::vector<PlanTableAxis> axes;
-  std::vector<double> numbers;
-  std::vector<std::int32_t> buckets;
-  // Order of evaluation: a law behind those that it reads. The first `driving` are those that forces read, directly or
-  // through others; likewise the operands, which are places in PlanData::quantities.
-  std::vector<std::int32_t> order, operands;
-  std::int32_t driving = 0, driving_operands = 0;
-  std::vector<std::int32_t> loads;  // that a law sizes
-  bool strict = false;              // some table ends the run where it is left
+// In PlanNumbers.
+struct PlanLawNumbers {
+  std::int32_t driving = 0, driving_operands = 0;  // of PlanLaws::order and PlanLaws::operands, the first
+  bool strict = false;                             // some table ends the run where it is left
+};
+
+// In PlanLists.
+template <template <class> class List>
+struct PlanLawLists {
+  List<PlanLaw> list;  // the model's
+  List<PlanLawStep> steps;
+  List<PlanTable> tables;  // the model's
+  List<PlanTableAxis> axes;
+  List<double> numbers;
+  List<std::int32_t> buckets;
+  // Order of evaluation: a law behind those that it reads. The first are those that forces read, directly or through
+  // others; likewise the operands, which are places in PlanData::quantities.
+  List<std::int32_t> order, operands;
+  List<std::int32_t> loads;  // that a law sizes
 
   bool empty() const { return list.empty(); }
 };
+using PlanLaws = PlanLawLists<FixedList>;
 
 }  // namespace unlatch

@@ -1,9 +1,8 @@
 #include "unlatch/state.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
+#include "kernel/math/hash.h"
 #include "kernel/plan/plan_data.h"
 
 namespace unlatch {
@@ -47,6 +46,8 @@ LoopOverlap Plan::get_loop_overlap() const noexcept {
   return overlap;
 }
 std::size_t Plan::get_sensor_count() const noexcept { return at(data_->sensor_count); }
+std::span<const double> Plan::get_initial_commands() const noexcept { return data_->initial_commands; }
+std::span<const std::byte> Plan::get_image() const noexcept { return data_->image; }
 std::uint64_t Plan::get_hash() const noexcept { return data_->hash; }
 
 std::size_t Plan::get_state_bytes() const noexcept {
@@ -87,23 +88,6 @@ std::span<const double> get_modal_coordinates(const Plan& owner, const State& st
   return {};
 }
 
-// Four interleaved multiply–xorshift chains over the 64-bit words, then mixed: about a nanosecond for four words.
-std::uint64_t calc_hash(const State& state) noexcept {
-  constexpr std::uint64_t kPrime = 0x9E3779B97F4A7C15ull;
-  std::uint64_t chains[4] = {1, 2, 3, 4};
-  const std::span<const std::byte> bytes = state.get_bytes();
-  for (std::size_t i = 0; i < bytes.size() / 8; ++i) {
-    std::uint64_t word;
-    std::memcpy(&word, bytes.data() + 8 * i, 8);
-    std::uint64_t& chain = chains[i % 4];
-    chain = std::rotl(chain ^ word, 29) * kPrime;
-  }
-  std::uint64_t hash = bytes.size();
-  for (const std::uint64_t chain : chains) {
-    hash = (hash ^ chain ^ (chain >> 32)) * kPrime;
-    hash ^= hash >> 29;
-  }
-  return hash;
-}
+std::uint64_t calc_hash(const State& state) noexcept { return calc_words_hash(state.get_bytes()); }
 
 }  // namespace unlatch

@@ -176,7 +176,7 @@ class SideBySide {
       if (events[e].phase == EventPhase::kArmed && low.events[e] < 0 &&
           high.events[e] >= -(own.events[e].by_time ? slack : 0.0))
         return false;
-    if (own.laws.strict && leaves_table(m)) return false;  // its own step reports it
+    if (own.law_numbers.strict && leaves_table(m)) return false;  // its own step reports it
     const auto first = at(data_.members[m].pair);
     for (std::size_t i = 0; i < low.pairs.size(); ++i)
       if ((low.pairs[i] < 0 && high.pairs[i] >= 0) ||

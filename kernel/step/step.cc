@@ -161,7 +161,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   if (run.report.status != StepStatus::kOk) return finish(run);
   update_readings(run.get_instant(end), run.ev());
   if (!is_finite(run.state(), run.ev().sensors)) run.fail(StepStatus::kNotFinite);
-  if (run.plan.laws.strict && run.report.status == StepStatus::kOk) check_tables(run);
+  if (run.plan.law_numbers.strict && run.report.status == StepStatus::kOk) check_tables(run);
   if (run.report.status != StepStatus::kOk) return finish(run);
 
   run.report.redundant = run.ev().loop_redundant;

@@ -13,7 +13,7 @@ constexpr std::size_t kFewestLoops = 2;
 
 class Clusters {
  public:
-  explicit Clusters(PlanData& plan)
+  explicit Clusters(PlanDraft& plan)
       : plan_(plan), node_of_(plan.bodies.size(), kNone), passing_(plan.nodes.size()), closing_(plan.nodes.size()) {
     for (std::size_t k = 0; k < plan.nodes.size(); ++k) node_of_[at(plan.nodes[k].body)] = static_cast<int>(k);
   }
@@ -179,7 +179,7 @@ class Clusters {
     plan_.cluster_nodes.push_back(node);
   }
 
-  PlanData& plan_;
+  PlanDraft& plan_;
   std::vector<int> node_of_;   // per body
   std::vector<int> group_of_;  // per node
   std::vector<std::vector<int>> passing_, closing_;  // per node: loops
@@ -191,7 +191,7 @@ class Clusters {
 
 }  // namespace
 
-void compile_clusters(PlanData& plan) {
+void compile_clusters(PlanDraft& plan) {
   if (plan.loops.size() >= kFewestLoops) Clusters(plan).compile();
 }
 

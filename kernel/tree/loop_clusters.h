@@ -7,6 +7,6 @@ namespace unlatch {
 
 // Fill of Λ and places of its blocks, for two loops or more without a flexible body on their ways; otherwise nothing,
 // and one dense matrix has all their rows. Needs the blocks. Time and memory: those of one elimination.
-void compile_clusters(PlanData& plan);
+void compile_clusters(PlanDraft& plan);
 
 }  // namespace unlatch

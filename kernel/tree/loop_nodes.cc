@@ -11,7 +11,7 @@ constexpr int kPadding = 8;  // columns come in multiples of the widest pack
 constexpr int kSpatial = 6;  // rows of loads at a body
 
 // The largest number of rows that the loops' joints can hold at once.
-int count_rows(const Model& model, const PlanData& plan) {
+int count_rows(const Model& model, const PlanDraft& plan) {
   int rows = 0;
   for (const std::int32_t joint : plan.loops) {
     int most = 0;
@@ -23,7 +23,7 @@ int count_rows(const Model& model, const PlanData& plan) {
 
 class LoopOrder {
  public:
-  explicit LoopOrder(PlanData& plan) : plan_(plan), node_of_(plan.bodies.size(), kNone), loops_(plan.nodes.size()) {
+  explicit LoopOrder(PlanDraft& plan) : plan_(plan), node_of_(plan.bodies.size(), kNone), loops_(plan.nodes.size()) {
     for (std::size_t k = 0; k < plan.nodes.size(); ++k) node_of_[at(plan.nodes[k].body)] = static_cast<int>(k);
     for (std::size_t l = 0; l < plan.loops.size(); ++l) {
       const PlanJoint& joint = plan.joints[at(plan.loops[l])];
@@ -133,7 +133,7 @@ class LoopOrder {
     for (LoopNode& node : plan_.loop_nodes) node.group = group_of[at(node.node)];
   }
 
-  PlanData& plan_;
+  PlanDraft& plan_;
   std::vector<int> node_of_;                 // per body
   std::vector<std::vector<LoopEnd>> loops_;  // per node: at its body
   std::vector<bool> on_way_;
@@ -145,7 +145,7 @@ class LoopOrder {
 
 }  // namespace
 
-void compile_loops(const Model& model, PlanData& plan) {
+void compile_loops(const Model& model, PlanDraft& plan) {
   if (plan.loops.empty()) return;
   plan.loop_rows = count_rows(model, plan);
   plan.loop_columns = (plan.loop_rows + kPadding - 1) / kPadding * kPadding;

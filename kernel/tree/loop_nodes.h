@@ -8,6 +8,6 @@
 namespace unlatch {
 
 // Needs the blocks. O(n) besides.
-void compile_loops(const Model& model, PlanData& plan);
+void compile_loops(const Model& model, PlanDraft& plan);
 
 }  // namespace unlatch

@@ -18,7 +18,7 @@ constexpr double kOnePoint = 1e-9;
 
 class LoopPaths {
  public:
-  LoopPaths(const Model& model, PlanData& plan) : model_(model), plan_(plan), mesh_of_(model.joints.size()) {
+  LoopPaths(const Model& model, PlanDraft& plan) : model_(model), plan_(plan), mesh_of_(model.joints.size()) {
     for (std::size_t j = 0; j < mesh_of_.size(); ++j) mesh_of_[j] = static_cast<int>(j);
     ring_of_.assign(model.joints.size(), kNone);
     node_of_.assign(plan.bodies.size(), kNone);
@@ -125,7 +125,7 @@ class LoopPaths {
   }
 
   const Model& model_;
-  PlanData& plan_;
+  PlanDraft& plan_;
   std::vector<int> mesh_of_;                // per joint: another of its mesh, or itself
   std::vector<std::int32_t> ring_of_;       // per joint: its place among the ring's
   std::vector<std::int32_t> node_of_;       // per body
@@ -134,7 +134,7 @@ class LoopPaths {
 
 }  // namespace
 
-void compile_loop_paths(const Model& model, PlanData& plan) {
+void compile_loop_paths(const Model& model, PlanDraft& plan) {
   if (!plan.loops.empty()) LoopPaths(model, plan).compile();
 }
 

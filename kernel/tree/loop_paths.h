@@ -8,6 +8,6 @@
 namespace unlatch {
 
 // Needs compile_loops(). O(loops · depth of the tree).
-void compile_loop_paths(const Model& model, PlanData& plan);
+void compile_loop_paths(const Model& model, PlanDraft& plan);
 
 }  // namespace unlatch

@@ -69,7 +69,7 @@ void LoadKind::validate(const Load& load, const Check& check) {
 }
 
 PlanLoad LoadKind::compile(const Load& l, ElementCompiler& compiler) {
-  PlanData& plan = compiler.plan;
+  PlanDraft& plan = compiler.plan;
   const bool world = l.frame == Load::Frame::kWorld, torque = l.kind == Load::Kind::kTorque;
   const Vec3 none{0, 0, 0}, point = torque ? none : to_vec(l.point), size = to_vec(l.direction);
   const bool by_law = l.profile.kind == Profile::Kind::kLaw, apart = world || by_law;

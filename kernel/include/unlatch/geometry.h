@@ -5,6 +5,7 @@
 // Definitions and method: kernel/geometry/README.md.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
@@ -27,8 +28,8 @@ struct ShapeError {
 // Mistakes of a shape: numbers that are not finite, no volume, too many points. Empty: the shape can be compiled.
 std::vector<ShapeError> check_shape(const Shape& shape);
 
-// A shape made ready: axes, half lengths, bounding sphere.
-struct CompiledShape {
+// A shape made ready, but for its points: axes, half lengths, bounding sphere.
+struct ShapeNumbers {
   ShapeKind kind = ShapeKind::kSphere;  // cylinder and cone have become frustums
   Vec3 p_BS{0, 0, 0};                   // m, centre of its axes in the body
   Mat3 R_BS = kIdentity3;           // its axes in the body; z along the axis or the normal, x to the middle of a half
@@ -37,10 +38,28 @@ struct CompiledShape {
   double slope_r = 0, slope_z = 1;  // direction of a frustum's generator in the meridian plane, unit length
   double generator = 0;             // m, its length
   Vec3 half_size{0, 0, 0};          // m, of a box
-  std::vector<Vec3> points{};       // m, of a hull, in its axes
+  bool half = false;                // of a hollow shape
+  double bound = 0;                 // m, radius of the bounding sphere about p_BS; infinite for a half-space
+  std::int32_t first = 0, count = 0;  // of its points in a plan's list
+};
+
+// A shape made ready.
+struct CompiledShape : ShapeNumbers {
+  std::vector<Vec3> points{};           // m, of a hull, in its axes
   std::vector<ProfilePoint> profile{};  // of a hollow shape, z from its centre
-  bool half = false;                    // of a hollow shape
-  double bound = 0;                     // m, radius of the bounding sphere about p_BS; infinite for a half-space
+};
+
+// A shape made ready, wherever its parts are.
+struct ShapeView {
+  ShapeView(const CompiledShape& shape) : numbers(shape), points(shape.points), profile(shape.profile) {}
+  // `all_numbers`: of the shape; `all_points`, `all_profile`: its own.
+  ShapeView(const ShapeNumbers& all_numbers, std::span<const Vec3> all_points,
+            std::span<const ProfilePoint> all_profile)
+      : numbers(all_numbers), points(all_points), profile(all_profile) {}
+
+  const ShapeNumbers& numbers;            // axes, sizes
+  std::span<const Vec3> points;           // of a hull, else empty
+  std::span<const ProfilePoint> profile;  // of a hollow shape, else empty
 };
 
 // May allocate. The shape must be free of mistakes.
@@ -67,15 +86,18 @@ struct Distance {
 bool has_distance(ShapeKind a, ShapeKind b) noexcept;
 
 // Distance of two shapes; no allocation. Infinite for a pair that has none.
-Distance calc_distance(const CompiledShape& a, const Placement& at_a, const CompiledShape& b,
-                       const Placement& at_b) noexcept;
+Distance calc_distance(const ShapeView& a, const Placement& at_a, const ShapeView& b, const Placement& at_b) noexcept;
+
+// Bounding sphere of a union of shapes.
+struct GroupNumbers {
+  Vec3 centre{0, 0, 0};  // m, in the body
+  double bound = 0;      // m, radius
+};
 
 // A named union of shapes of one body, without mass.
-struct ShapeGroup {
+struct ShapeGroup : GroupNumbers {
   std::string name;                   // as scenarios call it
   std::vector<CompiledShape> shapes;  // all parts
-  Vec3 centre{0, 0, 0};               // m, of the bounding sphere, in the body
-  double bound = 0;                   // m, its radius
 };
 
 // May allocate. The shapes must be free of mistakes.
@@ -93,7 +115,7 @@ GroupDistance calc_distance(const ShapeGroup& a, const Placement& at_a, const Sh
                             const Placement& at_b) noexcept;
 
 // m, at most the distance: between bounding spheres. −infinity where one is unbounded.
-double calc_lower_bound(const ShapeGroup& a, const Placement& at_a, const ShapeGroup& b,
+double calc_lower_bound(const GroupNumbers& a, const Placement& at_a, const GroupNumbers& b,
                         const Placement& at_b) noexcept;
 
 // Speeds of a body for conservative advancement.
@@ -105,11 +127,12 @@ struct Motion {
 
 // m/s, at most by which the distance of the two groups can fall per second at the beginning of the interval:
 // relative speed of the origins and the turning of the parts farthest from them (Mirtich 1996).
-double calc_closing_speed(const ShapeGroup& a, const Motion& of_a, const ShapeGroup& b, const Motion& of_b) noexcept;
+double calc_closing_speed(const GroupNumbers& a, const Motion& of_a, const GroupNumbers& b,
+                          const Motion& of_b) noexcept;
 
 // m, at most the distance after `interval` seconds, from a distance now: a pair whose bound is above what is looked for
 // need not be computed.
-double calc_advanced_bound(double distance, const ShapeGroup& a, const Motion& of_a, const ShapeGroup& b,
+double calc_advanced_bound(double distance, const GroupNumbers& a, const Motion& of_a, const GroupNumbers& b,
                            const Motion& of_b, double interval) noexcept;
 
 }  // namespace unlatch::geometry

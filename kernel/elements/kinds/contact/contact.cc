@@ -8,6 +8,7 @@
 #include "kernel/elements/kinds/contact/contact_parts.h"
 #include "kernel/elements/push.h"
 #include "kernel/geometry/bounds.h"
+#include "kernel/geometry/groups.h"
 
 namespace unlatch {
 namespace {
@@ -21,11 +22,24 @@ geometry::Placement get_placement(const BodyFrame& body) { return {body.p, body.
 // Velocity of a body's material at a point of W, world axes, m/s.
 Vec3 calc_velocity(const BodyFrame& body, const Vec3& point) { return body.v + cross(body.w, point - body.p); }
 
+const geometry::ShapeNumbers& get_numbers(const PlanData& plan, const PlanShapes& of, std::int32_t part) {
+  return plan.shape_parts[at(of.first + part)];
+}
+
+geometry::GroupDistance calc_group_distance(const PlanData& plan, const PlanShapes& a, const BodyFrame& at_a,
+                                            const PlanShapes& b, const BodyFrame& at_b) {
+  const auto get_part = [&](const PlanShapes& of) {
+    return [&plan, group = &of](std::size_t i) { return get_shape(plan, *group, static_cast<std::int32_t>(i)); };
+  };
+  return geometry::calc_least(at(a.count), get_part(a), get_placement(at_a), at(b.count), get_part(b),
+                              get_placement(at_b));
+}
+
 geometry::Distance calc_pair_distance(const PlanData& plan, const ContactPair& pair, const BodyFrame& base,
                                       const BodyFrame& follower) {
   const PlanContact& contact = plan.contacts[at(pair.contact)];
-  return geometry::calc_distance(plan.shapes[at(contact.base)].group.shapes[at(pair.base_shape)], get_placement(base),
-                                 plan.shapes[at(contact.follower)].group.shapes[at(pair.follower_shape)],
+  return geometry::calc_distance(get_shape(plan, plan.shapes[at(contact.base)], pair.base_shape), get_placement(base),
+                                 get_shape(plan, plan.shapes[at(contact.follower)], pair.follower_shape),
                                  get_placement(follower));
 }
 
@@ -70,8 +84,8 @@ double calc_far_bound(const PlanShapes& a, const BodyFrame& at_a, const PlanShap
 double calc_far_bound(const PlanData& plan, const ContactPair& pair, const BodyFrame& base, const BodyFrame& follower,
                       double way) {
   const PlanContact& contact = plan.contacts[at(pair.contact)];
-  const geometry::CompiledShape& a = plan.shapes[at(contact.base)].group.shapes[at(pair.base_shape)];
-  const geometry::CompiledShape& b = plan.shapes[at(contact.follower)].group.shapes[at(pair.follower_shape)];
+  const geometry::ShapeNumbers& a = get_numbers(plan, plan.shapes[at(contact.base)], pair.base_shape);
+  const geometry::ShapeNumbers& b = get_numbers(plan, plan.shapes[at(contact.follower)], pair.follower_shape);
   const double bound = geometry::calc_lower_bound(a, get_placement(base), b, get_placement(follower));
   return bound > way + kNear * (a.bound + b.bound) ? bound : -HUGE_VAL;
 }
@@ -84,6 +98,14 @@ double calc_interval(const PlanData& plan, const State& state) {
 }
 
 }  // namespace
+
+geometry::ShapeView get_shape(const PlanData& plan, const PlanShapes& of, std::int32_t part) noexcept {
+  const geometry::ShapeNumbers& numbers = get_numbers(plan, of, part);
+  const std::size_t first = at(numbers.first), count = at(numbers.count);
+  if (numbers.kind == geometry::ShapeKind::kHull) return {numbers, plan.hull_points.subspan(first, count), {}};
+  if (numbers.kind == geometry::ShapeKind::kHollow) return {numbers, {}, plan.profile_points.subspan(first, count)};
+  return {numbers, {}, {}};
+}
 
 double calc_stored(const PlanContact& contact, double depth) noexcept {
   if (!(depth > 0)) return 0;
@@ -147,8 +169,7 @@ void ContactKind::add_energy(const StageMotion& motion, const PlanContact& conta
 
 double calc_shape_distance(const PlanData& plan, const Evaluation& ev, int a, int b) noexcept {
   const PlanShapes &of_a = plan.shapes[at(a)], &of_b = plan.shapes[at(b)];
-  return geometry::calc_distance(of_a.group, get_placement(get_body_frame(ev, of_a.body)), of_b.group,
-                                 get_placement(get_body_frame(ev, of_b.body)))
+  return calc_group_distance(plan, of_a, get_body_frame(ev, of_a.body), of_b, get_body_frame(ev, of_b.body))
       .least.distance;
 }
 
@@ -240,9 +261,9 @@ ContactReading calc_contact(const Plan& owner, const State& state, int contact) 
 }
 
 geometry::GroupDistance calc_shape_distance(const Plan& owner, const State& state, int a, int b) noexcept {
-  const PlanShapes &of_a = owner.data().shapes[at(a)], &of_b = owner.data().shapes[at(b)];
-  return geometry::calc_distance(of_a.group, get_placement(calc_body_frame(state, of_a.body)), of_b.group,
-                                 get_placement(calc_body_frame(state, of_b.body)));
+  const PlanData& plan = owner.data();
+  const PlanShapes &of_a = plan.shapes[at(a)], &of_b = plan.shapes[at(b)];
+  return calc_group_distance(plan, of_a, calc_body_frame(state, of_a.body), of_b, calc_body_frame(state, of_b.body));
 }
 
 }  // namespace unlatch

@@ -14,6 +14,9 @@
 
 namespace unlatch {
 
+// One shape of those of a body.
+geometry::ShapeView get_shape(const PlanData& plan, const PlanShapes& of, std::int32_t part) noexcept;
+
 // A pair of shapes at one instant; forces at the contact's switch scale.
 struct PairForce {
   Vec3 point{0, 0, 0};              // midpoint of the witnesses, W, m

@@ -4,12 +4,13 @@
 
 #include "kernel/elements/kinds/contact/contact.h"
 #include "kernel/model/validate.h"
+#include "kernel/plan/plan_lists.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch {
 namespace {
 
-geometry::Placement get_start(const PlanData& plan, int body) {
+geometry::Placement get_start(const PlanDraft& plan, int body) {
   if (body == kGround) return {};
   const BodyState& start = plan.bodies[at(body)].initial;
   return {start.p, rotation_matrix(start.q)};
@@ -74,7 +75,7 @@ void ContactKind::validate(const Contact& c, const Check& element) {
 }
 
 PlanContact ContactKind::compile(const Contact& c, ElementCompiler& compiler) {
-  PlanData& plan = compiler.plan;
+  PlanDraft& plan = compiler.plan;
   const auto place = static_cast<std::int32_t>(plan.contacts.size());
   PlanContact out{c.base,
                   c.follower,
@@ -90,9 +91,12 @@ PlanContact ContactKind::compile(const Contact& c, ElementCompiler& compiler) {
   plan.initial_auxiliary.insert(plan.initial_auxiliary.end(), sizeof(ContactTotals) / sizeof(double), 0.0);
   const PlanShapes &a = plan.shapes[at(c.base)], &b = plan.shapes[at(c.follower)];
   const geometry::Placement at_a = get_start(plan, a.body), at_b = get_start(plan, b.body);
-  for (std::size_t i = 0; i < a.group.shapes.size(); ++i)
-    for (std::size_t k = 0; k < b.group.shapes.size(); ++k) {
-      const double distance = geometry::calc_distance(a.group.shapes[i], at_a, b.group.shapes[k], at_b).distance;
+  const PlanData made = get_view(plan);
+  for (std::size_t i = 0; i < at(a.count); ++i)
+    for (std::size_t k = 0; k < at(b.count); ++k) {
+      const double distance = geometry::calc_distance(get_shape(made, a, static_cast<std::int32_t>(i)), at_a,
+                                                      get_shape(made, b, static_cast<std::int32_t>(k)), at_b)
+                                  .distance;
       const std::pair pair(static_cast<int>(i), static_cast<int>(k));
       const bool left_out = std::find(c.except.begin(), c.except.end(), pair) != c.except.end();
       if (left_out || !std::isfinite(distance)) continue;  // infinite: this pair has none

@@ -94,10 +94,8 @@ void store_bearings(const PlanData& plan, const Evaluation& ev, State& state) no
 }
 
 OneSidedLaw get_law(const PlanData& plan, const PlanOneSided& own) noexcept {
-  OneSidedLaw law = own.law;
-  law.travels = std::span(plan.travels).subspan(at(own.first), at(own.count));
-  law.forces = std::span(plan.travel_forces).subspan(at(own.first), at(own.count));
-  return law;
+  return {own.law, plan.travels.subspan(at(own.first), at(own.count)),
+          plan.travel_forces.subspan(at(own.first), at(own.count))};
 }
 
 bool is_on(const ElementState& element, double t) noexcept { return element.to != 0 || calc_scale(element, t) != 0; }

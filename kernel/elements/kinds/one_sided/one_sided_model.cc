@@ -181,7 +181,7 @@ void OneSidedKind::validate(const OneSided& f, const Check& check) {
 
 PlanOneSided OneSidedKind::compile(const OneSided& f, ElementCompiler& compiler) {
   const Model& model = compiler.model;
-  PlanData& plan = compiler.plan;
+  PlanDraft& plan = compiler.plan;
   PlanOneSided out{};
   out.number = static_cast<std::int32_t>(plan.one_sided.size());
   out.element = compiler.get_element();
@@ -197,7 +197,6 @@ PlanOneSided OneSidedKind::compile(const OneSided& f, ElementCompiler& compiler)
   out.point_follower = to_vec(f.point_follower);
   out.limit = calc_limit(model, f);
   out.law = get_law(f);
-  out.law.travels = out.law.forces = {};
   out.first = static_cast<std::int32_t>(plan.travels.size());
   out.count = static_cast<std::int32_t>(f.travels.size());
   plan.travels.insert(plan.travels.end(), f.travels.begin(), f.travels.end());

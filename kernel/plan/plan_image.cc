@@ -1,0 +1,91 @@
+#include "kernel/plan/plan_image.h"
+
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include "kernel/simd/instruction_set.h"
+
+namespace unlatch {
+namespace {
+
+bool is_aligned(const std::byte* place) { return reinterpret_cast<std::uintptr_t>(place) % kImageAlignment == 0; }
+
+// What the first bytes say; a header that is whole follows from kOk.
+ImageStatus check_header(std::span<const std::byte> image) {
+  ImageHeader header;
+  constexpr std::size_t kBegin = offsetof(ImageHeader, layout);
+  if (image.size() < kBegin) return ImageStatus::kTruncated;
+  std::memcpy(&header, image.data(), kBegin);
+  if (std::memcmp(header.magic, kImageMagic, sizeof(kImageMagic)) != 0) return ImageStatus::kNoImage;
+  if (header.byte_order != kImageByteOrder) return ImageStatus::kByteOrder;
+  if (header.version != kImageVersion) return ImageStatus::kVersion;
+  if (image.size() < kImageChecked) return ImageStatus::kTruncated;
+  std::memcpy(&header, image.data(), kImageChecked);
+  if (header.layout != get_image_layout()) return ImageStatus::kLayout;
+  if (image.size() < sizeof(ImageHeader) || header.bytes > image.size()) return ImageStatus::kTruncated;
+  if (header.bytes < sizeof(ImageHeader) || header.bytes % 8 != 0) return ImageStatus::kRange;
+  const std::span checked = image.subspan(kImageChecked, static_cast<std::size_t>(header.bytes) - kImageChecked);
+  return calc_words_hash(checked) == header.checksum ? ImageStatus::kOk : ImageStatus::kChecksum;
+}
+
+template <class T>
+bool find_list(std::span<const std::byte> image, const ListPlace& place, std::span<const T>& list) {
+  const std::uint64_t size = std::uint64_t{place.count} * sizeof(T);
+  if (place.offset % kImageAlignment != 0 || place.offset > image.size() || size > image.size() - place.offset)
+    return false;
+  list = {reinterpret_cast<const T*>(image.data() + place.offset), place.count};
+  return true;
+}
+
+}  // namespace
+
+ImageStatus open_image(std::span<const std::byte> image, PlanData& plan) noexcept {
+  if (!is_aligned(image.data())) return ImageStatus::kMisaligned;
+  if (const ImageStatus status = check_header(image); status != ImageStatus::kOk) return status;
+  const auto& header = *reinterpret_cast<const ImageHeader*>(image.data());
+  plan.image = image.first(static_cast<std::size_t>(header.bytes));
+  bool good = true;
+  const ListPlace* place = header.lists;
+  for_each_list([&](auto& list) { good = find_list(plan.image, *place++, list) && good; }, plan);
+  if (!good) return ImageStatus::kRange;
+  static_cast<PlanNumbers&>(plan) = header.numbers;
+  const InstructionSet wanted = plan.options.instruction_set;
+  plan.instruction_set = resolve(is_supported(wanted) ? wanted : InstructionSet::kAuto);
+  return ImageStatus::kOk;
+}
+
+OpenedPlan open_plan(std::span<const std::byte> image, PlanMemory& memory) noexcept {
+  static_assert(sizeof(PlanData) <= sizeof(memory.bytes));
+  PlanData* const data = new (memory.bytes) PlanData;
+  const ImageStatus status = open_image(image, *data);
+  if (status != ImageStatus::kOk) return {std::nullopt, status};
+  return {Plan(std::shared_ptr<const PlanData>(std::shared_ptr<const PlanData>(), data)), status};  // owns nothing
+}
+
+const char* get_status_text(ImageStatus status) noexcept {
+  switch (status) {
+    case ImageStatus::kOk:
+      return "ok";
+    case ImageStatus::kMisaligned:
+      return "the image does not lie at a multiple of 64 bytes: align the array that holds it";
+    case ImageStatus::kNoImage:
+      return "this is no plan image: give what `unlatch compile` writes";
+    case ImageStatus::kByteOrder:
+      return "the image was made for the other byte order: compile it on a machine with this one";
+    case ImageStatus::kVersion:
+      return "the image has another version of the format: compile it again with this version of unlatch";
+    case ImageStatus::kLayout:
+      return "the image was made for another layout of numbers or by another version of unlatch: compile it again, and "
+             "build for a target that aligns numbers of 8 bytes to 8";
+    case ImageStatus::kTruncated:
+      return "the image is shorter than it says: copy it whole";
+    case ImageStatus::kChecksum:
+      return "the image's checksum is wrong, some bit has changed: copy it again";
+    case ImageStatus::kRange:
+      return "a list or a number of the image is out of range: compile it again";
+  }
+  return "unknown status";
+}
+
+}  // namespace unlatch
