@@ -11,17 +11,18 @@ namespace {
 
 bool is_aligned(const std::byte* place) { return reinterpret_cast<std::uintptr_t>(place) % kImageAlignment == 0; }
 
-// What the first bytes say; a header that is whole follows from kOk.
+const ImageHeader& get_header(std::span<const std::byte> image) {
+  return *reinterpret_cast<const ImageHeader*>(image.data());
+}
+
+// Reads no member of the header that may lie behind the image's end.
 ImageStatus check_header(std::span<const std::byte> image) {
-  ImageHeader header;
-  constexpr std::size_t kBegin = offsetof(ImageHeader, layout);
-  if (image.size() < kBegin) return ImageStatus::kTruncated;
-  std::memcpy(&header, image.data(), kBegin);
+  const ImageHeader& header = get_header(image);
+  if (image.size() < offsetof(ImageHeader, layout)) return ImageStatus::kTruncated;
   if (std::memcmp(header.magic, kImageMagic, sizeof(kImageMagic)) != 0) return ImageStatus::kNoImage;
   if (header.byte_order != kImageByteOrder) return ImageStatus::kByteOrder;
   if (header.version != kImageVersion) return ImageStatus::kVersion;
   if (image.size() < kImageChecked) return ImageStatus::kTruncated;
-  std::memcpy(&header, image.data(), kImageChecked);
   if (header.layout != get_image_layout()) return ImageStatus::kLayout;
   if (image.size() < sizeof(ImageHeader) || header.bytes > image.size()) return ImageStatus::kTruncated;
   if (header.bytes < sizeof(ImageHeader) || header.bytes % 8 != 0) return ImageStatus::kRange;
@@ -43,7 +44,7 @@ bool find_list(std::span<const std::byte> image, const ListPlace& place, std::sp
 ImageStatus open_image(std::span<const std::byte> image, PlanData& plan) noexcept {
   if (!is_aligned(image.data())) return ImageStatus::kMisaligned;
   if (const ImageStatus status = check_header(image); status != ImageStatus::kOk) return status;
-  const auto& header = *reinterpret_cast<const ImageHeader*>(image.data());
+  const ImageHeader& header = get_header(image);
   plan.image = image.first(static_cast<std::size_t>(header.bytes));
   bool good = true;
   const ListPlace* place = header.lists;

@@ -64,7 +64,7 @@ class Simulation {
 // Index in the evaluation of a coordinate that an element, guard or sensor uses.
 inline std::size_t find_coordinate(const PlanData& plan, int joint, int row) {
   std::size_t i = 0;
-  while (plan.coordinates.at(i).joint != joint || plan.coordinates[i].row != row) ++i;
+  while (plan.coordinates[i].joint != joint || plan.coordinates[i].row != row) ++i;
   return i;
 }
 
