@@ -19,6 +19,7 @@
 #include "kernel/tree/loop_nodes.h"
 #include "kernel/tree/loop_paths.h"
 #include "kernel/tree/topology.h"
+#include "unlatch/motion.h"
 #include "unlatch/plan.h"
 
 namespace unlatch {
