@@ -175,6 +175,12 @@ void write_fmus(const fs::path& folder) {
   }
 }
 
+void write_plan_image(const fs::path& folder) {
+  const auto simulation = hil::build_simulation(hil::load_scenario_text(fuzz::kSmallScenario, "small.yaml"));
+  const std::span<const std::byte> image = simulation->plan().get_image();
+  write(folder / "small", {reinterpret_cast<const char*>(image.data()), image.size()});
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -184,7 +190,7 @@ int main(int count, char** arguments) {
   }
   const fs::path folder(arguments[1]);
   for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults",
-                             "modes", "calculix", "lcm", "udp", "campaign", "fmu"}) {
+                             "modes", "calculix", "lcm", "udp", "campaign", "fmu", "plan_image"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }
@@ -195,5 +201,6 @@ int main(int count, char** arguments) {
   write_sessions(folder);
   write_modes(folder);
   write_fmus(folder / "fmu");
+  write_plan_image(folder / "plan_image");
   return 0;
 }

@@ -12,7 +12,7 @@ trap 'rm -f "$listing"' EXIT
 awk -v library="$library" '
   /^[0-9a-f]+ <.*>:$/ { name = $0; sub(/^[0-9a-f]+ </, "", name); sub(/>:$/, "", name); functions++ }
   # "  1f:<tab>vfmadd213sd %xmm0,…": the mnemonic is the first word after the address.
-  /^ +[0-9a-f]+:/ && $2 ~ /^(v?fn?m(add|sub|addsub|subadd)[0-9a-z.]*|v4f.*madd.*|fml[as]l?[2bt]?|fn?m(ad|sb|la|ls)|fcmla)$/ {
+  /^ +[0-9a-f]+:/ && $2 ~ /^(v?fn?m(add|sub|addsub|subadd)[0-9a-z.]*|v4f.*madd.*|fml[as]l?[2bt]?|fn?m(ad|sb|la|ls)|vfn?m[as][.]f(32|64)|fcmla)$/ {
     if (!(name in seen)) print library ": fused multiply-add in " name ": " $2
     seen[name] = 1
     found++

@@ -18,7 +18,7 @@ namespace {
 void add_verbs(Command program, int& exit_code) {
   for (const auto add :
        {add_init, add_check, add_run, add_campaign, add_optimize, add_hil, add_replay, add_diff, add_report, add_export,
-        add_import, add_log, add_watch, add_preflight, add_modes, add_completion, add_man}) {
+        add_import, add_compile, add_log, add_watch, add_preflight, add_modes, add_completion, add_man}) {
     add(program, exit_code);
   }
 }

@@ -6,6 +6,7 @@
 namespace unlatch::tools {
 
 void add_init(Command app, int& exit_code);
+void add_compile(Command app, int& exit_code);
 void add_import(Command app, int& exit_code);
 void add_modes(Command app, int& exit_code);
 void add_completion(Command app, int& exit_code);

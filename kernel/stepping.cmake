@@ -1,0 +1,20 @@
+# Sources of stepping: no exceptions, no run-time types, no heap. For the library of this machine (CMakeLists.txt) and for
+# targets without operating system (targets).
+set(UNLATCH_STEPPING_SOURCES
+  dispatch/kernels.cc dispatch/baseline.cc
+  dynamics/balance.cc dynamics/energy.cc dynamics/flexible.cc dynamics/forces.cc dynamics/varying.cc
+  elements/compliance.cc elements/readings.cc
+  elements/kinds/friction.cc elements/kinds/load.cc elements/kinds/contact/contact.cc elements/kinds/contact/contact_parts.cc
+  elements/kinds/one_sided/cords.cc elements/kinds/one_sided/one_sided.cc
+  events/event_search.cc events/events.cc events/guards.cc events/impulses.cc
+  geometry/closest.cc geometry/convex.cc geometry/core.cc geometry/distance.cc geometry/gjk.cc geometry/groups.cc geometry/middle.cc
+  geometry/penetration.cc geometry/strips.cc geometry/wall.cc
+  integration/integrator.cc integration/load_state.cc integration/run.cc
+  joints/coordinates.cc joints/kinematics.cc joints/residuals.cc
+  laws/laws.cc laws/tables.cc
+  math/elementary.cc
+  plan/evaluation.cc plan/plan_image.cc plan/state.cc
+  quantities/table.cc
+  simd/instruction_set.cc
+  solver/flexible_solver.cc solver/loop_rows.cc solver/redundant_rows.cc solver/split_clusters.cc
+  step/bundle.cc step/motion.cc step/step.cc)

@@ -1,0 +1,144 @@
+// Flies every plan of plans.h with the commands that its channels have at the start, and prints, for tools/determinism
+// to compare with tests/data/golden.json,
+//   NAME TICK HASH       of the state, every 100 ticks and at the last one
+//   NAME outputs HASH    of all sensor values and reactions of every tick
+// and the memory and instructions that it took. No heap: state, workspace and plan are static.
+#include <bit>
+#include <cstring>
+
+#include "kernel/targets/plans.h"
+#include "kernel/targets/port.h"
+#include "unlatch/plan_image.h"
+#include "unlatch/step.h"
+
+namespace unlatch::target {
+namespace {
+
+constexpr std::int32_t kEvery = 100;  // ticks between hashes
+constexpr std::byte kPaint{0xA5};     // of stack that nothing has used
+
+#ifndef UNLATCH_TARGET_STATE_BYTES
+#define UNLATCH_TARGET_STATE_BYTES (16 << 10)
+#endif
+#ifndef UNLATCH_TARGET_WORKSPACE_BYTES
+#define UNLATCH_TARGET_WORKSPACE_BYTES (512 << 10)
+#endif
+alignas(8) std::byte state_memory[UNLATCH_TARGET_STATE_BYTES];
+alignas(64) std::byte workspace_memory[UNLATCH_TARGET_WORKSPACE_BYTES];
+PlanMemory plan_memory;
+
+// Prints texts and numbers without a C library.
+class Line {
+ public:
+  Line& operator<<(const char* text) {
+    while (*text != 0 && length_ + 1 < sizeof(text_)) text_[length_++] = *text++;
+    return *this;
+  }
+  Line& operator<<(std::uint64_t number) {
+    char digits[21]{};
+    std::size_t begin = sizeof(digits) - 1;
+    do {
+      digits[--begin] = static_cast<char>('0' + number % 10);
+      number /= 10;
+    } while (number != 0);
+    return *this << digits + begin;
+  }
+  Line& add_hash(std::uint64_t hash) {
+    char digits[17]{};
+    for (int i = 0; i < 16; ++i) digits[i] = "0123456789abcdef"[(hash >> (60 - 4 * i)) & 15];
+    return *this << digits;
+  }
+  ~Line() {
+    text_[length_] = 0;
+    write(text_);
+  }
+
+ private:
+  char text_[120]{};
+  std::size_t length_ = 0;
+};
+
+// FNV-1a over 64-bit words, folded: as in tests/golden.
+class OutputHash {
+ public:
+  template <class Values>
+  void add(const Values& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      hash_ = (hash_ ^ std::bit_cast<std::uint64_t>(double{values[i]})) * 0x100000001b3u;
+      hash_ ^= hash_ >> 32;
+    }
+  }
+  std::uint64_t get() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+void paint_stack() {
+  volatile std::byte here{};
+  // Below this function's own frame.
+  for (std::byte* at = target_stack_begin; at + 256 < &here; ++at) *const_cast<volatile std::byte*>(at) = kPaint;
+}
+std::size_t measure_stack() {
+  const std::byte* at = target_stack_begin;
+  while (at < target_stack_end && *at == kPaint) ++at;
+  return static_cast<std::size_t>(target_stack_end - at);
+}
+
+bool fly(const Flight& flight) {
+  const std::span image(flight.begin, flight.end);
+  const OpenedPlan opened = open_plan(image, plan_memory);
+  if (!opened.plan) {
+    Line() << flight.name << ": " << get_status_text(opened.status) << "\n";
+    return false;
+  }
+  const Plan& plan = *opened.plan;
+  if (plan.get_state_bytes() > sizeof(state_memory) || plan.get_workspace_bytes() > sizeof(workspace_memory)) {
+    Line() << flight.name << ": needs " << plan.get_state_bytes() << " bytes of state and "
+           << plan.get_workspace_bytes() << " of workspace\n";
+    return false;
+  }
+  State state(plan, state_memory);
+  Workspace workspace(plan, workspace_memory);
+  init_state(plan, state);
+  const Inputs inputs{plan.get_initial_commands()};
+  OutputHash outputs;
+  std::uint64_t sum = 0, most = 0, events = 0;
+  for (std::int32_t tick = 1; tick <= flight.ticks; ++tick) {
+    const std::uint64_t begin = read_counter();
+    const StepReport report = step(plan, inputs, state, workspace);
+    const std::uint64_t count = read_counter() - begin;
+    if (report.status != StepStatus::kOk) {
+      Line() << flight.name << ": tick " << static_cast<std::uint64_t>(tick) << ": " << get_status_text(report.status)
+             << "\n";
+      return false;
+    }
+    sum += count;
+    if (count > most) most = count;
+    events += report.events.size();
+    outputs.add(workspace.sensors);
+    outputs.add(workspace.multipliers);
+    if (tick % kEvery == 0 || tick == flight.ticks)
+      (Line() << flight.name << " " << static_cast<std::uint64_t>(tick) << " ").add_hash(calc_hash(state)) << "\n";
+  }
+  (Line() << flight.name << " outputs ").add_hash(outputs.get()) << "\n";
+  Line() << flight.name << " events " << events << "\n";
+  Line() << "# " << flight.name << ": image " << std::uint64_t{image.size()} << " bytes, state "
+         << std::uint64_t{plan.get_state_bytes()} << ", workspace " << std::uint64_t{plan.get_workspace_bytes()} << "\n";
+  if (most != 0)
+    Line() << "# " << flight.name << ": instructions per step " << sum * kInstructionUnit / std::uint64_t(flight.ticks)
+           << " on average, at most " << most * kInstructionUnit << "\n";
+  return true;
+}
+
+}  // namespace
+}  // namespace unlatch::target
+
+int main() {
+  using namespace unlatch::target;
+  paint_stack();
+  bool good = true;
+  for (const Flight* flight = kFlights; flight->name != nullptr; ++flight) good = fly(*flight) && good;
+  Line() << "# stack " << std::uint64_t{measure_stack()} << " bytes\n";
+  finish(good ? 0 : 1);
+}

@@ -1,0 +1,47 @@
+// unlatch compile: a scenario's plan as an image for targets without operating system.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "hil/run/run.h"
+#include "tools/common/output.h"
+#include "tools/program/exit_codes.h"
+#include "tools/unlatch/files/verbs.h"
+#include "tools/unlatch/options/scenario_options.h"
+
+namespace unlatch::tools {
+namespace {
+
+struct CompileOptions {
+  ScenarioOptions scenario;
+  std::string out;
+};
+
+int run_compile(const CompileOptions& options) {
+  check_output(options.out);
+  const hil::Scenario scenario = load(options.scenario);
+  const std::unique_ptr<hil::Simulation> simulation = hil::build_simulation(scenario);
+  const Plan& plan = simulation->plan();
+  const std::span<const std::byte> image = plan.get_image();
+  write_text({reinterpret_cast<const char*>(image.data()), image.size()}, options.out);
+  std::printf("%s: %zu bytes, plan %016llx, %lld ticks of %g s\n", options.out.c_str(), image.size(),
+              static_cast<unsigned long long>(plan.get_hash()),
+              static_cast<long long>(calc_last_tick(scenario)), scenario.dt);
+  std::printf("state %zu bytes, workspace %zu bytes on this machine, %zu command channels\n", plan.get_state_bytes(),
+              plan.get_workspace_bytes(), plan.get_initial_commands().size());
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_compile(Command app, int& exit_code) {
+  auto options = std::make_shared<CompileOptions>();
+  Command command = app.add_verb(
+      "compile", "Writes a scenario's compiled plan as an image that targets without operating system use in place.",
+      "unlatch compile hil/scenarios/boosters/reference.yaml --out boosters.plan");
+  add_scenario_options(command, options->scenario);
+  command.add_option("--out", options->out, "plan image (kernel/TARGETS.md)").required();
+  command.callback([options, &exit_code] { exit_code = run_compile(*options); });
+}
+
+}  // namespace unlatch::tools
