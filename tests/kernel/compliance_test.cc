@@ -181,7 +181,7 @@ TEST(Compliance, AJointWithAStiffSpringIsNotTheOneThatClosesALoop) {
     model.joint_springs[0].joint = with;
     const Simulation s(model);
     EXPECT_EQ(s.data().compliant.size(), 1u);
-    EXPECT_EQ(s.data().loops, std::vector<std::int32_t>{1 - with});
+    EXPECT_EQ(s.list_loops(), std::vector<std::int32_t>{1 - with});
   }
 }
 

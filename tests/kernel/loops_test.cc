@@ -223,7 +223,7 @@ TEST(Loops, AreCutWhereTheWaysFromTheGroundMeet) {
 
 TEST(Loops, AreCutAtAJointThatMayLetGo) {
   const Simulation s(build_held_chain(64, true));
-  EXPECT_EQ(s.data().loops, std::vector<std::int32_t>{0});
+  EXPECT_EQ(s.list_loops(), std::vector<std::int32_t>{0});
 }
 
 // A ring that hangs from the ground. The weld's rows hold at the end of the step, not at its beginning.

@@ -50,6 +50,7 @@ class Simulation {
 
   // Access to the kernel's internals, for tests of its parts.
   const PlanData& data() const { return plan.data(); }
+  std::vector<std::int32_t> list_loops() const { return {data().loops.begin(), data().loops.end()}; }
   Evaluation& evaluation() const { return workspace.data().kept.evaluation; }
 
   Plan plan;
@@ -63,9 +64,9 @@ class Simulation {
 
 // Index in the evaluation of a coordinate that an element, guard or sensor uses.
 inline std::size_t find_coordinate(const PlanData& plan, int joint, int row) {
-  std::size_t i = 0;
-  while (plan.coordinates[i].joint != joint || plan.coordinates[i].row != row) ++i;
-  return i;
+  for (std::size_t i = 0; i < plan.coordinates.size(); ++i)
+    if (plan.coordinates[i].joint == joint && plan.coordinates[i].row == row) return i;
+  throw std::out_of_range("nobody uses this coordinate");
 }
 
 // Updates kinematics and joint frames of the present state, which otherwise only an evaluation does.
