@@ -224,6 +224,16 @@ unlatch_status Engine::get_findings(const unlatch_finding** findings, std::size_
   return UNLATCH_OK;
 }
 
+unlatch_status Engine::linearize(const unlatch_linear_model** model) {
+  try {
+    linear_.emplace(hil::linearize(scenario_, *simulation_));
+  } catch (const hil::LinearizationError& error) {
+    return fail(UNLATCH_ERROR_FAULT, error.what());
+  }
+  *model = &linear_->get();
+  return UNLATCH_OK;
+}
+
 // Restarts events, verdicts, notices and clearances at the present state.
 void Engine::begin_anew() {
   event_count_ = 0;

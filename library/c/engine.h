@@ -17,6 +17,7 @@
 #include "hil/scenario/scenario.h"
 #include "library/c/catalogue.h"
 #include "library/c/errors.h"
+#include "library/c/linear_view.h"
 #include "library/c/options.h"
 #include "library/include/unlatch.h"
 
@@ -69,6 +70,7 @@ class Engine {
   }
   unlatch_status judge(const unlatch_verdict** verdicts, std::size_t* count);
   unlatch_status get_findings(const unlatch_finding** findings, std::size_t* count);
+  unlatch_status linearize(const unlatch_linear_model** model);
 
   unlatch_status save(void* buffer, std::size_t capacity, std::size_t* needed) const;
   unlatch_status restore(const void* buffer, std::size_t length);
@@ -127,6 +129,7 @@ class Engine {
   std::vector<unlatch_verdict> verdict_views_;
   std::optional<std::vector<hil::Finding>> findings_;  // about the scenario, from the first call on
   std::vector<unlatch_finding> finding_views_;
+  std::optional<LinearView> linear_;  // of the latest linearize()
 };
 
 }  // namespace unlatch::library

@@ -203,6 +203,11 @@ unlatch_status unlatch_get_findings(unlatch_simulation* simulation, const unlatc
   return with_engine(simulation, [&](Engine& engine) { return engine.get_findings(findings, count); });
 }
 
+unlatch_status unlatch_linearize(unlatch_simulation* simulation, const unlatch_linear_model** model) {
+  if (model == nullptr) return refuse_null("the place for the linear model");
+  return with_engine(simulation, [&](Engine& engine) { return engine.linearize(model); });
+}
+
 // --- States and recordings ------------------------------------------------------------------------------------------
 
 unlatch_status unlatch_save(unlatch_simulation* simulation, void* buffer, size_t capacity, size_t* needed) {

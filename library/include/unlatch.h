@@ -261,6 +261,22 @@ typedef struct unlatch_finding {
 UNLATCH_API unlatch_status unlatch_get_findings(unlatch_simulation* simulation, const unlatch_finding** findings,
                                                 size_t* count);
 
+/* Linear model about the present state: dx/dt = A x + B u, y = C x + D u. x: deviations of the free coordinates, then of
+ * their speeds; u: of all channels; y: of all sensors' values, then of all quantities. */
+typedef struct unlatch_linear_model {
+  double time; /* of the state, s */
+  size_t state_count, input_count, output_count;
+  /* Names and units: "joint.hinge1.rot_z", "rad", "rate.joint.hinge1.rot_z", "rad/s"; "sensor.gyro.x". */
+  const char *const *states, *const *state_units, *const *inputs, *const *input_units, *const *outputs,
+      *const *output_units;
+  const double *a, *b, *c, *d;                         /* by rows */
+  const double *a_error, *b_error, *c_error, *d_error; /* estimated errors of the entries, by rows */
+} unlatch_linear_model;
+
+/* Linearises about the present state in the present modes; the state does not change. It takes as long as some four
+ * evaluations for each state and channel. Valid until this simulation's next call. */
+UNLATCH_API unlatch_status unlatch_linearize(unlatch_simulation* simulation, const unlatch_linear_model** model);
+
 /* --- States -------------------------------------------------------------------------------------------------------- */
 
 /* Saves all data that determine the further run, as *needed bytes; written if `capacity` is that or more. `buffer` may

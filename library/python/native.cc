@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -209,6 +210,22 @@ class Simulation {
     }
     return list;
   }
+  py::tuple linearize() const {
+    const unlatch_linear_model* m = nullptr;
+    check(unlatch_linearize(get(), &m));
+    const auto copy = [](const double* from, std::size_t rows, std::size_t columns) {
+      py::array_t<double> out({rows, columns});
+      std::copy_n(from, rows * columns, out.mutable_data());
+      return out;
+    };
+    const auto list = [](const char* const* texts, std::size_t count) { return std::vector<std::string>(texts, texts + count); };
+    const std::size_t n = m->state_count, inputs = m->input_count, outputs = m->output_count;
+    return py::make_tuple(m->time, list(m->states, n), list(m->state_units, n), list(m->inputs, inputs),
+                          list(m->input_units, inputs), list(m->outputs, outputs), list(m->output_units, outputs),
+                          copy(m->a, n, n), copy(m->b, n, inputs), copy(m->c, outputs, n), copy(m->d, outputs, inputs),
+                          copy(m->a_error, n, n), copy(m->b_error, n, inputs), copy(m->c_error, outputs, n),
+                          copy(m->d_error, outputs, inputs));
+  }
   py::bytes save() const {
     std::size_t needed = 0;
     check(unlatch_save(get(), nullptr, 0, &needed));
@@ -344,6 +361,7 @@ PYBIND11_MODULE(_native, module) {
       .def("get_events", &Simulation::get_events)
       .def("judge", &Simulation::judge)
       .def("get_findings", &Simulation::get_findings)
+      .def("linearize", &Simulation::linearize)
       .def("save", &Simulation::save)
       .def("restore", &Simulation::restore)
       .def("reset", &Simulation::reset)

@@ -62,6 +62,23 @@ class PythonTest(ProcessTest):
             self.assertEqual((noticed.subject, noticed.unresolved), ("pyro", True))
             self.assertAlmostEqual(noticed.time, 1, delta=0.01)
 
+    def test_a_linear_model_is_that_of_a_body_with_a_thruster(self):
+        text = ("unlatch: 1\nname: craft\nstep: {dt: 1 ms, until: 1 s}\nchannels: {thrust: {initial: 0, range: [-9, 9], unit: N}}\n"
+                "bodies:\n  craft: {mass: 4 kg, inertia: [1, 2, 5]}\nelements:\n  jet: {type: force, body: craft, point: [0.5, 0, 0], "
+                "direction: [0, 1, 0], profile: 1 N, channel: thrust}\nsensors: {gyro: {type: rate, body: craft}}\n")
+        with unlatch.load_text(text) as sim:
+            before = sim.hash
+            linear = sim.linearize()
+            self.assertEqual(sim.hash, before)
+            self.assertEqual((linear.A.shape, linear.B.shape, linear.C.shape, linear.D.shape), ((12, 12), (12, 1), (3, 12), (3, 1)))
+            gains = dict(zip(linear.states, linear.B[:, 0]))
+            self.assertAlmostEqual(gains.pop("rate.body.craft.y"), 1 / 4, delta=1e-9)
+            self.assertAlmostEqual(gains.pop("rate.body.craft.rot_z"), 0.5 / 5, delta=1e-9)
+            self.assertLess(max(map(abs, gains.values())), 1e-9)
+            self.assertEqual(linear.outputs[2], "sensor.gyro.z")
+            self.assertAlmostEqual(linear.C[2, linear.states.index("rate.body.craft.rot_z")], 1, delta=1e-9)
+            self.assertLess(linear.A_error.max(), 1e-9)
+
     def test_a_recording_is_read_and_followed(self):
         log, wanted = self.record_session()
         with unlatch.open_recording(log) as recorded, unlatch.load(BOOSTERS) as own:

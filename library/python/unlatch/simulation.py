@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from unlatch import _native
+from unlatch.linear import LinearModel
 
 Path = Union[str, "os.PathLike[str]"]
 Numbers = npt.NDArray[np.float64]
@@ -332,6 +333,10 @@ class Simulation:
         """Findings about the scenario, as `unlatch check` prints them, and with load(..., judge=True) or notice=True those about the
         run so far. The first call may take as long as some hundred steps."""
         return [Finding(*finding) for finding in self._native.get_findings()]
+
+    def linearize(self) -> LinearModel:
+        """Linearises about the present state; the state does not change. Raises FaultError where a pivot vanishes."""
+        return LinearModel(*self._native.linearize())
 
     @property
     def clearances(self) -> Named[Numbers]:

@@ -7,6 +7,7 @@ namespace unlatch::tools {
 
 void add_run(Command app, int& exit_code);
 void add_hil(Command app, int& exit_code);
+void add_linearize(Command app, int& exit_code);
 void add_preflight(Command app, int& exit_code);
 void add_watch(Command app, int& exit_code);
 void add_log(Command app, int& exit_code);

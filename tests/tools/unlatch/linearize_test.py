@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""Linear models as users see them: poles, files that other programs read, margins beside closed forms. Run by ctest:
+
+    linearize_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
+"""
+import json
+import math
+import sys
+
+import numpy as np
+from processes import SOURCE, UNLATCH, ProcessTest, call, main
+
+sys.path.insert(0, str(SOURCE / "hil/scenarios/boosters"))
+
+# A bar of 1 m and 3 kg that hangs from a hinge about z, with a motor and a damper: 1 kg m2 about the hinge.
+PENDULUM = """unlatch: 1
+name: pendulum
+step: {dt: 1 ms, until: 2}
+gravity: {uniform: [9.81, 0, 0]}
+channels:
+  torque: {initial: 0, range: [-100, 100], unit: N m}
+bodies:
+  bar: {mass: 3, inertia: [0.01, 0.25, 0.25], position: [0.5, 0, 0]}
+joints:
+  hinge: {between: [ground, bar], point: [0, 0, 0], follower_point: [-0.5, 0, 0], modes: {hinge: {kind: revolute, axis: z}}, mode: hinge}
+elements:
+  damper: {type: joint_spring, joint: hinge, axis: rot_z, damping: 0.4}
+  motor: {type: torque, body: bar, frame: world, direction: [0, 0, 1], profile: 1 N*m, channel: torque}
+sensors:
+  angle: {type: angle, joint: hinge, axis: rot_z}
+  speed: {type: speed, joint: hinge, axis: rot_z}
+events:
+  - {name: early, when: {time: 0.25}}
+"""
+STIFFNESS, DAMPING = 3 * 9.81 * 0.5, 0.4
+DIFFERENCES = 1e-7  # relative, of a derivative
+
+
+class LinearizeTest(ProcessTest):
+    def setUp(self):
+        super().setUp()
+        self.plant = self.folder / "pendulum.yaml"
+        self.plant.write_text(PENDULUM, encoding="utf-8")
+
+    def linearize(self, *options):
+        return json.loads(self.run_ok(UNLATCH, "linearize", self.plant, *options, "--json", "-").stdout)
+
+    def test_a_pendulum_has_its_matrices_names_and_poles(self):
+        linear = self.linearize()
+        self.assertEqual([state["name"] for state in linear["states"]], ["joint.hinge.rot_z", "rate.joint.hinge.rot_z"])
+        self.assertEqual([state["unit"] for state in linear["states"]], ["rad", "rad/s"])
+        np.testing.assert_allclose(linear["A"], [[0, 1], [-STIFFNESS, -DAMPING]], rtol=DIFFERENCES, atol=1e-9)
+        np.testing.assert_allclose(linear["B"], [[0], [1]], rtol=DIFFERENCES, atol=1e-9)
+        np.testing.assert_allclose(linear["C"], np.eye(2), rtol=DIFFERENCES, atol=1e-9)
+        self.assertEqual([output["name"] for output in linear["outputs"]], ["sensor.angle", "sensor.speed"])
+        wanted = sorted(np.roots([1, DAMPING, STIFFNESS]), key=lambda pole: pole.imag)
+        found = sorted((complex(*pole) for pole in linear["poles"]), key=lambda pole: pole.imag)
+        np.testing.assert_allclose(found, wanted, rtol=1e-6)
+
+    def test_its_files_are_read_by_numpy_and_as_a_matlab_file(self):
+        linear = self.linearize("--at", "0.1")
+        self.run_ok(UNLATCH, "linearize", self.plant, "--at", "0.1", "--out", self.folder / "plant.npz")
+        with np.load(self.folder / "plant.npz") as file:
+            for name in "ABCD":
+                np.testing.assert_array_equal(file[name], linear[name])
+            self.assertEqual(list(file["states"]), [state["name"] for state in linear["states"]])
+        self.run_ok(UNLATCH, "linearize", self.plant, "--at", "0.1", "--out", self.folder / "plant.mat")
+        found = read_mat((self.folder / "plant.mat").read_bytes())
+        for name in "ABCD":
+            np.testing.assert_array_equal(found[name], linear[name])
+        self.assertEqual([text.rstrip() for text in found["states"]], [state["name"] for state in linear["states"]])
+
+    def test_an_event_names_the_state(self):
+        self.assertEqual(self.linearize("--at", "event:early")["t"], 0.25)
+
+    def test_wrong_names_are_refused_with_those_that_are_there(self):
+        for options, text in ((("--at", "event:erly"), "did you mean 'early'"), (("--inputs", "thrust"), "there are: torque"),
+                              (("--outputs", "sensor.rate"), "sensor.angle"), (("--at", "never"), "neither a time"),
+                              (("--loop", "torque=sensor.angle"), "CHANNEL=GAIN*OUTPUT"),
+                              (("--loop", "torque=1*sensor.angles"), "did you mean 'sensor.angle'"),
+                              (("--at", "9"), "after the end of the run, 2 s")):
+            done = call(UNLATCH, "linearize", self.plant, *options)
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(text, done.stderr)
+
+    # u = -(k angle + d speed) in continuous time with a delay: the phase margin where |k + i d w| = |plant|^-1.
+    def test_margins_of_a_continuous_loop_are_those_of_its_closed_form(self):
+        k, d, delay = 30.0, 9.0, 0.02
+        loop = self.linearize("--loop", f"torque={k}*sensor.angle+{d}*sensor.speed", "--delay", f"{delay}")["loops"][0]
+        self.assertTrue(loop["stable"])
+
+        def open_loop(w):
+            s = 1j * w
+            return (k + d * s) / (s * s + DAMPING * s + STIFFNESS) * np.exp(-s * delay)
+
+        w = loop["phase"]["at"]
+        self.assertAlmostEqual(abs(open_loop(w)), 1, places=6)
+        self.assertAlmostEqual(abs(np.angle(-open_loop(w))), loop["phase"]["value"], places=6)
+        w = loop["gain"]["at"]
+        self.assertAlmostEqual(np.angle(-open_loop(w)), 0, places=6)
+        self.assertAlmostEqual(1 / abs(open_loop(w)), loop["gain"]["value"], places=5)
+        for factor, stable in ((0.99, True), (1.01, False)):
+            gain = factor * loop["gain"]["value"]
+            again = self.linearize("--loop", f"torque={gain * k}*sensor.angle+{gain * d}*sensor.speed", "--delay", f"{delay}")
+            self.assertEqual(again["loops"][0]["stable"], stable, factor)
+
+    # The loop of the shipped script, which has its plant from the scenario's text: all chambers swing alike about x.
+    def test_margins_of_the_boosters_attitude_loop_are_those_of_its_script(self):
+        import loop_margins  # noqa: E402
+        script = next(loop for loop in loop_margins.list_loops() if loop.name == "x, boosters tied")
+        wanted = script.calc_margins()
+        # q.x is half the angle; one chamber has a quarter of the effect of four
+        text = f"swing1={4 * 2 * script.attitude}*sensor.attitude.x+{4 * script.rate}*sensor.gyro.x"
+        done = self.run_ok(UNLATCH, "linearize", SOURCE / "hil/scenarios/boosters/attitude-loop.yaml", "--inputs", "swing1",
+                           "--outputs", "sensor.attitude.*,sensor.gyro.*", "--loop", text, "--period", str(script.period),
+                           "--delay", str(script.late * script.period), "--json", "-")
+        loop = json.loads(done.stdout)["loops"][0]
+        self.assertTrue(loop["stable"])
+        # the script leaves products of rates out, and turns about the centre of mass at rest
+        for name in ("gain", "phase", "delay"):
+            self.assertAlmostEqual(loop[name]["value"] / wanted[name], 1, delta=1e-3, msg=name)
+        self.assertAlmostEqual(loop["phase"]["at"] / wanted["phase_at"], 1, delta=1e-3)
+        self.assertGreater(math.degrees(loop["phase"]["value"]), 40)
+
+
+def read_mat(data):
+    """The matrices and texts of a MAT file, version 4, by its published layout."""
+    out, at = {}, 0
+    while at < len(data):
+        kind, rows, columns, imaginary, length = np.frombuffer(data, "<i4", 5, at)
+        name = data[at + 20:at + 20 + length - 1].decode()
+        at += 20 + length
+        values = np.frombuffer(data, "<f8", rows * columns, at).reshape((rows, columns), order="F")
+        at += 8 * rows * columns * (2 if imaginary else 1)
+        out[name] = ["".join(chr(int(c)) for c in row) for row in values] if kind == 1 else values
+    return out
+
+
+if __name__ == "__main__":
+    main()
