@@ -64,7 +64,7 @@ class PythonTest(ProcessTest):
 
     def test_a_linear_model_is_that_of_a_body_with_a_thruster(self):
         text = ("unlatch: 1\nname: craft\nstep: {dt: 1 ms, until: 1 s}\nchannels: {thrust: {initial: 0, range: [-9, 9], unit: N}}\n"
-                "bodies:\n  craft: {mass: 4 kg, inertia: [1, 2, 5]}\nelements:\n  jet: {type: force, body: craft, point: [0.5, 0, 0], "
+                "bodies:\n  craft: {mass: 4 kg, inertia: [3, 4, 5]}\nelements:\n  jet: {type: force, body: craft, point: [0.5, 0, 0], "
                 "direction: [0, 1, 0], profile: 1 N, channel: thrust}\nsensors: {gyro: {type: rate, body: craft}}\n")
         with unlatch.load_text(text) as sim:
             before = sim.hash
