@@ -84,11 +84,12 @@ class IncludesTest(unittest.TestCase):
     def test_folders_of_the_tools_include_only_what_is_below_them(self):
         self.check_folders("tools", TOOLS)
 
-    def test_folders_of_bridge_and_tools_have_a_readme(self):
-        for module in ("bridge", "tools"):
+    def test_folders_are_described_in_their_page_or_in_that_of_their_group(self):
+        for module in (*MODULES, "tests"):
             for folder in (ROOT / module).iterdir():
-                if folder.is_dir() and folder.name != "__pycache__":
-                    self.assertTrue((folder / "README.md").is_file(), f"{folder.relative_to(ROOT)} has no README.md")
+                if folder.is_dir() and folder.name != "__pycache__" and not (folder / "README.md").is_file():
+                    page = (folder.parent / "README.md").read_text(encoding="utf-8")
+                    self.assertRegex(page, rf"[`\[(/]{folder.name}[`/\]]", f"{folder.relative_to(ROOT)} has no README.md, and that of {module} does not name it")
 
     def test_no_folder_is_a_list(self):
         several = 20  # headers and sources, some ten pairs; more belong into folders by subject

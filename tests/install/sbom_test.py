@@ -21,7 +21,7 @@ class SbomTest(unittest.TestCase):
         self.assertGreater(len(needed), 5)
         for name in needed:
             self.assertRegex(versions.get(name, ""), r"\d", name)
-        for name in json.loads((ROOT / "tools/report/package.json").read_text(encoding="utf-8"))["dependencies"]:
+        for name in json.loads((ROOT / "tools/pages/package.json").read_text(encoding="utf-8"))["dependencies"]:
             self.assertRegex(versions.get(name, ""), r"\d", name)
         identities = {package["SPDXID"] for package in document["packages"]} | {"SPDXRef-DOCUMENT"}
         self.assertEqual(len(identities), len(document["packages"]) + 1)

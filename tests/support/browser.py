@@ -153,6 +153,26 @@ class Browser:
         for kind in ("mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, **at)
 
+    # Plots of the pages of studies (tools/pages/web/plot.js).
+
+    def find_layers(self, place, name):
+        """Returns the layers of this name of the plot there."""
+        return self.evaluate(f"unlatchReport.plots['{place}'].layers.filter((layer) => layer.name === '{name}')")
+
+    def click_point(self, place, x, y):
+        """Clicks at a point of a plot, given in units of its axes."""
+        left, top = self.evaluate(f"(() => {{ const plot = unlatchReport.plots['{place}'], box = plot.over.getBoundingClientRect();"
+                                  f" return [plot.valToPos({x}, 'x') / box.width, plot.valToPos({y}, 'y') / box.height]; }})()")
+        self.click(f"#{place} .u-over", left, top)
+
+    def count_pixels(self, place):
+        """Returns how many pixels of a plot have a colour of its own, neither grey nor transparent."""
+        self.settle()
+        return self.evaluate(f"(() => {{ const canvas = document.querySelector('#{place} canvas'), context = canvas.getContext('2d');"
+                             " const { data } = context.getImageData(0, 0, canvas.width, canvas.height); let count = 0;"
+                             " for (let i = 0; i < data.length; i += 4)"
+                             " if (data[i + 3] > 100 && Math.abs(data[i] - data[i + 2]) > 60) ++count; return count; })()")
+
     def screenshot(self, path):
         self.settle()
         path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))

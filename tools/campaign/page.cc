@@ -7,7 +7,7 @@
 #include "tools/pages/embed.h"
 #include "tools/pages/pages.h"
 
-UNLATCH_EMBED(unlatch_campaign_page, UNLATCH_CAMPAIGN_PAGE);
+UNLATCH_EMBED_PAGE(unlatch_campaign_page);
 
 namespace unlatch::tools {
 namespace {
@@ -72,7 +72,7 @@ std::string build_campaign_page(const CampaignData& data, const Json& summary, c
     add(data.read_input(k), "inputs", "input_distributions");
   for (std::size_t k = 0; k < data.count_plain_columns(); ++k)
     add(data.read_column(k), "columns", "column_distributions");
-  return build_page(UNLATCH_EMBEDDED(unlatch_campaign_page), document);
+  return build_page(UNLATCH_EMBEDDED_PAGE(unlatch_campaign_page), document);
 }
 
 }  // namespace unlatch::tools

@@ -6,7 +6,7 @@
 #include "tools/pages/embed.h"
 #include "tools/pages/pages.h"
 
-UNLATCH_EMBED(unlatch_design_page, UNLATCH_DESIGN_PAGE);
+UNLATCH_EMBED_PAGE(unlatch_design_page);
 
 namespace unlatch::tools {
 namespace {
@@ -93,7 +93,7 @@ std::string build_design_page(const DesignPage& page) {
                   {"runs", build_runs(page.evaluations, std::min(searched, page.evaluations.get_samples().size()))},
                   {"before", build_flight(page.before)},
                   {"after", build_flight(page.after)}};
-  return build_page(UNLATCH_EMBEDDED(unlatch_design_page), data);
+  return build_page(UNLATCH_EMBEDDED_PAGE(unlatch_design_page), data);
 }
 
 }  // namespace unlatch::tools

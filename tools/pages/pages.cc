@@ -3,41 +3,30 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/pages/embed.h"
-
-UNLATCH_EMBED(unlatch_page_head, UNLATCH_PAGES "/head.html");
-UNLATCH_EMBED(unlatch_page_script, UNLATCH_PAGES "/page.js");
-
 namespace unlatch::tools {
 namespace {
 
-std::string write_data(const nlohmann::ordered_json& data) {
-  std::string text;
+constexpr std::string_view kPlace = "%UNLATCH_DATA%";
+
+}  // namespace
+
+bool has_pages() { return UNLATCH_HAS_PAGES; }
+
+const char* const kNoPages =
+    "this program was built without its pages, which need Node.js and npm; install them (tools/setup does), and build "
+    "again: cmake --preset release";
+
+std::string build_page(std::string_view page, const nlohmann::ordered_json& data) {
+  const std::size_t place = page.find(kPlace);
+  if (place == std::string_view::npos) throw std::logic_error("the page has no place for the data");
+  std::string text(page.substr(0, place));
   for (const char c : data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
     if (c == '<')
       text += "\\u003c";  // only strings of the JSON can hold one
     else
       text += c;
   }
-  return text;
-}
-
-}  // namespace
-
-std::string build_page(std::string_view page, const nlohmann::ordered_json& data) {
-  const std::string written = write_data(data);
-  std::string text;
-  const auto put = [&](std::string_view place, std::string_view content) {
-    const std::size_t at = page.find(place);
-    if (at == std::string_view::npos) throw std::logic_error("the page has no " + std::string(place));
-    text += page.substr(0, at);
-    text += content;
-    page.remove_prefix(at + place.size());
-  };
-  put("%UNLATCH_HEAD%", UNLATCH_EMBEDDED(unlatch_page_head));
-  put("%UNLATCH_DATA%", written);
-  put("%UNLATCH_SCRIPT%", UNLATCH_EMBEDDED(unlatch_page_script));
-  return text += page;
+  return text += page.substr(place + kPlace.size());
 }
 
 }  // namespace unlatch::tools

@@ -1,8 +1,5 @@
-// HTML pages with data in them: one file each, without a network. A page is a text with three places:
-//
-//   %UNLATCH_HEAD%     head.html: the policy that allows no connection, and the style
-//   %UNLATCH_SCRIPT%   page.js: elements, numbers, tables, plots
-//   %UNLATCH_DATA%     the data as JSON, in an element with the id `data`
+// HTML pages with data in them: one file each, without a network. A page is bundled from its folder web/ and compiled
+// into the program by unlatch_add_page, with one place, %UNLATCH_DATA%, for the data as JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -11,7 +8,13 @@
 
 namespace unlatch::tools {
 
-// Texts of the data stay data: no `<` of them is left in the HTML. Throws std::logic_error if a place is missing.
-std::string build_page(std::string_view page, const nlohmann::ordered_json& data);
+// False if this program was built without Node.js: then it has no pages.
+[[nodiscard]] bool has_pages();
+// What is missing then, and how to mend it.
+extern const char* const kNoPages;
+
+// The whole file. Texts of the data stay data: no `<` of them is left in the HTML. Throws std::logic_error if the page
+// has no place for them.
+[[nodiscard]] std::string build_page(std::string_view page, const nlohmann::ordered_json& data);
 
 }  // namespace unlatch::tools

@@ -27,18 +27,22 @@ class Error(Exception):
 
     @property
     def file(self) -> str:
+        """Of the first mistake, as given; "" if it does not concern a file."""
         return self.mistakes[0].file if self.mistakes else ""
 
     @property
     def line(self) -> int:
+        """Of the first mistake, from 1; 0: the file as a whole."""
         return self.mistakes[0].line if self.mistakes else 0
 
     @property
     def column(self) -> int:
+        """Of the first mistake, from 1; 0: the line as a whole."""
         return self.mistakes[0].column if self.mistakes else 0
 
     @property
     def key(self) -> str:
+        """Of the first mistake in the scenario: "bodies.core.mass"; "" if it does not concern one."""
         return self.mistakes[0].key if self.mistakes else ""
 
 

@@ -50,6 +50,11 @@ class DocsTest(ProcessTest):
         said = self.run_page("README.md")
         self.assertIn("is valid", said)
 
+    def test_the_first_pages_commands_work(self):
+        said = self.run_page("START.md")
+        self.assertIn("shown.yaml is valid", said)
+        self.assertRegex(said, r"0\.600000 s  cutoff")  # by the flight software that is a copy with one change
+
     def test_the_tutorial_commands_work(self):
         said = self.run_page("bridge/TUTORIAL.md")
         rate = float(re.search(r"^rate \[.*, (\S+)\]$", said, re.MULTILINE)[1])

@@ -68,7 +68,7 @@ class HeadersTest(ProcessTest):
     def describe(self):
         """Returns descriptions by name, from Doxygen's XML."""
         texts = {}
-        for path in (self.folder / "docs/xml").glob("*.xml"):
+        for path in (self.folder / "docs/.work/xml").glob("*.xml"):
             for node in ElementTree.parse(path).getroot().iter():
                 if node.tag in ("compounddef", "memberdef", "enumvalue"):
                     name = node.findtext("name") or node.findtext("compoundname")
@@ -80,7 +80,7 @@ class HeadersTest(ProcessTest):
         code, missing, said = self.build()
         self.assertEqual(set(missing), set(), said)
         self.assertEqual(code, 0, said)
-        self.assertTrue((self.folder / "docs/html/index.html").exists())
+        self.assertTrue((self.folder / "docs/cpp/index.html").exists())
 
     def test_plain_comments_become_descriptions(self):
         code, missing, said = self.build(self.write(SAMPLE))
@@ -97,7 +97,7 @@ class HeadersTest(ProcessTest):
         self.assertEqual(texts["kOff"], "at rest")
         self.assertEqual(texts["Kind"], "A kind of thing.")
         self.assertTrue(texts["sample.h"].startswith("Sample: a header in this project's style. Its second sentence."))
-        page = (self.folder / "docs/html/sample_8h.html").read_text()
+        page = (self.folder / "docs/cpp/sample_8h.html").read_text()
         self.assertIn("a table   that keeps   its columns", page)
 
     def test_a_name_without_a_description_is_named_with_its_line(self):

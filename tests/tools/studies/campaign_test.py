@@ -206,10 +206,9 @@ class CampaignTest(ProcessTest):
         browser = Browser()
         try:
             browser.open(page)
-            bars = "[...document.querySelectorAll('#tornado .bar')].map((bar) => Number(bar.getAttribute('width')))"
-            longest, other = browser.evaluate(bars)
+            longest, other = browser.find_layers("tornado", "effects")[0]["x"]
             self.assertGreater(longest, 5 * other)
-            self.assertEqual(browser.evaluate("document.querySelectorAll('#tornado .significant').length"), 1)
+            self.assertEqual(len(browser.find_layers("tornado", "significant")), 1)
             self.assertIn("First-order index", browser.evaluate("document.getElementById('tornado-caption').textContent"))
             self.assertEqual(browser.complaints, [])
         finally:
@@ -286,8 +285,12 @@ class CampaignTest(ProcessTest):
             ask = browser.evaluate
             self.assertEqual(ask("document.getElementById('curves').hidden"), False)
             self.assertEqual(ask("document.querySelectorAll('#curve option').length"), 2)
-            self.assertEqual(ask("document.querySelectorAll('#bands .band').length"), 2)
-            self.assertEqual(ask("document.querySelector('#bands .median').getAttribute('points').split(' ').length"), 3)
+            widest, dark = browser.find_layers("bands", "all") + browser.find_layers("bands", "most")
+            (median,) = browser.find_layers("bands", "median")
+            self.assertEqual(median["x"], [0, 0.02, 0.04])
+            for k, value in enumerate(median["y"]):
+                order = [widest["low"][k], dark["low"][k], value, dark["high"][k], widest["high"][k]]
+                self.assertEqual(order, sorted(order))
             self.assertEqual(ask("[...document.querySelectorAll('#quantity option')].filter((o) => o.textContent.startsWith('curve.')).length"), 0)
             self.assertEqual(ask("[...document.querySelectorAll('#quantity option')].filter((o) => o.textContent.startsWith('output.')).length"), 4)
             self.assertEqual(ask("[...document.querySelectorAll('#quantity option')].at(-1).textContent"), "v [m/s]")
@@ -634,19 +637,21 @@ class CampaignTest(ProcessTest):
             self.assertEqual(verdict["missing"], "0")
             self.assertEqual(verdict["tolerance, 99 % / 95 %"], "needs 299 values")  # of 200
             # The histogram is of all samples.
-            self.assertEqual(ask("quantities[0].distribution.counts.reduce((a, b) => a + b)"), 200)
+            self.assertEqual(ask("unlatchReport.quantities[0].distribution.counts.reduce((a, b) => a + b)"), 200)
             self.assertEqual(ask("window.struck === undefined"), True)
             self.assertEqual(ask("document.querySelector('#verdict .bad').textContent"), str(summary["requirements"][0]["failed"]))
-            self.assertGreater(ask("document.querySelectorAll('#histogram .bar').length"), 5)
-            self.assertEqual(ask("document.querySelectorAll('#histogram .limit, #cdf .limit').length"), 2)
-            self.assertEqual(ask("document.querySelectorAll('#scatter .point').length"), 200)
+            self.assertGreater(len(browser.find_layers("histogram", "samples")[0]["y"]), 5)
+            self.assertEqual(len(browser.find_layers("histogram", "limit") + browser.find_layers("cdf", "limit")), 2)
+            met, failed = (browser.find_layers("scatter", name)[0] for name in ("met", "failed"))
+            self.assertEqual((len(met["x"]) + len(failed["x"]), len(failed["x"])), (200, summary["requirements"][0]["failed"]))
+            self.assertGreater(browser.count_pixels("scatter"), 200)  # points are drawn
             self.assertIn(f"--sample {summary['worst'][0]} --log", ask("document.querySelector('#worst code').textContent"))
             self.assertEqual(ask("document.getElementById('rare').hidden"), True)
-            ask("document.querySelector('#scatter .point').dispatchEvent(new Event('click'))")
-            self.assertIn("Sample 0: v", ask("document.getElementById('picked').textContent"))
+            browser.click_point("scatter", failed["x"][0], failed["y"][0])
+            self.assertRegex(ask("document.getElementById('picked').textContent"), r"^Sample \d+: v ")
             # Another quantity: the input itself, which depends on nothing but itself.
             ask("(() => { const q = document.getElementById('quantity'); q.value = q.options.length - 1; q.dispatchEvent(new Event('change')); })()")
-            self.assertEqual(ask("document.querySelectorAll('#histogram .limit').length"), 0)
+            self.assertEqual(browser.find_layers("histogram", "limit"), [])
             self.assertEqual(browser.complaints, [])
             self.assertEqual([url for url in browser.requests if not url.startswith(("file:", "data:"))], [])
         finally:
@@ -664,7 +669,7 @@ class CampaignTest(ProcessTest):
             browser.open(page)
             self.assertEqual(browser.evaluate("document.querySelectorAll('#worst .flight').length"), 2)
             for sample in summary["worst"][:2]:
-                self.assertEqual(browser.evaluate(f"data.flights[{sample}]"), f"page-{sample}.html")
+                self.assertEqual(browser.evaluate(f"unlatchReport.data.flights[{sample}]"), f"page-{sample}.html")
                 self.assertIn(hashes[sample], (self.folder / f"page-{sample}.html").read_text())  # the same flight
             # The command that is shown, in a shell: with the overrides.
             command = browser.evaluate("document.querySelector('#worst code').textContent")
@@ -715,8 +720,8 @@ class CampaignTest(ProcessTest):
             self.assertIn(f"{summary['rare']['failed_samples']} of them failed", text)
             levels = len(summary["rare"]["levels_run"])
             self.assertEqual(ask("document.querySelectorAll('#rare-levels tr').length"), levels + 1)
-            self.assertEqual(ask("document.querySelectorAll('#rare-curve .level').length"), levels)
-            self.assertEqual(ask("document.querySelectorAll('#rare-curve .curve').length"), 1)
+            self.assertEqual(len(browser.find_layers("rare-curve", "levels")[0]["x"]), levels)
+            self.assertEqual(len(browser.find_layers("rare-curve", "curve")), 1)
             self.assertIn(f"--results {self.folder / 'out'} ", ask("document.querySelector('#worst code').textContent"))
             self.assertEqual(browser.complaints, [])
         finally:

@@ -127,6 +127,7 @@ class OptimizeTest(ProcessTest):
         browser.open(self.folder / out / "report.html")
         self.assertEqual(browser.complaints, [])
         self.assertEqual([url for url in browser.requests if not url.startswith(("file:", "data:"))], [])
+        self.browser = browser
         return browser.evaluate
 
     def test_the_page_shows_the_result_the_search_slices_and_the_flight_before_and_after(self):
@@ -139,31 +140,36 @@ class OptimizeTest(ProcessTest):
         self.assertEqual(ask("document.getElementById('title').textContent"), hostile)
         self.assertEqual(ask("window.struck === undefined"), True)
         self.assertEqual(ask("document.querySelector('#constraints tr:nth-child(2) td:nth-child(6)').textContent"), "active")
-        self.assertGreater(ask("document.querySelectorAll('#search .run').length"), 10)
-        self.assertEqual(ask("document.querySelectorAll('#search .best').length"), 1)
-        ask("document.querySelector('#search .run').dispatchEvent(new Event('click'))")
+        layers = self.browser.find_layers
+        (met,) = layers("search", "met")
+        self.assertGreater(len(met["x"] + layers("search", "others")[0]["x"]), 10)
+        self.assertEqual(len(layers("search", "best")), 1)
+        self.browser.click_point("search", met["x"][0], met["y"][0])
         self.assertIn("Run ", ask("document.getElementById('picked').textContent"))
         # The position has a value only at the end; the speed has one at every tick.
         self.assertEqual(ask("[...document.querySelectorAll('#flights figcaption')].map((c) => c.textContent).includes('slow')"), True)
-        self.assertEqual(ask("document.querySelectorAll('#flight-1 .before, #flight-1 .after, #flight-1 .limit').length"), 3)
-        self.assertIn("5000", ask("[...document.querySelectorAll('#flight-1 text')].map((t) => t.textContent)"))
+        self.assertEqual([len(layers("flight-1", name)) for name in ("before", "after")], [1, 1])
+        self.assertEqual([limit["at"] for limit in layers("flight-1", "limit")], [5000])
+        self.assertGreater(self.browser.count_pixels("flight-1"), 200)  # curves are drawn
         self.assertEqual(ask("document.querySelectorAll('#slices figure').length"), 4)  # objective and margins of both variables
         self.assertIn("same bits", ask("document.getElementById('verification').textContent"))
 
     def test_the_page_of_several_objectives_shows_the_front(self):
         front = self.optimize(FRONT, "o")["front"]
         ask = self.look_at("o")
-        self.assertEqual(ask("document.querySelectorAll('#search .front').length"), len(front))
-        self.assertEqual(ask("document.querySelectorAll('#search .chosen').length"), 1)
+        self.assertEqual(ask("document.getElementById('search-title').textContent"), "Pareto front")
+        self.assertEqual([len(self.browser.find_layers("search", name)[0]["x"]) for name in ("front", "chosen")], [len(front), 1])
 
     def test_the_page_of_three_objectives_shows_the_front_in_each_pair(self):
         text = FRONT.replace("{minimise: b}]", "{minimise: b}, {maximise: a*b}]").replace("runs: 2000", "runs: 200")
         front = self.optimize(text, "o", code=None)["front"]
         ask = self.look_at("o")
         self.assertEqual(ask("[...document.querySelectorAll('#fronts figcaption')].map((c) => c.textContent)"), ["b over a", "a*b over a", "a*b over b"])
-        self.assertEqual(ask("document.querySelectorAll('#fronts .front').length"), 3 * len(front))
-        self.assertEqual(ask("document.querySelectorAll('#fronts .chosen').length"), 3)
-        ask("document.querySelector('#front-1-2 .run').dispatchEvent(new Event('click'))")
+        layers = self.browser.find_layers
+        for place in ("front-0-1", "front-0-2", "front-1-2"):
+            self.assertEqual([len(layers(place, name)[0]["x"]) for name in ("front", "chosen")], [len(front), 1])
+        (met,) = layers("front-1-2", "met")
+        self.browser.click_point("front-1-2", met["x"][0], met["y"][0])
         self.assertIn("Run ", ask("document.getElementById('picked').textContent"))
 
     def test_the_page_of_a_problem_without_constraints_shows_the_flight_before_and_after(self):
@@ -172,12 +178,13 @@ class OptimizeTest(ProcessTest):
         ask = self.look_at("o")  # the scenario's requirement
         captions = "[...document.querySelectorAll('#flights figcaption')].map((c) => c.textContent)"
         self.assertEqual(ask(captions), ["far"])
-        self.assertEqual(ask("document.querySelectorAll('#flight-0 .limit').length"), 0)
+        self.assertEqual(self.browser.find_layers("flight-0", "limit"), [])
         (self.folder / "s.yaml").write_text(SCENARIO.partition("requirements:")[0])
         self.optimize(free, "p")
         ask = self.look_at("p")  # the body's velocity
         self.assertEqual(ask(captions), ["block.vx", "block.vy", "block.vz"])
-        self.assertEqual(ask("document.querySelectorAll('#flights .before, #flights .after').length"), 6)
+        shown = [self.browser.find_layers(f"flight-{k}", name) for k in range(3) for name in ("before", "after")]
+        self.assertEqual([len(layers) for layers in shown], 6 * [1])
 
     def test_the_page_says_that_no_point_meets_all_constraints(self):
         self.optimize(PROBLEM.replace("between: [0 N, 5 N]", "between: [0 N, 1 N]"), "o", code=1)

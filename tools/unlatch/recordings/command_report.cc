@@ -8,6 +8,7 @@
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
+#include "tools/pages/pages.h"
 #include "tools/program/exit_codes.h"
 #include "tools/report/page.h"
 #include "tools/report/structure.h"
@@ -102,10 +103,8 @@ void refuse_to_overwrite(const ReportOptions& options) {
 }
 
 int run(const ReportOptions& options) {
-  if (!has_page()) {
-    std::fprintf(stderr,
-                 "unlatch report: this program was built without the page, which needs Node.js and npm; install them "
-                 "(tools/setup does), and build again: cmake --preset release\n");
+  if (!has_pages()) {
+    std::fprintf(stderr, "unlatch report: %s\n", kNoPages);
     return kExitEnvironment;
   }
   refuse_to_overwrite(options);
@@ -116,7 +115,7 @@ int run(const ReportOptions& options) {
     document["runs"].push_back(build_run(log, kFrameBudget / options.logs.size(), sound));
   }
   if (options.logs.size() == 2) document["diff"] = build_difference(options.logs);
-  const std::string page = build_page(document);
+  const std::string page = build_report_page(document);
   write_text(page, options.out);
   std::fprintf(stderr, "%s: %.1f MB\n", options.out.c_str(), static_cast<double>(page.size()) * 1e-6);
   if (!sound)

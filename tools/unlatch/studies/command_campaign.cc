@@ -16,6 +16,7 @@
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
+#include "tools/pages/pages.h"
 #include "tools/program/exit_codes.h"
 #include "tools/program/interrupt.h"
 #include "tools/unlatch/studies/campaign_flights.h"
@@ -214,6 +215,10 @@ Json fly_worst(const CampaignOptions& options, const CampaignData& data, std::ve
 
 int report(const CampaignOptions& options) {
   if (options.arguments.size() != 2) refuse_option("report", "one folder: unlatch campaign report DIR --out page.html");
+  if (!has_pages()) {
+    std::fprintf(stderr, "unlatch campaign report: %s\n", kNoPages);
+    return kExitEnvironment;
+  }
   check_output(options.out);
   const CampaignData data = read_campaign(options.arguments[1]);
   const Json summary = build_summary(data);

@@ -13,6 +13,7 @@
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
 #include "tools/optimize/page.h"
+#include "tools/pages/pages.h"
 #include "tools/program/exit_codes.h"
 #include "tools/program/interrupt.h"
 #include "tools/unlatch/options/scenario_options.h"
@@ -170,7 +171,9 @@ int optimize(const OptimizeOptions& options) {
   const nlohmann::ordered_json json = build_design_json(report);
   write_json(json, (out / "result.json").string());
   if (!options.json.empty()) write_json(json, options.json);
-  if (!evaluations.get_samples().empty()) {
+  if (!has_pages()) {
+    std::fprintf(stderr, "note: no report.html: %s\n", kNoPages);
+  } else if (!evaluations.get_samples().empty()) {
     const hil::DesignPoint& best = evaluations.get_samples()[result.best].point;
     write_text(build_design_page({problem, evaluations, result, json, build_manifest(problem), patch_text,
                                   fly_design(problem, get_start(problem), catch_interrupts()),
