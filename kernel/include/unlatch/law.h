@@ -70,9 +70,9 @@ struct LawStep {
     kMax,       // a b → the larger
     kIfLess,    // a b c d → c where a < b, else d
   };
-  Kind kind = Kind::kConstant;
-  int subject = 0;   // see above
-  double value = 0;  // kConstant
+  Kind kind = Kind::kConstant;  // what it computes
+  int subject = 0;              // see above
+  double value = 0;             // kConstant
 };
 
 // An expression: E · scale · command of scale_channel + offset + command of offset_channel.
