@@ -1,8 +1,8 @@
-// One search of a problem of synthesis by one algorithm, from one start: optimizers_bench PROBLEM ALGORITHM START RUNS.
-// Prints JSON: the number of runs, and [run, objectives...] of each design that meets all constraints and that none
-// before it equals or exceeds in all objectives. START 1 is the file's; others are random within the bounds, and seed
-// the algorithm. `local`, `global`, `pareto` and `auto` are those of `unlatch optimize`; others are algorithms of its
-// libraries alone. Driven by bench/optimizers.
+// One search of an optimisation problem by one algorithm, from one start: optimizers_bench PROBLEM ALGORITHM START
+// RUNS. Prints JSON: the number of runs, and [run, objectives...] of each design that meets all constraints and that
+// none before it equals or exceeds in all objectives. START 1 is the file's; others are random within the bounds, and
+// seed the algorithm. `local`, `global`, `pareto` and `auto` are those of `unlatch optimize`; others are algorithms of
+// its libraries alone. Driven by bench/optimizers.
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -19,18 +19,18 @@ namespace {
 
 using namespace unlatch;
 
-hil::DesignPoint choose_start(const hil::DesignProblem& problem, std::uint32_t start) {
+hil::OptimizePoint choose_start(const hil::OptimizeProblem& problem, std::uint32_t start) {
   std::mt19937_64 random(start);
-  hil::DesignPoint point;
-  for (const hil::DesignVariable& variable : problem.variables) {
+  hil::OptimizePoint point;
+  for (const hil::OptimizeVariable& variable : problem.variables) {
     const double part = static_cast<double>(random() >> 11U) * 0x1p-53;
     point.push_back(start == 1 ? variable.start : place(variable, part));
   }
   return point;
 }
 
-hil::ScaledProblem make_problem(const hil::DesignProblem& problem, hil::DesignEvaluations& evaluations,
-                                const hil::DesignMerit& merit, const hil::DesignPoint& from,
+hil::ScaledProblem make_problem(const hil::OptimizeProblem& problem, hil::OptimizeEvaluations& evaluations,
+                                const hil::OptimizeMerit& merit, const hil::OptimizePoint& from,
                                 const std::vector<double>& shifts) {
   std::vector<std::size_t> all(problem.variables.size());
   std::iota(all.begin(), all.end(), 0U);
@@ -47,7 +47,7 @@ bool search(const std::string& algorithm, const hil::ScaledProblem& scaled) {
          find("unlatch_search_pagmo")(algorithm.c_str(), scaled);
 }
 
-void print(const hil::DesignMerit& merit, const std::vector<hil::DesignSample>& samples) {
+void print(const hil::OptimizeMerit& merit, const std::vector<hil::OptimizeSample>& samples) {
   std::printf("{\"runs\": %zu, \"best\": [", samples.size());
   std::vector<std::vector<double>> front;  // scaled, minimised
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -75,24 +75,24 @@ int main(int count, char** arguments) {
   }
   const std::string algorithm = arguments[2];
   const auto start = static_cast<std::uint32_t>(std::strtoul(arguments[3], nullptr, 10));
-  hil::DesignProblem problem = hil::load_design_problem(arguments[1]);
-  const hil::DesignPoint from = choose_start(problem, start);
+  hil::OptimizeProblem problem = hil::load_optimize_problem(arguments[1]);
+  const hil::OptimizePoint from = choose_start(problem, start);
   for (std::size_t i = 0; i < from.size(); ++i) problem.variables[i].start = from[i];
   problem.seed = start;
   problem.starts = 1;
   problem.budget.runs = std::strtoll(arguments[4], nullptr, 10);
   const std::atomic<bool> stop{false};
-  hil::DesignEvaluations evaluations(problem, {}, stop);
+  hil::OptimizeEvaluations evaluations(problem, {}, stop);
   const auto method = std::ranges::find(hil::kSearchMethodNames, algorithm);
   if (method != hil::kSearchMethodNames.end()) {
     problem.method = static_cast<hil::SearchMethod>(method - hil::kSearchMethodNames.begin());
-    search_design(problem, evaluations, false);
-    print(hil::DesignMerit(problem, &evaluations.get_samples().front()), evaluations.get_samples());
+    search_optimum(problem, evaluations, false);
+    print(hil::OptimizeMerit(problem, &evaluations.get_samples().front()), evaluations.get_samples());
     return 0;
   }
   std::vector<std::int64_t> first;
   evaluations.evaluate({from}, first);
-  const hil::DesignMerit merit(problem, &evaluations.get_samples().front());
+  const hil::OptimizeMerit merit(problem, &evaluations.get_samples().front());
   const std::vector<double> none(problem.constraints.size(), 0.0);
   if (!search(algorithm, make_problem(problem, evaluations, merit, from, none))) {
     std::fprintf(stderr, "optimizers_bench: no algorithm %s\n", algorithm.c_str());

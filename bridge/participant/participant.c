@@ -190,7 +190,7 @@ int unlatch_participant_open(unlatch_participant* p, const char* name, const cha
     close(p->socket);
     return -1;
   }
-  clock_gettime(CLOCK_REALTIME, &now); /* tells this start from others */
+  clock_gettime(CLOCK_REALTIME, &now); /* distinguishes this start from others */
   p->run = (uint32_t)now.tv_nsec ^ (uint32_t)now.tv_sec << 8 ^ (uint32_t)getpid() << 16;
   p->introduction.participant = (int32_t)(p->run & 0x7fffffffU);
   memcpy(p->introduction.name, name, length);

@@ -60,7 +60,7 @@ static void mdlOutputs(SimStruct* S, int_T tid) {
   size_t i;
   (void)tid;
   do event = unlatch_participant_poll(p, kPatience_ms);
-  while (event == UNLATCH_PARTICIPANT_REFUSED); /* told by the simulator's health as well */
+  while (event == UNLATCH_PARTICIPANT_REFUSED); /* counted in the simulator's health as well */
   if (event == UNLATCH_PARTICIPANT_NOTHING) {
     ssSetErrorStatus(S, "unlatch: the simulator is silent");
     return;

@@ -1,4 +1,4 @@
-// Campaigns and problems of synthesis, over a small scenario. Of an accepted one three samples are drawn, and one of
+// Campaigns and optimisation problems, over a small scenario. Of an accepted one three samples are drawn, and one of
 // them makes a scenario that is stepped.
 #include <unistd.h>
 
@@ -86,8 +86,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text = fuzz::to_text(data, size);
   if (names_another_file(text)) return 0;
   try {
-    if (text.find("unlatch_synthesis") != std::string::npos) {
-      const hil::DesignProblem problem = hil::load_design_problem_text(text, "fuzz.yaml", folder.get_path());
+    if (text.find("unlatch_optimize") != std::string::npos) {
+      const hil::OptimizeProblem problem = hil::load_optimize_problem_text(text, "fuzz.yaml", folder.get_path());
       fuzz::require(!problem.variables.empty() && !problem.objectives.empty(), "a problem with nothing to search");
     } else {
       draw_some(hil::load_campaign_text(text, "fuzz.yaml", folder.get_path()));

@@ -98,7 +98,7 @@ bool ParticipantClient::hear_hello(const hil::HelloMessage& hello) {
 }
 
 void ParticipantClient::tell_of_other(const hil::HelloMessage& hello) {
-  if (!told_of_.is_news(hello.session)) return;
+  if (!others_heard_.is_news(hello.session)) return;
   std::fprintf(
       stderr,
       "unlatch-fsw: another simulator is heard, scenario '%s', session %lld; '%s' stays with session %lld. Choose "

@@ -55,7 +55,7 @@ class ParticipantClient {
   bool attached_ = false;                // to this session's vehicle
   std::string refusal_;                  // why not
   bool told_ = false;                    // that its name is taken
-  hil::OtherSessions told_of_;           // other simulators
+  hil::OtherSessions others_heard_;      // other simulators
   std::chrono::nanoseconds silence_{0};  // of our session, while we listened
   std::int64_t answered_tick_ = -1;
   std::int64_t last_command_ = 0;                     // sequence number

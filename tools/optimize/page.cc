@@ -6,7 +6,7 @@
 #include "tools/pages/embed.h"
 #include "tools/pages/pages.h"
 
-UNLATCH_EMBED_PAGE(unlatch_design_page);
+UNLATCH_EMBED_PAGE(unlatch_optimize_page);
 
 namespace unlatch::tools {
 namespace {
@@ -23,9 +23,9 @@ Json to_list(const std::vector<double>& values) {
   return list;
 }
 
-Json build_variables(const hil::DesignProblem& problem) {
+Json build_variables(const hil::OptimizeProblem& problem) {
   Json list = Json::array();
-  for (const hil::DesignVariable& variable : problem.variables) {
+  for (const hil::OptimizeVariable& variable : problem.variables) {
     Json one{{"name", variable.name},   {"unit", variable.unit},   {"lower", variable.lower},
              {"upper", variable.upper}, {"start", variable.start}, {"catalogue", Json::array()},
              {"paths", variable.paths}};
@@ -38,15 +38,15 @@ Json build_variables(const hil::DesignProblem& problem) {
 }
 
 // The requirement limits the size of its quantity.
-bool is_of_size(const hil::DesignProblem& problem, const hil::DesignConstraint& constraint) {
+bool is_of_size(const hil::OptimizeProblem& problem, const hil::OptimizeConstraint& constraint) {
   const hil::Scenario& scenario = problem.tree->get_nominal();
   const auto at = find_requirement(scenario, constraint.id);
   return at && scenario.requirements[*at].take == hil::Requirement::Take::kPeak;
 }
 
-Json build_constraints(const hil::DesignProblem& problem) {
+Json build_constraints(const hil::OptimizeProblem& problem) {
   Json list = Json::array();
-  for (const hil::DesignConstraint& constraint : problem.constraints)
+  for (const hil::OptimizeConstraint& constraint : problem.constraints)
     list.push_back({{"name", constraint.name},
                     {"unit", constraint.unit},
                     {"at_least", constraint.at_least},
@@ -56,11 +56,11 @@ Json build_constraints(const hil::DesignProblem& problem) {
   return list;
 }
 
-Json build_runs(const hil::DesignEvaluations& evaluations, std::size_t count) {
+Json build_runs(const hil::OptimizeEvaluations& evaluations, std::size_t count) {
   const std::size_t every = (count + kMostRuns - 1) / kMostRuns;
   Json list = Json::array();
   for (std::size_t i = 0; i < count; i += every) {
-    const hil::DesignSample& sample = evaluations.get_samples()[i];
+    const hil::OptimizeSample& sample = evaluations.get_samples()[i];
     list.push_back({{"run", i + 1},
                     {"point", to_list(sample.point)},
                     {"objectives", to_list(sample.objectives)},
@@ -70,9 +70,9 @@ Json build_runs(const hil::DesignEvaluations& evaluations, std::size_t count) {
   return list;
 }
 
-Json build_flight(const std::vector<DesignCurve>& curves) {
+Json build_flight(const std::vector<OptimizeCurve>& curves) {
   Json list = Json::array();
-  for (const DesignCurve& curve : curves)
+  for (const OptimizeCurve& curve : curves)
     list.push_back({{"name", curve.name},
                     {"unit", curve.unit},
                     {"times", to_list(curve.times)},
@@ -82,7 +82,7 @@ Json build_flight(const std::vector<DesignCurve>& curves) {
 
 }  // namespace
 
-std::string build_design_page(const DesignPage& page) {
+std::string build_optimize_page(const OptimizePage& page) {
   const auto searched = static_cast<std::size_t>(page.result.search_runs);
   const Json data{{"title", page.problem.title},
                   {"result", page.summary},
@@ -93,7 +93,7 @@ std::string build_design_page(const DesignPage& page) {
                   {"runs", build_runs(page.evaluations, std::min(searched, page.evaluations.get_samples().size()))},
                   {"before", build_flight(page.before)},
                   {"after", build_flight(page.after)}};
-  return build_page(UNLATCH_EMBEDDED_PAGE(unlatch_design_page), data);
+  return build_page(UNLATCH_EMBEDDED_PAGE(unlatch_optimize_page), data);
 }
 
 }  // namespace unlatch::tools

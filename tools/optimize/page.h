@@ -7,20 +7,20 @@
 #include <vector>
 
 #include "hil/study/optimize/search.h"
-#include "tools/optimize/design_flight.h"
+#include "tools/optimize/point_flight.h"
 
 namespace unlatch::tools {
 
-struct DesignPage {
-  const hil::DesignProblem& problem;
-  const hil::DesignEvaluations& evaluations;
-  const hil::DesignResult& result;
-  const nlohmann::ordered_json& summary;   // result.json
-  const nlohmann::ordered_json& manifest;  // manifest.json
-  std::string patch;                       // the text of patch.yaml
-  std::vector<DesignCurve> before, after;  // flights of the start and of the result
+struct OptimizePage {
+  const hil::OptimizeProblem& problem;
+  const hil::OptimizeEvaluations& evaluations;
+  const hil::OptimizeResult& result;
+  const nlohmann::ordered_json& summary;     // result.json
+  const nlohmann::ordered_json& manifest;    // manifest.json
+  std::string patch;                         // the text of patch.yaml
+  std::vector<OptimizeCurve> before, after;  // flights of the start and of the result
 };
 
-std::string build_design_page(const DesignPage& page);
+std::string build_optimize_page(const OptimizePage& page);
 
 }  // namespace unlatch::tools

@@ -3,7 +3,7 @@ import math
 
 from plots import campaign
 
-# Of synthesis.yaml: the array as it is, and the optimum.
+# Of optimize.yaml: the array as it is, and the optimum.
 DESIGNS = {
     "before: springs of 0.6 N m,\ncables of 150 N m/rad": {},
     "optimum: springs of 1.48, 1.17, 0.50, 0.50 N m,\ncables of 0.92 N m/rad": {
@@ -131,8 +131,8 @@ def add(figure, tools):
     def dispersion(bench):
         return campaign.draw(bench, tools, "array/campaign.yaml", ["hinge"], "greatest force in the bus' hinge", "N", rows=2)
 
-    @figure("array-synthesis")
-    def synthesis(bench):
+    @figure("array-optimize")
+    def optimum(bench):
         return draw_designs(bench, "array/design.yaml", DESIGNS)
 
     @figure("array-ratios")

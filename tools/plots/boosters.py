@@ -17,7 +17,7 @@ def run_case(bench, case):
     return bench.run(f"boosters/{file}", UNTIL, EVERY, *options)
 
 
-# Of synthesis.yaml: where it starts, and its optimum.
+# Of optimize.yaml: where it starts, and its optimum.
 DESIGNS = {
     "start: 9 kN, 12 ms, 5 mm, spread 5 %": {"thrust": "9 kN", "delay": "12 ms", "stroke": "5 mm", "spread": "0.05"},
     "optimum: 6.32 kN, 60 ms, 30 mm, spread 3.8 %": {"thrust": "6323.924 N", "delay": "60 ms", "stroke": "30 mm",
@@ -246,8 +246,8 @@ def add(figure, tools):
         right.set_title("The strike, 18 ms", loc="left")
         return drawn
 
-    @figure("boosters-synthesis")
-    def synthesis(bench):
+    @figure("boosters-optimize")
+    def optimum(bench):
         import matplotlib.pyplot as plt
         drawn, columns = plt.subplots(1, 2, figsize=(7.5, 3.4), sharey=True, constrained_layout=True)
         for axes, (title, values) in zip(columns, DESIGNS.items()):

@@ -27,7 +27,7 @@ static dds_entity_t hello_acks, commands, step_acks; /* sent */
 
 static int64_t session;   /* 0: none yet */
 static dds_time_t heard;  /* time at which something of it came last */
-static bool told;         /* of another simulator */
+static bool warned;       /* of another simulator */
 static int throttle = -1; /* the channel's index */
 static unlatch_HelloAck introduction;
 static int64_t answered_tick = -1, last_command;
@@ -97,8 +97,8 @@ static void introduce(void) {
 
 /* Stays with its session, and says so once. */
 static void warn_of_other(const unlatch_Hello* hello) {
-  if (told) return;
-  told = true;
+  if (warned) return;
+  warned = true;
   fprintf(stderr, "pilot: another simulator is heard, session %lld; stays with session %lld\n",
           (long long)hello->session, (long long)session);
 }

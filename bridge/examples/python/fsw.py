@@ -43,7 +43,7 @@ def send(channel, message):
 
 
 def main():
-    numbers, session, heard, told, command, hellos = {}, None, 0, False, None, 0
+    numbers, session, heard, warned, command, hellos = {}, None, 0, False, None, 0
     participant = random.getrandbits(31)  # distinguishes two programs of one name
     print("fsw: waits for a simulator", flush=True)
     while True:
@@ -54,9 +54,9 @@ def main():
                 continue  # of a session that is over
             if hello.session != session:
                 if session is not None and time.monotonic() - heard < GONE:
-                    if not told:
+                    if not warned:
                         print(f"fsw: another simulator is heard, session {hello.session}; stays with session {session}", flush=True)
-                    told = True
+                    warned = True
                     continue
                 session, numbers = hello.session, {}
                 command = make(Command, session=session, sequence=0, tick=-1)

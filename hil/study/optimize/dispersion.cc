@@ -8,15 +8,15 @@
 
 namespace unlatch::hil {
 
-DispersedDesign::DispersedDesign(const DesignProblem& problem, const DesignPoint& point, bool check)
+DispersedPoint::DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point, bool check)
     : problem_(problem),
       campaign_(make_campaign(*problem.campaign, make_settings(problem, point), check)),
       evaluator_(*campaign_.tree) {
-  for (const DesignConstraint& constraint : problem.constraints)
+  for (const OptimizeConstraint& constraint : problem.constraints)
     margins_.emplace_back(constraint.probability > 0 ? static_cast<std::size_t>(count_samples()) : 0);
 }
 
-bool DispersedDesign::fly(std::int64_t first, std::size_t number, const std::atomic<bool>& stop) {
+bool DispersedPoint::fly(std::int64_t first, std::size_t number, const std::atomic<bool>& stop) {
   std::vector<SampleTask> tasks;
   for (std::size_t i = 0; i < number; ++i)
     tasks.push_back({make_settings(campaign_, draw_inputs(campaign_, first + static_cast<std::int64_t>(i)))});
@@ -27,7 +27,7 @@ bool DispersedDesign::fly(std::int64_t first, std::size_t number, const std::ato
   return true;
 }
 
-void DispersedDesign::keep(std::int64_t sample, const SampleResult& result) {
+void DispersedPoint::keep(std::int64_t sample, const SampleResult& result) {
   for (std::size_t i = 0; i < margins_.size(); ++i) {
     if (margins_[i].empty()) continue;
     const auto column = evaluator_.find(problem_.constraints[i].id + ".margin");
@@ -37,25 +37,25 @@ void DispersedDesign::keep(std::int64_t sample, const SampleResult& result) {
   }
 }
 
-double DispersedDesign::calc_margin(std::size_t constraint) const {
+double DispersedPoint::calc_margin(std::size_t constraint) const {
   std::vector<double> sorted = margins_[constraint];
   std::sort(sorted.begin(), sorted.end());
   const double margin = calc_quantile(sorted, 1 - problem_.constraints[constraint].probability);
   return std::isfinite(margin) ? margin : std::nan("");
 }
 
-double DispersedDesign::get_limit(std::size_t constraint) const {
+double DispersedPoint::get_limit(std::size_t constraint) const {
   return hil::get_limit(campaign_.tree->get_nominal().requirements[problem_.constraints[constraint].requirement]);
 }
 
-std::int64_t DispersedDesign::count_failures(std::size_t constraint) const {
+std::int64_t DispersedPoint::count_failures(std::size_t constraint) const {
   const std::vector<double>& margins = margins_[constraint];
   return std::count_if(margins.begin(), margins.end(), [](double margin) { return margin < 0; });
 }
 
-bool has_probabilities(const DesignProblem& problem) {
+bool has_probabilities(const OptimizeProblem& problem) {
   return std::any_of(problem.constraints.begin(), problem.constraints.end(),
-                     [](const DesignConstraint& constraint) { return constraint.probability > 0; });
+                     [](const OptimizeConstraint& constraint) { return constraint.probability > 0; });
 }
 
 }  // namespace unlatch::hil

@@ -9,11 +9,11 @@
 
 namespace unlatch::hil {
 
-class DispersedDesign {
+class DispersedPoint {
  public:
   // `check`: use the samples that verify a result. Keeps a reference to the problem. Throws ScenarioError if the
   // campaign has a mistake with this design.
-  DispersedDesign(const DesignProblem& problem, const DesignPoint& point, bool check);
+  DispersedPoint(const OptimizeProblem& problem, const OptimizePoint& point, bool check);
 
   [[nodiscard]] std::int64_t count_samples() const { return campaign_.plan.samples; }
   // Runs `number` samples from `first` on, SampleEvaluator::kSideBySide at the most. Threads may run different ones at
@@ -30,12 +30,12 @@ class DispersedDesign {
  private:
   void keep(std::int64_t sample, const SampleResult& result);
 
-  const DesignProblem& problem_;
+  const OptimizeProblem& problem_;
   const Campaign campaign_;
   const SampleEvaluator evaluator_;
   std::vector<std::vector<double>> margins_;  // [constraint][sample]; empty: constraint of the nominal run
 };
 
-bool has_probabilities(const DesignProblem& problem);
+bool has_probabilities(const OptimizeProblem& problem);
 
 }  // namespace unlatch::hil

@@ -30,23 +30,23 @@ std::string quote_cell(const std::string& text) {
 }
 
 // Heading of the journal's columns.
-std::string write_heading(const DesignProblem& problem) {
+std::string write_heading(const OptimizeProblem& problem) {
   std::string text = "run,status,hash";
   const auto add = [&](const std::string& name, const std::string& unit) {
     text += "," + quote_cell(name + (unit.empty() ? "" : " [" + unit + "]"));
   };
-  for (const DesignVariable& variable : problem.variables)
+  for (const OptimizeVariable& variable : problem.variables)
     add(variable.name, variable.is_catalogue() ? "entry" : variable.unit);
   for (const Objective& objective : problem.objectives) add(objective.text, objective.unit);
-  for (const DesignConstraint& constraint : problem.constraints) add(constraint.name, constraint.unit);
-  for (const DesignConstraint& constraint : problem.constraints) add(constraint.name + ".margin", constraint.unit);
+  for (const OptimizeConstraint& constraint : problem.constraints) add(constraint.name, constraint.unit);
+  for (const OptimizeConstraint& constraint : problem.constraints) add(constraint.name + ".margin", constraint.unit);
   return text + "\n";
 }
 
 // Sets the margins of the constraints with a probability, after all runs.
-void set_margins(const DesignProblem& problem, const DispersedDesign& design, DesignSample& sample) {
+void set_margins(const OptimizeProblem& problem, const DispersedPoint& design, OptimizeSample& sample) {
   for (std::size_t k = 0; k < problem.constraints.size(); ++k) {
-    const DesignConstraint& constraint = problem.constraints[k];
+    const OptimizeConstraint& constraint = problem.constraints[k];
     if (!(constraint.probability > 0)) continue;
     const double margin = design.calc_margin(k);
     sample.margins[k] = margin;
@@ -64,9 +64,9 @@ double read_cell(const std::string& text) {
 
 // A batch during its computation. Finished samples join the list and the journal in their order, each once all before
 // it are finished. Samples left out by `stop` or the deadline are the end of the batch.
-class DesignEvaluations::Batch {
+class OptimizeEvaluations::Batch {
  public:
-  Batch(DesignEvaluations& owner, const std::vector<DesignPoint>& points)
+  Batch(OptimizeEvaluations& owner, const std::vector<OptimizePoint>& points)
       : samples(points.size()), owner_(owner), first_(owner.samples_.size()), done_(points.size()) {
     for (std::size_t i = 0; i < points.size(); ++i) samples[i].point = points[i];
   }
@@ -75,7 +75,7 @@ class DesignEvaluations::Batch {
   void finish(std::size_t i) {
     const std::scoped_lock lock(mutex_);
     done_[i] = true;
-    std::vector<DesignSample>& list = owner_.samples_;
+    std::vector<OptimizeSample>& list = owner_.samples_;
     const std::size_t before = list.size();
     for (std::size_t k = before - first_; k < done_.size() && done_[k]; ++k) list.push_back(std::move(samples[k]));
     if (list.size() == before) return;
@@ -83,17 +83,17 @@ class DesignEvaluations::Batch {
     if (owner_.shown_) owner_.progress_();
   }
 
-  std::vector<DesignSample> samples;
+  std::vector<OptimizeSample> samples;
 
  private:
-  DesignEvaluations& owner_;
+  OptimizeEvaluations& owner_;
   const std::size_t first_;
   std::mutex mutex_;
   std::vector<bool> done_;
 };
 
-DesignEvaluations::DesignEvaluations(const DesignProblem& problem, const Options& options,
-                                     const std::atomic<bool>& stop, std::function<void()> progress)
+OptimizeEvaluations::OptimizeEvaluations(const OptimizeProblem& problem, const Options& options,
+                                         const std::atomic<bool>& stop, std::function<void()> progress)
     : problem_(problem), options_(options), stop_(stop), progress_(std::move(progress)), limit_(problem.budget.runs) {
   if (options_.journal.empty()) return;
   const std::string heading = write_heading(problem_);
@@ -110,11 +110,11 @@ DesignEvaluations::DesignEvaluations(const DesignProblem& problem, const Options
   }
 }
 
-DesignEvaluations::~DesignEvaluations() {
+OptimizeEvaluations::~OptimizeEvaluations() {
   if (file_ >= 0) close(file_);
 }
 
-void DesignEvaluations::set_deadline(double seconds) {
+void OptimizeEvaluations::set_deadline(double seconds) {
   using Duration = std::chrono::steady_clock::duration;
   deadline_ = seconds > 0 ? std::chrono::steady_clock::now() +
                                 std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))
@@ -122,7 +122,7 @@ void DesignEvaluations::set_deadline(double seconds) {
 }
 
 // Reads complete lines; the last one may have been cut off.
-void DesignEvaluations::read_journal(const std::string& heading) {
+void OptimizeEvaluations::read_journal(const std::string& heading) {
   std::ifstream file(options_.journal, std::ios::binary);
   if (!file) return;
   const std::string text((std::istreambuf_iterator<char>(file)), {});
@@ -135,7 +135,7 @@ void DesignEvaluations::read_journal(const std::string& heading) {
     std::vector<std::string> cells;
     for (std::string cell; std::getline(line, cell, ',');) cells.push_back(cell);
     cells.resize(3 + n + m + 2 * k);  // the last may be empty
-    DesignSample sample;
+    OptimizeSample sample;
     const auto status = std::find(kSampleStatusNames.begin(), kSampleStatusNames.end(), cells[1]);
     if (status == kSampleStatusNames.end()) return;
     sample.status = static_cast<SampleStatus>(status - kSampleStatusNames.begin());
@@ -149,7 +149,7 @@ void DesignEvaluations::read_journal(const std::string& heading) {
   }
 }
 
-std::string DesignEvaluations::write_row(const DesignSample& sample, std::size_t number) const {
+std::string OptimizeEvaluations::write_row(const OptimizeSample& sample, std::size_t number) const {
   char hash[24];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(sample.hash));
   std::string row =
@@ -160,18 +160,18 @@ std::string DesignEvaluations::write_row(const DesignSample& sample, std::size_t
 }
 
 // Removes rows of an earlier search that this one does not need.
-void DesignEvaluations::drop_tail() {
+void OptimizeEvaluations::drop_tail() {
   if (!has_tail_) return;
   has_tail_ = false;
   if (ftruncate(file_, written_) != 0 || lseek(file_, written_, SEEK_SET) != written_)
     throw JournalError(options_.journal + ": " + std::strerror(errno));
 }
 
-void DesignEvaluations::finish_journal() {
+void OptimizeEvaluations::finish_journal() {
   if (file_ >= 0) drop_tail();
 }
 
-void DesignEvaluations::write_all(const std::string& text) {
+void OptimizeEvaluations::write_all(const std::string& text) {
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t written = write(file_, text.data() + done, text.size() - done);
     if (written < 0 && errno == EINTR) continue;
@@ -182,7 +182,7 @@ void DesignEvaluations::write_all(const std::string& text) {
   }
 }
 
-void DesignEvaluations::append(std::size_t first) {
+void OptimizeEvaluations::append(std::size_t first) {
   if (file_ < 0) return;
   drop_tail();
   std::string rows;
@@ -191,14 +191,14 @@ void DesignEvaluations::append(std::size_t first) {
   written_ += static_cast<std::int64_t>(rows.size());
 }
 
-void DesignEvaluations::run(std::span<DesignSample> samples) const {
+void OptimizeEvaluations::run(std::span<OptimizeSample> samples) const {
   std::vector<SampleTask> tasks;
-  for (const DesignSample& sample : samples) tasks.push_back({make_settings(problem_, sample.point)});
+  for (const OptimizeSample& sample : samples) tasks.push_back({make_settings(problem_, sample.point)});
   const std::vector<SampleResult> results = problem_.evaluator->evaluate(tasks, stop_);
   for (std::size_t i = 0; i < samples.size(); ++i) keep(results[i], samples[i]);
 }
 
-void DesignEvaluations::keep(const SampleResult& result, DesignSample& sample) const {
+void OptimizeEvaluations::keep(const SampleResult& result, OptimizeSample& sample) const {
   sample.status = result.status;
   sample.hash = result.hash;
   if (result.status == SampleStatus::kInterrupted) return;
@@ -213,21 +213,21 @@ void DesignEvaluations::keep(const SampleResult& result, DesignSample& sample) c
     }
     sample.objectives.push_back(value);
   }
-  for (const DesignConstraint& constraint : problem_.constraints) {
+  for (const OptimizeConstraint& constraint : problem_.constraints) {
     const bool nominal = done && !(constraint.probability > 0);  // the other margins come from the dispersed samples
     sample.values.push_back(nominal ? result.values[constraint.value] : kNothing);
     sample.margins.push_back(nominal ? result.values[constraint.margin] : kNothing);
   }
 }
 
-void DesignEvaluations::compute(const std::vector<DesignPoint>& points) {
+void OptimizeEvaluations::compute(const std::vector<OptimizePoint>& points) {
   Batch batch(*this, points);
   if (has_probabilities(problem_)) return compute_dispersed(batch);
   run_shares(batch.samples, [&](std::size_t i) { batch.finish(i); });
 }
 
 // Calls done(i) after sample i, on the thread that has run it; interrupted samples are abandoned.
-void DesignEvaluations::run_shares(std::span<DesignSample> samples, const std::function<void(std::size_t)>& done) {
+void OptimizeEvaluations::run_shares(std::span<OptimizeSample> samples, const std::function<void(std::size_t)>& done) {
   run_shares_side_by_side(samples.size(), SampleEvaluator::kSideBySide, options_.jobs, stop_,
                           [&](std::size_t first, std::size_t number) {
                             if (is_late()) return;
@@ -238,14 +238,14 @@ void DesignEvaluations::run_shares(std::span<DesignSample> samples, const std::f
 }
 
 // Runs all samples of all designs side by side. The thread that runs the last sample of a design finishes the design.
-void DesignEvaluations::compute_dispersed(Batch& batch) {
+void OptimizeEvaluations::compute_dispersed(Batch& batch) {
   const std::size_t count = batch.samples.size();
-  std::vector<std::unique_ptr<DispersedDesign>> designs(count);
+  std::vector<std::unique_ptr<DispersedPoint>> designs(count);
   run_shares(batch.samples, [&](std::size_t i) {
-    DesignSample& sample = batch.samples[i];
+    OptimizeSample& sample = batch.samples[i];
     try {
       if (sample.status != SampleStatus::kInvalid)
-        designs[i] = std::make_unique<DispersedDesign>(problem_, sample.point, false);
+        designs[i] = std::make_unique<DispersedPoint>(problem_, sample.point, false);
     } catch (const ScenarioError&) {
       sample.status = SampleStatus::kInvalid;  // its constraints have no value
     }
@@ -270,10 +270,10 @@ void DesignEvaluations::compute_dispersed(Batch& batch) {
                           });
 }
 
-std::optional<std::vector<std::int64_t>> DesignEvaluations::check_dispersed(const DesignPoint& point) const {
+std::optional<std::vector<std::int64_t>> OptimizeEvaluations::check_dispersed(const OptimizePoint& point) const {
   if (!has_probabilities(problem_) || problem_.campaign->checks == 0) return std::nullopt;
   try {
-    DispersedDesign design(problem_, point, true);
+    DispersedPoint design(problem_, point, true);
     run_shares_side_by_side(
         static_cast<std::size_t>(design.count_samples()), SampleEvaluator::kSideBySide, options_.jobs, stop_,
         [&](std::size_t first, std::size_t number) { design.fly(static_cast<std::int64_t>(first), number, stop_); });
@@ -288,7 +288,7 @@ std::optional<std::vector<std::int64_t>> DesignEvaluations::check_dispersed(cons
 
 // Takes results from the journal, which has the same points in the same order, as far as it reaches. Keeps in `points`
 // the others.
-void DesignEvaluations::take_known(std::vector<DesignPoint>& points) {
+void OptimizeEvaluations::take_known(std::vector<OptimizePoint>& points) {
   std::size_t taken = 0;
   for (; taken < points.size() && samples_.size() < known_.size(); ++taken) {
     const Known& known = known_[samples_.size()];
@@ -301,11 +301,11 @@ void DesignEvaluations::take_known(std::vector<DesignPoint>& points) {
   if (taken > 0 && shown_) progress_();
 }
 
-bool DesignEvaluations::evaluate(const std::vector<DesignPoint>& points, std::vector<std::int64_t>& indices) {
+bool OptimizeEvaluations::evaluate(const std::vector<OptimizePoint>& points, std::vector<std::int64_t>& indices) {
   indices.assign(points.size(), -1);
-  std::vector<DesignPoint> batch;
+  std::vector<OptimizePoint> batch;
   bool complete = true;
-  for (const DesignPoint& point : points) {
+  for (const OptimizePoint& point : points) {
     if (index_.count(point) != 0) continue;
     if (get_runs() + static_cast<std::int64_t>(batch.size()) >= limit_ || is_late()) {
       complete = false;

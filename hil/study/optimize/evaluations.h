@@ -1,4 +1,4 @@
-// Samples of a problem of synthesis, in batches, with a journal. Several threads compute a batch side by side; its
+// Samples of an optimisation problem, in batches, with a journal. Several threads compute a batch side by side; its
 // results have one order, so that they do not depend on the number of threads. Each sample is appended to the journal,
 // a CSV file, as soon as all before it are: after the end of the process at any moment, a search that begins anew with
 // the same journal takes the stored results from it, in the same order, and continues.
@@ -19,8 +19,8 @@
 
 namespace unlatch::hil {
 
-struct DesignSample {
-  DesignPoint point;
+struct OptimizeSample {
+  OptimizePoint point;
   SampleStatus status = SampleStatus::kDone;
   std::int64_t hash = 0;
   std::vector<double> objectives;  // SI, as defined in the file: not negated
@@ -34,7 +34,7 @@ class JournalError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-class DesignEvaluations {
+class OptimizeEvaluations {
  public:
   struct Options {
     std::string journal;  // file; "": none
@@ -44,20 +44,20 @@ class DesignEvaluations {
 
   // Keeps references to all arguments. Another thread may set `stop`. `progress` is called when there are more samples,
   // by one thread at a time.
-  DesignEvaluations(
-      const DesignProblem& problem, const Options& options, const std::atomic<bool>& stop,
+  OptimizeEvaluations(
+      const OptimizeProblem& problem, const Options& options, const std::atomic<bool>& stop,
       std::function<void()> progress = [] {});
-  ~DesignEvaluations();
-  DesignEvaluations(const DesignEvaluations&) = delete;
-  DesignEvaluations& operator=(const DesignEvaluations&) = delete;
+  ~OptimizeEvaluations();
+  OptimizeEvaluations(const OptimizeEvaluations&) = delete;
+  OptimizeEvaluations& operator=(const OptimizeEvaluations&) = delete;
 
   // Evaluates points; returns indices into get_samples(), one for each; a repeated point costs nothing. False: the
   // budget is used up, or `stop` was set, and some are missing (-1); earlier results are kept. Throws JournalError.
-  bool evaluate(const std::vector<DesignPoint>& points, std::vector<std::int64_t>& indices);
+  bool evaluate(const std::vector<OptimizePoint>& points, std::vector<std::int64_t>& indices);
 
   // Runs the samples that verify a result, under the campaign's dispersions: failures of each constraint with a
   // probability, 0 for the others. Nothing: there are none, the design has a mistake, or `stop` was set.
-  [[nodiscard]] std::optional<std::vector<std::int64_t>> check_dispersed(const DesignPoint& point) const;
+  [[nodiscard]] std::optional<std::vector<std::int64_t>> check_dispersed(const OptimizePoint& point) const;
 
   // Removes from the journal rows that this search did not use. Call it only if the search was not stopped.
   void finish_journal();
@@ -69,7 +69,7 @@ class DesignEvaluations {
   void set_limit(std::int64_t runs) { limit_ = runs; }
   void set_deadline(double seconds);  // s of wall time from now; 0: none
 
-  [[nodiscard]] const std::vector<DesignSample>& get_samples() const { return samples_; }
+  [[nodiscard]] const std::vector<OptimizeSample>& get_samples() const { return samples_; }
   [[nodiscard]] std::int64_t get_runs() const { return static_cast<std::int64_t>(samples_.size()); }
   [[nodiscard]] std::int64_t get_taken() const { return taken_; }  // samples taken from the journal
   [[nodiscard]] bool is_late() const { return std::chrono::steady_clock::now() > deadline_; }
@@ -77,30 +77,30 @@ class DesignEvaluations {
 
  private:
   struct Known {  // A row of the journal.
-    DesignSample sample;
+    OptimizeSample sample;
     std::int64_t end = 0;  // end of its row in the file
   };
   class Batch;
 
-  void run(std::span<DesignSample> samples) const;
-  void keep(const SampleResult& result, DesignSample& sample) const;
-  void run_shares(std::span<DesignSample> samples, const std::function<void(std::size_t)>& done);
+  void run(std::span<OptimizeSample> samples) const;
+  void keep(const SampleResult& result, OptimizeSample& sample) const;
+  void run_shares(std::span<OptimizeSample> samples, const std::function<void(std::size_t)>& done);
   void read_journal(const std::string& heading);
   void drop_tail();
   void write_all(const std::string& text);
   void append(std::size_t first);
-  [[nodiscard]] std::string write_row(const DesignSample& sample, std::size_t number) const;
-  void take_known(std::vector<DesignPoint>& points);
-  void compute(const std::vector<DesignPoint>& points);
+  [[nodiscard]] std::string write_row(const OptimizeSample& sample, std::size_t number) const;
+  void take_known(std::vector<OptimizePoint>& points);
+  void compute(const std::vector<OptimizePoint>& points);
   void compute_dispersed(Batch& batch);
 
-  const DesignProblem& problem_;
+  const OptimizeProblem& problem_;
   const Options options_;
   const std::atomic<bool>& stop_;
   const std::function<void()> progress_;
-  std::vector<DesignSample> samples_;
+  std::vector<OptimizeSample> samples_;
   std::vector<Known> known_;
-  std::map<DesignPoint, std::int64_t> index_;
+  std::map<OptimizePoint, std::int64_t> index_;
   std::int64_t limit_ = 0, taken_ = 0;
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   bool shown_ = true;

@@ -16,7 +16,7 @@ bool dominates(const std::vector<double>& a, const std::vector<double>& b) {
 }  // namespace
 
 // Scales of constraints: the limit, or for a limit of 0 the value at the start.
-DesignMerit::DesignMerit(const DesignProblem& problem, const DesignSample* start) : problem_(problem) {
+OptimizeMerit::OptimizeMerit(const OptimizeProblem& problem, const OptimizeSample* start) : problem_(problem) {
   const auto size_of = [](double value) { return std::isfinite(value) && value != 0 ? std::abs(value) : 1.0; };
   for (std::size_t i = 0; i < problem_.objectives.size(); ++i)
     objective_scales_.push_back(size_of(start != nullptr ? start->objectives[i] : 1));
@@ -26,7 +26,7 @@ DesignMerit::DesignMerit(const DesignProblem& problem, const DesignSample* start
   }
 }
 
-ScaledSample DesignMerit::scale(const DesignSample& sample, const std::vector<double>& shifts) const {
+ScaledSample OptimizeMerit::scale(const OptimizeSample& sample, const std::vector<double>& shifts) const {
   ScaledSample scaled;
   for (std::size_t i = 0; i < problem_.objectives.size(); ++i) {
     const double value = i < sample.objectives.size() ? sample.objectives[i] / objective_scales_[i] : std::nan("");
@@ -39,12 +39,12 @@ ScaledSample DesignMerit::scale(const DesignSample& sample, const std::vector<do
   return scaled;
 }
 
-double DesignMerit::calc_violation(const DesignSample& sample, std::size_t constraint) const {
+double OptimizeMerit::calc_violation(const OptimizeSample& sample, std::size_t constraint) const {
   const double margin = sample.margins[constraint];
   return std::isfinite(margin) ? std::max(0.0, -margin / constraint_scales_[constraint]) : kNoResult;
 }
 
-Violation DesignMerit::calc_violation(const DesignSample& sample) const {
+Violation OptimizeMerit::calc_violation(const OptimizeSample& sample) const {
   Violation violation;
   for (std::size_t i = 0; i < sample.margins.size(); ++i)
     if (const double size = calc_violation(sample, i); size > violation.size) violation = {size, i, std::nullopt};
@@ -53,15 +53,15 @@ Violation DesignMerit::calc_violation(const DesignSample& sample) const {
   return violation;
 }
 
-bool DesignMerit::is_better(const DesignSample& sample, const DesignSample& other) const {
-  const auto merit = [&](const DesignSample& one) {
+bool OptimizeMerit::is_better(const OptimizeSample& sample, const OptimizeSample& other) const {
+  const auto merit = [&](const OptimizeSample& one) {
     const double violation = calc_violation(one).size;
     return std::pair(violation, violation > 0 ? 0.0 : scale(one).objectives[0]);
   };
   return merit(sample) < merit(other);
 }
 
-std::vector<std::size_t> DesignMerit::find_front(const std::vector<DesignSample>& samples) const {
+std::vector<std::size_t> OptimizeMerit::find_front(const std::vector<OptimizeSample>& samples) const {
   std::vector<std::pair<std::vector<double>, std::size_t>> points;
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (is_feasible(samples[i])) points.emplace_back(scale(samples[i]).objectives, i);
@@ -77,8 +77,8 @@ std::vector<std::size_t> DesignMerit::find_front(const std::vector<DesignSample>
   return indices;
 }
 
-std::size_t DesignMerit::find_middle(const std::vector<DesignSample>& samples,
-                                     const std::vector<std::size_t>& front) const {
+std::size_t OptimizeMerit::find_middle(const std::vector<OptimizeSample>& samples,
+                                       const std::vector<std::size_t>& front) const {
   std::vector<std::vector<double>> points;
   for (const std::size_t i : front) points.push_back(scale(samples[i]).objectives);
   std::vector<double> least = points[0], most = points[0];

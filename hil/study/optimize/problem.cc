@@ -10,7 +10,7 @@
 namespace unlatch::hil {
 namespace {
 
-double get_number(const DesignVariable& variable, double value) {
+double get_number(const OptimizeVariable& variable, double value) {
   if (!variable.is_catalogue()) return value;
   return variable.numbers.empty() ? value : variable.numbers.at(static_cast<std::size_t>(value));
 }
@@ -19,22 +19,22 @@ double get_number(const DesignVariable& variable, double value) {
 
 const std::vector<std::string> kSearchMethodNames{"auto", "local", "global", "pareto"};
 
-std::string write_value(const DesignVariable& variable, double value) {
+std::string write_value(const OptimizeVariable& variable, double value) {
   if (variable.is_catalogue())
     return to_text(Setting{"", variable.catalogue.at(static_cast<std::size_t>(value))}).substr(1);
   return to_text(value) + (variable.unit.empty() ? "" : " " + variable.unit);
 }
 
-DesignPoint get_start(const DesignProblem& problem) {
-  DesignPoint start;
-  for (const DesignVariable& variable : problem.variables) start.push_back(variable.start);
+OptimizePoint get_start(const OptimizeProblem& problem) {
+  OptimizePoint start;
+  for (const OptimizeVariable& variable : problem.variables) start.push_back(variable.start);
   return start;
 }
 
-std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point) {
+std::vector<Setting> make_settings(const OptimizeProblem& problem, const OptimizePoint& point) {
   std::vector<Setting> settings;
   for (std::size_t i = 0; i < problem.variables.size(); ++i) {
-    const DesignVariable& variable = problem.variables[i];
+    const OptimizeVariable& variable = problem.variables[i];
     const YamlNode value = variable.is_catalogue() ? variable.catalogue.at(static_cast<std::size_t>(point[i]))
                                                    : make_scalar(write_value(variable, point[i]));
     for (const std::string& path : variable.paths) settings.push_back({path, value});
@@ -42,7 +42,7 @@ std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoi
   return settings;
 }
 
-Campaign make_campaign(const DesignCampaign& campaign, const std::vector<Setting>& design, bool check) {
+Campaign make_campaign(const OptimizeCampaign& campaign, const std::vector<Setting>& design, bool check) {
   std::vector<std::string> overrides = campaign.overrides;
   for (const Setting& setting : design) overrides.push_back(to_text(setting));
   Campaign made = load_campaign_text(campaign.text, campaign.file, campaign.folder, overrides);
@@ -51,7 +51,7 @@ Campaign make_campaign(const DesignCampaign& campaign, const std::vector<Setting
   return made;
 }
 
-std::uint64_t calc_fingerprint(const DesignProblem& problem) {
+std::uint64_t calc_fingerprint(const OptimizeProblem& problem) {
   std::string all = UNLATCH_VERSION;
   const auto add = [&](const std::string& text) { (all += '\0') += text; };
   const auto add_scenario = [&](const Scenario& scenario) {
@@ -72,9 +72,9 @@ double get_limit(const Requirement& requirement) {
   return std::isfinite(requirement.least) ? requirement.least : requirement.most;
 }
 
-std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint& point) {
+std::vector<double> calc_limits(const OptimizeProblem& problem, const OptimizePoint& point) {
   std::vector<double> limits;
-  for (const DesignConstraint& constraint : problem.constraints) limits.push_back(constraint.limit);
+  for (const OptimizeConstraint& constraint : problem.constraints) limits.push_back(constraint.limit);
   const auto take = [&](const Scenario& scenario, bool dispersed) {
     for (std::size_t i = 0; i < limits.size(); ++i)
       for (const Requirement& requirement : scenario.requirements)
@@ -90,10 +90,10 @@ std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint&
   return limits;
 }
 
-Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point) {
+Quantity calc_expression(const OptimizeProblem& problem, const Objective& objective, const OptimizePoint& point) {
   Constants constants;
   for (std::size_t i = 0; i < problem.variables.size(); ++i) {
-    const DesignVariable& variable = problem.variables[i];
+    const OptimizeVariable& variable = problem.variables[i];
     if (!variable.is_catalogue() || !variable.numbers.empty())
       constants[variable.name] = {get_number(variable, point[i]), variable.dimension};
   }

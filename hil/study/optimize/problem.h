@@ -1,4 +1,4 @@
-// A problem of synthesis: a scenario, variables with bounds, objectives and constraints, read from a YAML file.
+// an optimisation problem: a scenario, variables with bounds, objectives and constraints, read from a YAML file.
 // hil/scenarios/OPTIMIZE.md describes the language.
 #pragma once
 
@@ -18,7 +18,7 @@
 namespace unlatch::hil {
 
 // A number between two bounds, or one entry of a catalogue; all paths get it.
-struct DesignVariable {
+struct OptimizeVariable {
   std::string name;
   std::vector<std::string> paths;
   double lower = 0, upper = 0, start = 0;  // SI; for a catalogue: indices of its entries
@@ -41,7 +41,7 @@ struct Objective {
 };
 
 // A requirement of the nominal run, or one that a part of a campaign's samples must meet.
-struct DesignConstraint {
+struct OptimizeConstraint {
   std::size_t requirement = 0;        // index in the scenario, or in the campaign's scenario
   std::string name, id, unit;         // name: "distance1", "distance1@0.95"; SI
   std::size_t value = 0, margin = 0;  // columns of the evaluator
@@ -53,7 +53,7 @@ struct DesignConstraint {
 
 // Dispersions: every design is run with the same samples of a campaign (common random numbers), whose `nominal` values
 // are the design's. Afterwards other samples of the same distributions check the result.
-struct DesignCampaign {
+struct OptimizeCampaign {
   std::string file, text, folder;
   std::int64_t samples = 0, checks = 0;
   std::vector<std::string> overrides;  // overrides of the problem's `set`
@@ -64,56 +64,56 @@ struct DesignCampaign {
 enum class SearchMethod { kAuto, kLocal, kGlobal, kPareto };
 extern const std::vector<std::string> kSearchMethodNames;  // "auto" …, in the order of the enum
 
-struct DesignBudget {
+struct OptimizeBudget {
   std::int64_t runs = 500;
   double seconds = 0;  // s of wall time; 0: no limit
 };
 
-struct DesignProblem {
+struct OptimizeProblem {
   std::string file, text, name, title;
   std::string scenario;                // path
   std::vector<std::string> overrides;  // PATH=VALUE: `set`
-  std::vector<DesignVariable> variables;
+  std::vector<OptimizeVariable> variables;
   std::vector<Objective> objectives;
-  std::vector<DesignConstraint> constraints;
+  std::vector<OptimizeConstraint> constraints;
   SearchMethod method = SearchMethod::kAuto;
   std::int64_t starts = 1;  // of the local search
   std::uint32_t seed = 1;
-  DesignBudget budget;
-  std::optional<DesignCampaign> campaign;
+  OptimizeBudget budget;
+  std::optional<OptimizeCampaign> campaign;
   std::shared_ptr<const ScenarioTree> tree;
   std::shared_ptr<const SampleEvaluator> evaluator;
 };
 
-// Returns true if the text is a problem of synthesis, false if it is a scenario.
-bool is_design_problem(const std::string& text);
+// Returns true if the text is an optimisation problem, false if it is a scenario.
+bool is_optimize_problem(const std::string& text);
 
 // Loads a problem. Throws ScenarioError with every mistake of the file, of the scenario, and of the bounds: values at
 // them that make no valid scenario.
-DesignProblem load_design_problem(const std::string& path);
+OptimizeProblem load_optimize_problem(const std::string& path);
 // `folder`: folder of the scenario.
-DesignProblem load_design_problem_text(const std::string& text, const std::string& file, const std::string& folder);
+OptimizeProblem load_optimize_problem_text(const std::string& text, const std::string& file, const std::string& folder);
 
 // Campaign with the design's values. `check`: use the other samples. Throws ScenarioError.
-Campaign make_campaign(const DesignCampaign& campaign, const std::vector<Setting>& design, bool check);
+Campaign make_campaign(const OptimizeCampaign& campaign, const std::vector<Setting>& design, bool check);
 
 // Hash of everything that determines the samples of a search, so that none continues another's journal: the problem,
 // the texts of scenario and campaign, their values and the version of the program.
-std::uint64_t calc_fingerprint(const DesignProblem& problem);
+std::uint64_t calc_fingerprint(const OptimizeProblem& problem);
 
 // A point of the design space: a number for each variable, SI; for a catalogue an index.
-using DesignPoint = std::vector<double>;
+using OptimizePoint = std::vector<double>;
 
-DesignPoint get_start(const DesignProblem& problem);
-std::vector<Setting> make_settings(const DesignProblem& problem, const DesignPoint& point);
+OptimizePoint get_start(const OptimizeProblem& problem);
+std::vector<Setting> make_settings(const OptimizeProblem& problem, const OptimizePoint& point);
 // Value of one variable as the language writes it: "9000 N".
-std::string write_value(const DesignVariable& variable, double value);
+std::string write_value(const OptimizeVariable& variable, double value);
 // Limit of a requirement: the lower one if it has two.
 double get_limit(const Requirement& requirement);
 // Limits of the constraints of a design, whose variables may be limits, or values from which limits are computed. Those
 // of the scenario if the design makes no valid one.
-std::vector<double> calc_limits(const DesignProblem& problem, const DesignPoint& point);
+std::vector<double> calc_limits(const OptimizeProblem& problem, const OptimizePoint& point);
 // Value of an objective that is an expression of the variables. Throws ExpressionError.
-Quantity calc_expression(const DesignProblem& problem, const Objective& objective, const DesignPoint& point);
+Quantity calc_expression(const OptimizeProblem& problem, const Objective& objective, const OptimizePoint& point);
 
 }  // namespace unlatch::hil

@@ -15,20 +15,20 @@
 namespace unlatch::hil {
 namespace {
 
-constexpr const char* kKey = "unlatch_synthesis";
+constexpr const char* kKey = "unlatch_optimize";
 constexpr std::size_t kMaxObjectives = 4;
 constexpr double kMaxRuns = 1e7, kMaxSeconds = 1e7, kMaxSamples = 1e6, kMaxStarts = 1000;
 constexpr double kDefaultSamples = 64, kChecks = 4;  // checks: multiples of the samples
 
 class ProblemReader {
  public:
-  ProblemReader(DesignProblem& problem, std::string folder, Mistakes& mistakes)
+  ProblemReader(OptimizeProblem& problem, std::string folder, Mistakes& mistakes)
       : problem_(problem), folder_(std::move(folder)), mistakes_(mistakes) {}
 
   void read(const YamlNode& root) {
     if (root.is_mapping() && root.find(kKey) == nullptr && root.find("unlatch") != nullptr)
-      return mistakes_.add(root.mark, "this is a scenario, not a problem of synthesis",
-                           "`unlatch run` flies it; a problem of synthesis names it: `scenario: FILE`");
+      return mistakes_.add(root.mark, "this is a scenario, not an optimisation problem",
+                           "`unlatch run` flies it; an optimisation problem names it: `scenario: FILE`");
     YamlMap top(root, "the file", mistakes_);
     if (!root.is_mapping()) return;
     top.read_header(kKey);
@@ -99,7 +99,7 @@ class ProblemReader {
   void check_starts(const YamlNode& root) {
     if (problem_.starts == 1) return;
     const bool automatic = problem_.method == SearchMethod::kAuto;
-    const bool continuous = std::ranges::none_of(problem_.variables, &DesignVariable::is_catalogue);
+    const bool continuous = std::ranges::none_of(problem_.variables, &OptimizeVariable::is_catalogue);
     if (problem_.method == SearchMethod::kLocal || (automatic && continuous && problem_.objectives.size() <= 1)) return;
     mistakes_.add(root.find("starts")->mark, "several starts, and no local search",
                   automatic ? "method: local; catalogues and several objectives have searches of the whole box"
@@ -124,7 +124,7 @@ class ProblemReader {
 
   // Refuses variables that an objective could not distinguish from a result.
   void refuse_names_of_results() {
-    for (const DesignVariable& variable : problem_.variables)
+    for (const OptimizeVariable& variable : problem_.variables)
       if (problem_.evaluator->find(variable.name))
         mistakes_.add(variable.mark, "'" + variable.name + "' is a result of the scenario, such as a requirement, too",
                       "give the variable another name, so that an objective can mean either");
@@ -139,7 +139,7 @@ class ProblemReader {
 
   // Reads FILE, or {file: FILE, samples: N, checks: N}.
   void read_campaign(const YamlNode& node) {
-    DesignCampaign campaign;
+    OptimizeCampaign campaign;
     campaign.samples = static_cast<std::int64_t>(kDefaultSamples);
     campaign.checks = static_cast<std::int64_t>(kChecks * kDefaultSamples);
     const YamlNode* file = &node;
@@ -284,7 +284,7 @@ class ProblemReader {
     if (!variables_sound_) return;  // the expression may use a variable that has a mistake
     std::vector<std::string> known;
     for (const ResultColumn& column : evaluator.columns()) known.push_back(column.name);
-    for (const DesignVariable& variable : problem_.variables) known.push_back(variable.name);
+    for (const OptimizeVariable& variable : problem_.variables) known.push_back(variable.name);
     try {
       objective.unit = describe_objective(calc_expression(problem_, objective, get_start(problem_)).dimension);
       problem_.objectives.push_back(objective);
@@ -299,7 +299,7 @@ class ProblemReader {
   // Description of an objective. A force times a length is an energy, unless a variable of the problem is a torque.
   [[nodiscard]] std::string describe_objective(const Dimension& dimension) const {
     const bool torque = std::ranges::any_of(
-        problem_.variables, [&](const DesignVariable& variable) { return variable.dimension == dimension; });
+        problem_.variables, [&](const OptimizeVariable& variable) { return variable.dimension == dimension; });
     return !torque && dimension == find_unit("J")->dimension ? "J" : describe_unit(dimension);
   }
 
@@ -307,14 +307,14 @@ class ProblemReader {
   // reader reports the mistakes.
   void check_bounds() {
     const std::size_t before = mistakes_.count();
-    const DesignPoint start = get_start(problem_);
+    const OptimizePoint start = get_start(problem_);
     for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
-      const DesignVariable& variable = problem_.variables[i];
+      const OptimizeVariable& variable = problem_.variables[i];
       std::vector<double> ends{variable.lower, variable.upper};
       for (std::size_t k = 1; k + 1 < variable.catalogue.size(); ++k) ends.push_back(static_cast<double>(k));
       std::set<std::string> reported;
       for (const double end : ends) {
-        DesignPoint point = start;
+        OptimizePoint point = start;
         point[i] = end;
         std::vector<Setting> settings = make_settings(problem_, point);
         std::erase_if(settings, [&](const Setting& setting) {
@@ -355,7 +355,7 @@ class ProblemReader {
     }
   }
 
-  DesignProblem& problem_;
+  OptimizeProblem& problem_;
   const std::string folder_;
   Mistakes& mistakes_;
   bool campaign_told_ = false, variables_sound_ = false;
@@ -363,7 +363,7 @@ class ProblemReader {
 
 }  // namespace
 
-bool is_design_problem(const std::string& text) {
+bool is_optimize_problem(const std::string& text) {
   if (text.find(kKey) == std::string::npos) return false;
   try {
     const YamlNode root = parse_yaml(text);
@@ -373,8 +373,9 @@ bool is_design_problem(const std::string& text) {
   }
 }
 
-DesignProblem load_design_problem_text(const std::string& text, const std::string& file, const std::string& folder) {
-  DesignProblem problem;
+OptimizeProblem load_optimize_problem_text(const std::string& text, const std::string& file,
+                                           const std::string& folder) {
+  OptimizeProblem problem;
   problem.file = file;
   problem.text = text;
   Mistakes mistakes(file, {});
@@ -387,9 +388,9 @@ DesignProblem load_design_problem_text(const std::string& text, const std::strin
   return problem;
 }
 
-DesignProblem load_design_problem(const std::string& path) {
-  return load_design_problem_text(read_text_file(path, "synthesis"), path,
-                                  std::filesystem::path(path).parent_path().string());
+OptimizeProblem load_optimize_problem(const std::string& path) {
+  return load_optimize_problem_text(read_text_file(path, "optimisation problem"), path,
+                                    std::filesystem::path(path).parent_path().string());
 }
 
 }  // namespace unlatch::hil

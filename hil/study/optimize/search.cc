@@ -22,16 +22,16 @@ constexpr double kAgainst = 0.99;     // relative to the largest violation: such
 
 class Search {
  public:
-  Search(const DesignProblem& problem, DesignEvaluations& evaluations)
+  Search(const OptimizeProblem& problem, OptimizeEvaluations& evaluations)
       : problem_(problem), evaluations_(evaluations), merit_(start()), none_(problem.constraints.size(), 0.0) {}
 
-  DesignResult run(bool study) {
+  OptimizeResult run(bool study) {
     if (!evaluations_.get_samples().empty()) look();
     result_.search_runs = evaluations_.get_runs();
     if (evaluations_.was_stopped())
-      result_.end = DesignResult::End::kStopped;
+      result_.end = OptimizeResult::End::kStopped;
     else if (cut_)
-      result_.end = DesignResult::End::kBudget;
+      result_.end = OptimizeResult::End::kBudget;
     if (evaluations_.get_samples().empty()) return result_;
     take_best();
     if (study && !evaluations_.was_stopped()) study_result(problem_, evaluations_, merit_, result_);
@@ -41,12 +41,12 @@ class Search {
 
  private:
   // Evaluates the first sample, whose values are the scales, whatever the deadline.
-  DesignMerit start() {
+  OptimizeMerit start() {
     evaluations_.set_limit(problem_.budget.runs);
     std::vector<std::int64_t> first;
     cut_ = !evaluations_.evaluate({get_start(problem_)}, first);
     evaluations_.set_deadline(problem_.budget.seconds);
-    return DesignMerit(problem_, cut_ ? nullptr : &evaluations_.get_samples().front());
+    return OptimizeMerit(problem_, cut_ ? nullptr : &evaluations_.get_samples().front());
   }
 
   void look() {
@@ -65,7 +65,7 @@ class Search {
   // left, as has a last search from the best point, if the one that has found it was cut. The end is that of the search
   // that has found the best.
   void search_from_starts(bool last) {
-    std::vector<DesignPoint> starts{get_start(problem_)};
+    std::vector<OptimizePoint> starts{get_start(problem_)};
     if (problem_.starts > 1) add_starts(starts);
     bool cut = false;
     for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -84,7 +84,7 @@ class Search {
   }
 
   // Adds the best points of a Latin hypercube, none near another (Rinnooy Kan and Timmer 1987).
-  void add_starts(std::vector<DesignPoint>& starts) {
+  void add_starts(std::vector<OptimizePoint>& starts) {
     const std::size_t n = problem_.variables.size();
     const auto wanted = static_cast<std::size_t>(problem_.starts);
     SamplingPlan plan;
@@ -94,7 +94,7 @@ class Search {
     plan.dimensions = n;
     const double apart = kApart * std::pow(static_cast<double>(plan.samples), -1.0 / static_cast<double>(n));
     std::vector<std::vector<double>> units;
-    std::vector<DesignPoint> points;
+    std::vector<OptimizePoint> points;
     for (std::int64_t i = 0; i < plan.samples; ++i) {
       units.push_back(calc_point(plan, i));
       points.emplace_back();
@@ -125,12 +125,12 @@ class Search {
   bool try_all() {
     if (!list_continuous(problem_).empty()) return false;
     double count = 1;
-    for (const DesignVariable& variable : problem_.variables) count *= static_cast<double>(variable.catalogue.size());
+    for (const OptimizeVariable& variable : problem_.variables) count *= static_cast<double>(variable.catalogue.size());
     if (count > static_cast<double>(problem_.budget.runs)) return false;
-    std::vector<DesignPoint> points{DesignPoint(problem_.variables.size(), 0.0)};
+    std::vector<OptimizePoint> points{OptimizePoint(problem_.variables.size(), 0.0)};
     for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
-      std::vector<DesignPoint> more;
-      for (const DesignPoint& point : points)
+      std::vector<OptimizePoint> more;
+      for (const OptimizePoint& point : points)
         for (std::size_t k = 0; k < problem_.variables[i].catalogue.size(); ++k) {
           more.push_back(point);
           more.back()[i] = static_cast<double>(k);
@@ -140,7 +140,7 @@ class Search {
     std::vector<std::int64_t> indices;
     for (std::size_t at = 0; at < points.size() && !cut_; at += kBatch) {
       const auto begin = points.begin() + static_cast<std::ptrdiff_t>(at);
-      const std::vector<DesignPoint> batch(
+      const std::vector<OptimizePoint> batch(
           begin, points.begin() + static_cast<std::ptrdiff_t>(std::min(points.size(), at + kBatch)));
       cut_ = !evaluations_.evaluate(batch, indices);
     }
@@ -153,7 +153,7 @@ class Search {
   // the problem itself; then the least violation, until a point meets all; then the problem from there. The first two
   // have a part of the budget each, so that neither uses all of it. `last`: no other search follows; the least
   // violation may use all that is left.
-  void search_local(const DesignPoint& from, bool last) {
+  void search_local(const OptimizePoint& from, bool last) {
     if (list_continuous(problem_).empty() || is_spent()) return;
     begin_phase(1);
     std::vector<std::int64_t> first;
@@ -164,7 +164,7 @@ class Search {
     result_.searches.push_back({static_cast<std::size_t>(first[0]), update(own_)});
   }
 
-  void search_phases(const DesignPoint& from, bool last) {
+  void search_phases(const OptimizePoint& from, bool last) {
     const bool lost = !is_feasible();
     search_problem(from, lost ? kForFeasible : 1);
     if (!lost || is_spent()) return;
@@ -184,13 +184,13 @@ class Search {
     cut_ = false;
   }
 
-  void search_problem(const DesignPoint& from, double share) {
+  void search_problem(const OptimizePoint& from, double share) {
     begin_phase(share);
     if (!find_local()(prepare(list_continuous(problem_), from))) cut_ = true;
   }
 
   // Searches the least t that no violation exceeds.
-  void search_least_violation(const DesignPoint& from, double share) {
+  void search_least_violation(const OptimizePoint& from, double share) {
     begin_phase(share);
     ScaledProblem least = prepare(list_continuous(problem_), from);
     ++least.variables;
@@ -249,7 +249,7 @@ class Search {
       const std::optional<Gap> gap = find_gap(tried);
       if (!gap) break;
       tried.insert({gap->from, gap->to});
-      const DesignSample& from = evaluations_.get_samples()[gap->to];  // meets the limit of the second objective
+      const OptimizeSample& from = evaluations_.get_samples()[gap->to];  // meets the limit of the second objective
       ScaledProblem one = prepare(list_continuous(problem_), from.point);
       one.objectives = 1;
       ++one.constraints;
@@ -275,7 +275,7 @@ class Search {
     double second = 0;
   };
   [[nodiscard]] std::optional<Gap> find_gap(const std::set<std::pair<std::size_t, std::size_t>>& tried) const {
-    const std::vector<DesignSample>& samples = evaluations_.get_samples();
+    const std::vector<OptimizeSample>& samples = evaluations_.get_samples();
     const std::vector<std::size_t> front = merit_.find_front(samples);
     if (front.size() < 2) return std::nullopt;
     const auto get = [&](std::size_t i, std::size_t k) { return merit_.scale(samples[front[i]]).objectives[k]; };
@@ -313,7 +313,7 @@ class Search {
     find_function<GlobalSearch>(kOptimizersModule, function)(scaled);
   }
 
-  ScaledProblem prepare(std::vector<std::size_t> list, DesignPoint base) {
+  ScaledProblem prepare(std::vector<std::size_t> list, OptimizePoint base) {
     ScaledProblem scaled = make_scaled(problem_, evaluations_, merit_, std::move(list), std::move(base), none_);
     scaled.evaluate = [this, evaluate = scaled.evaluate](const std::vector<std::vector<double>>& points,
                                                          std::vector<ScaledSample>& samples) {
@@ -337,18 +337,18 @@ class Search {
     std::size_t seen = 0, best = 0;
   };
   std::size_t update(Best& one) const {
-    const std::vector<DesignSample>& samples = evaluations_.get_samples();
+    const std::vector<OptimizeSample>& samples = evaluations_.get_samples();
     for (; one.seen < samples.size(); ++one.seen)
       if (merit_.is_better(samples[one.seen], samples[one.best])) one.best = one.seen;
     return one.best;
   }
-  const DesignSample& get_best() { return evaluations_.get_samples()[update(whole_)]; }
-  const DesignSample& get_own() { return evaluations_.get_samples()[update(own_)]; }
+  const OptimizeSample& get_best() { return evaluations_.get_samples()[update(whole_)]; }
+  const OptimizeSample& get_own() { return evaluations_.get_samples()[update(own_)]; }
   [[nodiscard]] bool is_feasible() { return is_feasible(get_own()); }
-  [[nodiscard]] bool is_feasible(const DesignSample& sample) const { return merit_.is_feasible(sample); }
+  [[nodiscard]] bool is_feasible(const OptimizeSample& sample) const { return merit_.is_feasible(sample); }
 
   void take_best() {
-    const DesignSample& best = get_best();
+    const OptimizeSample& best = get_best();
     result_.best = whole_.best;
     result_.violation = merit_.calc_violation(best);
     result_.feasible = result_.violation.size == 0;
@@ -367,12 +367,12 @@ class Search {
   static constexpr double kApart = 0.5;           // of the mean distance of the points tried
   static constexpr std::size_t kBatch = 64, kParetoSize = 40, kColony = 16, kColonyEach = 4;
 
-  const DesignProblem& problem_;
-  DesignEvaluations& evaluations_;
+  const OptimizeProblem& problem_;
+  OptimizeEvaluations& evaluations_;
   bool cut_ = false;  // the limit ended the last phase
-  const DesignMerit merit_;
+  const OptimizeMerit merit_;
   const std::vector<double> none_;
-  DesignResult result_;
+  OptimizeResult result_;
   Best whole_, own_;                         // of all samples, and of the local search
   std::int64_t end_ = problem_.budget.runs;  // number of runs at which the local search ends
   double least_violation_ = HUGE_VAL;        // result of a search of the least violation that has converged
@@ -380,7 +380,7 @@ class Search {
 
 }  // namespace
 
-DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations, bool study) {
+OptimizeResult search_optimum(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study) {
   return Search(problem, evaluations).run(study);
 }
 

@@ -1,4 +1,4 @@
-// Search of a problem of synthesis: choice of the method, its phases and their shares of the budget, the best of all
+// Search of an optimisation problem: choice of the method, its phases and their shares of the budget, the best of all
 // samples. A seed gives the same samples in the same order, whatever the number of threads.
 #pragma once
 
@@ -20,7 +20,7 @@ struct LocalResult {
   std::size_t first = 0, best = 0;
 };
 
-struct DesignResult {
+struct OptimizeResult {
   enum class End { kConverged, kBudget, kStopped };
   End end = End::kConverged;
   SearchMethod method = SearchMethod::kLocal;  // the method that was used
@@ -41,6 +41,6 @@ struct DesignResult {
 
 // Runs the search, and the runs around its result (study.h) unless `study` is false. Throws ModuleError if the
 // libraries are not installed.
-DesignResult search_design(const DesignProblem& problem, DesignEvaluations& evaluations, bool study = true);
+OptimizeResult search_optimum(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, bool study = true);
 
 }  // namespace unlatch::hil

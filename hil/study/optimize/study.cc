@@ -17,7 +17,8 @@ constexpr std::int64_t kShadowRuns = 100;
 
 class Study {
  public:
-  Study(const DesignProblem& problem, DesignEvaluations& evaluations, const DesignMerit& merit, DesignResult& result)
+  Study(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, const OptimizeMerit& merit,
+        OptimizeResult& result)
       : problem_(problem),
         evaluations_(evaluations),
         merit_(merit),
@@ -44,17 +45,17 @@ class Study {
   }
 
  private:
-  const DesignSample& get(std::int64_t index) const {
+  const OptimizeSample& get(std::int64_t index) const {
     return evaluations_.get_samples()[static_cast<std::size_t>(index)];
   }
 
   void add_sensitivities() {
     result_.sensitivities.resize(problem_.variables.size());
     const std::vector<std::size_t> list = list_continuous(problem_);
-    std::vector<DesignPoint> points;
+    std::vector<OptimizePoint> points;
     for (const std::size_t i : list)
       for (const double sign : {-1.0, 1.0}) {
-        const DesignVariable& variable = problem_.variables[i];
+        const OptimizeVariable& variable = problem_.variables[i];
         points.push_back(best_.point);
         points.back()[i] = std::clamp(best_.point[i] + sign * kSensitivity * (variable.upper - variable.lower),
                                       variable.lower, variable.upper);
@@ -62,7 +63,7 @@ class Study {
     std::vector<std::int64_t> indices;
     if (!evaluations_.evaluate(points, indices)) return;
     for (std::size_t k = 0; k < list.size(); ++k) {
-      const DesignSample &a = get(indices[2 * k]), &b = get(indices[2 * k + 1]);
+      const OptimizeSample &a = get(indices[2 * k]), &b = get(indices[2 * k + 1]);
       const double width = b.point[list[k]] - a.point[list[k]];
       std::vector<double>& row = result_.sensitivities[list[k]];
       for (std::size_t i = 0; i < a.objectives.size(); ++i) row.push_back((b.objectives[i] - a.objectives[i]) / width);
@@ -74,8 +75,8 @@ class Study {
   void add_slices() {
     result_.slices.resize(problem_.variables.size());
     for (std::size_t i = 0; i < problem_.variables.size(); ++i) {
-      const DesignVariable& variable = problem_.variables[i];
-      std::vector<DesignPoint> points;
+      const OptimizeVariable& variable = problem_.variables[i];
+      std::vector<OptimizePoint> points;
       for (int k = 0; k < kSlice; ++k) {
         const double x = variable.lower + (variable.upper - variable.lower) * k / (kSlice - 1);
         points.push_back(best_.point);
@@ -102,7 +103,7 @@ class Study {
       if (!evaluate(points, samples)) return false;
       for (const ScaledSample& sample : samples)
         if (std::all_of(sample.constraints.begin(), sample.constraints.end(),
-                        [](double c) { return c <= DesignMerit::kWithin; }))
+                        [](double c) { return c <= OptimizeMerit::kWithin; }))
           found = std::min(found, sample.objectives[0]);
       return true;
     };
@@ -114,17 +115,17 @@ class Study {
     return change / raised;
   }
 
-  const DesignProblem& problem_;
-  DesignEvaluations& evaluations_;
-  const DesignMerit& merit_;
-  DesignResult& result_;
-  const DesignSample best_;
+  const OptimizeProblem& problem_;
+  OptimizeEvaluations& evaluations_;
+  const OptimizeMerit& merit_;
+  OptimizeResult& result_;
+  const OptimizeSample best_;
 };
 
 }  // namespace
 
-void study_result(const DesignProblem& problem, DesignEvaluations& evaluations, const DesignMerit& merit,
-                  DesignResult& result) {
+void study_result(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, const OptimizeMerit& merit,
+                  OptimizeResult& result) {
   Study(problem, evaluations, merit, result).run();
 }
 

@@ -9,7 +9,7 @@ namespace unlatch::hil {
 constexpr std::int64_t kStudyRuns = 1000;
 
 // Fills constraints, sensitivities and slices. Items beyond the runs stay empty.
-void study_result(const DesignProblem& problem, DesignEvaluations& evaluations, const DesignMerit& merit,
-                  DesignResult& result);
+void study_result(const OptimizeProblem& problem, OptimizeEvaluations& evaluations, const OptimizeMerit& merit,
+                  OptimizeResult& result);
 
 }  // namespace unlatch::hil

@@ -14,7 +14,7 @@ constexpr std::size_t kMaxVariables = 64, kMaxCatalogue = 1000;
 
 class VariableReader {
  public:
-  VariableReader(DesignProblem& problem, Mistakes& mistakes) : problem_(problem), mistakes_(mistakes) {}
+  VariableReader(OptimizeProblem& problem, Mistakes& mistakes) : problem_(problem), mistakes_(mistakes) {}
 
   void read(YamlMap& top) {
     const YamlNode* const node = top.require("variables");
@@ -41,7 +41,7 @@ class VariableReader {
   void read_variable(const YamlKey& key, const YamlNode& node) {
     YamlMap map(node, "variable '" + key.text + "'", mistakes_);
     if (!node.is_mapping()) return;
-    DesignVariable variable;
+    OptimizeVariable variable;
     variable.name = key.text;
     variable.mark = key.mark;
     const std::size_t before = mistakes_.count();
@@ -64,7 +64,7 @@ class VariableReader {
     if (mistakes_.count() == before) problem_.variables.push_back(std::move(variable));
   }
 
-  void read_bounds(const YamlNode& node, DesignVariable& variable) {
+  void read_bounds(const YamlNode& node, OptimizeVariable& variable) {
     if (!node.is_sequence() || node.items.size() != 2)
       return mistakes_.add(node.mark, "no pair of bounds", "write [LOWER, UPPER], with units: [2 kN, 20 kN]");
     const auto lower = read_quantity(node.items[0], mistakes_), upper = read_quantity(node.items[1], mistakes_);
@@ -83,7 +83,7 @@ class VariableReader {
     variable.unit = describe_unit(upper->dimension);
   }
 
-  void read_catalogue(const YamlNode& node, DesignVariable& variable) {
+  void read_catalogue(const YamlNode& node, OptimizeVariable& variable) {
     if (!node.is_sequence()) return mistakes_.add(node.mark, "no catalogue", "write a list: [1 kN, 2 kN]");
     if (node.items.size() < 2 || node.items.size() > kMaxCatalogue)
       return mistakes_.add(node.mark, "a catalogue of length " + std::to_string(node.items.size()),
@@ -100,7 +100,7 @@ class VariableReader {
     variable.unit = describe_unit(variable.dimension);
   }
 
-  void read_start(const YamlNode& node, DesignVariable& variable, bool sound) {
+  void read_start(const YamlNode& node, OptimizeVariable& variable, bool sound) {
     if (!sound) return;
     if (variable.is_catalogue()) {
       const auto same = [&](const YamlNode& item) {
@@ -122,14 +122,14 @@ class VariableReader {
     variable.start = start->value;
   }
 
-  DesignProblem& problem_;
+  OptimizeProblem& problem_;
   Mistakes& mistakes_;
   std::set<std::string> paths_;
 };
 
 }  // namespace
 
-void read_variables(YamlMap& top, DesignProblem& problem, Mistakes& mistakes) {
+void read_variables(YamlMap& top, OptimizeProblem& problem, Mistakes& mistakes) {
   VariableReader(problem, mistakes).read(top);
 }
 

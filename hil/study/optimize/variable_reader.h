@@ -1,4 +1,4 @@
-// Variables of a problem of synthesis: paths, bounds or catalogue, start.
+// Variables of an optimisation problem: paths, bounds or catalogue, start.
 #pragma once
 
 #include "hil/scenario/yaml/yaml_reader.h"
@@ -7,6 +7,6 @@
 namespace unlatch::hil {
 
 // Reads variables; those without mistakes are added to the problem.
-void read_variables(YamlMap& top, DesignProblem& problem, Mistakes& mistakes);
+void read_variables(YamlMap& top, OptimizeProblem& problem, Mistakes& mistakes);
 
 }  // namespace unlatch::hil

@@ -11,7 +11,7 @@
 
 namespace unlatch::test {
 
-// Returns true for a scenario, false for a campaign or a problem of synthesis, which refer to scenarios and have a key
+// Returns true for a scenario, false for a campaign or an optimisation problem, which refer to scenarios and have a key
 // of their own.
 inline bool is_scenario_file(const std::filesystem::path& path) {
   if (path.extension() != ".yaml") return false;

@@ -1,4 +1,4 @@
-// Facts about synthesis: batches of samples, their journal, and the points that the optimisers evaluate.
+// Facts about optimisation: batches of samples, their journal, and the points that the optimisers evaluate.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@
 namespace unlatch::test {
 namespace {
 
-using hil::DesignEvaluations;
-using hil::DesignPoint;
+using hil::OptimizeEvaluations;
+using hil::OptimizePoint;
 using hil::ScaledProblem;
 using hil::ScaledSample;
 using testing::ElementsAre;
@@ -152,7 +152,7 @@ elements:
 requirements:
   - {id: far, position: {body: block, along: [1, 0, 0]}, take: final, at_least: 1 mm}
 )";
-constexpr const char* kProblem = R"(unlatch_synthesis: 1
+constexpr const char* kProblem = R"(unlatch_optimize: 1
 name: push
 scenario: s.yaml
 variables:
@@ -167,7 +167,7 @@ class OptimizeJournal : public testing::Test {
               (std::string("journal-") + testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
     std::ofstream(folder_ / "s.yaml") << kScenario;
-    problem_ = hil::load_design_problem_text(kProblem, "p.yaml", folder_.string());
+    problem_ = hil::load_optimize_problem_text(kProblem, "p.yaml", folder_.string());
     journal_ = (folder_ / "history.csv").string();
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -181,21 +181,21 @@ class OptimizeJournal : public testing::Test {
     const std::string text = read();
     return std::count(text.begin(), text.end(), '\n') - 1;
   }
-  [[nodiscard]] DesignEvaluations::Options resume(int jobs = 1) const { return {journal_, true, jobs}; }
+  [[nodiscard]] OptimizeEvaluations::Options resume(int jobs = 1) const { return {journal_, true, jobs}; }
 
   std::filesystem::path folder_;
   std::string journal_;
-  hil::DesignProblem problem_;
+  hil::OptimizeProblem problem_;
   std::atomic<bool> stop_{false};
   std::vector<std::int64_t> indices_;
 };
 
-const std::vector<DesignPoint> kPoints{{0.5}, {1}, {1.5}, {2}, {2.5}, {3}, {3.5}, {4}};
+const std::vector<OptimizePoint> kPoints{{0.5}, {1}, {1.5}, {2}, {2.5}, {3}, {3.5}, {4}};
 
 TEST_F(OptimizeJournal, IsTheSameForAnyNumberOfThreads) {
   std::vector<std::string> texts;
   for (const int jobs : {1, 3, 8}) {
-    DesignEvaluations evaluations(problem_, {journal_, false, jobs}, stop_);
+    OptimizeEvaluations evaluations(problem_, {journal_, false, jobs}, stop_);
     EXPECT_TRUE(evaluations.evaluate(kPoints, indices_));
     EXPECT_THAT(indices_, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
     texts.push_back(read());
@@ -205,17 +205,17 @@ TEST_F(OptimizeJournal, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST_F(OptimizeJournal, KeepsWhatABatchHadWhenItWasStopped) {
-  std::vector<DesignPoint> points = kPoints;  // as many as a thread runs side by side, and four more
+  std::vector<OptimizePoint> points = kPoints;  // as many as a thread runs side by side, and four more
   points.insert(points.end(), {{4.5}, {5}, {5.5}, {6}});
   int seen = 0;
-  DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_, [&] {
+  OptimizeEvaluations evaluations(problem_, {journal_, false, 1}, stop_, [&] {
     if (++seen == 3) stop_ = true;
   });
   EXPECT_FALSE(evaluations.evaluate(points, indices_));
   EXPECT_THAT(indices_, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, -1, -1, -1, -1));
   EXPECT_EQ(count_rows(), 8);
   stop_ = false;
-  DesignEvaluations next(problem_, resume(4), stop_);
+  OptimizeEvaluations next(problem_, resume(4), stop_);
   EXPECT_TRUE(next.evaluate(points, indices_));
   EXPECT_EQ(next.get_taken(), 8);
   EXPECT_EQ(count_rows(), 12);
@@ -223,14 +223,14 @@ TEST_F(OptimizeJournal, KeepsWhatABatchHadWhenItWasStopped) {
 
 TEST_F(OptimizeJournal, LosesNothingWhenASearchThatGoesOnEndsAtOnce) {
   {
-    DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_);
+    OptimizeEvaluations evaluations(problem_, {journal_, false, 1}, stop_);
     EXPECT_TRUE(evaluations.evaluate(kPoints, indices_));
   }
   const std::string whole = read();
-  DesignEvaluations(problem_, resume(), stop_);
+  OptimizeEvaluations(problem_, resume(), stop_);
   EXPECT_EQ(read(), whole);
   {
-    DesignEvaluations evaluations(problem_, resume(), stop_);
+    OptimizeEvaluations evaluations(problem_, resume(), stop_);
     EXPECT_TRUE(evaluations.evaluate({{0.5}, {1}}, indices_));
     EXPECT_EQ(evaluations.get_taken(), 2);
   }
@@ -239,38 +239,38 @@ TEST_F(OptimizeJournal, LosesNothingWhenASearchThatGoesOnEndsAtOnce) {
 
 TEST_F(OptimizeJournal, EndsWithTheRunsOfItsSearch) {
   {
-    DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_);
+    OptimizeEvaluations evaluations(problem_, {journal_, false, 1}, stop_);
     EXPECT_TRUE(evaluations.evaluate(kPoints, indices_));
   }
   {
-    DesignEvaluations evaluations(problem_, resume(), stop_);
+    OptimizeEvaluations evaluations(problem_, resume(), stop_);
     EXPECT_TRUE(evaluations.evaluate({{0.5}, {1}}, indices_));
     evaluations.finish_journal();
     EXPECT_EQ(count_rows(), 2);
     EXPECT_TRUE(evaluations.evaluate({{4.5}}, indices_));
     EXPECT_EQ(count_rows(), 3);
   }
-  DesignEvaluations evaluations(problem_, resume(), stop_);
+  OptimizeEvaluations evaluations(problem_, resume(), stop_);
   EXPECT_TRUE(evaluations.evaluate({{0.5}, {1}, {4.5}}, indices_));
   EXPECT_EQ(evaluations.get_taken(), 3);
 }
 
 TEST_F(OptimizeJournal, GoesOnFromAHeadingThatWasCutOff) {
-  { const DesignEvaluations evaluations(problem_, {journal_, false, 1}, stop_); }
+  { const OptimizeEvaluations evaluations(problem_, {journal_, false, 1}, stop_); }
   const std::string heading = read();
   for (const std::size_t part : {std::size_t{0}, std::size_t{5}, heading.size() - 1}) {
     std::ofstream(journal_) << heading.substr(0, part);
-    DesignEvaluations evaluations(problem_, resume(), stop_);
+    OptimizeEvaluations evaluations(problem_, resume(), stop_);
     EXPECT_TRUE(evaluations.evaluate(kPoints, indices_));
     EXPECT_EQ(read().substr(0, heading.size()), heading);
     EXPECT_EQ(count_rows(), 8);
   }
   std::ofstream(journal_) << "of something else\n";
-  EXPECT_THROW(DesignEvaluations(problem_, resume(), stop_), hil::JournalError);
+  EXPECT_THROW(OptimizeEvaluations(problem_, resume(), stop_), hil::JournalError);
 }
 
 TEST_F(OptimizeJournal, AFullDiskIsThrown) {
-  EXPECT_THROW(DesignEvaluations(problem_, {"/dev/full", false, 1}, stop_), hil::JournalError);
+  EXPECT_THROW(OptimizeEvaluations(problem_, {"/dev/full", false, 1}, stop_), hil::JournalError);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tables of campaign files and problems of synthesis, against the programs that read them. Run by ctest:
+"""Tables of campaign files and optimisation problems, against the programs that read them. Run by ctest:
 
     schemas_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
@@ -42,7 +42,7 @@ correlations:
 outputs: [{of: [block.position, block.vx], take: max}]
 curves: [{of: block.velocity, every: 50 ms}]
 """
-PROBLEM = """unlatch_synthesis: 1
+PROBLEM = """unlatch_optimize: 1
 name: all
 title: every key
 scenario: s.yaml
@@ -137,7 +137,7 @@ class SchemasTest(ProcessTest):
 
     def test_shipped_files_satisfy_the_schema_and_name_it(self):
         for name in FILES:
-            files = sorted(SCENARIOS.rglob({"campaign": "campaign*.yaml", "optimize": "synthesis*.yaml"}[name]))
+            files = sorted(SCENARIOS.rglob({"campaign": "campaign*.yaml", "optimize": "optimize*.yaml"}[name]))
             self.assertGreaterEqual(len(files), 2)
             for path in files:
                 text = path.read_text()

@@ -107,7 +107,7 @@ parameters:
     def test_a_search_ends_with_what_it_has(self):
         problem = self.folder / "chaos-optimize.yaml"
         self.write_chaos()
-        problem.write_text("""unlatch_synthesis: 1
+        problem.write_text("""unlatch_optimize: 1
 name: chaos
 scenario: chaos.yaml
 variables:

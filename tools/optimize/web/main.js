@@ -4,8 +4,8 @@ import { message, plots } from '../../pages/web/plot.js';
 import { showFlights, showRuns, showSlices } from './plots.js';
 import { best, constraints, limitText, manifest, objectives, pointOf, result, showValue, start, variables } from './problem.js';
 
-document.title = `${result.synthesis}: optimisation`;
-byId('title').textContent = data.title || result.synthesis;
+document.title = `${result.problem}: optimisation`;
+byId('title').textContent = data.title || result.problem;
 byId('facts').textContent = `${result.runs} runs of the search and ${result.study_runs} around its result; method ${result.exhaustive ? 'all combinations' : result.method}, seed ${result.seed}, scenario ${result.scenario}, ${manifest.program}`;
 const verdicts = {
   optimal: 'The search has converged: all constraints are met.', budget: 'The budget is spent: all constraints are met; a longer search may find better.',
@@ -48,4 +48,4 @@ byId('patch-text').textContent = data.patch;
 showRuns();
 showFlights();
 showSlices();
-window.unlatchReport = { synthesis: result.synthesis, data, plots };  // drawn
+window.unlatchReport = { problem: result.problem, data, plots };  // drawn

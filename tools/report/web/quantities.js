@@ -6,7 +6,7 @@ import { BODY, GROUND, ROWS, relativePosition, rotate } from './run.js';
 
 const DEG = 180 / Math.PI;
 const XYZ = ['x', 'y', 'z'];
-const DUPLICATED = new Set([0, 1, 2, 3, 7]);  // sensors that tell what bodies' and joints' own plots show, see Sensor::Kind
+const DUPLICATED = new Set([0, 1, 2, 3, 7]);  // sensors of what bodies' and joints' own plots show, see Sensor::Kind
 
 function map(count, calc) { return Float64Array.from({ length: count }, (_, i) => calc(i)); }
 function atFrame(index) { return { index, fraction: 0 }; }
@@ -52,7 +52,7 @@ function clearances(runs) {
     { name: 'all', unit: 'm', build }, ...(nearest === null ? [] : [{ name: 'nearest approach', unit: 'm', build, window: nearest }])] };
 }
 
-// The joints of one follower share its colour; dashes tell them apart.
+// The joints of one follower share its colour; dashes distinguish them.
 function jointColour(run, joint) {
   const before = run.joints.filter((other) => other.follower === joint.follower && other.column < joint.column).length;
   return joint.follower + PALETTE * before;

@@ -50,7 +50,7 @@ function both(runs, headings, listItems) {
   return fold(table(two ? ['', ...headings] : headings, rows), items);
 }
 
-// Distances of triangle meshes are told apart from those of exact shapes, where a run has some.
+// Distances of triangle meshes are marked apart from those of exact shapes, where a run has some.
 function buildClearances(runs, clock) {
   const meshes = runs.some((run) => run.clearance.some((item) => item.method !== 'exact'));
   const describe = (item) => (item.min < 0 ? 'they overlap' : item.method === 'exact' ? 'they touch' : 'they touch or overlap: triangles have no depth');

@@ -42,7 +42,7 @@ function buildSeries(runs, share) {
 export function buildTiming(runs, plots) {
   const two = runs.length > 1;
   const kinds = runs.flatMap((run) => KINDS.map(([key, name]) => ({ run, name, summary: run.timing[key] }))).filter(({ summary }) => summary.count > 0);
-  if (kinds.length === 0) return el('section', { class: 'card' }, el('h2', {}, 'Timing'), el('p', {}, 'The recording tells of none: it was cut short.'));
+  if (kinds.length === 0) return el('section', { class: 'card' }, el('h2', {}, 'Timing'), el('p', {}, 'The recording has none: it was cut short.'));
   const body = el('div', { class: 'plot' });
   let share = false, plot = null;
   const paint = () => {

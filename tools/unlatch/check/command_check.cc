@@ -246,8 +246,8 @@ int run(const ScenarioOptions& options, const std::string& graph, const std::str
   try {
     if (is_campaign(options)) return check_campaign(options, json);
     if (!hil::is_standard_input(options.path) &&
-        hil::is_design_problem(hil::read_text_file(options.path, "scenario"))) {
-      const hil::DesignProblem problem = hil::load_design_problem(options.path);
+        hil::is_optimize_problem(hil::read_text_file(options.path, "scenario"))) {
+      const hil::OptimizeProblem problem = hil::load_optimize_problem(options.path);
       print_problem(get_people_stream(json), problem);
       if (!json.empty()) write_problem_json(problem, json);
       return kExitDone;

@@ -16,12 +16,12 @@ constexpr double kSameTime = 1e-6;  // of a step
 // All digits: what is read back is what was typed.
 std::string to_text(double value) { return format("%.17g", value); }
 
-void refuse_design_problem(const std::string& path) {
-  if (hil::is_standard_input(path) || !hil::is_design_problem(hil::read_text_file(path, "scenario"))) return;
+void refuse_optimize_problem(const std::string& path) {
+  if (hil::is_standard_input(path) || !hil::is_optimize_problem(hil::read_text_file(path, "scenario"))) return;
   throw hil::ScenarioError({{.file = path,
                              .mark = {},
                              .override_text = "",
-                             .what = "this is a problem of synthesis, not a scenario",
+                             .what = "this is an optimisation problem, not a scenario",
                              .mend = "`unlatch optimize` looks for its values, and its DIR/patch.yaml runs"}});
 }
 
@@ -41,7 +41,7 @@ void add_scenario_options(Command command, ScenarioOptions& options) {
 }
 
 hil::Scenario load(const ScenarioOptions& options) {
-  refuse_design_problem(options.path);
+  refuse_optimize_problem(options.path);
   std::vector<std::string> overrides = options.overrides;
   if (options.dt > 0) overrides.push_back("step.dt=" + to_text(options.dt));
   if (options.until > 0) overrides.push_back("step.until=" + to_text(options.until));

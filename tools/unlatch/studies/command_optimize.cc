@@ -29,18 +29,18 @@ struct OptimizeOptions {
   bool resume = false;
 };
 
-DesignVerification verify(const hil::DesignProblem& problem, const std::string& patch,
-                          const hil::DesignSample& sample) {
+OptimizeVerification verify(const hil::OptimizeProblem& problem, const std::string& patch,
+                            const hil::OptimizeSample& sample) {
   const hil::Scenario scenario = hil::load_scenario(patch);
   const auto simulation = hil::build_simulation(scenario);
   hil::RunAnalysis analysis(scenario, *simulation);
   const hil::LogEnd end =
       hil::run_fast(*simulation, analysis, nullptr, calc_last_tick(scenario), catch_interrupts(), [] {});
-  if (end.status == hil::RunStatus::kAborted) return {DesignVerification::End::kInterrupted};
-  DesignVerification verification{DesignVerification::End::kDone, end.status == hil::RunStatus::kDone,
-                                  end.hash == sample.hash, end.hash};
+  if (end.status == hil::RunStatus::kAborted) return {OptimizeVerification::End::kInterrupted};
+  OptimizeVerification verification{OptimizeVerification::End::kDone, end.status == hil::RunStatus::kDone,
+                                    end.hash == sample.hash, end.hash};
   const std::vector<hil::Verdict> verdicts = analysis.judge();
-  for (const hil::DesignConstraint& constraint : problem.constraints)
+  for (const hil::OptimizeConstraint& constraint : problem.constraints)
     for (const hil::Verdict& verdict : verdicts)
       if (!(constraint.probability > 0) && verdict.requirement == constraint.requirement && !verdict.is_met())
         verification.met = false;
@@ -48,9 +48,9 @@ DesignVerification verify(const hil::DesignProblem& problem, const std::string& 
 }
 
 // All that decides the samples, in full, and its fingerprint, by which --resume knows the problem.
-nlohmann::ordered_json build_manifest(const hil::DesignProblem& problem) {
+nlohmann::ordered_json build_manifest(const hil::OptimizeProblem& problem) {
   nlohmann::ordered_json manifest{{"schema", 1},
-                                  {"synthesis", problem.name},
+                                  {"problem", problem.name},
                                   {"program", "unlatch " UNLATCH_VERSION},
                                   {"fingerprint", to_hex(static_cast<std::int64_t>(calc_fingerprint(problem)))},
                                   {"problem_text", problem.text},
@@ -73,7 +73,7 @@ std::string describe_difference(const nlohmann::ordered_json& had, const nlohman
 }
 
 // The journal of an earlier search, if it is this problem's. Without one the folder gets this problem's manifest.
-void open_folder(const OptimizeOptions& options, const hil::DesignProblem& problem) {
+void open_folder(const OptimizeOptions& options, const hil::OptimizeProblem& problem) {
   namespace fs = std::filesystem;
   const fs::path out(options.out), manifest = out / "manifest.json", journal = out / "history.csv";
   std::error_code error;
@@ -99,10 +99,10 @@ void open_folder(const OptimizeOptions& options, const hil::DesignProblem& probl
 // tenth of the budget.
 class OptimizeProgress {
  public:
-  explicit OptimizeProgress(const hil::DesignProblem& problem) : problem_(problem) {}
+  explicit OptimizeProgress(const hil::OptimizeProblem& problem) : problem_(problem) {}
 
-  void show(const hil::DesignEvaluations& evaluations) {
-    const std::vector<hil::DesignSample>& samples = evaluations.get_samples();
+  void show(const hil::OptimizeEvaluations& evaluations) {
+    const std::vector<hil::OptimizeSample>& samples = evaluations.get_samples();
     if (!merit_) merit_.emplace(problem_, &samples.front());
     for (; seen_ < samples.size(); ++seen_)
       if (merit_->is_better(samples[seen_], samples[best_])) best_ = seen_;
@@ -129,8 +129,8 @@ class OptimizeProgress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  const hil::DesignProblem& problem_;
-  std::optional<hil::DesignMerit> merit_;
+  const hil::OptimizeProblem& problem_;
+  std::optional<hil::OptimizeMerit> merit_;
   const bool terminal_ = is_terminal(stderr);
   const Clock::time_point begin_ = Clock::now();
   std::size_t seen_ = 0, best_ = 0;
@@ -140,47 +140,47 @@ class OptimizeProgress {
 int optimize(const OptimizeOptions& options) {
   namespace fs = std::filesystem;
   check_output(options.json);
-  const hil::DesignProblem problem = hil::load_design_problem(options.file);
+  const hil::OptimizeProblem problem = hil::load_optimize_problem(options.file);
   const fs::path out(options.out);
   const std::string journal = (out / "history.csv").string();
   open_folder(options, problem);
-  const hil::DesignEvaluations* known = nullptr;
+  const hil::OptimizeEvaluations* known = nullptr;
   OptimizeProgress progress(problem);
-  hil::DesignEvaluations evaluations(problem, {journal, options.resume, options.jobs}, catch_interrupts(),
-                                     [&] { progress.show(*known); });
+  hil::OptimizeEvaluations evaluations(problem, {journal, options.resume, options.jobs}, catch_interrupts(),
+                                       [&] { progress.show(*known); });
   known = &evaluations;
-  const hil::DesignResult result = hil::search_design(problem, evaluations);
+  const hil::OptimizeResult result = hil::search_optimum(problem, evaluations);
   progress.clear();
 
-  DesignReport report{problem, evaluations, result, {}, {}};
+  OptimizeReport report{problem, evaluations, result, {}, {}};
   std::string patch_text;
   if (!evaluations.get_samples().empty()) {
-    const hil::DesignSample& best = evaluations.get_samples()[result.best];
+    const hil::OptimizeSample& best = evaluations.get_samples()[result.best];
     report.limits = calc_limits(problem, best.point);
     const std::string patch = (out / "patch.yaml").string();
     patch_text = write_patch(problem, best.point);
     write_text(patch_text, patch);
     if (evaluations.was_stopped())
-      report.verification.end = DesignVerification::End::kInterrupted;
+      report.verification.end = OptimizeVerification::End::kInterrupted;
     else if (best.status != hil::SampleStatus::kInvalid)
       report.verification = verify(problem, patch, best);
-    if (report.verification.end == DesignVerification::End::kDone)
+    if (report.verification.end == OptimizeVerification::End::kDone)
       report.verification.failures = evaluations.check_dispersed(best.point);
     if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());
   }
-  const nlohmann::ordered_json json = build_design_json(report);
+  const nlohmann::ordered_json json = build_optimize_json(report);
   write_json(json, (out / "result.json").string());
   if (!options.json.empty()) write_json(json, options.json);
   if (!has_pages()) {
     std::fprintf(stderr, "note: no report.html: %s\n", kNoPages);
   } else if (!evaluations.get_samples().empty()) {
-    const hil::DesignPoint& best = evaluations.get_samples()[result.best].point;
-    write_text(build_design_page({problem, evaluations, result, json, build_manifest(problem), patch_text,
-                                  fly_design(problem, get_start(problem), catch_interrupts()),
-                                  fly_design(problem, best, catch_interrupts())}),
+    const hil::OptimizePoint& best = evaluations.get_samples()[result.best].point;
+    write_text(build_optimize_page({problem, evaluations, result, json, build_manifest(problem), patch_text,
+                                    fly_point(problem, get_start(problem), catch_interrupts()),
+                                    fly_point(problem, best, catch_interrupts())}),
                (out / "report.html").string());
   }
-  print_design(get_people_stream(options.json), report);
+  print_optimize_report(get_people_stream(options.json), report);
   return is_verified(report) ? kExitDone : kExitFailed;
 }
 
@@ -192,8 +192,8 @@ void add_optimize(Command app, int& exit_code) {
       "optimize",
       "Finds values of a scenario that are best for an objective and meet its requirements. Exit code 1 if none meet "
       "them, or the verification refutes the result.",
-      "unlatch optimize hil/scenarios/boosters/synthesis.yaml --out design\nunlatch run design/patch.yaml");
-  command.add_option("FILE", options->file, "problem of synthesis (.yaml)").required();
+      "unlatch optimize hil/scenarios/boosters/optimize.yaml --out design\nunlatch run design/patch.yaml");
+  command.add_option("FILE", options->file, "optimisation problem (.yaml)").required();
   command.add_option("--out", options->out, "folder for patch.yaml, report.html, result.json, history.csv, front.csv")
       .type_name("DIR")
       .required();

@@ -13,12 +13,12 @@
 namespace unlatch::tools {
 namespace {
 
-using hil::DesignConstraint;
-using hil::DesignProblem;
-using hil::DesignResult;
-using hil::DesignSample;
-using hil::DesignVariable;
 using hil::Objective;
+using hil::OptimizeConstraint;
+using hil::OptimizeProblem;
+using hil::OptimizeResult;
+using hil::OptimizeSample;
+using hil::OptimizeVariable;
 using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -34,7 +34,7 @@ struct ProbabilityCheck {
 };
 constexpr const char* kCheckNames[] = {"confirmed", "open", "refuted"};
 
-std::optional<ProbabilityCheck> check_probability(const DesignReport& report, std::size_t constraint) {
+std::optional<ProbabilityCheck> check_probability(const OptimizeReport& report, std::size_t constraint) {
   const double probability = report.problem.constraints[constraint].probability;
   if (!(probability > 0) || !report.verification.failures) return std::nullopt;
   ProbabilityCheck check;
@@ -47,33 +47,33 @@ std::optional<ProbabilityCheck> check_probability(const DesignReport& report, st
   return check;
 }
 
-bool is_refuted(const DesignReport& report, std::size_t constraint) {
+bool is_refuted(const OptimizeReport& report, std::size_t constraint) {
   const auto check = check_probability(report, constraint);
   return check && check->verdict == ProbabilityCheck::Verdict::kRefuted;
 }
 
-bool is_any_refuted(const DesignReport& report) {
+bool is_any_refuted(const OptimizeReport& report) {
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i)
     if (is_refuted(report, i)) return true;
   return false;
 }
 
 // The samples that the problem asks for as a check have not been flown to the end.
-bool is_check_missing(const DesignReport& report) {
+bool is_check_missing(const OptimizeReport& report) {
   return report.result.feasible && hil::has_probabilities(report.problem) && report.problem.campaign->checks > 0 &&
          !report.verification.failures;
 }
 
-bool is_finished(const DesignReport& report) {
-  return report.verification.end == DesignVerification::End::kDone && !is_check_missing(report);
+bool is_finished(const OptimizeReport& report) {
+  return report.verification.end == OptimizeVerification::End::kDone && !is_check_missing(report);
 }
 
 // The nearest point misses constraints with a probability alone, by the samples of the search, and other samples do not
 // show that it misses them: the search had too few samples to say that nothing meets them.
-bool is_undecided(const DesignReport& report) {
-  const DesignResult& result = report.result;
+bool is_undecided(const OptimizeReport& report) {
+  const OptimizeResult& result = report.result;
   if (result.feasible || report.evaluations.get_samples().empty()) return false;
-  const DesignSample& best = report.evaluations.get_samples()[result.best];
+  const OptimizeSample& best = report.evaluations.get_samples()[result.best];
   bool misses = false;
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i) {
     if (best.margins.size() <= i || best.margins[i] >= 0) continue;
@@ -84,38 +84,38 @@ bool is_undecided(const DesignReport& report) {
   return misses;
 }
 
-std::string get_status(const DesignReport& report) {
-  const DesignResult& result = report.result;
-  if (result.end == DesignResult::End::kStopped) return "interrupted";
+std::string get_status(const OptimizeReport& report) {
+  const OptimizeResult& result = report.result;
+  if (result.end == OptimizeResult::End::kStopped) return "interrupted";
   if (is_undecided(report)) return "undecided";
   if (!result.feasible) return result.settled ? "infeasible" : "not-found";
   if (is_any_refuted(report)) return "refuted";
   if (!is_finished(report) || !report.verification.met || !report.verification.same_bits) return "unverified";
-  return result.end == DesignResult::End::kBudget ? "budget" : "optimal";
+  return result.end == OptimizeResult::End::kBudget ? "budget" : "optimal";
 }
 
-std::string describe_constraint(const DesignConstraint& constraint, double limit) {
+std::string describe_constraint(const OptimizeConstraint& constraint, double limit) {
   if (constraint.both) return "within its two limits";
   const std::string text =
       format("%s %.6g %s", constraint.at_least ? "at least" : "at most", limit, constraint.unit.c_str());
   return constraint.probability > 0 ? text + format(" with probability %g", constraint.probability) : text;
 }
 
-bool meets_all(const DesignSample& sample) {
+bool meets_all(const OptimizeSample& sample) {
   return std::isfinite(sample.objectives[0]) &&
          std::ranges::all_of(sample.margins, [](double margin) { return margin >= 0; });
 }
 
-bool is_at_bound(const DesignVariable& variable, double value) {
+bool is_at_bound(const OptimizeVariable& variable, double value) {
   constexpr double kAt = 1e-6;  // of the range
   const double range = variable.upper - variable.lower;
   return value - variable.lower <= kAt * range || variable.upper - value <= kAt * range;
 }
 
-Json build_variables(const DesignProblem& problem, const hil::DesignPoint& point) {
+Json build_variables(const OptimizeProblem& problem, const hil::OptimizePoint& point) {
   Json all = Json::object();
   for (std::size_t i = 0; i < problem.variables.size(); ++i) {
-    const DesignVariable& variable = problem.variables[i];
+    const OptimizeVariable& variable = problem.variables[i];
     Json& one = all[variable.name];
     one["paths"] = variable.paths;
     if (variable.is_catalogue()) {
@@ -131,7 +131,7 @@ Json build_variables(const DesignProblem& problem, const hil::DesignPoint& point
   return all;
 }
 
-Json build_sensitivities(const DesignReport& report) {
+Json build_sensitivities(const OptimizeReport& report) {
   Json all = Json::object();
   for (std::size_t i = 0; i < report.result.sensitivities.size(); ++i) {
     const std::vector<double>& row = report.result.sensitivities[i];
@@ -139,15 +139,15 @@ Json build_sensitivities(const DesignReport& report) {
     Json& one = all[report.problem.variables[i].name];
     std::size_t at = 0;
     for (const Objective& objective : report.problem.objectives) one[objective.text] = number(row[at++]);
-    for (const DesignConstraint& constraint : report.problem.constraints) one[constraint.name] = number(row[at++]);
+    for (const OptimizeConstraint& constraint : report.problem.constraints) one[constraint.name] = number(row[at++]);
   }
   return all;
 }
 
-Json build_constraints(const DesignReport& report, const DesignSample& best) {
+Json build_constraints(const OptimizeReport& report, const OptimizeSample& best) {
   Json all = Json::array();
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i) {
-    const DesignConstraint& constraint = report.problem.constraints[i];
+    const OptimizeConstraint& constraint = report.problem.constraints[i];
     Json one{{"id", constraint.name},
              {"unit", constraint.unit},
              {"value", number(best.values[i])},
@@ -165,11 +165,11 @@ Json build_constraints(const DesignReport& report, const DesignSample& best) {
   return all;
 }
 
-Json build_slices(const DesignReport& report) {
+Json build_slices(const OptimizeReport& report) {
   Json all = Json::object();
   for (std::size_t i = 0; i < report.result.slices.size(); ++i)
     for (const std::size_t k : report.result.slices[i]) {
-      const DesignSample& sample = report.evaluations.get_samples()[k];
+      const OptimizeSample& sample = report.evaluations.get_samples()[k];
       Json one{{"value", number(sample.point[i])}};
       for (const double value : sample.objectives) one["objectives"].push_back(number(value));
       one["margins"] = Json::array();
@@ -179,10 +179,10 @@ Json build_slices(const DesignReport& report) {
   return all;
 }
 
-Json build_verification(const DesignReport& report) {
-  const DesignVerification& verification = report.verification;
+Json build_verification(const OptimizeReport& report) {
+  const OptimizeVerification& verification = report.verification;
   Json json{{"finished", is_finished(report)}};
-  if (verification.end != DesignVerification::End::kDone) return json;
+  if (verification.end != OptimizeVerification::End::kDone) return json;
   json["runs"] = 1;
   json["met"] = verification.met;
   json["same_bits"] = verification.same_bits;
@@ -199,7 +199,7 @@ Json build_verification(const DesignReport& report) {
 }
 
 // Reason for which no point is the result; `violation` follows.
-std::string describe_failure(const DesignReport& report) {
+std::string describe_failure(const OptimizeReport& report) {
   const std::string status = get_status(report);
   if (status == "interrupted") return "no point so far meets all constraints";
   if (status == "infeasible") return "no point meets all constraints";
@@ -209,7 +209,7 @@ std::string describe_failure(const DesignReport& report) {
            (report.verification.failures ? count(report.problem.campaign->checks, "other sample") + " it may have it"
                                          : std::string("others nothing is known")) +
            "; raise campaign.samples";
-  const hil::DesignBudget& budget = report.problem.budget;
+  const hil::OptimizeBudget& budget = report.problem.budget;
   const bool by_runs = budget.seconds == 0 || report.result.search_runs >= budget.runs;
   return "no feasible point found within the budget of " +
          (by_runs ? count(budget.runs, "run") + ": raise budget.runs"
@@ -218,15 +218,15 @@ std::string describe_failure(const DesignReport& report) {
 }
 
 // Values of the violated constraint, and the limit that this point would meet; or what no run gives.
-std::string describe_violation(const DesignReport& report) {
+std::string describe_violation(const OptimizeReport& report) {
   const hil::Violation& violation = report.result.violation;
-  const DesignSample& best = report.evaluations.get_samples()[report.result.best];
+  const OptimizeSample& best = report.evaluations.get_samples()[report.result.best];
   if (violation.objective && best.status == hil::SampleStatus::kDone)
     return "no run that meets all constraints has a value of " + report.problem.objectives[*violation.objective].text;
   if (!violation.constraint || best.status != hil::SampleStatus::kDone)
     return "no run gives all of the results that the problem asks for: the nearest ended '" +
            hil::kSampleStatusNames[static_cast<std::size_t>(best.status)] + "'";
-  const DesignConstraint& constraint = report.problem.constraints[*violation.constraint];
+  const OptimizeConstraint& constraint = report.problem.constraints[*violation.constraint];
   const double value = best.values[*violation.constraint];
   std::string text =
       constraint.name + " must be " + describe_constraint(constraint, report.limits[*violation.constraint]) + "; ";
@@ -249,11 +249,12 @@ void print_check(std::FILE* to, const std::string& name, const ProbabilityCheck&
                check.bounds.low, check.bounds.high, check.allowed, kTold[static_cast<std::size_t>(check.verdict)]);
 }
 
-void print_verification(std::FILE* to, const DesignReport& report) {
+void print_verification(std::FILE* to, const OptimizeReport& report) {
   const auto& [problem, evaluations, result, limits, verification] = report;
   constexpr const char* kInterrupted = "interrupted before its end, so nothing is verified; --resume goes on with it";
-  if (verification.end == DesignVerification::End::kInterrupted) std::fprintf(to, "  verification: %s\n", kInterrupted);
-  if (verification.end != DesignVerification::End::kDone) return;
+  if (verification.end == OptimizeVerification::End::kInterrupted)
+    std::fprintf(to, "  verification: %s\n", kInterrupted);
+  if (verification.end != OptimizeVerification::End::kDone) return;
   std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
                verification.met ? "all constraints met" : "not all constraints met",
                verification.same_bits ? "same bits" : "OTHER BITS than in the search");
@@ -269,18 +270,18 @@ void print_verification(std::FILE* to, const DesignReport& report) {
 
 }  // namespace
 
-bool is_verified(const DesignReport& report) {
+bool is_verified(const OptimizeReport& report) {
   const std::string status = get_status(report);
   return status == "optimal" || status == "budget";
 }
 
-void print_problem(std::FILE* to, const DesignProblem& problem) {
+void print_problem(std::FILE* to, const OptimizeProblem& problem) {
   std::fprintf(to, "%s: %s\n  scenario %s, method %s, seed %u, at most %s\n", problem.name.c_str(),
                problem.title.c_str(), problem.scenario.c_str(),
                hil::kSearchMethodNames[static_cast<std::size_t>(problem.method)].c_str(), problem.seed,
                count(problem.budget.runs, "run").c_str());
   print_heading(to, "Variables");
-  for (const DesignVariable& variable : problem.variables) {
+  for (const OptimizeVariable& variable : problem.variables) {
     const std::string range = variable.is_catalogue() ? count(variable.catalogue.size(), "value")
                                                       : hil::write_value(variable, variable.lower) + " to " +
                                                             hil::write_value(variable, variable.upper);
@@ -301,20 +302,20 @@ void print_problem(std::FILE* to, const DesignProblem& problem) {
   std::fprintf(to, "\n%s is valid\n", problem.file.c_str());
 }
 
-void write_problem_json(const DesignProblem& problem, const std::string& target) {
-  Json json{{"schema", 1}, {"synthesis", problem.name}, {"scenario", problem.scenario}, {"status", "ok"}};
+void write_problem_json(const OptimizeProblem& problem, const std::string& target) {
+  Json json{{"schema", 1}, {"problem", problem.name}, {"scenario", problem.scenario}, {"status", "ok"}};
   json["variables"] = build_variables(problem, get_start(problem));
   for (const Objective& objective : problem.objectives)
     json["objectives"].push_back({{"sense", get_sense(objective)}, {"of", objective.text}, {"unit", objective.unit}});
   json["constraints"] = Json::array();
-  for (const DesignConstraint& constraint : problem.constraints) json["constraints"].push_back(constraint.name);
+  for (const OptimizeConstraint& constraint : problem.constraints) json["constraints"].push_back(constraint.name);
   write_json(json, target);
 }
 
-Json build_design_json(const DesignReport& report) {
+Json build_optimize_json(const OptimizeReport& report) {
   const auto& [problem, evaluations, result, limits, verification] = report;
   Json json{{"schema", 1},
-            {"synthesis", problem.name},
+            {"problem", problem.name},
             {"scenario", problem.scenario},
             {"status", get_status(report)},
             {"method", hil::kSearchMethodNames[static_cast<std::size_t>(result.method)]},
@@ -323,7 +324,7 @@ Json build_design_json(const DesignReport& report) {
             {"runs", result.search_runs},
             {"study_runs", evaluations.get_runs() - result.search_runs}};
   if (evaluations.get_samples().empty()) return json;
-  const DesignSample& best = evaluations.get_samples()[result.best];
+  const OptimizeSample& best = evaluations.get_samples()[result.best];
   json["feasible"] = result.feasible && !is_any_refuted(report);
   json["run"] = result.best + 1;
   json["variables"] = build_variables(problem, best.point);
@@ -343,7 +344,7 @@ Json build_design_json(const DesignReport& report) {
     for (const std::size_t i : result.against) json["violation"]["against"].push_back(problem.constraints[i].name);
   }
   for (const hil::LocalResult& search : result.searches) {
-    const DesignSample& end = evaluations.get_samples()[search.best];
+    const OptimizeSample& end = evaluations.get_samples()[search.best];
     json["searches"].push_back({{"run", search.first + 1},
                                 {"best_run", search.best + 1},
                                 {"objective", number(end.objectives[0])},
@@ -359,14 +360,14 @@ Json build_design_json(const DesignReport& report) {
   return json;
 }
 
-void print_design(std::FILE* to, const DesignReport& report) {
+void print_optimize_report(std::FILE* to, const OptimizeReport& report) {
   const auto& [problem, evaluations, result, limits, verification] = report;
   std::fprintf(
       to, "%s: %s, method %s, %s and %lld around the result\n", problem.name.c_str(), get_status(report).c_str(),
       result.exhaustive ? "all combinations" : hil::kSearchMethodNames[static_cast<std::size_t>(result.method)].c_str(),
       count(result.search_runs, "run").c_str(), static_cast<long long>(evaluations.get_runs() - result.search_runs));
   if (evaluations.get_samples().empty()) return;
-  const DesignSample& best = evaluations.get_samples()[result.best];
+  const OptimizeSample& best = evaluations.get_samples()[result.best];
   if (!result.feasible)
     std::fprintf(to, "  %s; least violation: %s\n", describe_failure(report).c_str(),
                  describe_violation(report).c_str());
@@ -395,7 +396,7 @@ void print_design(std::FILE* to, const DesignReport& report) {
   if (problem.starts > 1) {
     std::string ends;
     for (const hil::LocalResult& search : result.searches) {
-      const DesignSample& end = evaluations.get_samples()[search.best];
+      const OptimizeSample& end = evaluations.get_samples()[search.best];
       ends += (ends.empty() ? "" : ", ") + (meets_all(end) ? format("%.6g", end.objectives[0]) : "not met");
     }
     std::fprintf(to, "  best of each local search: %s\n", ends.c_str());
@@ -405,7 +406,7 @@ void print_design(std::FILE* to, const DesignReport& report) {
   print_verification(to, report);
 }
 
-std::string write_patch(const DesignProblem& problem, const hil::DesignPoint& point) {
+std::string write_patch(const OptimizeProblem& problem, const hil::OptimizePoint& point) {
   const std::string file = std::filesystem::path(problem.scenario).filename().string();
   std::string text =
       "# Written by unlatch optimize: the scenario with the values that it found. It runs as it is.\nunlatch: "
@@ -420,14 +421,14 @@ std::string write_patch(const DesignProblem& problem, const hil::DesignPoint& po
   return text + "--- # included: " + file + "\n" + problem.tree->get_nominal().text;
 }
 
-std::string write_front(const DesignProblem& problem, const hil::DesignEvaluations& evaluations,
-                        const DesignResult& result) {
+std::string write_front(const OptimizeProblem& problem, const hil::OptimizeEvaluations& evaluations,
+                        const OptimizeResult& result) {
   std::string text = "run";
-  for (const DesignVariable& variable : problem.variables) text += "," + variable.name;
+  for (const OptimizeVariable& variable : problem.variables) text += "," + variable.name;
   for (const Objective& objective : problem.objectives) text += ",\"" + objective.text + "\"";
   text += "\n";
   for (const std::size_t i : result.front) {
-    const DesignSample& sample = evaluations.get_samples()[i];
+    const OptimizeSample& sample = evaluations.get_samples()[i];
     text += std::to_string(i + 1);
     for (const double value : sample.point) text += "," + hil::to_text(value);
     for (const double value : sample.objectives) text += "," + hil::to_text(value);

@@ -11,7 +11,7 @@
 namespace unlatch::tools {
 
 // The last run, of the file that is handed out, read anew; and the campaign's other samples.
-struct DesignVerification {
+struct OptimizeVerification {
   enum class End { kNotFlown, kInterrupted, kDone };
   End end = End::kNotFlown;
   bool met = false;        // all constraints of the nominal run
@@ -21,26 +21,26 @@ struct DesignVerification {
       {};  // of each constraint, of the other samples; nothing: not flown
 };
 
-struct DesignReport {
-  const hil::DesignProblem& problem;
-  const hil::DesignEvaluations& evaluations;
-  const hil::DesignResult& result;
+struct OptimizeReport {
+  const hil::OptimizeProblem& problem;
+  const hil::OptimizeEvaluations& evaluations;
+  const hil::OptimizeResult& result;
   std::vector<double> limits;  // of the constraints, at the result
-  DesignVerification verification;
+  OptimizeVerification verification;
 };
 
 // Returns true if the result meets all constraints, and its verification has confirmed the search.
-bool is_verified(const DesignReport& report);
+bool is_verified(const OptimizeReport& report);
 
-void print_problem(std::FILE* to, const hil::DesignProblem& problem);
-void write_problem_json(const hil::DesignProblem& problem, const std::string& target);
+void print_problem(std::FILE* to, const hil::OptimizeProblem& problem);
+void write_problem_json(const hil::OptimizeProblem& problem, const std::string& target);
 
-void print_design(std::FILE* to, const DesignReport& report);
-nlohmann::ordered_json build_design_json(const DesignReport& report);
+void print_optimize_report(std::FILE* to, const OptimizeReport& report);
+nlohmann::ordered_json build_optimize_json(const OptimizeReport& report);
 
 // A scenario: the problem's `set` and the variables at this point, and the scenario's files within it.
-std::string write_patch(const hil::DesignProblem& problem, const hil::DesignPoint& point);
-std::string write_front(const hil::DesignProblem& problem, const hil::DesignEvaluations& evaluations,
-                        const hil::DesignResult& result);  // CSV
+std::string write_patch(const hil::OptimizeProblem& problem, const hil::OptimizePoint& point);
+std::string write_front(const hil::OptimizeProblem& problem, const hil::OptimizeEvaluations& evaluations,
+                        const hil::OptimizeResult& result);  // CSV
 
 }  // namespace unlatch::tools

@@ -10,7 +10,7 @@
 
 namespace unlatch::tools {
 
-struct DesignCurve {
+struct OptimizeCurve {
   std::string name, unit;
   std::vector<double> times;   // s
   std::vector<double> values;  // NaN outside a requirement's interval
@@ -23,7 +23,7 @@ std::optional<std::size_t> find_requirement(const hil::Scenario& scenario, const
 // design makes no valid scenario, and if `stop` was set. If all constraints are of events, or there are none, curves of
 // the scenario's requirements follow, or, if it has none over time, of clearances, else of the bodies' velocities. Of
 // long flights the least and the greatest value of each interval of time are kept.
-std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil::DesignPoint& point,
-                                    const std::atomic<bool>& stop);
+std::vector<OptimizeCurve> fly_point(const hil::OptimizeProblem& problem, const hil::OptimizePoint& point,
+                                     const std::atomic<bool>& stop);
 
 }  // namespace unlatch::tools

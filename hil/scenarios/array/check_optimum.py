@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Checks an optimum of the array's synthesis with SciPy, which knows nothing of `unlatch optimize`:
+"""Checks an optimum of the array with SciPy, which knows nothing of `unlatch optimize`:
 
-    check_synthesis.py BIN [PROBLEM] [--evolve GENERATIONS] [--beside PART] [--flights N] [--seed N] [--json]
+    check_optimum.py BIN [PROBLEM] [--evolve GENERATIONS] [--beside PART] [--flights N] [--seed N] [--json]
 
 Differential evolution over the whole box (GENERATIONS of 15 designs for each variable), or, with --beside, the problem's optimum
 moved by up to PART of each variable's range; from there Nelder and Mead's method with at most N flights. What is not met counts
@@ -81,7 +81,7 @@ class Flights:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", type=pathlib.Path)
-    parser.add_argument("problem", type=pathlib.Path, nargs="?", default=HERE / "synthesis.yaml")
+    parser.add_argument("problem", type=pathlib.Path, nargs="?", default=HERE / "optimize.yaml")
     parser.add_argument("--evolve", type=int, default=70, metavar="GENERATIONS")
     parser.add_argument("--beside", type=float, metavar="PART")
     parser.add_argument("--design", type=float, nargs="*", help="of --beside; default: the problem's start")
@@ -93,7 +93,7 @@ def main():
         import numpy as np
         from scipy.optimize import differential_evolution, minimize
     except ImportError:
-        print("check_synthesis.py: SciPy is missing: apt install python3-scipy", file=sys.stderr)
+        print("check_optimum.py: SciPy is missing: apt install python3-scipy", file=sys.stderr)
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         flights = Flights(options.bin / "unlatch", options.problem.resolve(), pathlib.Path(folder))

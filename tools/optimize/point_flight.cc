@@ -1,4 +1,4 @@
-#include "tools/optimize/design_flight.h"
+#include "tools/optimize/point_flight.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,11 +22,11 @@ class CurveKeeper {
     if (!any_ || value > high_.value) high_ = {time, value};
     any_ = true;
   }
-  DesignCurve take() {
+  OptimizeCurve take() {
     flush();
     const bool has_values =
         std::any_of(curve_.values.begin(), curve_.values.end(), [](double value) { return !std::isnan(value); });
-    return has_values ? std::move(curve_) : DesignCurve{};
+    return has_values ? std::move(curve_) : OptimizeCurve{};
   }
 
  private:
@@ -46,7 +46,7 @@ class CurveKeeper {
     curve_.values.push_back(point.value);
   }
 
-  DesignCurve curve_;
+  OptimizeCurve curve_;
   std::int64_t interval_ = 0;
   Point low_, high_;
   bool any_ = false;
@@ -81,10 +81,11 @@ std::vector<Watched> list_columns(const hil::Scenario& scenario, hil::Output::Ki
   return list;
 }
 
-std::vector<Watched> list_watched(const hil::DesignProblem& problem) {
+std::vector<Watched> list_watched(const hil::OptimizeProblem& problem) {
   const hil::Scenario& scenario = problem.tree->get_nominal();
   std::vector<Watched> list;
-  for (const hil::DesignConstraint& constraint : problem.constraints) list.push_back({constraint.id, constraint.unit});
+  for (const hil::OptimizeConstraint& constraint : problem.constraints)
+    list.push_back({constraint.id, constraint.unit});
   if (std::ranges::any_of(list, [&](const Watched& one) { return has_curve(scenario, one.name); })) return list;
   std::vector<Watched> others;
   for (const hil::Requirement& requirement : scenario.requirements)
@@ -132,10 +133,10 @@ class WatchedReader {
 
 }  // namespace
 
-std::vector<DesignCurve> fly_design(const hil::DesignProblem& problem, const hil::DesignPoint& point,
-                                    const std::atomic<bool>& stop) {
+std::vector<OptimizeCurve> fly_point(const hil::OptimizeProblem& problem, const hil::OptimizePoint& point,
+                                     const std::atomic<bool>& stop) {
   const std::vector<Watched> watched = list_watched(problem);
-  std::vector<DesignCurve> curves(watched.size());
+  std::vector<OptimizeCurve> curves(watched.size());
   std::unique_ptr<hil::Simulation> simulation;
   hil::Scenario scenario;
   try {
