@@ -5,6 +5,7 @@
 
 #include "hil/run/run.h"
 #include "tools/common/output.h"
+#include "tools/common/text.h"
 #include "tools/program/exit_codes.h"
 #include "tools/unlatch/files/verbs.h"
 #include "tools/unlatch/options/scenario_options.h"
@@ -24,11 +25,12 @@ int run_compile(const CompileOptions& options) {
   const Plan& plan = simulation->plan();
   const std::span<const std::byte> image = plan.get_image();
   write_text({reinterpret_cast<const char*>(image.data()), image.size()}, options.out);
-  std::printf("%s: %zu bytes, plan %016llx, %lld ticks of %g s\n", options.out.c_str(), image.size(),
+  std::printf("%s: %s, plan %016llx, %s of %g s\n", options.out.c_str(), count(image.size(), "byte").c_str(),
               static_cast<unsigned long long>(plan.get_hash()),
-              static_cast<long long>(calc_last_tick(scenario)), scenario.dt);
-  std::printf("state %zu bytes, workspace %zu bytes on this machine, %zu command channels\n", plan.get_state_bytes(),
-              plan.get_workspace_bytes(), plan.get_initial_commands().size());
+              count(static_cast<std::size_t>(calc_last_tick(scenario)), "tick").c_str(), scenario.dt);
+  std::printf("state %s, workspace %s on this machine, %s\n", count(plan.get_state_bytes(), "byte").c_str(),
+              count(plan.get_workspace_bytes(), "byte").c_str(),
+              count(plan.get_initial_commands().size(), "command channel").c_str());
   return kExitDone;
 }
 

@@ -1,4 +1,4 @@
-#include "kernel/compile/image.h"
+#include "kernel/plan/build_image.h"
 
 #include <cassert>
 #include <cstring>
