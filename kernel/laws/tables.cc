@@ -18,7 +18,7 @@ std::int32_t find_cell(const PlanLaws& plan, const PlanTableAxis& axis, double x
   const double* knots = &plan.numbers[at(axis.knots)];
   const std::int32_t* buckets = &plan.buckets[at(axis.buckets)];
   const auto part = static_cast<std::int32_t>((x - knots[0]) * axis.bucket_scale);
-  const std::int32_t bucket = std::clamp(part, 0, axis.bucket_count - 1);
+  const std::int32_t bucket = std::clamp<std::int32_t>(part, 0, axis.bucket_count - 1);
   std::int32_t low = buckets[bucket], high = buckets[bucket + 1] + 1;
   while (high - low > 1) {
     const std::int32_t middle = (low + high) / 2;
@@ -33,7 +33,7 @@ AxisPlace place_smoothly(const PlanLaws& plan, const PlanTableAxis& axis, std::i
   AxisPlace place{{0, 0, 0, 0}, axis.support, axis.stride};
   const double* c = &plan.numbers[at(axis.cells + cell * kCellNumbers)];
   for (std::int32_t k = 0; k < axis.support; ++k, c += 4) place.weights[k] = c[0] + u * (c[1] + u * (c[2] + u * c[3]));
-  const std::int32_t first = std::clamp(cell - 1, 0, axis.count - axis.support);
+  const std::int32_t first = std::clamp<std::int32_t>(cell - 1, 0, axis.count - axis.support);
   values += static_cast<std::ptrdiff_t>(first) * axis.stride;
   return place;
 }

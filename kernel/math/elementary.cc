@@ -10,7 +10,22 @@
 namespace unlatch::elementary {
 namespace {
 
-__extension__ typedef unsigned __int128 Wide;
+// a · b, 128 bits.
+struct Product {
+  std::uint64_t high, low;
+};
+Product multiply(std::uint64_t a, std::uint64_t b) {
+#if defined(__SIZEOF_INT128__)
+  __extension__ typedef unsigned __int128 Wide;
+  const Wide product = static_cast<Wide>(a) * b;
+  return {static_cast<std::uint64_t>(product >> 64), static_cast<std::uint64_t>(product)};
+#else  // processors of 32 bits
+  constexpr std::uint64_t kLow = 0xffffffff;
+  const std::uint64_t a0 = a & kLow, a1 = a >> 32, b0 = b & kLow, b1 = b >> 32;
+  const std::uint64_t low = a0 * b0, cross = a0 * b1, middle = (low >> 32) + (cross & kLow) + a1 * b0;
+  return {a1 * b1 + (cross >> 32) + (middle >> 32), (middle << 32) | (low & kLow)};
+#endif
+}
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -46,23 +61,20 @@ Reduced calc_reduced(double x) {
   const auto window = [&](int i) { return (word[i] << shift) | (word[i + 1] >> 1 >> (63 - shift)); };
 
   // m · window modulo 2^192: two bits of quadrant, 190 of fraction.
-  const Wide low = static_cast<Wide>(m) * window(2);
-  const Wide middle = static_cast<Wide>(m) * window(1) + (low >> 64);
-  const std::uint64_t high = m * window(0) + static_cast<std::uint64_t>(middle >> 64);
-  const auto middle_word = static_cast<std::uint64_t>(middle);
+  const Product low = multiply(m, window(2)), middle = multiply(m, window(1));
+  const std::uint64_t middle_word = middle.low + low.high;
+  const std::uint64_t high = m * window(0) + middle.high + (middle_word < low.high ? 1 : 0);
 
   // The fraction to the nearest quadrant: a half or more is counted back from the next one.
   std::uint64_t f0 = (high << 2) | (middle_word >> 62);
-  std::uint64_t f1 = (middle_word << 2) | (static_cast<std::uint64_t>(low) >> 62);
+  std::uint64_t f1 = (middle_word << 2) | (low.low >> 62);
   const std::uint64_t back = f0 >> 63;
   f0 ^= 0 - back;
   f1 ^= 0 - back;
 
   // Normalise (f0 is never 0), multiply by pi/2, split at 53 bits.
   const int zeros = std::countl_zero(f0);
-  const Wide angle = static_cast<Wide>((f0 << zeros) | (f1 >> (64 - zeros))) * kHalfPi64;
-  const auto a0 = static_cast<std::uint64_t>(angle >> 64);
-  const auto a1 = static_cast<std::uint64_t>(angle);
+  const auto [a0, a1] = multiply((f0 << zeros) | (f1 >> (64 - zeros)), kHalfPi64);
   const double sign = back != 0 ? -1.0 : 1.0;
   const double hi = static_cast<double>(static_cast<std::int64_t>(a0 >> 11)) * calc_power_of_two(-52 - zeros);
   const double lo = static_cast<double>(static_cast<std::int64_t>(((a0 & 0x7ff) << 42) | (a1 >> 22))) *

@@ -17,14 +17,8 @@ namespace {
 constexpr std::int32_t kEvery = 100;  // ticks between hashes
 constexpr std::byte kPaint{0xA5};     // of stack that nothing has used
 
-#ifndef UNLATCH_TARGET_STATE_BYTES
-#define UNLATCH_TARGET_STATE_BYTES (16 << 10)
-#endif
-#ifndef UNLATCH_TARGET_WORKSPACE_BYTES
-#define UNLATCH_TARGET_WORKSPACE_BYTES (512 << 10)
-#endif
-alignas(8) std::byte state_memory[UNLATCH_TARGET_STATE_BYTES];
-alignas(64) std::byte workspace_memory[UNLATCH_TARGET_WORKSPACE_BYTES];
+alignas(8) std::byte state_memory[UNLATCH_STATE_BYTES];  // both from CMakeLists.txt
+alignas(64) std::byte workspace_memory[UNLATCH_WORKSPACE_BYTES];
 PlanMemory plan_memory;
 
 // Prints texts and numbers without a C library.
