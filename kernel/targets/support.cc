@@ -55,6 +55,9 @@ double nearbyint(double x) {
   return __builtin_copysign(sum - kWhole, x);
 }
 
+// Of std::shared_ptr: one thread, and plans that open_plan() makes share nothing.
+char __libc_single_threaded = 1;
+
 // Of objects with static lifetime, which a program that never ends does not destroy; of pure functions, never called.
 void* __dso_handle = nullptr;
 int __cxa_atexit(void (*)(void*), void*, void*) { return 0; }
@@ -67,3 +70,11 @@ int __cxa_atexit(void (*)(void*), void*, void*) { return 0; }
   }
 }
 }  // extern "C"
+
+namespace __gnu_cxx {
+int __exchange_and_add(volatile int* at, int change) noexcept {
+  const int before = *at;
+  *at = before + change;
+  return before;
+}
+}  // namespace __gnu_cxx
