@@ -50,7 +50,7 @@ void check_values(const Check& check, const Table& table) {
       return check.report("it has more than " + std::to_string(kMostTableValues) + " values", "fewer knots", "axes");
   }
   if (table.values.size() != wanted)
-    return check.report("it has " + std::to_string(table.values.size()) + " values",
+    return check.report("the number of its values is " + std::to_string(table.values.size()),
                         std::to_string(wanted) + ": one per combination of knots", "values");
   for (const double value : table.values)
     if (!std::isfinite(value)) return check.report("it has a value that is not finite", "finite values", "values");
@@ -89,7 +89,7 @@ void check_stack(const Check& check, const Law& law) {
   const auto report = [&](const std::string& what, const std::string& mend) { check.report(what, mend, "expression"); };
   if (law.steps.empty()) return report("it has no expression", "at least a number");
   if (law.steps.size() > kMostLawSteps)
-    return report("its expression has " + std::to_string(law.steps.size()) + " operations",
+    return report("the number of operations of its expression is " + std::to_string(law.steps.size()),
                   "at most " + std::to_string(kMostLawSteps) + ": divide it into several");
   int depth = 0;
   for (const LawStep& step : law.steps) {
@@ -102,7 +102,7 @@ void check_stack(const Check& check, const Law& law) {
     if (depth > kLawStack)
       return report("it keeps more than " + std::to_string(kLawStack) + " values at once", "divide it into several");
   }
-  if (depth != 1) report("its expression leaves " + std::to_string(depth) + " values", "one value");
+  if (depth != 1) report("the number of values that its expression leaves is " + std::to_string(depth), "one value");
 }
 
 // What forces read must be there before them.
@@ -152,8 +152,8 @@ void validate_tables(const Model& model, ModelErrors& errors) {
   for (const Table& table : model.tables) {
     const Check check{model, quoted("table", table.name), errors};
     if (table.axes.empty() || table.axes.size() > kMostTableAxes)
-      check.report("it has " + std::to_string(table.axes.size()) + " axes", "1 to " + std::to_string(kMostTableAxes),
-                   "axes");
+      check.report("the number of its axes is " + std::to_string(table.axes.size()),
+                   "1 to " + std::to_string(kMostTableAxes), "axes");
     else
       check_values(check, table);
     check_scaling(check, table);

@@ -445,7 +445,7 @@ TEST(Laws, MistakesAreRefusedWithTheirPlace) {
   expect([](Model& m) { m.tables[0].axes[0].knots = {1}; }, "has 1 knot;");
   expect([](Model& m) { m.tables[0].axes[0].knots = {0, 5e-324}; }, "too close");
   expect([](Model& m) { m.tables[0].axes[0].knots = {-1.7e308, 1.7e308}; }, "longer than a number");
-  expect([](Model& m) { m.tables[0].values.pop_back(); }, "it has 2 values; 3: one per combination");
+  expect([](Model& m) { m.tables[0].values.pop_back(); }, "the number of its values is 2; 3: one per combination");
   expect([](Model& m) { m.tables[0].values[1] = INFINITY; }, "a value that is not finite");
   expect([](Model& m) { m.tables[0].axes.resize(7, m.tables[0].axes[0]); }, "7 axes; 1 to 6");
   expect([](Model& m) { m.tables[0].scale = NAN; }, "scale is not finite");
@@ -455,11 +455,12 @@ TEST(Laws, MistakesAreRefusedWithTheirPlace) {
   expect([](Model& m) { m.laws[0].steps[0].subject = 9; }, "a quantity that it reads does not exist");
   expect([](Model& m) { m.laws[0].steps = {step_of(Kind::kCommand)}; }, "a channel that it reads does not exist");
   expect([](Model& m) { m.laws[0].steps = {constant(1), step_of(Kind::kAdd)}; }, "lacks arguments");
-  expect([](Model& m) { m.laws[0].steps = {constant(1), constant(1)}; }, "leaves 2 values");
+  expect([](Model& m) { m.laws[0].steps = {constant(1), constant(1)}; }, "leaves is 2");
   expect([](Model& m) { m.laws[0].steps = {constant(2), step_of(Kind::kPower, 9)}; }, "it has the power 9");
   expect([](Model& m) { m.laws[0].steps.clear(); }, "no expression");
   expect([](Model& m) { m.laws[0].steps.assign(kLawStack + 1, constant(1)); }, "keeps more than 32 values");
-  expect([](Model& m) { m.laws[0].steps.assign(kMostLawSteps + 1, constant(1)); }, "513 operations");
+  expect([](Model& m) { m.laws[0].steps.assign(kMostLawSteps + 1, constant(1)); },
+         "operations of its expression is 513");
   expect([](Model& m) { m.loads[0].profile.law = 1; }, "the law of its profile does not exist");
   expect([](Model& m) { m.quantities[0].kind = Quantity::Kind::kAcceleration; }, "which follows from the forces");
   expect(

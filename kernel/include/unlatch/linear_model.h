@@ -31,11 +31,12 @@ struct LinearCoordinate {
     kJoint,     // of joint `subject` along or about its Row `axis`, m or rad
     kModal,     // modal coordinate number `axis` of flexible body `subject`, as the body's modes are scaled
   };
-  Kind kind = Kind::kPosition;  // kind
+  Kind kind = Kind::kPosition;  // which coordinate of which list
   int subject = 0;              // index of the body or joint in the model
   int axis = 0;                 // see Kind
 };
 
+// Matrices, their errors, and what their coordinates are; f free coordinates.
 struct LinearModel {
   std::vector<LinearCoordinate> coordinates;  // f of them
   Eigen::VectorXd accelerations;              // of the free coordinates at the state, f: all zero at an equilibrium

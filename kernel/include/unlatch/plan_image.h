@@ -1,6 +1,6 @@
 // Plan images: a compiled plan as one block of bytes, which is used where it lies: in flash, in a file that is mapped.
-// compile_plan() makes one for every plan (Plan::get_image()); open_plan() makes a plan of one again, on any machine with
-// the same byte order and layout of numbers, whatever its word size. kernel/TARGETS.md shows it on a target.
+// compile_plan() makes one for every plan (Plan::get_image()); open_plan() makes a plan of one again, on any machine
+// with the same byte order and layout of numbers, whatever its word size. kernel/TARGETS.md shows it on a target.
 //
 //   alignas(unlatch::kImageAlignment) static const std::byte image[] = {…};   // what `unlatch compile` wrote
 //   static unlatch::PlanMemory memory;
@@ -21,7 +21,7 @@ inline constexpr std::size_t kImageAlignment = 64;  // bytes, of an image's plac
 
 // Result of opening an image.
 enum class ImageStatus : std::int32_t {
-  kOk = 0,
+  kOk = 0,      // there is a plan
   kMisaligned,  // it does not lie at a multiple of kImageAlignment
   kNoImage,     // something else than a plan image
   kByteOrder,   // made for the other byte order
@@ -41,12 +41,12 @@ struct PlanMemory {
 
 // Result of open_plan().
 struct OpenedPlan {
-  std::optional<Plan> plan;  // absent unless the status is kOk
-  ImageStatus status = ImageStatus::kOk;
+  std::optional<Plan> plan;               // absent unless the status is kOk
+  ImageStatus status = ImageStatus::kOk;  // why there is no plan
 };
 
-// Checks the image and makes a plan of it; no allocation; linear in its size. Image and memory must outlive the plan and
-// its copies.
+// Checks the image and makes a plan of it; no allocation; linear in its size. Image and memory must outlive the plan
+// and its copies.
 OpenedPlan open_plan(std::span<const std::byte> image, PlanMemory& memory) noexcept;
 
 }  // namespace unlatch
