@@ -24,6 +24,8 @@ std::string show(const Eigen::Vector3d& v) {
 // A subject has what the kind reads.
 bool is_fit(const Model& model, const unlatch::Quantity& quantity, const QuantityTraits& traits) {
   const std::size_t i = at(quantity.subject);
+  if (traits.of_planet && !model.environment.planet) return false;
+  if (traits.of_air && !model.environment.atmosphere) return false;
   if (traits.of == SubjectOf::kMassLaw) return model.bodies[i].law.has_value();
   if (traits.of == SubjectOf::kCord) return model.one_sided[i].drum.has_value();
   if (traits.kind == QuantityKind::kReaction) return has_row(list_held_rows(model.joints[i]), quantity.part);
@@ -149,7 +151,7 @@ std::string write_quantity(const Model& model, const unlatch::Quantity& quantity
       text += std::string(", row: ") + kRowNames[quantity.part];
       break;
     case QuantityValues::kVector:
-      if (quantity.part >= 0) text += std::string(", component: ") + kRowNames[quantity.part];
+      if (quantity.part >= 0) text += std::string(", component: ") + get_component_name(traits, quantity.part);
       break;
     case QuantityValues::kQuaternion:
       if (quantity.part >= 0)

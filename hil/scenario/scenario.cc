@@ -183,7 +183,9 @@ void ScenarioReader::read(const YamlNode& root) {
   read_constants(top);
   read_step(top);
   read_gravity(top);
+  read_environment(top);
   read_bodies(top);
+  read_start(top);
   read_channels(top);
   read_signals(top);
   read_joints(top);

@@ -9,6 +9,7 @@
 #include "kernel/compile/stiff_springs.h"
 #include "kernel/compile/surfaces.h"
 #include "kernel/elements/kinds/kinds.h"
+#include "kernel/environment/environment_model.h"
 #include "kernel/laws/law_model.h"
 #include "kernel/math/number_text.h"
 #include "kernel/model/from_eigen.h"
@@ -190,6 +191,11 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   link_quantities(plan, compiler);
   init_angles(model, plan);  // of all coordinates: after the last of them was found
   plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
+  CompiledEnvironment environment = compile_environment(model.environment);
+  plan.environment = environment.numbers;
+  plan.air_knots = std::move(environment.air);
+  plan.wind_knots = std::move(environment.wind);
+  plan.plain = plan.rigid && !plan.environment.exists;
   plan.contact_substeps = model.contact_substeps;
   plan.signal_count = static_cast<std::int32_t>(model.signals.size());
   plan.channel_count = static_cast<std::int32_t>(model.channels.size());

@@ -18,6 +18,7 @@ class Joiner {
   explicit Joiner(std::span<const Model* const> models) : models_(models.begin(), models.end()) {
     joined_.name = models_.front()->name;
     joined_.gravity = models_.front()->gravity;
+    joined_.environment = models_.front()->environment;
     joined_.contact_substeps = models_.front()->contact_substeps;
   }
 

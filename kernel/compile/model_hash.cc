@@ -84,6 +84,15 @@ class Hasher {
     if (j.share_length) add(*j.share_length);
   }
   void add_one(const Gravity& g) { add(g.uniform, g.mu, g.centre); }
+  void add_one(const Planet& p) {
+    add(p.radius, p.flattening, p.mu, p.j2, p.rate, p.meridian, p.pole, p.centre, p.falling, p.velocity,
+        p.gradient_torque);
+  }
+  void add_one(const Atmosphere& a) { add(a.kind, a.altitudes, a.densities, a.pressures); }
+  void add_one(const Wind& w) { add(w.altitudes, w.velocities); }
+  void add_one(const Environment& e) {
+    add(e.planet, e.atmosphere, e.wind, e.launch.latitude, e.launch.longitude, e.launch.altitude, e.launch.azimuth);
+  }
   void add_one(const Vec3& v) { add(v.x, v.y, v.z); }
   void add_one(const geometry::ProfilePoint& p) { add(p.z, p.r); }
   void add_one(const geometry::Shape& s) {
@@ -134,6 +143,7 @@ std::uint64_t calc_model_hash(const Model& model, const PlanOptions& options) {
     constexpr std::size_t kHashedAbove = 5;  // loads to contacts
     if (number++ >= kHashedAbove && !kind.of(model).empty()) hasher.add(kind.of(model));
   });
+  if (model.environment.planet) hasher.add(model.environment);
   if (!model.impulses.empty()) hasher.add(model.impulses);
   if (!model.quantities.empty()) hasher.add(model.quantities);
   if (!model.tables.empty()) hasher.add(model.tables);

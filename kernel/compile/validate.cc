@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/elements/kinds/kinds.h"
+#include "kernel/environment/environment_model.h"
 #include "kernel/laws/law_model.h"
 #include "unlatch/inertia.h"
 #include "unlatch/quantities.h"
@@ -252,6 +253,7 @@ ModelErrors validate_placed(const Model& model) {
   ModelErrors errors;
   check_all_names(model, errors);
   validate_gravity(model, errors);
+  validate_environment(model, errors);
   validate_bodies(model, errors);
   validate_channels(model, errors);
   validate_joints(model, errors);

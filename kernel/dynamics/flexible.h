@@ -106,7 +106,7 @@ void update_flexible_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 // For accelerations; zero for corrections.
 void update_marker_biases(const PlanData& plan, RowTarget kind, Evaluation& ev) noexcept;
 // Weight, centrifugal and Coriolis forces, stiffness and damping; the gyroscopic torque of the frame is there.
-void add_flexible_forces(const PlanData& plan, const Implicit& implicit, Evaluation& ev) noexcept;
+void add_flexible_forces(const PlanData& plan, double t, const Implicit& implicit, Evaluation& ev) noexcept;
 // Takes the modal accelerations of the latest solution for rates of ev.auxiliary.
 void update_modal_rates(const PlanData& plan, Evaluation& ev) noexcept;
 // At the end of a stage of ROS2, see compliance.h: x' = v + γh a1 of the first, x' = v + γh (a2 − 2 a1) of the second.

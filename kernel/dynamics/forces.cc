@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "kernel/dynamics/flexible.h"
+#include "kernel/dynamics/planet_forces.h"
 #include "kernel/dynamics/varying.h"
 #include "kernel/elements/kinds/kinds.h"
 #include "kernel/elements/push.h"
@@ -66,9 +67,10 @@ void add_forces(const Instant& now, Evaluation& ev) noexcept {
   std::fill(ev.auxiliary.rate.begin(), ev.auxiliary.rate.end(), 0.0);
   add_loads(plan, ev);
   if (plan.pair_forces) add_pair_forces(now, ev);
-  if (plan.rigid) return;
-  add_varying_forces(plan, ev);
-  add_flexible_forces(plan, now.implicit, ev);
+  if (plan.plain) return;
+  add_varying_forces(plan, now.t, ev);
+  add_flexible_forces(plan, now.t, now.implicit, ev);
+  if (plan.environment.exists) add_planet_forces(plan, now.t, ev);
 }
 
 }  // namespace unlatch

@@ -1,5 +1,5 @@
 // Forces of elements at one stage: loads that keep their direction in the world, springs and dampers, contacts,
-// one-sided forces, friction; and those of bodies that bend or burn. Each body's weight, gyroscopic torque and own
+// one-sided forces, friction; those of bodies that bend or burn; a planet's gravity. Each body's weight, gyroscopic torque and own
 // loads are init_forces()'s (body_motion.h).
 #pragma once
 

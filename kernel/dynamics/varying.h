@@ -26,7 +26,7 @@ void update_masses(const PlanData& plan, double t, KnotSide side, Evaluation& ev
 void update_varying_kinematics(const PlanData& plan, Evaluation& ev) noexcept;
 
 // Weight, centrifugal force, jet damping; the gyroscopic torque is there. After the loads, which tell what is burnt.
-void add_varying_forces(const PlanData& plan, Evaluation& ev) noexcept;
+void add_varying_forces(const PlanData& plan, double t, Evaluation& ev) noexcept;
 
 // The blocks of the solver begin with the inertia about the centre of mass; adds what the mass makes of them.
 void add_varying_blocks(const PlanData& plan, Evaluation& ev) noexcept;

@@ -1,4 +1,5 @@
-// Acceleration of free fall, m/s²: uniform, and of a central field −μ r / |r|³.
+// Acceleration of free fall, m/s²: uniform, and of a central field −μ r / |r|³; of a planet, see
+// kernel/environment/field.h.
 #pragma once
 
 #include <cmath>
@@ -19,6 +20,15 @@ UNLATCH_INLINE Vec3T<T> calc_gravity(const GravityField& field, const GetPoint& 
 }
 inline Vec3 calc_gravity(const GravityField& field, const Vec3& p) {
   return calc_gravity<double>(field, [&] { return p; });
+}
+
+// Air and wind of a plan.
+inline AirAround get_air(const PlanData& plan) { return {{plan.environment.layers, plan.air_knots}, plan.wind_knots}; }
+
+// All of it, at the point p of W at the time t.
+inline Vec3 calc_free_fall(const PlanData& plan, double t, const Vec3& p) {
+  const Vec3 g = calc_gravity(plan.gravity, p);
+  return plan.environment.exists ? g + calc_planet_gravity(plan.environment.planet, t, p) : g;
 }
 
 }  // namespace unlatch

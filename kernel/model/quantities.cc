@@ -102,6 +102,7 @@ std::string describe_part(const Quantity& quantity, const QuantityTraits& traits
   if (!quantity.direction.isZero(0)) return " along " + show(quantity.direction);
   if (quantity.part < 0 || count_values(traits) == 1) return "";
   const bool attitude = traits.values == QuantityValues::kQuaternion;
+  if (traits.values == QuantityValues::kVector) return std::string(", ") + get_component_name(traits, quantity.part);
   return std::string(", ") + (attitude && quantity.part == 0 ? "w" : kRowNames[quantity.part - (attitude ? 1 : 0)]);
 }
 

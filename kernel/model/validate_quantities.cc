@@ -64,6 +64,13 @@ struct QuantityCheck {
     return exists;
   }
 
+  void check_surroundings(const QuantityTraits& traits) {
+    if (traits.of_planet && !model.environment.planet)
+      report(std::string(traits.name) + " is of a planet, and there is none", "environment: {planet: wgs84}");
+    else if (traits.of_air && !model.environment.atmosphere)
+      report(std::string(traits.name) + " is of the air, and there is none", "environment: {atmosphere: us1976}");
+  }
+
   void check_row(int row, int first, int last) {
     if (row < first || row > last)
       report("it names an axis that this kind of quantity has not",
@@ -134,6 +141,7 @@ void check_quantity(const Model& model, const Quantity& quantity, bool single, c
   if (traits.other == SubjectOf::kSurface)
     return check_shape_pair(model, where, quantity.subject, quantity.other, key, errors);
   if (!check.check_subject(traits.of, quantity.subject)) return;
+  check.check_surroundings(traits);
   if (traits.other == SubjectOf::kBody && quantity.other != kGround) {
     if (!check.check_subject(traits.other, quantity.other)) return;
     if (quantity.other == quantity.subject && !traits.has_axes)

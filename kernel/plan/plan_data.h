@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 
+#include "kernel/environment/environment.h"
 #include "kernel/math/index.h"
 #include "kernel/model/one_sided_law.h"
 #include "kernel/plan/blocks.h"
@@ -339,9 +340,11 @@ struct PlanNumbers {
   std::int32_t block_numbers = 0;  // size of Evaluation::blocks
   std::int32_t modal_work = 0;     // size of Evaluation::modal
   bool rigid = true;               // no body bends or changes its mass: the lists of these are empty
+  bool plain = true;  // likewise, and there is no planet: init_forces() has all that acts on bodies by themselves
 
   // elements
   GravityField gravity;
+  PlanEnvironment environment;
   std::int32_t driven_coordinates = 0;  // of PlanLists::coordinates, the first, springs do, so that every stage needs them
   std::int32_t rotation_count = 0;      // rotations among them all
   bool commanded_loads = false;         // a command decides the size of some load, or some law
@@ -427,6 +430,8 @@ struct PlanLists {
   List<CordDrum> drums;  // of cords, in the model's order
   List<double> travels, travel_forces;
   List<PlanFriction> frictions;
+  List<AirKnot> air_knots;    // of the atmosphere
+  List<WindKnot> wind_knots;  // of the wind
   List<PlanProfile> profiles;
   List<Knot> knots;
   List<Profile::Harmonic> harmonics;

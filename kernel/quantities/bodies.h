@@ -70,7 +70,7 @@ inline void calc_angular_acceleration(const Instant&, const Evaluation& ev, cons
 
 inline void calc_specific_force(const Instant& now, const Evaluation& ev, const PlanQuantity& own, double* out) {
   const Vec3 point = get_motion(ev, own.subject).p + read_kinematics(ev, own.subject).R * own.point;
-  put(out, calc_point_acceleration(ev, own.subject, own.point, calc_gravity(now.plan.gravity, point)));
+  put(out, calc_point_acceleration(ev, own.subject, own.point, calc_free_fall(now.plan, now.t, point)));
 }
 
 inline void calc_burnt(const Instant& now, const Evaluation& ev, const PlanQuantity& own, double* out) {

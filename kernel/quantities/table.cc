@@ -5,6 +5,7 @@
 
 #include "kernel/quantities/bodies.h"
 #include "kernel/quantities/elements.h"
+#include "kernel/quantities/flight.h"
 #include "kernel/quantities/instants.h"
 #include "kernel/quantities/joints.h"
 #include "kernel/quantities/quantities.h"
@@ -26,6 +27,24 @@ struct QuantityRow {
   QuantityTraits traits;
   QuantityCalc calc;
 };
+
+enum class Needs { kPlanet, kAir };
+
+// A kind of a body beside the planet; a vector if it has a frame.
+constexpr QuantityTraits of_flight(Kind kind, const char* name, const char* phrase, const char* unit, Needs needs,
+                                   const char* frame = "", Of other = Of::kNothing) {
+  return {.kind = kind,
+          .name = name,
+          .phrase = phrase,
+          .of = Of::kBody,
+          .other = other,
+          .values = frame[0] != 0 ? Values::kVector : Values::kOne,
+          .unit = unit,
+          .frame = frame,
+          .reads = kTime,
+          .of_planet = true,
+          .of_air = needs == Needs::kAir};
+}
 
 constexpr QuantityRow kTable[] = {
     {{.kind = Kind::kTime, .name = "time", .phrase = "time", .unit = "s", .reads = kTime}, calc_time},
@@ -302,6 +321,59 @@ constexpr QuantityRow kTable[] = {
       .unit = "s",
       .reads = kTime | kEvents},
      calc_on_time},
+    {of_flight(Kind::kAltitude, "altitude", "altitude of", "m", Needs::kPlanet), calc_altitude},
+    {of_flight(Kind::kLatitude, "latitude", "latitude of", "rad", Needs::kPlanet), calc_latitude},
+    {of_flight(Kind::kGeocentricLatitude, "geocentric_latitude", "geocentric latitude of", "rad", Needs::kPlanet),
+     calc_geocentric_latitude},
+    {of_flight(Kind::kLongitude, "longitude", "longitude of", "rad", Needs::kPlanet), calc_longitude},
+    {of_flight(Kind::kDensity, "density", "density of the air at", "kg/m3", Needs::kAir),
+     calc_air_value<&AirState::density>},
+    {of_flight(Kind::kPressure, "pressure", "pressure of the air at", "Pa", Needs::kAir),
+     calc_air_value<&AirState::pressure>},
+    {of_flight(Kind::kTemperature, "temperature", "temperature of the air at", "K", Needs::kAir),
+     calc_air_value<&AirState::temperature>},
+    {of_flight(Kind::kSpeedOfSound, "speed_of_sound", "speed of sound at", "m/s", Needs::kAir),
+     calc_air_value<&AirState::speed_of_sound>},
+    {of_flight(Kind::kMach, "mach", "Mach number of", "1", Needs::kAir), calc_mach},
+    {of_flight(Kind::kDynamicPressure, "dynamic_pressure", "dynamic pressure on", "Pa", Needs::kAir),
+     calc_dynamic_pressure},
+    {of_flight(Kind::kAirspeed, "airspeed", "airspeed of", "m/s", Needs::kAir), calc_airspeed},
+    {of_flight(Kind::kAirVelocity, "air_velocity", "velocity through the air of", "m/s", Needs::kAir, "body"),
+     calc_air_velocity},
+    {of_flight(Kind::kAngleOfAttack, "angle_of_attack", "angle of attack of", "rad", Needs::kAir),
+     calc_air_angle<calc_angle_of_attack>},
+    {of_flight(Kind::kSideslip, "sideslip", "sideslip of", "rad", Needs::kAir), calc_air_angle<calc_sideslip>},
+    {of_flight(Kind::kGravity, "gravity", "gravity at", "m/s2", Needs::kPlanet, "W"), calc_own_gravity},
+    {of_flight(Kind::kSurfaceVelocity, "surface_velocity", "velocity over the planet of", "m/s", Needs::kPlanet,
+               "local"),
+     calc_local_velocity},
+    {of_flight(Kind::kFlightPathAngle, "flight_path_angle", "flight-path angle of", "rad", Needs::kPlanet),
+     calc_surface_angle<calc_path_angle>},
+    {of_flight(Kind::kAzimuth, "azimuth", "azimuth of the motion of", "rad", Needs::kPlanet),
+     calc_surface_angle<unlatch::calc_azimuth>},
+    {of_flight(Kind::kInertialPosition, "inertial_position", "position from the planet's centre of", "m",
+               Needs::kPlanet, "W"),
+     calc_inertial_position},
+    {of_flight(Kind::kInertialVelocity, "inertial_velocity", "inertial velocity of", "m/s", Needs::kPlanet, "W"),
+     calc_inertial_velocity},
+    {of_flight(Kind::kInertialFlightPathAngle, "inertial_flight_path_angle", "inertial flight-path angle of", "rad",
+               Needs::kPlanet),
+     calc_inertial_angle<calc_path_angle>},
+    {of_flight(Kind::kInertialAzimuth, "inertial_azimuth", "inertial azimuth of the motion of", "rad", Needs::kPlanet),
+     calc_inertial_angle<unlatch::calc_azimuth>},
+    {of_flight(Kind::kEulerAngles, "euler_angles", "Euler angles of", "rad", Needs::kPlanet, "local"),
+     calc_euler_angles},
+    {of_flight(Kind::kLaunchPosition, "launch_position", "position from the launch site of", "m", Needs::kPlanet,
+               "launch"),
+     calc_launch_position},
+    {of_flight(Kind::kLaunchVelocity, "launch_velocity", "velocity from the launch site of", "m/s", Needs::kPlanet,
+               "launch"),
+     calc_launch_velocity},
+    {of_flight(Kind::kOrbitPosition, "orbit_position", "orbital position of", "m", Needs::kPlanet, "orbit", Of::kBody),
+     calc_orbit_position},
+    {of_flight(Kind::kOrbitVelocity, "orbit_velocity", "orbital velocity of", "m/s", Needs::kPlanet, "orbit",
+               Of::kBody),
+     calc_orbit_velocity},
 };
 
 constexpr bool is_in_order() {
@@ -317,6 +389,19 @@ const QuantityRow& get_row(Kind kind) { return kTable[static_cast<std::size_t>(k
 
 const QuantityTraits& get_traits(Kind kind) noexcept { return get_row(kind).traits; }
 int count_quantity_kinds() noexcept { return static_cast<int>(std::size(kTable)); }
+
+const char* get_component_name(const QuantityTraits& traits, int part) noexcept {
+  static constexpr const char *kAxes[3] = {"x", "y", "z"}, *kLocal[3] = {"north", "east", "down"},
+                              *kOrbit[3] = {"radial", "along", "across"}, *kTurns[3] = {"roll", "pitch", "yaw"};
+  const char* const* names = kAxes;
+  if (traits.kind == Kind::kEulerAngles)
+    names = kTurns;
+  else if (traits.kind == Kind::kSurfaceVelocity)
+    names = kLocal;
+  else if (traits.kind == Kind::kOrbitPosition || traits.kind == Kind::kOrbitVelocity)
+    names = kOrbit;
+  return names[part];
+}
 
 int count_values(const QuantityTraits& traits) noexcept {
   switch (traits.values) {

@@ -18,8 +18,9 @@ bool is_fit(const Model& model, const Plan& plan) {
          model.contact_substeps == data.contact_substeps;
 }
 
-bool has_same_gravity(const Model& a, const Model& b) {
-  return a.gravity.uniform == b.gravity.uniform && a.gravity.mu == b.gravity.mu && a.gravity.centre == b.gravity.centre;
+bool has_same_surroundings(const Model& a, const Model& b) {
+  return a.gravity.uniform == b.gravity.uniform && a.gravity.mu == b.gravity.mu &&
+         a.gravity.centre == b.gravity.centre && a.environment == b.environment;
 }
 
 // Places of a model's lists behind those of the models before it.
@@ -102,7 +103,7 @@ Bundle::~Bundle() = default;
 std::optional<Bundle> Bundle::build(std::span<const Model* const> models, std::span<const Plan* const> plans) {
   if (models.size() < 2 || models.size() > kMost || plans.size() != models.size()) return std::nullopt;
   for (std::size_t m = 0; m < models.size(); ++m)
-    if (!is_fit(*models[m], *plans[m]) || !has_same_gravity(*models[m], *models[0])) return std::nullopt;
+    if (!is_fit(*models[m], *plans[m]) || !has_same_surroundings(*models[m], *models[0])) return std::nullopt;
   PlanResult joined = compile_plan(join_models(models), plans[0]->get_options());
   if (!joined.plan) return std::nullopt;
   auto data = std::make_unique<BundleData>(*std::move(joined.plan));

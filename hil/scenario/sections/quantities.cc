@@ -138,7 +138,11 @@ void ScenarioReader::read_quantity_part(YamlMap& map, const QuantityTraits& trai
       return;
     case Values::kVector:
       to.direction = read_direction(map, get_direction_key(traits), false);
-      if (map.find("component")) to.part = std::max(0, map.choice("component", "component", axis_names()));
+      if (map.find("component")) {
+        std::vector<std::string> names;
+        for (int part = 0; part < 3; ++part) names.emplace_back(get_component_name(traits, part));
+        to.part = std::max(0, map.choice("component", "component", names));
+      }
       if (map.find("component") && !to.direction.isZero(0))
         mistakes_.add(map.node().find("component")->mark, "a component and a direction", "write one of them");
       return;

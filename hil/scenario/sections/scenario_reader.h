@@ -28,6 +28,12 @@ class ScenarioReader {
   void read_constants(YamlMap& top);
   void read_step(YamlMap& top);
   void read_gravity(YamlMap& top);
+  void read_environment(YamlMap& top);
+  void read_planet(const YamlNode& node);
+  void read_atmosphere(const YamlNode& node);
+  void read_wind(const YamlNode& node);
+  void read_start(YamlMap& top);
+  Eigen::Vector3d read_start_velocity(const YamlNode& node);
   void read_flight_software(YamlMap& top);
   void read_session_limits(const YamlNode& node);
   void read_timing(YamlMap& top);
@@ -186,6 +192,8 @@ class ScenarioReader {
   std::vector<std::pair<std::size_t, const YamlNode*>> awaited_events_;  // per quantity that is the time since one
   std::vector<Event> parting_joints_, cord_events_;                      // see append_events()
   std::vector<Placement> placements_;
+  Start::Origin origin_ = Start::Origin::kKept;  // of W, beside the planet
+  const YamlNode* origin_node_ = nullptr;
   std::vector<std::pair<std::string, ClearancePair>> pushing_;  // contacts that act at the start
   std::map<std::string, FlexibleStructure> structures_;         // by flexible body
   std::map<std::string, const YamlNode*> nodes_;                // by ModelError::where

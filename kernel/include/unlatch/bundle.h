@@ -34,7 +34,7 @@ class Bundle {
 
   // `models` with their plans, all compiled with the same options; each plan must outlive the bundle. Nothing where
   // nobody gains by it, or where it cannot be: fewer than two models or more than kMost, closed loops, flexible bodies,
-  // different gravity. Allocates.
+  // different gravity or environment. Allocates.
   static std::optional<Bundle> build(std::span<const Model* const> models, std::span<const Plan* const> plans);
   Bundle(Bundle&&) noexcept;
   Bundle& operator=(Bundle&&) noexcept;

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "unlatch/environment.h"
 #include "unlatch/law.h"
 #include "unlatch/quantity.h"
 #include "unlatch/shapes.h"
@@ -432,6 +433,7 @@ struct Model {
   std::vector<Body> bodies;                  // indices of other lists refer to this order
   std::vector<Joint> joints;                 // tree and non-tree joints
   Gravity gravity;                           // field
+  Environment environment;                   // planet, air, wind
   std::vector<Load> loads;                   // forces and torques
   std::vector<PointSpring> point_springs;    // springs between points
   std::vector<JointSpring> joint_springs;    // springs in joints

@@ -61,12 +61,15 @@ struct QuantityTraits {
   unsigned reads = kReadsMotion;  // QuantityReads
   bool holds = false;             // it is 1 or 0, and changes at events alone
   bool has_point = false, has_axes = false;  // `point` is read; `direction` and `other_direction` are
+  bool of_planet = false, of_air = false;    // it needs a planet; it needs an atmosphere
 };
 
 // Traits of a kind.
 const QuantityTraits& get_traits(Quantity::Kind kind) noexcept;
 // Number of kinds: the enumerators from 0 on.
 int count_quantity_kinds() noexcept;
+// Name of a value of a vector, 0 to 2: "x", or by its axes "north", "roll", "along".
+const char* get_component_name(const QuantityTraits& traits, int part) noexcept;
 // Number of values of a kind with kAll.
 int count_values(const QuantityTraits& traits) noexcept;
 

@@ -52,6 +52,34 @@ struct Quantity {
     kBearing,              // bearing of its end about the drum, turns counted, rad
     kLaw,                  // value of law `subject`, in its unit
     kOnTime,               // time since element `subject` was switched on, s; 0 while it is off
+    // Of body `subject` beside the planet, of its origin; see unlatch/environment.h.
+    kAltitude,                 // above the ellipsoid, m
+    kLatitude,                 // geodetic, rad
+    kGeocentricLatitude,       // rad
+    kLongitude,                // eastwards, −π to π, rad
+    kDensity,                  // of the air there, kg/m³
+    kPressure,                 // Pa
+    kTemperature,              // molecular-scale temperature, K
+    kSpeedOfSound,             // m/s
+    kMach,                     // speed relative to the air by that of sound
+    kDynamicPressure,          // ½ ρ V², Pa
+    kAirspeed,                 // V: relative to the air, m/s
+    kAirVelocity,              // u v w: relative to the air, body axes, m/s
+    kAngleOfAttack,            // atan2(w, u), rad
+    kSideslip,                 // asin(v / V), rad
+    kGravity,                  // acceleration of free fall in inertial space, W, m/s²
+    kSurfaceVelocity,          // over the turning planet: north, east, down, m/s
+    kFlightPathAngle,          // of that above the horizon, rad
+    kAzimuth,                  // of that from north towards east, −π to π, rad
+    kInertialPosition,         // from the centre, axes of W, m
+    kInertialVelocity,         // seen from the centre, axes of W, m/s
+    kInertialFlightPathAngle,  // of that, rad
+    kInertialAzimuth,          // of that, rad
+    kEulerAngles,              // roll pitch yaw of the body's axes from north, east, down, rad
+    kLaunchPosition,           // from the launch site, its axes, m
+    kLaunchVelocity,           // over the turning planet, the launch site's axes, m/s
+    kOrbitPosition,            // p_a − p_b (ground: from the centre) radially, along the orbit, across it, of b, m
+    kOrbitVelocity,            // its rate in those axes, which turn, m/s
   };
   // `part` of a kind with several values: all of them, for sensors alone; their size. Otherwise the number of a value,
   // a Row or the number of a mode.

@@ -1,0 +1,15 @@
+// Weights of rigid bodies near a planet, and the torques of its gradient on all bodies. Weights of bodies that bend or
+// burn are with their other forces (flexible.h, varying.h).
+#pragma once
+
+#include "kernel/plan/evaluation.h"
+
+namespace unlatch {
+
+// Needs the kinematics.
+void add_planet_forces(const PlanData& plan, double t, Evaluation& ev) noexcept;
+
+// Power of the gradient's torques, W.
+double calc_gradient_power(const PlanData& plan, double t, const Evaluation& ev) noexcept;
+
+}  // namespace unlatch
