@@ -248,6 +248,18 @@ struct PlanFriction {
   double coefficient, radius, speed;  // radius: 1 along an axis
 };
 
+struct PlanAeroTerm {
+  AeroTerm::Of of;
+  std::int32_t rate, law;
+  double value;
+};
+struct PlanAerodynamics {
+  std::int32_t body, element;
+  std::int32_t first, count;  // into PlanData::aero_terms
+  double area;
+  Vec3 lengths, point;
+};
+
 struct PlanImpulse {
   std::int32_t body, channel;
   bool world;
@@ -430,6 +442,8 @@ struct PlanLists {
   List<CordDrum> drums;  // of cords, in the model's order
   List<double> travels, travel_forces;
   List<PlanFriction> frictions;
+  List<PlanAerodynamics> aerodynamics;
+  List<PlanAeroTerm> aero_terms;
   List<AirKnot> air_knots;    // of the atmosphere
   List<WindKnot> wind_knots;  // of the wind
   List<PlanProfile> profiles;

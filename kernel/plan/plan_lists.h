@@ -65,6 +65,8 @@ constexpr void for_each_list(const Use& use, Lists&... lists) {
   use(lists.travels...);
   use(lists.travel_forces...);
   use(lists.frictions...);
+  use(lists.aerodynamics...);
+  use(lists.aero_terms...);
   use(lists.air_knots...);
   use(lists.wind_knots...);
   use(lists.profiles...);

@@ -1,6 +1,10 @@
 // Sections `environment` and `start`: the planet, its air and wind, and a start from a point of a trajectory.
+#include <cmath>
+#include <numbers>
+
 #include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/sections/scenario_reader.h"
+#include "hil/scenario/text/number_text.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {
@@ -105,6 +109,32 @@ Eigen::Vector3d ScenarioReader::read_start_velocity(const YamlNode& node) {
   return {speed * level * north, speed * level * east, -speed * rise};
 }
 
+// Facts that a user of this start should know: digits that W costs, and errors that grow.
+void ScenarioReader::remark_start(const Start& start) {
+  const Planet& planet = *model_.environment.planet;
+  const Eigen::Vector3d place = calc_point(planet, {start.latitude, start.longitude, start.altitude});
+  const double radius = place.norm();
+  if (start.origin == Start::Origin::kKept && model_.bodies.size() > 1)
+    scenario_.remarks.push_back({"start",
+                                 "places in W are numbers of " + write_short(radius) + " m, which have steps of " +
+                                     write_short(std::nextafter(radius, 2 * radius) - radius) +
+                                     " m: environment.origin: start, or falling in orbit, keeps more digits of what "
+                                     "bodies are to each other",
+                                 "digits"});
+  Eigen::Vector3d v = start.velocity;
+  if (!start.inertial) v.y() += planet.rate * std::hypot(place.x(), place.y());
+  const double inverse_axis = 2 / radius - v.squaredNorm() / planet.mu;  // vis viva
+  if (!(planet.mu > 0) || !(inverse_axis > 0)) return;
+  const double period = 2 * std::numbers::pi / std::sqrt(planet.mu * inverse_axis * inverse_axis * inverse_axis);
+  constexpr double kPart = 0.2, kError = 1e-3;                          // of a revolution; m/s
+  if (scenario_.until > kPart * period && radius * inverse_axis < 1.9)  // 2: it falls straight down
+    scenario_.remarks.push_back({"start",
+                                 "the run lasts " + write_short(scenario_.until / period) +
+                                     " revolutions: an error of 1 mm/s along the motion grows to " +
+                                     write_short(3 * kError * scenario_.until) + " m",
+                                 "sensitivity"});
+}
+
 void ScenarioReader::read_start(YamlMap& top) {
   const YamlNode* node = top.find("start");
   if (!node) {
@@ -142,7 +172,9 @@ void ScenarioReader::read_start(YamlMap& top) {
       return mistakes_.add(node->mark, "a start in flight, and no planet", "environment: {planet: wgs84}");
     if (start.body != kGround && model_.bodies[static_cast<std::size_t>(std::max(0, start.body))].marker)
       mistakes_.add(node->mark, "it puts a marker at the start", "name the marker's flexible body");
-    if (mistakes_.count() == 0) model_ = place_start(model_, start);
+    if (mistakes_.count() > 0) return;
+    remark_start(start);
+    model_ = place_start(model_, start);
   });
 }
 

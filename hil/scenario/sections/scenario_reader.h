@@ -33,6 +33,7 @@ class ScenarioReader {
   void read_atmosphere(const YamlNode& node);
   void read_wind(const YamlNode& node);
   void read_start(YamlMap& top);
+  void remark_start(const Start& start);
   Eigen::Vector3d read_start_velocity(const YamlNode& node);
   void read_flight_software(YamlMap& top);
   void read_session_limits(const YamlNode& node);

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "kernel/elements/kinds/aerodynamics.h"
 #include "kernel/elements/kinds/contact/contact.h"
 #include "kernel/elements/kinds/friction.h"
 #include "kernel/elements/kinds/joint_spring.h"
@@ -19,7 +20,8 @@
 namespace unlatch {
 
 using ElementKinds =
-    std::tuple<LoadKind, PointSpringKind, JointSpringKind, PlaneTorsionKind, ContactKind, OneSidedKind, FrictionKind>;
+    std::tuple<LoadKind, PointSpringKind, JointSpringKind, PlaneTorsionKind, ContactKind, OneSidedKind, FrictionKind,
+               AerodynamicsKind>;
 inline constexpr std::size_t kElementKinds = std::tuple_size_v<ElementKinds>;
 
 // Calls use(kind) with an object of each kind, in order; kinds have no data, only their type counts.

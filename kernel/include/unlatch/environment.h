@@ -39,18 +39,18 @@ struct Planet {
 struct Atmosphere {
   // kStandard: US Standard Atmosphere 1976, see kernel/environment/air.h. kTable: what follows.
   enum class Kind { kStandard, kTable };
-  Kind kind = Kind::kStandard;
-  std::vector<double> altitudes;  // strictly increasing, two or more, m
-  std::vector<double> densities;  // kg/m³, > 0
-  std::vector<double> pressures;  // Pa, > 0
+  Kind kind = Kind::kStandard;      // which of them
+  std::vector<double> altitudes{};  // strictly increasing, two or more, m
+  std::vector<double> densities{};  // kg/m³, > 0
+  std::vector<double> pressures{};  // Pa, > 0
   bool operator==(const Atmosphere&) const = default;
 };
 
 // Velocity of the air over the planet's surface, in its direction of motion: linear between the altitudes, constant
 // beyond them.
 struct Wind {
-  std::vector<double> altitudes;            // strictly increasing, m; one or more
-  std::vector<Eigen::Vector3d> velocities;  // towards north, east, down, m/s
+  std::vector<double> altitudes{};            // strictly increasing, m; one or more
+  std::vector<Eigen::Vector3d> velocities{};  // towards north, east, down, m/s
   bool operator==(const Wind&) const = default;
 };
 
@@ -65,8 +65,8 @@ struct LaunchSite {
 struct Environment {
   std::optional<Planet> planet{};          // no planet: nothing below counts
   std::optional<Atmosphere> atmosphere{};  // turns with the planet
-  std::optional<Wind> wind{};
-  LaunchSite launch;
+  std::optional<Wind> wind{};              // no wind: the air rests on the planet
+  LaunchSite launch;                       // of quantities that are seen from it
   bool operator==(const Environment&) const = default;
 };
 
@@ -81,11 +81,11 @@ struct Start {
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // axes of the frame, rad/s
   // What the rate is relative to: inertial space, the planet, the axes north, east, down where it flies.
   enum class Turns { kInertial, kPlanet, kLocal };
-  Turns turns = Turns::kInertial;
-  int body = -1;  // whose origin and axes are the frame put there; −1: W's
+  Turns turns = Turns::kInertial;  // see above
+  int body = -1;                   // whose origin and axes are the frame put there; −1: W's
   // Where W's origin is afterwards: stays, rests where the start is, or falls freely from there.
   enum class Origin { kKept, kStart, kFalling };
-  Origin origin = Origin::kKept;
+  Origin origin = Origin::kKept;  // see above
 };
 
 // The same model at the start; its planet has moved where the origin asks for it. Needs a planet.

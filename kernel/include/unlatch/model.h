@@ -269,6 +269,33 @@ struct JointFriction {
   bool on = true;          // at the start
 };
 
+// A part of a coefficient of Aerodynamics: a number, or the value of a law.
+struct AeroTerm {
+  // The coefficient that it is a part of: C_X C_Y C_Z C_l C_m C_n C_D.
+  enum class Of { kX, kY, kZ, kRoll, kPitch, kYaw, kDrag };
+  Of of = Of::kX;    // see above
+  int rate = kNone;  // 0, 1, 2: it counts times p, q or r, made plain by their length / (2 V)
+  double value = 0;  // without a law
+  int law = kNone;   // index of a law
+};
+
+// Force and moment of the air on a body. With V the size of the velocity u relative to the air, q = ½ ρ V², the sums C
+// of the terms, and everything in body axes (x forwards, y to the right, z down, for bodies that fly forwards),
+//
+//   force  = q S (C_X, C_Y, C_Z) − q S C_D u / V
+//   moment = q S (l_x C_l, l_y C_m, l_z C_n) about `point`, where the force acts
+//
+// Rates are those relative to the air, which turns with the planet.
+struct Aerodynamics {
+  std::string name;                                   // unique among elements
+  int body = 0;                                       // index of the body
+  double area = 0;                                    // S, m², > 0
+  Eigen::Vector3d lengths = Eigen::Vector3d::Ones();  // l_x, l_y, l_z, m, > 0
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    // body axes, m
+  std::vector<AeroTerm> terms{};                      // in the order of their sums
+  bool on = true;                                     // at the start
+};
+
 // --- Shapes and contacts --------------------------------------------------------------------------------------------
 
 // A named union of shapes that a body carries, without mass: for contacts, and for conditions and sensors of distance.
@@ -443,6 +470,7 @@ struct Model {
   int contact_substeps = 0;                  // parts of a step while some contact is closed; see kAutomaticSubsteps
   std::vector<OneSided> one_sided;           // pushers, stops and cords
   std::vector<JointFriction> frictions;      // Coulomb friction in joints
+  std::vector<Aerodynamics> aerodynamics;    // forces of the air
   std::vector<Channel> channels;             // commanded values
   std::vector<std::string> signals;          // names
   std::vector<Quantity> quantities;          // named numbers, of one value each
@@ -453,7 +481,7 @@ struct Model {
   std::vector<Event> events;                 // in the order in which they act at one instant
 
   // Elements share one numbering: loads, point springs, joint springs, plane torsions, contacts,
-  // one-sided forces, frictions.
+  // one-sided forces, frictions, aerodynamics.
   int element_count() const;
   const std::string& element_name(int element) const;
 };
