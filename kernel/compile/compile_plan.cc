@@ -193,6 +193,7 @@ void compile_parts(const Model& model, PlanDraft& plan) {
   plan.gravity = {to_vec(model.gravity.uniform), model.gravity.mu, to_vec(model.gravity.centre)};
   CompiledEnvironment environment = compile_environment(model.environment);
   plan.environment = environment.numbers;
+  plan.air_layers = std::move(environment.layers);
   plan.air_knots = std::move(environment.air);
   plan.wind_knots = std::move(environment.wind);
   plan.plain = plan.rigid && !plan.environment.exists;

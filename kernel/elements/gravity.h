@@ -23,7 +23,7 @@ inline Vec3 calc_gravity(const GravityField& field, const Vec3& p) {
 }
 
 // Air and wind of a plan.
-inline AirAround get_air(const PlanData& plan) { return {{plan.environment.layers, plan.air_knots}, plan.wind_knots}; }
+inline AirAround get_air(const PlanData& plan) { return {{plan.air_layers, plan.air_knots}, plan.wind_knots}; }
 
 // All of it, at the point p of W at the time t.
 inline Vec3 calc_free_fall(const PlanData& plan, double t, const Vec3& p) {

@@ -19,9 +19,9 @@ AirState complete(double density, double pressure) {
   return {density, pressure, part / kGas, std::sqrt(kHeats * part)};
 }
 
-AirState calc_layered(const AirLayer* layers, double altitude) {
+AirState calc_layered(std::span<const AirLayer> layers, double altitude) {
   const double z = altitude > kLowest ? altitude : kLowest, H = kEarth * z / (kEarth + z);
-  int i = kAirLayers - 1;
+  std::size_t i = layers.size() - 1;
   while (i > 0 && H < layers[i].base) --i;
   const double temperature = layers[i].temperature + layers[i].lapse * (H - layers[i].base);
   const double pressure = calc_layer_pressure(layers[i], H, temperature);
@@ -64,7 +64,7 @@ double calc_layer_pressure(const AirLayer& layer, double H, double temperature) 
 }
 
 AirState calc_air(const AirView& air, double altitude) noexcept {
-  if (air.layers.used && !(altitude > kTop)) return calc_layered(air.layers.list, altitude);
+  if (!air.layers.empty() && !(altitude > kTop)) return calc_layered(air.layers, altitude);
   return calc_tabled(air.knots, altitude);
 }
 

@@ -25,15 +25,9 @@ struct AirKnot {
 struct AirLayer {
   double base, temperature, lapse, pressure;  // geopotential, m; K; K/m; Pa
 };
-inline constexpr int kAirLayers = 7;
-struct AirLayers {
-  AirLayer list[kAirLayers]{};
-  bool used = false;  // by the standard, not by a table
-};
-
 // Air of a plan.
 struct AirView {
-  const AirLayers& layers;
+  std::span<const AirLayer> layers;  // of the standard; none of a table
   std::span<const AirKnot> knots;
 };
 AirState calc_air(const AirView& air, double altitude) noexcept;

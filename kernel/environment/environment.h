@@ -11,7 +11,6 @@ struct PlanEnvironment {
   bool exists = false;   // there is a planet
   bool has_air = false;  // there is an atmosphere
   PlanPlanet planet;
-  AirLayers layers;
   Vec3 launch_point{0, 0, 0};     // surface axes, m
   Mat3 launch_axes = kIdentity3;  // in surface axes
 };

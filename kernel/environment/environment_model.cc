@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "kernel/model/from_eigen.h"
 #include "unlatch/elementary.h"
@@ -34,18 +33,15 @@ constexpr UpperRow kUpper[] = {
     {1000, 7.5138e-9, 3.561e-15}};
 
 // Temperature and pressure at the bases of the layers, each by the layer below it.
-void build_layers(AirLayers& layers) {
+void build_layers(std::vector<AirLayer>& layers) {
   double temperature = kSeaTemperature, pressure = kSeaPressure;
-  static_assert(std::size(kLayers) == kAirLayers);
-  layers.used = true;
-  AirLayer* next = layers.list;
   for (const LayerStart& start : kLayers) {
-    if (next != layers.list) {
-      const AirLayer& below = next[-1];
+    if (!layers.empty()) {
+      const AirLayer& below = layers.back();
       temperature = below.temperature + below.lapse * (start.base * 1000 - below.base);
       pressure = calc_layer_pressure(below, start.base * 1000, temperature);
     }
-    *next++ = {start.base * 1000, temperature, start.lapse / 1000, pressure};
+    layers.push_back({start.base * 1000, temperature, start.lapse / 1000, pressure});
   }
 }
 
@@ -76,7 +72,7 @@ AirKnot build_knot(double altitude, double density, double pressure) {
 }
 
 // Layers and knots of an atmosphere.
-void compile_air(const Atmosphere& atmosphere, AirLayers& layers, std::vector<AirKnot>& knots) {
+void compile_air(const Atmosphere& atmosphere, std::vector<AirLayer>& layers, std::vector<AirKnot>& knots) {
   if (atmosphere.kind == Atmosphere::Kind::kStandard) {
     build_layers(layers);
     const AirState top = calc_air(AirView{layers, {}}, kTop * 1000);
@@ -185,7 +181,7 @@ CompiledEnvironment compile_environment(const Environment& environment) {
   out.exists = true;
   out.planet = compile_planet(*environment.planet);
   out.has_air = environment.atmosphere.has_value();
-  if (out.has_air) compile_air(*environment.atmosphere, out.layers, compiled.air);
+  if (out.has_air) compile_air(*environment.atmosphere, compiled.layers, compiled.air);
   if (environment.wind)
     for (std::size_t i = 0; i < environment.wind->altitudes.size(); ++i)
       compiled.wind.push_back({environment.wind->altitudes[i], to_vec(environment.wind->velocities[i])});
@@ -219,7 +215,7 @@ void validate_environment(const Model& model, ModelErrors& errors) {
 }
 
 AirState calc_air(const Atmosphere& atmosphere, double altitude) {
-  AirLayers layers;
+  std::vector<AirLayer> layers;
   std::vector<AirKnot> knots;
   compile_air(atmosphere, layers, knots);
   return calc_air(AirView{layers, knots}, altitude);

@@ -12,6 +12,7 @@ void validate_environment(const Model& model, ModelErrors& errors);
 
 struct CompiledEnvironment {
   PlanEnvironment numbers;
+  std::vector<AirLayer> layers;
   std::vector<AirKnot> air;
   std::vector<WindKnot> wind;
 };

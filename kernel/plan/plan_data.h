@@ -444,6 +444,7 @@ struct PlanLists {
   List<PlanFriction> frictions;
   List<PlanAerodynamics> aerodynamics;
   List<PlanAeroTerm> aero_terms;
+  List<AirLayer> air_layers;  // of the standard atmosphere
   List<AirKnot> air_knots;    // of the atmosphere
   List<WindKnot> wind_knots;  // of the wind
   List<PlanProfile> profiles;

@@ -67,6 +67,7 @@ constexpr void for_each_list(const Use& use, Lists&... lists) {
   use(lists.frictions...);
   use(lists.aerodynamics...);
   use(lists.aero_terms...);
+  use(lists.air_layers...);
   use(lists.air_knots...);
   use(lists.wind_knots...);
   use(lists.profiles...);

@@ -51,6 +51,8 @@ inline constexpr NumberKey kNumberKeys[] = {
     {"scenario.cord.parts_at", "N", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.drum.radius", "m", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.drum.wound", "rad", 0.0, std::numeric_limits<double>::infinity(), false, false},
+    {"scenario.aerodynamics.area", "m2", 0.0, std::numeric_limits<double>::infinity(), true, false},
+    {"scenario.aerodynamics.length", "m", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.joint_friction.coefficient", "", 0.0, std::numeric_limits<double>::infinity(), false, false},
     {"scenario.joint_friction.radius", "m", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.joint_friction.speed", "m/s", 0.0, std::numeric_limits<double>::infinity(), true, false},

@@ -117,6 +117,10 @@ const std::vector<ScenarioReader::ElementType>& ScenarioReader::get_element_type
       {"cord", [](Reader& r, YamlMap& map, const std::string& name) { r.read_cord(map, make_named<OneSided>(name)); }},
       {"joint_friction",
        [](Reader& r, YamlMap& map, const std::string& name) { r.read_friction(map, make_named<JointFriction>(name)); }},
+      {"aerodynamics",
+       [](Reader& r, YamlMap& map, const std::string& name) {
+         r.read_aerodynamics(map, make_named<Aerodynamics>(name));
+       }},
   };
   return kTypes;
 }

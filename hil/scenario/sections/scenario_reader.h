@@ -109,6 +109,8 @@ class ScenarioReader {
   void read_point_spring(YamlMap& map, PointSpring spring);
   void read_joint_spring(YamlMap& map, JointSpring spring);
   void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
+  void read_aerodynamics(YamlMap& map, Aerodynamics air);
+  void read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air);
   Profile read_profile(const YamlNode& node, const std::string& unit);
 
   // Contacts.
