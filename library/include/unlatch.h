@@ -174,6 +174,7 @@ UNLATCH_API unlatch_status unlatch_advance(unlatch_simulation* simulation, uint6
  * from a signal handler. If no such call is running, it ends the next one. */
 UNLATCH_API unlatch_status unlatch_interrupt(void* handle);
 
+/* Number of the present tick. */
 UNLATCH_API unlatch_status unlatch_get_tick(unlatch_simulation* simulation, int64_t* tick);
 /* Time of the present state, s: tick · dt. */
 UNLATCH_API unlatch_status unlatch_get_time(unlatch_simulation* simulation, double* time);

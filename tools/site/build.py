@@ -2,8 +2,8 @@
 """The documentation site from the Markdown of the repository: build.py WORK OUT
 
 Copies every page and picture into WORK, in the same folders, so that their links hold; makes a page of each other file that a page links to,
-and of the C header and the Python package; runs MkDocs into OUT. Exit code 1, with page and target, if a link leads nowhere, or a name
-of the Python package has no description.
+and of the C header and the Python package; runs MkDocs into OUT. Exit code 1, with the place, if a link leads nowhere, or a function of the C header
+or a name of the Python package has no description.
 """
 import ast
 import json
@@ -107,9 +107,13 @@ class Stage:
             self.write(page, f"# {file}\n\n````{language}\n{text}\n````\n")
 
 
-def describe_header():
-    """The C header as a page: each of its sections with a heading."""
+def describe_header(faults):
+    """The C header as a page: each of its sections with a heading. A comment describes the functions below it, up to the next blank line."""
     text = (ROOT / "library/include/unlatch.h").read_text(encoding="utf-8")
+    for paragraph in re.split(r"\n\s*\n", text):
+        for match in re.finditer(r"UNLATCH_API [^;(]*?(unlatch_\w+)\(", paragraph):
+            if "/*" not in paragraph[:match.start()]:
+                faults.append(f"library/include/unlatch.h: {match[1]} has no description")
     parts = re.split(r"^/\* --- (.+?) -+ \*/$", text, flags=re.MULTILINE)
     out = ["# C: unlatch.h", "", "The whole of the public header [library/include/unlatch.h](../library/include/unlatch.h.md), by its sections. [The library](../library/README.md) has examples.", "",
            "```c", parts[0].strip(), "```"]
@@ -189,7 +193,7 @@ def main():
     stage.stage()
     shutil.copyfile(ROOT / "tools/site/site.css", stage.folder / "site.css")
     python = PythonReference()
-    stage.write("reference/c.md", describe_header())
+    stage.write("reference/c.md", describe_header(stage.faults))
     stage.write("reference/python.md", python.write())
     stage.write("reference/cpp.md", "# C++\n\nThe classes and functions of the kernel's public headers, with an example: [open the C++ reference](../cpp/index.html). It has a search of its own.\n")
     # The site begins with START.md; README.md would be the index of the same folder.

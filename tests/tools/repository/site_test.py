@@ -4,6 +4,7 @@ browser, code is shown as it is in the pages.
 
     site_test.py BIN_FOLDER SOURCE_FOLDER [unittest options]
 """
+import importlib.util
 import re
 import subprocess
 import tempfile
@@ -68,6 +69,33 @@ class SiteTest(unittest.TestCase):
             self.check_code(site, pages)
         with self.subTest("browser"):
             self.check_browser(site)
+
+    def test_c_functions_python_names_and_links_without_an_end_are_named(self):
+        folder = tempfile.TemporaryDirectory(prefix="unlatch_site_")
+        self.addCleanup(folder.cleanup)
+        root = Path(folder.name)
+        spec = importlib.util.spec_from_file_location("build_site", SOURCE / "tools/site/build.py")
+        build = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(build)
+        build.ROOT = root
+        (root / "library/include").mkdir(parents=True)
+        (root / "library/include/unlatch.h").write_text("/* Counts. */\nUNLATCH_API int unlatch_count(void);\n\nUNLATCH_API int unlatch_drop(void);\n")
+        faults = []
+        self.assertIn("unlatch_drop(void)", build.describe_header(faults))
+        self.assertEqual(faults, ["library/include/unlatch.h: unlatch_drop has no description"])
+        package = root / "library/python/unlatch"
+        package.mkdir(parents=True)
+        (package / "__init__.py").write_text('"""A package."""\n__all__ = ["good", "bad"]\n')
+        (package / "names.py").write_text('def good(x: int) -> int:\n    """Good."""\ndef bad(): pass\ndef _own(): pass\n')
+        python = build.PythonReference()
+        self.assertIn("good(x: int) -> int", python.write())
+        self.assertEqual(python.faults, ["library/python/unlatch/names.py:3: bad has no description"])
+        subprocess.run(["git", "init", "-q", root], check=True)
+        (root / "README.md").write_text("[there](library/python/unlatch/names.py) [nowhere](missing.md)\n")
+        stage = build.Stage(root / "pages")
+        stage.stage()
+        self.assertEqual(stage.faults, ["README.md: a link to missing.md, which is not there"])
+        self.assertIn("library/python/unlatch/names.py.md", (root / "pages/README.md").read_text())
 
     def check_links(self, site, pages):
         for path, page in pages.items():
