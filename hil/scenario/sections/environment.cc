@@ -80,6 +80,7 @@ void ScenarioReader::read_wind(const YamlNode& node) {
   if (node.is_sequence()) {
     wind.altitudes = {0};
     wind.velocities = {read_vector(node, "m/s", Eigen::Vector3d::Zero(), mistakes_)};
+    if (wind.velocities[0].isZero(0)) return;
   } else {
     YamlMap map(node, "wind", mistakes_);
     if (const YamlNode* list = map.require("altitude")) wind.altitudes = read_numbers(*list, 0, "m", mistakes_);
