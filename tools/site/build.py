@@ -214,7 +214,7 @@ def main():
     done = subprocess.run([program, "build", "-q", "-f", work / "mkdocs.yml"], env={**os.environ, "PYTHONPATH": str(ROOT / "tools/site"), "PYTHONDONTWRITEBYTECODE": "1"},
                           capture_output=True, text=True, check=False)
     warnings = [line for line in done.stderr.splitlines() if line.startswith(("WARNING", "ERROR"))]
-    faults = stage.faults + python.faults + warnings
+    faults = list(dict.fromkeys(stage.faults + python.faults + warnings))  # pages are staged twice
     if done.returncode == 0:
         write_search(out, stage.shown.values())
     else:
