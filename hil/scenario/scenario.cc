@@ -25,11 +25,13 @@ const std::vector<std::string> kPolicyNames{"hold", "zero", "safe", "pause", "ab
 namespace {
 
 Scenario read_tree(const YamlNode& root, ScenarioSources& sources, const std::string& file,
-                   std::vector<std::string> overrides, Mistakes& mistakes, const Scenario* like = nullptr) {
+                   std::vector<std::string> overrides, Mistakes& mistakes, KnownStructures* structures = nullptr,
+                   const Scenario* like = nullptr) {
   Scenario scenario;
   scenario.file = file;
   scenario.overrides = std::move(overrides);
-  ScenarioReader(scenario, sources, mistakes, like).read(root);
+  KnownStructures own;
+  ScenarioReader(scenario, sources, mistakes, structures != nullptr ? *structures : own, like).read(root);
   mistakes.throw_if_any();
   scenario.text = sources.join();
   scenario.files = mistakes.files();
@@ -58,10 +60,10 @@ void apply_overrides(const std::vector<std::string>& overrides, YamlNode& root, 
   }
 }
 
-Scenario read_files(Files files, const std::vector<std::string>& overrides) {
+Scenario read_files(Files files, const std::vector<std::string>& overrides, KnownStructures* structures = nullptr) {
   apply_overrides(overrides, files.root, files.mistakes);
   files.mistakes.keep_numbers();
-  Scenario scenario = read_tree(files.root, files.sources, files.file, overrides, files.mistakes);
+  Scenario scenario = read_tree(files.root, files.sources, files.file, overrides, files.mistakes, structures);
   scenario.numbers = list_written_numbers(files.root, files.mistakes);
   return scenario;
 }
@@ -93,10 +95,10 @@ void blame_overrides(const Files& files, const std::vector<std::string>& overrid
 }
 
 Scenario load_sources(const ScenarioSources& sources, const std::string& file,
-                      const std::vector<std::string>& overrides) {
+                      const std::vector<std::string>& overrides, KnownStructures* structures = nullptr) {
   const Files files(sources, file);
   try {
-    return read_files(files, overrides);
+    return read_files(files, overrides, structures);
   } catch (const ScenarioError& error) {
     std::vector<ScenarioMistake> mistakes = error.mistakes;
     blame_overrides(files, overrides, mistakes);
@@ -136,7 +138,7 @@ ScenarioTree::ScenarioTree(const std::string& path, const std::vector<std::strin
 // The first reading reports all mistakes, and reads all files of the scenario into memory.
 ScenarioTree::ScenarioTree(const ScenarioSources& sources, const std::string& file,
                            const std::vector<std::string>& overrides)
-    : nominal_(load_sources(sources, file, overrides)),
+    : nominal_(load_sources(sources, file, overrides, &structures_)),
       sources_(nominal_.text, ""),
       mistakes_(file, {}),
       root_(build_tree(sources_, nominal_.file, mistakes_)) {
@@ -157,13 +159,19 @@ Scenario ScenarioTree::read(std::span<const Setting> settings) const {
       mistakes.add(e.mark, e.what(), e.mend);
     }
   }
-  return read_tree(root, sources, nominal_.file, std::move(overrides), mistakes, &nominal_);
+  KnownStructures structures = structures_;  // one that is new belongs to these settings
+  return read_tree(root, sources, nominal_.file, std::move(overrides), mistakes, &structures, &nominal_);
 }
 
 // --- The reader's top level -----------------------------------------------------------------------------------------
 
-ScenarioReader::ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes, const Scenario* like)
-    : scenario_(scenario), model_(scenario.model), sources_(sources), mistakes_(mistakes) {
+ScenarioReader::ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes,
+                               KnownStructures& structures, const Scenario* like)
+    : scenario_(scenario),
+      model_(scenario.model),
+      sources_(sources),
+      mistakes_(mistakes),
+      known_structures_(structures) {
   if (like == nullptr) return;
   for (const std::vector<BodyShape>& shapes : like->shapes)
     for (const BodyShape& shape : shapes)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/scenario/flexible/flexible_body.h"
 #include "hil/scenario/language/scenario_sources.h"
 #include "hil/scenario/scenario.h"
 #include "hil/scenario/yaml/setting.h"
@@ -27,6 +28,7 @@ class ScenarioTree {
   Scenario read(std::span<const Setting> settings) const;
 
  private:
+  KnownStructures structures_;  // files of modes, read and conditioned once
   Scenario nominal_;
   ScenarioSources sources_;
   Mistakes mistakes_;

@@ -22,9 +22,10 @@ namespace fs = std::filesystem;
 using Kind = hil::ResultColumn::Kind;
 
 const char* get_kind_name(Kind kind) {
-  static const char* const kNames[] = {"requirement", "margin",     "event", "clearance", "clearance_time", "released",
-                                       "tip_off",     "separation", "peak",  "contact",   "output",         "curve"};
-  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kCurve) + 1);
+  static const char* const kNames[] = {"requirement", "margin",  "event",      "clearance", "clearance_time",
+                                       "released",    "tip_off", "separation", "peak",      "contact",
+                                       "output",      "curve",   "step",       "step_error"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(Kind::kStepError) + 1);
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -35,7 +36,7 @@ std::string to_cell(double value) { return std::isnan(value) ? "" : hil::to_text
 // Curves with their times and the first of their columns, which are the last ones.
 Json write_curves(const hil::SampleEvaluator& evaluator) {
   const hil::ChosenOutputs& chosen = evaluator.chosen();
-  std::size_t first = evaluator.columns().size() - chosen.count() + chosen.values.size();
+  std::size_t first = evaluator.columns().size() - chosen.count() + chosen.count_steps() + chosen.values.size();
   Json curves = Json::array();
   for (const hil::ChosenCurves& group : chosen.curves) {
     Json times = Json::array();
@@ -46,6 +47,19 @@ Json write_curves(const hil::SampleEvaluator& evaluator) {
     }
   }
   return curves;
+}
+
+// What was found for the tolerance.
+Json write_step(const hil::StepSearch& search) {
+  Json trials = Json::array();
+  for (const hil::StepTrial& trial : search.trials)
+    trials.push_back(
+        {{"step", trial.step}, {"error", to_limit(trial.error)}, {"of", trial.of}, {"flight", trial.flight}});
+  return {{"tolerance", search.tolerance},
+          {"step", search.step.value_or(search.given)},
+          {"scenario_step", search.given},
+          {"flights", search.flights},
+          {"trials", trials}};
 }
 
 Json write_failure(const hil::RareFailure& failure) {
@@ -100,6 +114,7 @@ Json build_manifest(const hil::Campaign& campaign, const hil::SampleEvaluator& e
                    {"parameters", Json::array()},
                    {"columns", Json::array()},
                    {"requirements", Json::array()}};
+  if (campaign.step_search) manifest["step"] = write_step(*campaign.step_search);
   if (campaign.failure) manifest["subset"] = write_failure(*campaign.failure);
   for (const hil::InputColumn& input : list_inputs(campaign))
     manifest["inputs"].push_back({{"name", input.name}, {"unit", input.unit}});

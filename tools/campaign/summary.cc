@@ -7,6 +7,7 @@
 #include "tools/campaign/event_orders.h"
 #include "tools/campaign/failures.h"
 #include "tools/campaign/sensitivity.h"
+#include "tools/campaign/steps.h"
 #include "tools/common/text.h"
 
 namespace unlatch::tools {
@@ -30,6 +31,7 @@ Json build_summary(const CampaignData& all) {
                   {"statuses", statuses},
                   {"requirements", Json::array()},
                   {"worst", list_worst(all)}};
+  if (data.manifest.contains("step")) summary["step"] = describe_steps(all);
   if (const auto failure = all.get_failure()) {
     summary["drawn"] = data.rows;
     summary["rare"] = describe_rare(all, *failure);
@@ -46,6 +48,7 @@ Json build_summary(const CampaignData& all) {
     summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], values));
   }
   for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
+    if (is_of_step(data.manifest.at("columns")[k])) continue;  // described by `step`
     const std::vector<double> values = data.read_column(k);
     Json column = describe_column(data.manifest.at("columns")[k], values);
     column["kind"] = data.manifest.at("columns")[k].at("kind");

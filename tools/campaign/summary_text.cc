@@ -59,7 +59,36 @@ void print_rare(std::FILE* to, const Json& rare) {
                rare.at("reached").get<bool>() ? "" : "; the last level had too few failures: more levels");
 }
 
-constexpr std::size_t kNamed = 10;  // unresolved samples that are listed
+constexpr std::size_t kNamed = 10;  // samples that are listed
+
+std::string list_samples(const Json& samples) {
+  std::string numbers;
+  for (std::size_t i = 0; i < std::min<std::size_t>(samples.size(), kNamed); ++i)
+    numbers += (i == 0 ? "" : ", ") + std::to_string(samples[i].get<long long>());
+  return samples.size() > kNamed ? numbers + ", …" : numbers;
+}
+
+// The step of a campaign with a tolerance, and what shows that it keeps it.
+void print_step(std::FILE* to, const Json& step) {
+  const double chosen = step.at("step").get<double>();
+  std::fprintf(to, "  step %.9g s for a tolerance of %.3g (the scenario's: %.9g s)", chosen,
+               step.at("tolerance").get<double>(), step.at("scenario_step").get<double>());
+  for (const Json& trial : step.at("trials"))
+    if (trial.at("step") == step.at("step"))
+      std::fprintf(to, ": in %s the error is at most %.2g%s",
+                   count(step.at("flights").get<std::int64_t>(), "flight").c_str(), trial.at("error").get<double>(),
+                   trial.at("of").get<std::string>().empty()
+                       ? ""
+                       : (" (" + trial.at("of").get<std::string>() + ", " + trial.at("flight").get<std::string>() + ")")
+                             .c_str());
+  std::fprintf(to, "\n  %s checked at half the step, largest error %s",
+               count(step.at("checked").get<std::int64_t>(), "sample").c_str(),
+               describe_number(step.at("largest_error"), "%.2g").c_str());
+  const Json& again = step.at("flown_again");
+  if (!again.empty())
+    std::fprintf(to, "; %s", paint(to, Colour::kYellow, "flown again finer: " + list_samples(again)).c_str());
+  std::fprintf(to, "\n");
+}
 
 }  // namespace
 
@@ -72,15 +101,12 @@ void print_summary(std::FILE* to, const Json& summary) {
                summary.at("hash").get<std::string>().c_str());
   for (const auto& [name, count] : summary.at("statuses").items())
     if (count > 0) std::fprintf(to, "  %lld %s\n", count.get<long long>(), name.c_str());
+  if (summary.contains("step")) print_step(to, summary.at("step"));
   const Json& unresolved = summary.at("unresolved");
   if (!unresolved.empty()) {
-    std::string numbers;
-    for (std::size_t i = 0; i < std::min<std::size_t>(unresolved.size(), kNamed); ++i)
-      numbers += (i == 0 ? "" : ", ") + std::to_string(unresolved[i].get<long long>());
-    if (unresolved.size() > kNamed) numbers += ", …";
     std::fprintf(to, "  %s\n",
                  paint(to, Colour::kRed,
-                       "unresolved: " + numbers +
+                       "unresolved: " + list_samples(unresolved) +
                            "; the step does not resolve them, they are neither met nor missed: `unlatch run CAMPAIGN "
                            "--sample I` gives the cause")
                      .c_str());

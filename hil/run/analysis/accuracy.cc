@@ -74,12 +74,6 @@ void add_requirements(const Scenario& scenario, const RunAnalysis& analysis, std
   }
 }
 
-// Distance over which the joint's forces make moments about the centres of its bodies: the larger of the two, m.
-double calc_arm(const Joint& joint) {
-  const double base = joint.base == kGround ? 0 : joint.point_base.norm();
-  return std::max(base, joint.point_follower.norm());
-}
-
 // The largest reaction of the joint's rows from `first` on, three of them; N or N m.
 double find_largest(const RunAnalysis& analysis, std::size_t joint, int first) {
   double largest = 0;
@@ -224,6 +218,11 @@ std::string find_reason(const Scenario& scenario, const Method& method, const Ac
 }
 
 }  // namespace
+
+double calc_arm(const Joint& joint) {
+  const double base = joint.base == kGround ? 0 : joint.point_base.norm();
+  return std::max(base, joint.point_follower.norm());
+}
 
 std::vector<NamedValue> list_values(const Scenario& scenario, const Simulation& simulation,
                                     const RunAnalysis& analysis) {

@@ -51,6 +51,9 @@ struct AccuracyReport {
   bool out_of_budget = false;  // the search for the step ended before it had found one
 };
 
+// Distance over which the joint's forces make moments about the centres of its bodies: the larger of the two, m.
+double calc_arm(const Joint& joint);
+
 // Compares the values of three runs. Sets `mismatch` if their lists differ.
 AccuracyReport compare_steps(const Scenario& scenario, const Simulation& simulation,
                              const std::vector<NamedValue>& full, const std::vector<NamedValue>& half,

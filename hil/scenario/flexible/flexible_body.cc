@@ -277,6 +277,17 @@ FlexibleStructure calc_invariants(const Modes& modes, const std::vector<double>&
   return out;
 }
 
+void set_damping(const std::vector<double>& damping, FlexibleStructure& structure) {
+  Eigen::VectorXd& ratios = structure.flexible.damping;
+  const auto modes = static_cast<std::size_t>(ratios.size());
+  if (damping.size() != 1 && damping.size() != modes)
+    throw std::invalid_argument(count(damping.size(), "damping ratio") + " for " + count(modes, "mode") +
+                                ": give one, or one for each");
+  for (const double ratio : damping)
+    if (!(ratio >= 0 && ratio < 1)) throw std::invalid_argument("a damping ratio is at least 0 and less than 1");
+  for (std::size_t k = 0; k < modes; ++k) ratios[static_cast<Index>(k)] = damping[damping.size() == 1 ? 0 : k];
+}
+
 FlexibleStructure build_flexible_body(const Modes& found, const ModeSelection& selection, FlexibleReport& report) {
   const Vector3d origin = calc_mass_properties(found.points).centre;
   Modes modes = condition_modes(found, report);
@@ -293,13 +304,9 @@ FlexibleStructure build_flexible_body(const Modes& found, const ModeSelection& s
     finding->selected = true;
     picked.push_back(finding - report.modes.begin());
   }
-  if (selection.damping.size() != 1 && selection.damping.size() != picked.size())
-    throw std::invalid_argument(count(selection.damping.size(), "damping ratio") + " for " +
-                                count(picked.size(), "mode") + ": give one, or one for each");
-  for (const double ratio : selection.damping)
-    if (!(ratio >= 0 && ratio < 1)) throw std::invalid_argument("a damping ratio is at least 0 and less than 1");
   pick(picked, modes);
-  FlexibleStructure structure = calc_invariants(modes, selection.damping);
+  FlexibleStructure structure = calc_invariants(modes, {0});
+  set_damping(selection.damping, structure);
   structure.centre += origin;
   return structure;
 }

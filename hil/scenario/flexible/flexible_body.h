@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -65,9 +66,22 @@ Modes condition_modes(const Modes& found, FlexibleReport& report);
 
 // Sums the invariants over the points. `modes`: conditioned; `damping`: ζ of each of its modes.
 FlexibleStructure calc_invariants(const Modes& modes, const std::vector<double>& damping);
+// Sets ζ: one for all modes, or one for each. Throws std::invalid_argument for another number of them, or of other
+// sizes.
+void set_damping(const std::vector<double>& damping, FlexibleStructure& structure);
 
 // Conditions all modes, then selects some. Throws std::invalid_argument as above, and for a selected mode that is not
 // in the file or not elastic.
 FlexibleStructure build_flexible_body(const Modes& found, const ModeSelection& selection, FlexibleReport& report);
+
+// A file of modes as a scenario uses it, but for the damping. Another reading of the same scenario with other values
+// takes it from the first: reading and conditioning depend on the file and the selected modes alone.
+struct KnownStructure {
+  std::string path;          // of the file
+  std::vector<int> numbers;  // selected modes
+  FlexibleStructure structure;
+  FlexibleReport report;
+};
+using KnownStructures = std::vector<std::shared_ptr<const KnownStructure>>;
 
 }  // namespace unlatch::hil

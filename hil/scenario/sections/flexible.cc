@@ -53,11 +53,10 @@ void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
   if (file == nullptr) return;
   const std::string name = read_text(*file, mistakes_);
   try {
-    FlexibleReport report;
-    const std::string path = resolve_include("", name);
-    const FlexibleStructure structure =
-        build_flexible_body(read_modes_text(sources_.read(path), path), selection, report);
-    if (const std::string changes = describe_changes(report); !changes.empty())
+    const KnownStructure& known = read_structure(resolve_include("", name), selection.numbers);
+    FlexibleStructure structure = known.structure;
+    set_damping(selection.damping, structure);
+    if (const std::string changes = describe_changes(known.report); !changes.empty())
       scenario_.remarks.push_back({"body '" + body.name + "'", changes});
     body.mass = structure.mass;
     body.inertia = structure.inertia;
@@ -70,6 +69,18 @@ void ScenarioReader::read_flexible(const YamlNode& node, Body& body) {
   } catch (const std::runtime_error& error) {
     mistakes_.add(file->mark, "its modes cannot be read: " + std::string(error.what()), "a file beside the scenario");
   }
+}
+
+// A file's structure without damping: read and conditioned, unless this or a reading with other values has it.
+const KnownStructure& ScenarioReader::read_structure(const std::string& path, const std::vector<int>& numbers) {
+  const std::string& text = sources_.read(path);
+  for (const std::shared_ptr<const KnownStructure>& known : known_structures_)
+    if (known->path == path && known->numbers == numbers) return *known;
+  const auto made = std::make_shared<KnownStructure>();
+  made->path = path;
+  made->numbers = numbers;
+  made->structure = build_flexible_body(read_modes_text(text, path), {numbers, {0}}, made->report);
+  return *known_structures_.emplace_back(made);
 }
 
 // Reads {of: BODY, at: NAME}: a frame of the modes file. The flexible body precedes it in the scenario.

@@ -20,7 +20,10 @@ namespace unlatch::hil {
 class ScenarioReader {
  public:
   // `sources`: files that the scenario names. `like`: a reading of the same files, whose meshes are shared.
-  ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes, const Scenario* like = nullptr);
+  // `structures`: files of modes that other readings of the same files have read; new ones are added. `like`: a
+  // scenario of the same files, whose meshes are taken.
+  ScenarioReader(Scenario& scenario, ScenarioSources& sources, Mistakes& mistakes, KnownStructures& structures,
+                 const Scenario* like = nullptr);
   void read(const YamlNode& root);
 
  private:
@@ -186,6 +189,8 @@ class ScenarioReader {
   void read_item_at(const std::string& where, const YamlNode& node, const std::function<void()>& read_item);
   bool is_flawed(const std::string& where) const { return flawed_.count(where) > 0; }
 
+  const KnownStructure& read_structure(const std::string& path, const std::vector<int>& numbers);
+
   Scenario& scenario_;
   Model& model_;
   ScenarioSources& sources_;
@@ -202,6 +207,7 @@ class ScenarioReader {
   std::map<std::string, const YamlNode*> nodes_;                // by ModelError::where
   std::set<std::string> flawed_;
   std::vector<std::shared_ptr<const TriangleMesh>> known_meshes_;
+  KnownStructures& known_structures_;
 };
 
 std::string get_si(const Channel& channel);  // unit of its numbers, "" if it is no SI unit

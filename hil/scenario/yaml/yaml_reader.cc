@@ -175,13 +175,24 @@ int read_choice(const YamlNode& node, const std::string& kind, const std::vector
 
 // --- YamlMap --------------------------------------------------------------------------------------------------------
 
+namespace {
+
+std::vector<std::string> list_distinct(const std::vector<std::string>& all) {
+  std::vector<std::string> list;
+  for (const std::string& one : all)
+    if (std::find(list.begin(), list.end(), one) == list.end()) list.push_back(one);
+  return list;
+}
+
+}  // namespace
+
 YamlMap::YamlMap(const YamlNode& node, std::string what, Mistakes& mistakes)
     : node_(node), what_(std::move(what)), mistakes_(mistakes) {
   if (!node.is_mapping()) expect(node, "a mapping (key: value) that describes " + what_, mistakes);
 }
 
 const YamlNode* YamlMap::find(const std::string& key) {
-  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
+  known_.push_back(key);  // some several times: finish() sorts them out if it needs them
   return node_.find(key);
 }
 
@@ -256,7 +267,8 @@ void YamlMap::finish() {
       mistakes_.add(key.mark, "duplicate key " + quote(key.text),
                     "it was first given " + mistakes_.describe(first->mark, key.mark) + ": keep one");
     else if (std::find(known_.begin(), known_.end(), key.text) == known_.end())
-      mistakes_.add(key.mark, "unknown key " + quote(key.text) + " in " + what_, correct_key(key.text, known_));
+      mistakes_.add(key.mark, "unknown key " + quote(key.text) + " in " + what_,
+                    correct_key(key.text, list_distinct(known_)));
   }
 }
 

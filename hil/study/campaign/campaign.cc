@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/text/count.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/scenario/yaml/yaml_override.h"
@@ -72,11 +73,13 @@ void CampaignReader::read(const YamlNode& root, const std::vector<std::string>& 
     read_parameters(top);
     read_correlations(top);
     finish_plan(top);
+    read_tolerance(top);
     read_outputs(top);
     read_subset(top);
     read_table(top);
   } else {
-    for (const char* unread : {"parameters", "correlations", "table", "subset", "outputs", "curves"}) top.find(unread);
+    for (const char* unread : {"parameters", "correlations", "table", "subset", "outputs", "curves", "tolerance"})
+      top.find(unread);
   }
   top.finish();
 }
@@ -127,6 +130,17 @@ void CampaignReader::read_plan(YamlMap& top) {
   plan.samples = static_cast<std::int64_t>(read_whole(top, "samples", 0, 0, kMostSamples));
   plan.seed = static_cast<std::uint64_t>(read_whole(top, "seed", 1, 0, kMostSeed));
   levels_ = read_levels(top, 3);
+}
+
+void CampaignReader::read_tolerance(YamlMap& top) {
+  campaign_.tolerance = read_bounded(top, get_number_key("campaign.campaign.tolerance"), 0.0, mistakes_);
+  if (!(campaign_.tolerance > 0)) return;
+  campaign_.chosen.steps = true;
+  for (const CampaignParameter& parameter : campaign_.parameters)
+    for (const std::string& path : parameter.paths)
+      if (path == "step.dt")
+        mistakes_.add(parameter.mark, "the step varies, and the campaign has a tolerance, which chooses it",
+                      "leave one of them out");
 }
 
 double CampaignReader::read_whole(YamlMap& map, const char* key, double fallback, double least, double most) {

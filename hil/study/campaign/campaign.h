@@ -12,6 +12,7 @@
 #include "hil/scenario/scenario_tree.h"
 #include "hil/scenario/yaml/setting.h"
 #include "hil/study/evaluation/chosen_outputs.h"
+#include "hil/study/evaluation/step_search.h"
 #include "hil/study/sampling/distribution.h"
 #include "hil/study/sampling/sampling.h"
 
@@ -59,6 +60,8 @@ struct Campaign {
   std::vector<std::vector<double>> table;  // rows of sampling `csv`, one for each sample
   std::optional<RareFailure> failure;      // only for sampling `subset`
   ChosenOutputs chosen;                    // columns besides those of every run; for the SampleEvaluator
+  double tolerance = 0;                    // relative, of the values that are judged; 0: the scenario's step is flown
+  std::optional<StepSearch> step_search;   // what choose_step() found for it
   std::vector<std::string> remarks;        // no mistakes, but worth knowing
   std::shared_ptr<const ScenarioTree> tree;
 };

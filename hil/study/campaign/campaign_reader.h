@@ -18,6 +18,7 @@ class CampaignReader {
   void read_scenario(YamlMap& top, const std::vector<std::string>& overrides);
   void read_constants();
   void read_plan(YamlMap& top);
+  void read_tolerance(YamlMap& top);
   double read_whole(YamlMap& map, const char* key, double fallback, double least, double most);
   int read_levels(YamlMap& map, int fallback);
   void read_parameters(YamlMap& top);

@@ -30,7 +30,7 @@ void sort_out(std::vector<std::size_t>& outputs) {
 const std::vector<std::string> kTakeNames{"final", "min", "max"};
 
 std::size_t ChosenOutputs::count() const {
-  std::size_t sum = values.size();
+  std::size_t sum = count_steps() + values.size();
   for (const ChosenCurves& group : curves) sum += group.curves.size() * group.points;
   return sum;
 }
@@ -38,6 +38,10 @@ std::size_t ChosenOutputs::count() const {
 std::vector<ResultColumn> list_columns(const ChosenOutputs& chosen) {
   std::vector<ResultColumn> columns;
   columns.reserve(chosen.count());
+  if (chosen.steps) {
+    columns.push_back({ResultColumn::Kind::kStep, "step", "s", 0, 0});
+    columns.push_back({ResultColumn::Kind::kStepError, "step.error", "", 0, 0});
+  }
   for (std::size_t i = 0; i < chosen.values.size(); ++i) {
     const ChosenOutput& value = chosen.values[i];
     columns.push_back({ResultColumn::Kind::kOutput,

@@ -6,6 +6,9 @@
 //   output.NAME.max      greatest
 //   curve.NAME@0.05      at that time, s
 //
+// step, step.error: of a campaign with a tolerance, the first of these columns. The step that the sample was flown at,
+// s; and where it was checked at half of it (CampaignStep) its error, relative.
+//
 // NAME is a column of the output, such as core.vx; units are the output's. NaN: the sample ended before, or its values
 // leave it without this output.
 #pragma once
@@ -39,17 +42,19 @@ struct ChosenCurves {
 };
 
 struct ChosenOutputs {
+  bool steps = false;  // the columns of the step
   std::vector<ChosenOutput> values;
   std::vector<ChosenCurves> curves;
 
-  [[nodiscard]] bool is_empty() const { return values.empty() && curves.empty(); }
+  [[nodiscard]] bool is_empty() const { return values.empty() && curves.empty(); }  // of outputs
+  [[nodiscard]] std::size_t count_steps() const { return steps ? 2 : 0; }
   [[nodiscard]] std::size_t count() const;  // columns
 };
 
 // Most columns of chosen outputs.
 inline constexpr std::size_t kMostChosen = 4096;
 
-// Columns of the results, in the order of OutputTracker::finish().
+// Columns of the results: of the step, and then in the order of OutputTracker::finish().
 std::vector<ResultColumn> list_columns(const ChosenOutputs& chosen);
 // Columns of every run, and after them these.
 std::vector<ResultColumn> list_columns(const Scenario& scenario, const ChosenOutputs& chosen);
@@ -62,7 +67,7 @@ class OutputTracker {
 
   // Reads the present state; called at every state of the run, the first included.
   void look();
-  // One number for each column. `reached_end`: false for a run that faulted.
+  // One number for each column of an output. `reached_end`: false for a run that faulted.
   [[nodiscard]] std::vector<double> finish(bool reached_end);
 
  private:

@@ -96,6 +96,7 @@ class SampleEvaluator::Flight {
         if (!result_.message.empty()) result_.status = SampleStatus::kUnresolved;
       }
       if (analysis_) result_.values = evaluator_.collect(*scenario_, *analysis_);
+      if (analysis_ && evaluator_.chosen_.steps) result_.values.insert(result_.values.end(), {scenario_->dt, kNothing});
       if (chosen_)
         std::ranges::copy(chosen_->finish(end.status == RunStatus::kDone), std::back_inserter(result_.values));
       result_.values.resize(evaluator_.columns_.size(), kNothing);

@@ -97,7 +97,9 @@ struct Results {
         return kContactValues[column.part].get(contacts[column.index]);
       case Kind::kOutput:
       case Kind::kCurve:
-        break;  // of an OutputTracker
+      case Kind::kStep:
+      case Kind::kStepError:
+        break;  // of the evaluator and its OutputTracker
     }
     return kNone;
   }

@@ -18,6 +18,8 @@
 //   contact.NAME.impulse        N s, of the normal force
 //   contact.NAME.dissipated     J
 //   contact.NAME.duration       s, time closed
+//   step                        s, of this sample; and
+//   step.error                  its estimated error, relative: of a campaign with a tolerance (chosen_outputs.h)
 //   output.…, curve.…           outputs that a campaign chooses (chosen_outputs.h)
 // clang-format on
 //
@@ -46,7 +48,9 @@ struct ResultColumn {
     kPeak,
     kContact,
     kOutput,
-    kCurve
+    kCurve,
+    kStep,
+    kStepError
   };
   Kind kind = Kind::kRequirement;
   std::string name, unit;  // SI

@@ -15,7 +15,7 @@
 #include <sstream>
 
 #include "hil/scenario/yaml/setting.h"
-#include "hil/study/optimize/side_by_side.h"
+#include "hil/study/evaluation/side_by_side.h"
 
 namespace unlatch::hil {
 namespace {

@@ -81,6 +81,8 @@ struct OptimizeProblem {
   std::uint32_t seed = 1;
   OptimizeBudget budget;
   std::optional<OptimizeCampaign> campaign;
+  double tolerance = 0;                   // relative, of objectives and constraints; 0: the scenario's step is flown
+  std::optional<StepSearch> step_search;  // what choose_step() found for it
   std::shared_ptr<const ScenarioTree> tree;
   std::shared_ptr<const SampleEvaluator> evaluator;
 };

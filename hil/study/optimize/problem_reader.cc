@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/language/scenario_sources.h"
 #include "hil/scenario/text/count.h"
 #include "hil/scenario/text/expression.h"
@@ -35,6 +36,7 @@ class ProblemReader {
     if (const YamlNode* name = top.require("name")) problem_.name = read_name(*name, mistakes_);
     if (const YamlNode* title = top.find("title")) problem_.title = read_text(*title, mistakes_);
     read_set(top);
+    problem_.tolerance = read_bounded(top, get_number_key("optimize.optimize.tolerance"), 0.0, mistakes_);
     const std::size_t before = mistakes_.count();
     read_variables(top, problem_, mistakes_);
     variables_sound_ = mistakes_.count() == before;
@@ -167,6 +169,9 @@ class ProblemReader {
       return;
     }
     refuse_flight_software(*file, campaign.nominal->tree->get_nominal());
+    if (campaign.nominal->tolerance > 0)
+      mistakes_.add(file->mark, "the campaign has a tolerance of its own",
+                    "`tolerance` in this file: a search flies all its runs at one step");
     const Sampling sampling = campaign.nominal->plan.sampling;
     if (sampling != Sampling::kRandom && sampling != Sampling::kLatinHypercube && sampling != Sampling::kSobol)
       return mistakes_.add(file->mark, "its sampling draws no probabilities",

@@ -8,9 +8,9 @@
 #include <mutex>
 
 #include "hil/scenario/modules/module.h"
+#include "hil/study/evaluation/side_by_side.h"
 #include "hil/study/optimize/evaluations.h"
 #include "hil/study/optimize/libraries/optimizers.h"
-#include "hil/study/optimize/side_by_side.h"
 
 namespace unlatch::test {
 namespace {

@@ -25,6 +25,7 @@ title: every key
 scenario: s.yaml
 set: {step.until: 0.5 s}
 samples: 8
+tolerance: 1e-6
 seed: 3
 sampling: subset
 subset: {of: far, below: 1 m, part: 50 %, levels: 3, at_most: 0.1}
@@ -47,6 +48,7 @@ name: all
 title: every key
 scenario: s.yaml
 set: {step.until: 1 s}
+tolerance: 1e-6
 variables:
   a: {path: elements.px.profile, between: [0 N, 5 N], start: 2 N}
   b: {paths: [elements.py.profile], values: [1 N, 2 N]}

@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "hil/study/campaign/samples/campaign_step.h"
 #include "hil/study/campaign/samples/runner.h"
 #include "tools/campaign/campaign_data.h"
 #include "tools/campaign/page.h"
@@ -19,6 +20,7 @@
 #include "tools/pages/pages.h"
 #include "tools/program/exit_codes.h"
 #include "tools/program/interrupt.h"
+#include "tools/unlatch/options/campaign_sample.h"
 #include "tools/unlatch/studies/campaign_flights.h"
 #include "tools/unlatch/studies/campaign_host.h"
 #include "tools/unlatch/studies/verbs.h"
@@ -157,13 +159,15 @@ void run_here(const CampaignTask& task, hil::ResultFile& results, const std::fun
 }
 
 int run(const CampaignOptions& options, const CampaignHost& host) {
-  const hil::Campaign campaign = hil::load_campaign(options.arguments[0], options.overrides);
+  hil::Campaign campaign = hil::load_campaign(options.arguments[0], options.overrides);
   for (const std::string& remark : campaign.remarks) std::fprintf(stderr, "note: %s\n", remark.c_str());
+  const std::atomic<bool>& stop = host.catch_signals();
+  if (!find_campaign_step(campaign, options.jobs, stop)) return kExitFailed;
   const hil::SampleEvaluator evaluator(*campaign.tree, campaign.chosen);
   if (campaign.failure && !options.samples.empty())
     refuse_option("--samples", "the levels of subset sampling follow from one another: run all, with --jobs or mpirun");
   const auto [first, last] = read_range(options.samples, campaign.plan.samples);
-  const CampaignTask task{campaign, evaluator, first, last, options.jobs, host.catch_signals()};
+  const CampaignTask task{campaign, evaluator, first, last, options.jobs, stop};
   if (!host.run) {
     host.evaluate(task);
     return kExitDone;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "hil/run/run.h"
+#include "hil/study/optimize/problem_step.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"
 #include "tools/common/text.h"
@@ -16,6 +17,7 @@
 #include "tools/pages/pages.h"
 #include "tools/program/exit_codes.h"
 #include "tools/program/interrupt.h"
+#include "tools/unlatch/options/campaign_sample.h"
 #include "tools/unlatch/options/scenario_options.h"
 #include "tools/unlatch/studies/optimize_report.h"
 #include "tools/unlatch/studies/verbs.h"
@@ -45,6 +47,14 @@ OptimizeVerification verify(const hil::OptimizeProblem& problem, const std::stri
       if (!(constraint.probability > 0) && verdict.requirement == constraint.requirement && !verdict.is_met())
         verification.met = false;
   return verification;
+}
+
+// Finds the step of a problem with a tolerance, and writes what was found. False: there is none.
+bool find_optimize_step(hil::OptimizeProblem& problem, int jobs) {
+  if (!(problem.tolerance > 0)) return true;
+  const bool found = choose_step(problem, jobs, catch_interrupts());
+  print_step_search(stderr, *problem.step_search, catch_interrupts());
+  return found;
 }
 
 // All that decides the samples, in full, and its fingerprint, by which --resume knows the problem.
@@ -140,7 +150,9 @@ class OptimizeProgress {
 int optimize(const OptimizeOptions& options) {
   namespace fs = std::filesystem;
   check_output(options.json);
-  const hil::OptimizeProblem problem = hil::load_optimize_problem(options.file);
+  hil::OptimizeProblem loaded = hil::load_optimize_problem(options.file);
+  if (!find_optimize_step(loaded, options.jobs)) return kExitFailed;
+  const hil::OptimizeProblem problem = std::move(loaded);
   const fs::path out(options.out);
   const std::string journal = (out / "history.csv").string();
   open_folder(options, problem);
@@ -166,6 +178,8 @@ int optimize(const OptimizeOptions& options) {
       report.verification = verify(problem, patch, best);
     if (report.verification.end == OptimizeVerification::End::kDone)
       report.verification.failures = evaluations.check_dispersed(best.point);
+    if (problem.tolerance > 0 && report.verification.end == OptimizeVerification::End::kDone)
+      report.verification.step_error = calc_step_error(problem, best.point, catch_interrupts());
     if (!result.front.empty()) write_text(write_front(problem, evaluations, result), (out / "front.csv").string());
   }
   const nlohmann::ordered_json json = build_optimize_json(report);

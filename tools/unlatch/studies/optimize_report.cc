@@ -84,13 +84,19 @@ bool is_undecided(const OptimizeReport& report) {
   return misses;
 }
 
+// The result is off by more than the problem's tolerance at the step of the search.
+bool is_beyond_tolerance(const OptimizeReport& report) {
+  return report.verification.step_error && *report.verification.step_error > report.problem.tolerance;
+}
+
 std::string get_status(const OptimizeReport& report) {
   const OptimizeResult& result = report.result;
   if (result.end == OptimizeResult::End::kStopped) return "interrupted";
   if (is_undecided(report)) return "undecided";
   if (!result.feasible) return result.settled ? "infeasible" : "not-found";
   if (is_any_refuted(report)) return "refuted";
-  if (!is_finished(report) || !report.verification.met || !report.verification.same_bits) return "unverified";
+  if (!is_finished(report) || !report.verification.met || !report.verification.same_bits || is_beyond_tolerance(report))
+    return "unverified";
   return result.end == OptimizeResult::End::kBudget ? "budget" : "optimal";
 }
 
@@ -187,6 +193,7 @@ Json build_verification(const OptimizeReport& report) {
   json["met"] = verification.met;
   json["same_bits"] = verification.same_bits;
   json["hash"] = to_hex(verification.hash);
+  if (verification.step_error) json["step_error"] = *verification.step_error;
   for (std::size_t i = 0; i < report.problem.constraints.size(); ++i)
     if (const auto check = check_probability(report, i))
       json["dispersed"].push_back({{"id", report.problem.constraints[i].name},
@@ -258,6 +265,10 @@ void print_verification(std::FILE* to, const OptimizeReport& report) {
   std::fprintf(to, "  patch.yaml run once more: %s, %s\n",
                verification.met ? "all constraints met" : "not all constraints met",
                verification.same_bits ? "same bits" : "OTHER BITS than in the search");
+  if (verification.step_error)
+    std::fprintf(to, "  at half the step of %.9g s: it is off by %.2g, %s\n", problem.tree->get_nominal().dt,
+                 *verification.step_error,
+                 is_beyond_tolerance(report) ? "MORE than the tolerance: make that smaller" : "within the tolerance");
   for (std::size_t i = 0; i < problem.constraints.size(); ++i)
     if (const auto check = check_probability(report, i)) print_check(to, problem.constraints[i].name, *check);
   if (is_check_missing(report)) std::fprintf(to, "  check of the probabilities: %s\n", kInterrupted);
@@ -333,6 +344,11 @@ Json build_optimize_json(const OptimizeReport& report) {
                                   {"of", problem.objectives[i].text},
                                   {"value", number(best.objectives[i])},
                                   {"unit", problem.objectives[i].unit}});
+  if (problem.step_search && problem.step_search->step)
+    json["step"] = {{"tolerance", problem.tolerance},
+                    {"step", *problem.step_search->step},
+                    {"scenario_step", problem.step_search->given},
+                    {"flights", problem.step_search->flights}};
   json["constraints"] = build_constraints(report, best);
   if (!result.feasible) {
     json["violation"] = {

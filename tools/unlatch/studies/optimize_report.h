@@ -18,7 +18,8 @@ struct OptimizeVerification {
   bool same_bits = false;  // as the sample of the search
   std::int64_t hash = 0;
   std::optional<std::vector<std::int64_t>> failures =
-      {};  // of each constraint, of the other samples; nothing: not flown
+      {};                                 // of each constraint, of the other samples; nothing: not flown
+  std::optional<double> step_error = {};  // of a problem with a tolerance: of the result at its step, relative
 };
 
 struct OptimizeReport {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "hil/study/campaign/samples/campaign_step.h"
 #include "hil/study/campaign/samples/sample_pool.h"
 
 namespace unlatch::hil {
@@ -23,6 +24,8 @@ std::vector<SampleRecord> run_together(const Campaign& campaign, const SampleEva
   std::vector<SampleRecord> records;
   for (std::size_t i = 0; i < samples.size(); ++i)
     records.push_back({samples[i].sample, std::move(samples[i].inputs), std::move(results[i])});
+  if (campaign.tolerance > 0)
+    for (SampleRecord& record : records) check_step(campaign, evaluator, stop, record);
   return records;
 }
 

@@ -1,4 +1,4 @@
-#include "hil/study/optimize/side_by_side.h"
+#include "hil/study/evaluation/side_by_side.h"
 
 #include <algorithm>
 #include <exception>
