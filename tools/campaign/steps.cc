@@ -6,8 +6,6 @@
 
 namespace unlatch::tools {
 
-bool is_of_step(const Json& column) { return column.at("kind") == "step" || column.at("kind") == "step_error"; }
-
 Json describe_steps(const CampaignData& data) {
   Json step = data.manifest.at("step");
   const std::vector<double> steps = data.read_column(data.find_column("step"));

@@ -5,9 +5,6 @@
 
 namespace unlatch::tools {
 
-// True for a column of the manifest that describes a sample's step, not the sample.
-bool is_of_step(const Json& column);
-
 // The manifest's search, and of the samples: how many were checked, their largest error, which were flown again finer.
 // For campaigns with a tolerance.
 Json describe_steps(const CampaignData& data);

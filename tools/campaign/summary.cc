@@ -48,7 +48,6 @@ Json build_summary(const CampaignData& all) {
     summary["inputs"].push_back(describe_column(data.manifest.at("inputs")[k], values));
   }
   for (std::size_t k = 0; k < data.count_plain_columns(); ++k) {
-    if (is_of_step(data.manifest.at("columns")[k])) continue;  // described by `step`
     const std::vector<double> values = data.read_column(k);
     Json column = describe_column(data.manifest.at("columns")[k], values);
     column["kind"] = data.manifest.at("columns")[k].at("kind");

@@ -152,7 +152,7 @@ class ToleranceTest(ProcessTest):
         self.assertGreater(result["step"]["step"], DT)
         self.assertLess(result["verification"]["step_error"], TOLERANCE)
         self.assertTrue(result["verification"]["same_bits"])
-        w = math.sqrt(result["variables"][0]["value"] / 2)
+        w = math.sqrt(result["variables"]["k"]["value"] / 2)
         found = next(c["value"] for c in result["constraints"] if c["id"] == "place")
         self.assertAlmostEqual(found, math.sin(1.8 * w) / w, delta=TOLERANCE * 0.05)
         resumed = json.loads(call(UNLATCH, "optimize", path, "--out", self.folder / "out", "--resume", "--json", "-").stdout)

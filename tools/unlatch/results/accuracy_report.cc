@@ -65,13 +65,13 @@ void print_progress(const char* what, double dt) {
 }
 
 // The largest step that meets the tolerance, tried: from the estimate down by a quarter each time. The trials together
-// may cost as many steps as twice the three runs of the comparison.
+// may cost as many steps as the three runs of the comparison, so that all of it takes at most twice their time.
 void find_step(const ScenarioOptions& options, double dt, double until, hil::AccuracyReport& accuracy) {
   constexpr double kMostGrowth = 16, kLongest = 1, kShortest = 1e-6, kShrink = 0.75;  // of dt; s; s
   constexpr double kComparison = 1 + 2 + 4;  // steps of the three runs, in those of the first
   constexpr int kTrials = 6;
   constexpr double kMostSteps = 1e12;  // of a run
-  double budget = 2 * kComparison;
+  double budget = kComparison;
   auto [step, limit] = hil::estimate_step(accuracy, dt, accuracy.tolerance, std::min(kMostGrowth * dt, kLongest));
   accuracy.limit = limit;
   const double shortest = std::max(kShortest, until / kMostSteps);
@@ -211,7 +211,7 @@ void print_accuracy(std::FILE* to, const hil::AccuracyReport& accuracy, double d
     std::fprintf(to, "\n  no step was found that meets %.3g of each value's size; %s does not%s\n", accuracy.tolerance,
                  accuracy.limit.c_str(),
                  accuracy.out_of_budget
-                     ? " (the search may cost twice the three runs: raise the tolerance, or shorten the step)"
+                     ? " (the search may cost as much as the three runs: raise the tolerance, or shorten the step)"
                      : "");
   }
 }
