@@ -16,7 +16,7 @@ bool is_moment(AeroTerm::Of of) {
 }  // namespace
 
 void ScenarioReader::read_aerodynamics(YamlMap& map, Aerodynamics air) {
-  air.body = std::max(0, map.choice("body", "body", bodies_));
+  air.body = map.choice("body", "body", bodies_);
   air.area = read_bounded(map, get_number_key("scenario.aerodynamics.area"), {}, mistakes_);
   air.point = map.vector("point", "m", Eigen::Vector3d::Zero());
   const YamlNode *const length = map.find("length"), *const lengths = map.find("lengths");
@@ -50,6 +50,7 @@ void ScenarioReader::read_aerodynamics(YamlMap& map, Aerodynamics air) {
         mistakes_.add(map.node().mark, "its moments have no length", "give its `length`, or three `lengths`");
         break;
       }
+  air.on = map.boolean("enabled", true);
   model_.aerodynamics.push_back(std::move(air));
 }
 
