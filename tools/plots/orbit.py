@@ -38,35 +38,32 @@ def add(figure, tools):
     @figure("aerodynamics-axes")
     def axes(_):
         import matplotlib.pyplot as plt
-        drawn, plot = plt.subplots(figsize=(7.5, 3.8), layout="constrained")
-        plot.set_aspect("equal")
+        drawn = plt.figure(figsize=(7.5, 3.5))
+        plot = drawn.add_axes((0, 0, 1, 1))
         plot.axis("off")
-        body = [(-2.4, -0.5), (1.4, -0.5), (2.4, 0), (1.4, 0.5), (-2.4, 0.5)]
-        plot.fill(*zip(*body), facecolor="0.93", edgecolor="0.4")
+        plot.set(xlim=(-4.6, 6.1), ylim=(-3.05, 1.95))
+        plot.set_aspect("equal")
+        plot.fill(*zip((-3, -0.55), (1.6, -0.55), (2.8, 0), (1.6, 0.55), (-3, 0.55)), facecolor="0.94", edgecolor="0.5", linewidth=0.8)
 
-        def arrow(start, end, text, color, place):
-            plot.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0})
-            plot.annotate(text, end, place, textcoords="offset points", color=color, fontsize=tools.LABEL + 1, ha="center", va="center")
+        def arrow(end, color, text, place, align):
+            plot.annotate("", end, (0, 0), arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0})
+            plot.text(*place, text, color=color, fontsize=tools.LABEL + 1, ha=align, va="center")
 
-        arrow((0, 0), (3.9, 0), "x  forwards   u, cx; p, cl about it", "C0", (82, 0))
-        arrow((0, 0), (-1.15, -1.0), "y  to the right   v, cy; q, cm about it", "C0", (-40, -10))
-        arrow((0, 0), (0, -2.0), "z  down   w, cz; r, cn about it", "C0", (0, -11))
-        for turn, (x, y), start in ((0, (3.0, 0), 35), (1, (-0.78, -0.68), 160), (2, (0, -1.5), 10)):
-            wide, high = ((0.13, 0.36), (0.36, 0.3), (0.42, 0.13))[turn]
-            angles = [math.radians(start + 5 * k) for k in range(54)]
-            path = [(x + wide * math.cos(a), y + high * math.sin(a)) for a in angles]
-            plot.plot(*zip(*path), color="C2", linewidth=1.2)
-            plot.annotate("", path[-1], path[-4], arrowprops={"arrowstyle": "-|>", "color": "C2", "linewidth": 1.2})
-        angle = math.radians(24)
-        tip = (2.4 * math.cos(angle) * 1.15, -2.4 * math.sin(angle) * 1.15)
-        arrow((0, 0), tip, "velocity through the air, V", "C3", (62, -6))
-        arc = [math.radians(-24 * k / 20) for k in range(21)]
-        plot.plot([1.7 * math.cos(a) for a in arc], [1.7 * math.sin(a) for a in arc], "C3", linewidth=1)
-        plot.text(1.82, -0.36, "α > 0", color="C3", fontsize=tools.LABEL + 1)
-        arrow((0, 0), (-2.9 * math.cos(angle), 2.9 * math.sin(angle)), "drag > 0", "C1", (-6, 9))
+        arrow((3.9, 0), "C0", "x forwards\nu, cx; p and cl about it", (4.05, 0.05), "left")
+        arrow((-1.5, -1.2), "C0", "y to the right (towards you)\nv, cy; q and cm about it", (-1.65, -1.45), "right")
+        arrow((0, -2.1), "C0", "z down\nw, cz; r and cn about it", (0, -2.5), "center")
+        for (x, y), (wide, high), first, sense in (((3.3, 0), (0.13, 0.36), 200, 5), ((-1.1, -0.88), (0.26, 0.34), 120, 5), ((0, -1.7), (0.42, 0.13), -10, -5)):
+            path = [(x + wide * math.cos(math.radians(first + sense * k)), y + high * math.sin(math.radians(first + sense * k))) for k in range(54)]
+            plot.plot(*zip(*path), color="C2", linewidth=1.1)
+            plot.annotate("", path[-1], path[-5], arrowprops={"arrowstyle": "-|>", "color": "C2", "linewidth": 1.1, "shrinkA": 0, "shrinkB": 0})
+        angle = math.radians(22)
+        arrow((3.3 * math.cos(angle), -3.3 * math.sin(angle)), "C3", "V: velocity through the air", (3.2, -1.35), "left")
+        arrow((-3.4 * math.cos(angle), 3.4 * math.sin(angle)), "C1", "drag", (-3.3, 1.45), "center")
+        arc = [angle * k / 20 for k in range(21)]
+        plot.plot([2.2 * math.cos(a) for a in arc], [-2.2 * math.sin(a) for a in arc], "C3", linewidth=1)
+        plot.text(2.35, -0.42, "α", color="C3", fontsize=tools.LABEL + 3, ha="left", va="center")
         plot.plot(0, 0, "ko", markersize=4)
-        plot.annotate("reference point", (0, 0), (6, 12), textcoords="offset points", fontsize=tools.LABEL)
-        plot.text(-3.9, -2.35, "seen from the right side; y points out of the page. Moments and rates are positive by the right hand: "
-                  "cl > 0 right side down, cm > 0 nose up, cn > 0 nose right.", fontsize=tools.LABEL)
-        plot.set(xlim=(-4.2, 7.2), ylim=(-2.5, 1.5))
+        plot.text(0.1, 0.28, "reference point", fontsize=tools.LABEL, ha="left", va="center")
+        plot.text(-4.5, 1.78, "Everything is positive as drawn. Moments and rates follow the right hand: "
+                  "cl right side down, cm nose up, cn nose to the right.", fontsize=tools.LABEL, va="center")
         return drawn

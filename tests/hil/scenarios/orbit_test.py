@@ -13,8 +13,8 @@ MU, RADIUS, J2, RATE, HEIGHT = 3.986004418e14, 6378137.0, 1.08262982e-3, 7.29211
 FREE, END = 10.0, 5440.0  # s: the spring has done its work; the end
 POINTS = ["--set", "environment.gradient_torque=false"]  # bodies are points to the references
 
-NONLINEAR = 10.0  # m: the square of 5 km by the radius, times three, is what the linear equations leave out
-ROUNDING = 2e-5   # m of 4 km: 5430 steps of the reference with numbers of 6.7e6 m, and 1e-9 m where it starts
+NONLINEAR = 3.0   # m: the square of 3.6 km by the radius is 2 m, which the linear equations leave out
+ROUNDING = 5e-6   # m of 4 km: 5430 steps of the reference with numbers of 6.7e6 m, and 1e-9 m where it starts
 
 
 def add(a, k, b):
