@@ -1,7 +1,9 @@
 #include "bench/solve_model.h"
 
+#include <cmath>
 #include <string>
 
+#include "tests/support/loop_models.h"
 #include "tests/support/mast_model.h"
 #include "tests/support/random.h"
 
@@ -23,7 +25,7 @@ int draw_parent(Random& random, Shape shape, int body) {
       return (body - 1) / 2;
     case Shape::kRandom:
       return random.below(body);
-    case Shape::kMast:
+    default:
       break;
   }
   return 0;
@@ -115,6 +117,22 @@ void hold_both_ends(Model& model, Random& random) {
   model.joints.push_back(weld);
 }
 
+Model build_loops(Shape shape, int n) {
+  const int side = static_cast<int>(std::sqrt(n / 2));
+  switch (shape) {
+    case Shape::kLadder:
+      return test::build_ladder(n / 3);
+    case Shape::kFourBars:
+      return test::build_four_bars(n / 3);
+    case Shape::kRing:
+      return test::build_pantograph_ring(n / 4);
+    case Shape::kTruss:
+      return test::build_lattice(side, side);
+    default:
+      return test::build_mast(n / 2);
+  }
+}
+
 }  // namespace
 
 const char* get_name(Shape shape) {
@@ -131,12 +149,20 @@ const char* get_name(Shape shape) {
       return "welded_chain";
     case Shape::kMast:
       return "mast";
+    case Shape::kLadder:
+      return "ladder";
+    case Shape::kFourBars:
+      return "four_bars";
+    case Shape::kRing:
+      return "ring";
+    case Shape::kTruss:
+      return "truss";
   }
   return "";
 }
 
 Model build_solve_model(Shape shape, int n) {
-  if (shape == Shape::kMast) return test::build_mast(n / 2);
+  if (has_many_loops(shape)) return build_loops(shape, n);
   Random random(kSeed);
   Model model;
   model.name = get_name(shape);

@@ -7,6 +7,7 @@
 #include "kernel/joints/tree_joints.h"
 #include "kernel/simd/arctangent_packs.h"
 #include "kernel/solver/solve.h"
+#include "kernel/solver/split_clusters.h"
 
 namespace unlatch::UNLATCH_ISA {
 
@@ -20,6 +21,7 @@ constexpr Kernels build_kernels() {
           .update_angles = update_angles<kWidest>,
           .factor_and_solve = factor_and_solve<kWidest>,
           .solve = solve<kWidest>,
+          .split_cluster_rows = split_cluster_rows<kWidest>,
           .begin_substep = begin_substep<kWidest>,
           .begin_stages = begin_stages<kWidest>,
           .advance_stage = advance_stage<kWidest>,

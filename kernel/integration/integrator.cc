@@ -33,6 +33,15 @@ void update_joint_velocities(const PlanData& plan, const State& state, Evaluatio
   if (!plan.non_tree_joints.empty()) update_non_tree_joints(plan, state, RowTarget::kAcceleration, ev);
 }
 
+// After a solve whose multipliers are wanted.
+void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& ev) {
+  if (ev.loop_redundant == 0) return;
+  if (plan.closures.empty())
+    split_dense_rows(plan, state, ev);
+  else
+    get_kernels(plan).split_cluster_rows(plan, state, ev);
+}
+
 // Before a solve: no friction yet. True if solve_friction() is to follow.
 bool begin_friction(const Instant& now, Evaluation& ev) {
   if (now.plan.frictions.empty()) return false;
@@ -47,7 +56,7 @@ void solve_friction(const Instant& now, const Sweep& sweep, Evaluation& ev) {
     update_friction(now, ev);
     update_forces(now, ev);
     get_kernels(plan).solve(plan, ev, sweep);
-    if (ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
+    split_redundant_rows(plan, now.state, ev);
   }
 }
 
@@ -68,7 +77,7 @@ int solve_dynamics(const Instant& now, const Sweep& sweep, std::int32_t independ
   own.multipliers = sweep.multipliers || rubs;
   const int node = get_kernels(plan).factor_and_solve(plan, now.state, ev, own, independent_rows);
   if (node != kNone) return node;
-  if (own.multipliers && ev.loop_redundant > 0) split_redundant_rows(plan, now.state, ev);
+  if (own.multipliers) split_redundant_rows(plan, now.state, ev);
   if (rubs) solve_friction(now, own, ev);
   if (!plan.rigid) update_modal_rates(plan, ev);
   return kNone;
@@ -148,7 +157,7 @@ int evaluate_commands(const Instant& now, Evaluation& ev) {
   const bool rubs = begin_friction(now, ev);
   update_forces(now, ev);
   get_kernels(now.plan).solve(now.plan, ev, {});
-  if (ev.loop_redundant > 0) split_redundant_rows(now.plan, now.state, ev);
+  split_redundant_rows(now.plan, now.state, ev);
   if (rubs) solve_friction(now, {}, ev);
   if (!now.plan.rigid) update_modal_rates(now.plan, ev);
   if (!now.plan.laws.empty()) update_laws(now, LawSet::kOthers, ev);
@@ -215,7 +224,7 @@ int evaluate(const Instant& now, Changed changed, Evaluation& ev) noexcept {
 
 SubstepStart begin_substep(const PlanData& plan, double t, Evaluation& ev) noexcept {
   get_kernels(plan).begin_substep(plan, ev);
-  keep_cluster_ranks(ev);
+  keep_cluster_rows(ev);
   return {t, ev.loop_count - ev.loop_redundant};
 }
 

@@ -50,16 +50,23 @@ struct LoopRow {
   double free;                                              // that entry if nothing held its bodies
 };
 
-// A loop that is eliminated where it closes (PlanData::closures). Lanes: its rows, in the order of Row.
+// A loop that is eliminated where it closes (PlanData::closures). Lanes: rows of its joint.
 struct ClosureWork {
-  std::int32_t count, rank, start_rank;     // rows; independent ones, and those at the beginning of the sub-step
-  std::int32_t first;                       // into Evaluation::loop_rows
-  std::int32_t order[kRows];                // lanes in the order of their pivots
-  double inverse[kEight];                   // of the pivots, in that order
-  double own[kEight];                       // diagonal entries of Λ
-  double target[kEight];                    // right-hand side, then what forward elimination leaves of it
-  double mu[kEight];                        // multipliers
-  double gradient[kEight], change[kEight];  // of the split of redundant reactions
+  std::int32_t count, rank;       // rows; independent ones
+  std::int32_t most;              // at most so many are
+  std::int32_t row[kRows];        // per lane: which it is
+  std::int32_t order[kRows];      // lanes in the order of their pivots
+  std::int32_t start_rank;        // independent rows at the beginning of the sub-step, which these are, in the order
+  std::int32_t start_row[kRows];  // of their pivots
+  double start_free[kRows];
+  double inverse[kEight];  // of the pivots, in that order
+  double own[kEight];      // diagonal entries of Λ
+  double free[kEight];     // these entries if nothing held the two bodies
+  double target[kEight];   // right-hand side, then what forward elimination leaves of it
+  double mu[kEight];       // multipliers
+  // of the split of redundant reactions
+  double scale[kEight], gradient[kEight], change[kEight];
+  double z[kEight], u[kEight];  // of the pivot that is eliminated
 };
 
 // Auxiliary states, State::auxiliary, as the stages of a step take them.

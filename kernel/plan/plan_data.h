@@ -92,12 +92,14 @@ struct LoopMesh {
 // Loops that are eliminated where they close, see kernel/tree/loop_clusters.h and kernel/solver/loop_clusters.h. In
 // order of elimination. A block has the rows of one loop and, in kEight lanes each, those of another.
 struct LoopClosure {
-  std::int32_t loop;               // into PlanData::loops
-  std::int32_t node;               // into PlanData::cluster_nodes, where it closes; kNone: at the ground
-  std::int32_t slot;               // there, into PlanData::loop_slots
-  std::int32_t block;              // its own, into the blocks of Evaluation::cluster_matrix
-  std::int32_t first_link, links;  // later loops that it is coupled with: into PlanData::loop_links
-  std::int32_t first_pair;         // into PlanData::loop_pairs: blocks of pairs of these, i ≤ j, by rows
+  std::int32_t loop;                  // into PlanData::loops
+  std::int32_t joint, non_tree;       // that closes it; its place in PlanData::non_tree_joints
+  std::int32_t on_follower, on_base;  // slots at these bodies; kNone: the ground
+  std::int32_t node;                  // into PlanData::cluster_nodes, where it closes; kNone: at the ground
+  std::int32_t slot;                  // there, into PlanData::loop_slots
+  std::int32_t block;                 // its own, into the blocks of Evaluation::cluster_matrix
+  std::int32_t first_link, links;     // later loops that it is coupled with: into PlanData::loop_links
+  std::int32_t first_pair;            // into PlanData::loop_pairs: blocks of pairs of these, i ≤ j, by rows
 };
 struct LoopLink {
   std::int32_t closure, block;
@@ -107,7 +109,7 @@ struct LoopLink {
 struct LoopSlot {
   std::int32_t closure;
   std::int32_t parent;   // the slot at the parent; kNone beyond a root
-  std::int32_t side;     // +1, −1: the node's body is the joint's follower, its base; 0: neither
+  std::int32_t begins;   // 1: the first to reach that slot, where nothing is yet; else 0
   std::int32_t numbers;  // into Evaluation::cluster_columns
 };
 struct ClusterNode {
@@ -345,6 +347,7 @@ struct PlanNumbers {
   std::int32_t loop_load_rows = 0;               // of Evaluation::loop_loads, before its scratch
   std::int32_t loop_modal_rows = 0;              // of these, the first, of modal coordinates
   std::int32_t ring_rows = 0;                    // that PlanLists::ring_joints hold at most
+  std::int32_t first_at_ground = 0;              // of PlanLists::closures: it and the later ones close there
   std::int32_t cluster_blocks = 0;               // of Evaluation::cluster_matrix
   std::int32_t cluster_numbers = 0;              // of Evaluation::cluster_columns
 

@@ -6,21 +6,20 @@
 namespace unlatch {
 namespace {
 
-// A wrench of size 1 at each body's origin.
 LoopRow build_row(const PlanData& plan, const JointFrame& f, int loop, int row) {
   const std::int32_t joint = plan.loops[at(loop)];
   const PlanJoint& j = plan.joints[at(joint)];
-  LoopRow out{loop, joint, j.non_tree, row, j.base, j.follower, kNone, {}, {}, 0, 0};
-  if (row < kRotX) {
-    const Vec3& n = column(f.n, row);
-    out.on_follower = {n, cross(f.r_follower, n)};
-    out.on_base = {-n, -cross(f.r_base, n)};
-  } else {
-    const Vec3& m = column(f.m, row - kRotX);
-    out.on_follower = {{0, 0, 0}, m};
-    out.on_base = {{0, 0, 0}, -m};
-  }
-  return out;
+  return {loop,
+          joint,
+          j.non_tree,
+          row,
+          j.base,
+          j.follower,
+          kNone,
+          calc_row_wrench(f, row, false),
+          calc_row_wrench(f, row, true),
+          0,
+          0};
 }
 
 // The row's relative acceleration, in the latest solution.
@@ -51,10 +50,42 @@ double calc_mobility(const PlanData& plan, const Evaluation& ev, int body, Spati
   return dot(w.lin, w.lin) / mass + calc_turning_mobility(inertia, w.ang);
 }
 
-// Mobility of the row's bodies along it if nothing held them.
+// Mobility of a row's two bodies along it if nothing held them.
 double calc_free_mobility(const PlanData& plan, const Evaluation& ev, const LoopRow& row) {
   const double follower = calc_mobility(plan, ev, row.follower, row.on_follower);
   return row.base == kGround ? follower : calc_mobility(plan, ev, row.base, row.on_base) + follower;
+}
+double calc_free_mobility(const PlanData& plan, const Evaluation& ev, const LoopClosure& closure, int row) {
+  const PlanJoint& joint = plan.joints[at(closure.joint)];
+  const JointFrame& f = ev.non_tree_frames[at(closure.non_tree)];
+  const double follower = calc_mobility(plan, ev, joint.follower, calc_row_wrench(f, row, true));
+  return joint.base == kGround ? follower
+                               : calc_mobility(plan, ev, joint.base, calc_row_wrench(f, row, false)) + follower;
+}
+
+// What a row's relative acceleration is to be.
+double calc_row_target(const Evaluation& ev, std::int32_t non_tree, int row) {
+  const JointFrame& f = ev.non_tree_frames[at(non_tree)];
+  const Spatial& bias = ev.non_tree_bias[at(non_tree)];
+  return row < kRotX ? dot(column(f.n, row), bias.lin) : dot(column(f.m, row - kRotX), bias.ang);
+}
+
+void take_all_rows(const PlanData& plan, const State& state, const LoopClosure& closure, const Evaluation& ev,
+                   ClosureWork& c) {
+  const RowSet rows = get_active_rows(plan, state, closure.joint);
+  for (int r = 0; r < kRows; ++r) {
+    if (!has_row(rows, r)) continue;
+    c.free[c.count] = calc_free_mobility(plan, ev, closure, r);
+    c.row[c.count++] = r;
+  }
+}
+
+void take_kept_rows(ClosureWork& c) {
+  c.count = c.start_rank;
+  for (int k = 0; k < c.count; ++k) {
+    c.row[k] = c.start_row[k];
+    c.free[k] = c.start_free[k];
+  }
 }
 
 }  // namespace
@@ -72,23 +103,29 @@ void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) 
   ev.loop_ranges[plan.loops.size()] = ev.loop_count;
 }
 
-void begin_clusters(const PlanData& plan, Evaluation& ev, bool limited) noexcept {
+void begin_clusters(const PlanData& plan, const State& state, LoopRows rows, Evaluation& ev) noexcept {
+  ev.loop_count = ev.loop_redundant = 0;
   for (std::size_t e = 0; e < plan.closures.size(); ++e) {
     ClosureWork& c = ev.closures[e];
-    const std::int32_t* range = ev.loop_ranges.data() + plan.closures[e].loop;
-    c.first = range[0];
-    c.count = range[1] - range[0];
-    c.rank = 0;
-    if (!limited) c.start_rank = kAllRows;
-    for (int r = 0; r < c.count; ++r) {
-      LoopRow& row = ev.loop_rows[at(c.first + r)];
-      row.free = calc_free_mobility(plan, ev, row);
-    }
+    c.count = c.rank = 0;
+    if (rows == LoopRows::kKept)
+      take_kept_rows(c);
+    else
+      take_all_rows(plan, state, plan.closures[e], ev, c);
+    c.most = rows == LoopRows::kAll ? kRows : c.start_rank;
+    for (int k = 0; k < kRows; ++k) c.order[k] = k;
+    ev.loop_count += c.count;
   }
 }
 
-void keep_cluster_ranks(Evaluation& ev) noexcept {
-  for (ClosureWork& c : ev.closures) c.start_rank = c.rank;
+void keep_cluster_rows(Evaluation& ev) noexcept {
+  for (ClosureWork& c : ev.closures) {
+    c.start_rank = c.rank;
+    for (int k = 0; k < c.rank; ++k) {
+      c.start_row[k] = c.row[c.order[k]];
+      c.start_free[k] = c.free[c.order[k]];
+    }
+  }
 }
 
 void count_redundant_rows(Evaluation& ev) noexcept {
@@ -96,16 +133,12 @@ void count_redundant_rows(Evaluation& ev) noexcept {
   for (const ClosureWork& c : ev.closures) ev.loop_redundant += c.count - c.rank;
 }
 
-void begin_cluster_targets(Evaluation& ev, bool biased) noexcept {
-  for (ClosureWork& c : ev.closures)
-    for (int r = 0; r < kEight; ++r) {
-      c.target[r] = c.mu[r] = 0;
-      if (!biased || r >= c.count) continue;
-      const LoopRow& row = ev.loop_rows[at(c.first + r)];
-      const JointFrame& f = ev.non_tree_frames[at(row.non_tree)];
-      const Spatial& bias = ev.non_tree_bias[at(row.non_tree)];
-      c.target[r] = row.row < kRotX ? dot(column(f.n, row.row), bias.lin) : dot(column(f.m, row.row - kRotX), bias.ang);
-    }
+void begin_cluster_targets(const PlanData& plan, Evaluation& ev, bool biased) noexcept {
+  for (std::size_t e = 0; e < plan.closures.size(); ++e) {
+    ClosureWork& c = ev.closures[e];
+    for (int k = 0; k < kEight; ++k) c.target[k] = c.mu[k] = 0;
+    for (int k = 0; biased && k < c.count; ++k) c.target[k] = calc_row_target(ev, plan.closures[e].non_tree, c.row[k]);
+  }
 }
 
 void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept {
@@ -139,11 +172,7 @@ void take_pivot(const PlanData& plan, Evaluation& ev, int rank, int r) noexcept 
 void solve_loop_rows(const PlanData& plan, Evaluation& ev, bool biased) noexcept {
   for (int r = 0; r < ev.loop_count; ++r) {
     const LoopRow& row = get_pivot_row(ev, r);
-    const JointFrame& f = ev.non_tree_frames[at(row.non_tree)];
-    const Spatial& bias = ev.non_tree_bias[at(row.non_tree)];
-    const double target =
-        row.row < kRotX ? dot(column(f.n, row.row), bias.lin) : dot(column(f.m, row.row - kRotX), bias.ang);
-    ev.loop_solution[at(r)] = (biased ? target : 0) - apply_row(row, ev);
+    ev.loop_solution[at(r)] = (biased ? calc_row_target(ev, row.non_tree, row.row) : 0) - apply_row(row, ev);
   }
   const int rank = ev.loop_count - ev.loop_redundant;
   solve_ldl(get_loop_matrix(plan, ev), rank, ev.loop_solution.data());

@@ -6,7 +6,7 @@
 //
 // Rows that follow from the others (a planar four-bar in space, a Bricard linkage) show as vanishing pivots of Λ, which
 // takes the most independent first; they are left out here, with a multiplier of 0, and counted.
-// split_redundant_rows() gives them their part of the reactions (redundant_rows.h).
+// redundant_rows.h gives them their part of the reactions.
 #pragma once
 
 #include <limits>
@@ -32,16 +32,41 @@ inline LowerTriangle get_loop_matrix(const PlanData& plan, const Evaluation& ev)
 // The row that is eliminated as number r.
 inline const LoopRow& get_pivot_row(const Evaluation& ev, int r) { return ev.loop_rows[at(ev.loop_rows[at(r)].pivot)]; }
 
+// The unit wrench of a row on one of its bodies, at that body's origin.
+inline Spatial calc_row_wrench(const JointFrame& f, int row, bool on_follower) noexcept {
+  const bool turns = row >= kRotX;
+  const Vec3 axis = turns ? column(f.m, row - kRotX) : column(f.n, row);
+  const Vec3 moment = turns ? axis : cross(on_follower ? f.r_follower : f.r_base, axis);
+  const Vec3 force = turns ? Vec3{0, 0, 0} : axis;
+  return on_follower ? Spatial{force, moment} : Spatial{turns ? force : -force, -moment};
+}
+
+// --- Loops that are eliminated where they close (loop_clusters.h)
+
+// Which rows a factorisation has. The stages of a sub-step and its projection take those that were independent at its
+// beginning: one choice for the whole sub-step, and less work. Where multipliers are read, all rows take part.
+enum class LoopRows {
+  kAll,      // that hold
+  kLimited,  // likewise; no more of a loop's rows are independent than at the beginning of the sub-step
+  kKept,     // those that were independent then
+};
+inline LoopRows choose_loop_rows(const Sweep& sweep, std::int32_t most) {
+  if (most == kAllRows) return LoopRows::kAll;
+  return sweep.multipliers ? LoopRows::kLimited : LoopRows::kKept;
+}
+
+// The rows of a factorisation; needs the joints' frames.
+void begin_clusters(const PlanData& plan, const State& state, LoopRows rows, Evaluation& ev) noexcept;
+// Keeps what the sub-step that begins at this evaluation needs of it.
+void keep_cluster_rows(Evaluation& ev) noexcept;
+void count_redundant_rows(Evaluation& ev) noexcept;
+// Right-hand sides of the rows, 0 if not biased.
+void begin_cluster_targets(const PlanData& plan, Evaluation& ev, bool biased) noexcept;
+
+// --- One dense matrix of all loops
+
 // The rows that hold in the present modes, with their unit wrenches; needs the joints' frames.
 void update_loop_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
-
-// Loops that are eliminated where they close (loop_clusters.h). Their rows, after update_loop_rows(); `limited`: no more
-// of a loop's rows are independent than at the beginning of the sub-step, which keep_cluster_ranks() keeps.
-void begin_clusters(const PlanData& plan, Evaluation& ev, bool limited) noexcept;
-void keep_cluster_ranks(Evaluation& ev) noexcept;
-void count_redundant_rows(Evaluation& ev) noexcept;
-// Right-hand sides of their rows, 0 if not biased.
-void begin_cluster_targets(Evaluation& ev, bool biased) noexcept;
 
 // Takes every row for independent so far, and keeps its diagonal entry of Λ.
 void begin_pivots(const PlanData& plan, Evaluation& ev) noexcept;

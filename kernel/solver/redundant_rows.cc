@@ -203,8 +203,7 @@ class Split {
 
 }  // namespace
 
-void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
-  if (!plan.closures.empty()) return split_cluster_rows(plan, state, ev);
+void split_dense_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept {
   Split(plan, state, ev).run();
 }
 

@@ -26,11 +26,8 @@
 
 namespace unlatch {
 
-// Corrects ev.multipliers after a solution for the forces; needs the joints' frames and the factor of Λ. Accelerations
-// stay as they are.
-void split_redundant_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
-
-// The same where loops are eliminated where they close: split_clusters.cc.
-void split_cluster_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
+// Corrects ev.multipliers after a solution for the forces, of loops in one dense matrix; needs the joints' frames and
+// the factor of Λ. Accelerations stay as they are. Loops that are eliminated where they close: split_clusters.h.
+void split_dense_rows(const PlanData& plan, const State& state, Evaluation& ev) noexcept;
 
 }  // namespace unlatch

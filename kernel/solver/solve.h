@@ -47,13 +47,14 @@ template <int kWidest, bool kFactor>
   };
   const Clusters clusters(plan, ev);
   if (kFactor) clusters.begin_factor();
-  begin_cluster_targets(ev, sweep.biased);
+  begin_cluster_targets(plan, ev, sweep.biased);
   const int node = sweep_back<kWidest, kFactor>(plan, ev, sweep, Backward{clusters, sweep.biased});
   if (node != kNone) return node;
   clusters.template close_at_ground<kFactor>();
   if (kFactor) count_redundant_rows(ev);
   clusters.find_multipliers_at_ground();
   sweep_forth<kWidest>(plan, ev, sweep, Forward{clusters, sweep.multipliers});
+  if (!sweep.multipliers) return kNone;
   clear_loop_multipliers(plan, ev);
   clusters.store_multipliers();
   return kNone;
@@ -70,13 +71,13 @@ UNLATCH_INLINE void finish_solution(const PlanData& plan, Evaluation& ev, const 
 
 // Factors at the present kinematics, joint frames and modes, and solves. At most `most` rows of loops count as
 // independent: the stages of a step lie a little off the rows, so that redundant ones contradict each other there; the
-// evaluation at the beginning of the step tells how many are not. Adds the loops' reactions to SharedBlock::force:
+// evaluation at the beginning of the step tells how many are not, and, of loops that are eliminated where they close,
+// which. Adds the loops' reactions to SharedBlock::force:
 // another solve of the same instant needs the forces anew. Returns kNone, or the node whose pivot vanished.
 template <int kWidest>
 int factor_and_solve(const PlanData& plan, const State& state, Evaluation& ev, const Sweep& sweep, std::int32_t most) {
   if (!plan.closures.empty()) {
-    update_loop_rows(plan, state, ev);
-    begin_clusters(plan, ev, most != kAllRows);
+    begin_clusters(plan, state, choose_loop_rows(sweep, most), ev);
     return sweep_clusters<kWidest, true>(plan, ev, sweep);
   }
   if (const int node = sweep_back<kWidest, true>(plan, ev, sweep); node != kNone) return node;

@@ -87,6 +87,9 @@ class Clusters {
     for (const auto& [loop, node] : order_) {
       LoopClosure c{};
       c.loop = loop;
+      c.joint = plan_.loops[at(loop)];
+      c.non_tree = plan_.joints[at(c.joint)].non_tree;
+      c.on_follower = c.on_base = kNone;
       c.node = node;  // of the tree, for now
       c.slot = kNone;
       c.block = plan_.cluster_blocks++;
@@ -130,6 +133,8 @@ class Clusters {
       while (next < plan_.cluster_nodes.size() && plan_.cluster_nodes[next].group < static_cast<int>(g)) ++next;
       plan_.group_clusters[g] = static_cast<std::int32_t>(next);
     }
+    mark_first();
+    plan_.first_at_ground = static_cast<std::int32_t>(plan_.closures.size() - at_ground_.size());
     for (LoopClosure& c : plan_.closures) {
       if (c.node == kNone) continue;
       c.node = cluster_of[at(c.node)];
@@ -139,6 +144,19 @@ class Clusters {
         LoopLink& link = plan_.loop_links[at(c.first_link + i)];
         link.slot = find_slot(node, link.closure);
       }
+    }
+  }
+  // The last slots are the first that are handed on.
+  void mark_first() {
+    std::vector<bool> begun(plan_.loop_slots.size(), false);
+    for (const LoopClosure& c : plan_.closures)
+      for (const std::int32_t slot : {c.on_follower, c.on_base})
+        if (slot != kNone) begun[at(slot)] = true;
+    for (std::size_t i = plan_.loop_slots.size(); i-- > 0;) {
+      LoopSlot& slot = plan_.loop_slots[i];
+      if (slot.parent == kNone) continue;
+      slot.begins = begun[at(slot.parent)] ? 0 : 1;
+      begun[at(slot.parent)] = true;
     }
   }
   std::int32_t find_slot(const ClusterNode& node, int closure) const {
@@ -163,16 +181,19 @@ class Clusters {
     node.slots = static_cast<std::int32_t>(closing.size() + passing.size());
     const Group& group = plan_.groups[at(node.group)];
     // the wrench; per freedom its acceleration; the response of a free body, and that along each row
-    const int numbers = kEight * (6 + std::popcount(group.freedoms) + (group.may_be_by_rows ? 6 : 0) +
-                                  std::popcount(group.rows));
+    const int numbers =
+        kEight * (6 + std::popcount(group.freedoms) + (group.may_be_by_rows ? 6 : 0) + std::popcount(group.rows));
     for (std::size_t i = 0; i < closing.size() + passing.size(); ++i) {
       const bool passes = i >= closing.size();
       const int e = passes ? passing[i - closing.size()] : closing[i];
-      const PlanJoint& joint = plan_.joints[at(plan_.loops[at(plan_.closures[at(e)].loop)])];
-      const int side = joint.follower == body ? 1 : (joint.base == body ? -1 : 0);
+      LoopClosure& closure = plan_.closures[at(e)];
+      const PlanJoint& joint = plan_.joints[at(closure.joint)];
+      const auto slot = static_cast<std::int32_t>(plan_.loop_slots.size());
+      if (joint.follower == body) closure.on_follower = slot;
+      if (joint.base == body) closure.on_base = slot;
       std::int32_t to = kNone;
       if (passes && parent != kNone) to = find_slot(plan_.cluster_nodes[at(cluster_of[at(parent)])], e);
-      plan_.loop_slots.push_back({e, to, side, plan_.cluster_numbers});
+      plan_.loop_slots.push_back({e, to, 0, plan_.cluster_numbers});
       plan_.cluster_numbers += passes ? numbers : 6 * kEight;
     }
     node.first_pair = add_pairs(passing);
@@ -184,9 +205,9 @@ class Clusters {
   std::vector<int> group_of_;  // per node
   std::vector<std::vector<int>> passing_, closing_;  // per node: loops
   std::vector<int> at_ground_;
-  std::vector<std::set<int>> neighbours_;     // per loop
-  std::vector<std::pair<int, int>> order_;    // loops, and the nodes where they close
-  std::vector<int> closure_of_;               // per loop
+  std::vector<std::set<int>> neighbours_;   // per loop
+  std::vector<std::pair<int, int>> order_;  // loops, and the nodes where they close
+  std::vector<int> closure_of_;             // per loop
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <compare>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -44,6 +45,7 @@ class Groups {
     }
     return true;
   }
+  bool are_joined(int a, int b) { return find(a) == find(b); }
 
  private:
   int find(int b) {
@@ -113,7 +115,9 @@ std::vector<int> rank_joints(const Model& model, const std::vector<RowSet>& comp
       most = std::max(most, std::popcount(mode.rows));
       least = std::min(least, std::popcount(mode.rows));
     }
-    const int near = !places.empty() ? places[at(j)] : joint.base == kGround ? -1 : std::min(distance[at(joint.base)], distance[at(joint.follower)]);
+    const int near = !places.empty()         ? places[at(j)]
+                     : joint.base == kGround ? -1
+                                             : std::min(distance[at(joint.base)], distance[at(joint.follower)]);
     ranks.push_back({compliant[at(j)] != 0 ? -1 : kRows - least, kRows - most, near, j});
   }
   std::sort(ranks.begin(), ranks.end());
@@ -230,73 +234,107 @@ std::int64_t estimate_cost(const Model& model, const Topology& topology, std::in
   return cost;
 }
 
-// The order in which bodies of fewest neighbours are eliminated, each leaving its neighbours connected: places of the
-// bodies in it.
-std::vector<int> find_minimum_degree(const Model& model) {
-  const std::size_t bodies = model.bodies.size();
-  std::vector<std::set<int>> neighbours(bodies);
-  const auto connect = [&](int a, int b) {
-    if (a == b) return;
-    neighbours[at(a)].insert(b);
-    neighbours[at(b)].insert(a);
-  };
-  for (const Joint& joint : model.joints)
-    if (joint.base != kGround) connect(joint.base, joint.follower);
-  for (int b = 0; b < static_cast<int>(bodies); ++b)
-    if (model.bodies[at(b)].marker) connect(b, model.bodies[at(b)].marker->body);
-  std::set<std::pair<std::size_t, int>> left;
-  for (int b = 0; b < static_cast<int>(bodies); ++b) left.insert({neighbours[at(b)].size(), b});
-  std::vector<int> places(bodies, 0);
-  for (int next = 0; !left.empty(); ++next) {
-    const int b = left.begin()->second;
-    left.erase(left.begin());
-    places[at(b)] = next;
-    const std::vector<int> around(neighbours[at(b)].begin(), neighbours[at(b)].end());
-    if (around.size() > 64) break;  // the rest is one dense block: any order
-    for (const int a : around) {
-      left.erase({neighbours[at(a)].size(), a});
-      neighbours[at(a)].erase(b);
-      for (const int other : around)
-        if (other != a) neighbours[at(a)].insert(other);
-      left.insert({neighbours[at(a)].size(), a});
-    }
-  }
-  return places;
-}
+// How two bodies hang together: by a joint, through a body that is eliminated before both, or as a flexible body and
+// its marker (neither).
+struct Link {
+  int joint = kNone, through = kNone;
+};
 
-// Places of the joints, if each body's parent is to be that of its neighbours which is eliminated next after it.
-std::vector<int> place_joints(const Model& model) {
-  const std::vector<int> body_places = find_minimum_degree(model);
-  const int bodies = static_cast<int>(model.bodies.size());
-  std::vector<int> chosen(model.bodies.size(), kNone), places(model.joints.size(), 0);
-  const auto split = [&](const Joint& joint) {
-    const bool follower_first = body_places[at(joint.follower)] < body_places[at(joint.base)];
-    return follower_first ? std::pair(joint.follower, joint.base) : std::pair(joint.base, joint.follower);
-  };
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    if (model.joints[j].base == kGround) continue;
-    const auto [first, second] = split(model.joints[j]);
-    int& best = chosen[at(first)];
-    if (best == kNone || body_places[at(second)] < body_places[at(split(model.joints[at(best)]).second)])
-      best = static_cast<int>(j);
-  }
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    if (model.joints[j].base == kGround) {
-      places[j] = -1;
-      continue;
+// Eliminates bodies, those of fewest neighbours first, each leaving its neighbours connected; the ground is the last. A
+// tree whose ways follow this order leaves few loops open at a body.
+class MinimumDegree {
+ public:
+  explicit MinimumDegree(const Model& model)
+      : ground_(static_cast<int>(model.bodies.size())),
+        links_(model.bodies.size() + 1),
+        around_(model.bodies.size() + 1),
+        places_(model.bodies.size() + 1, ground_) {
+    for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
+      const Joint& joint = model.joints[at(j)];
+      connect(joint.base == kGround ? ground_ : joint.base, joint.follower, {j, kNone});
     }
-    const int first = split(model.joints[j]).first;
-    places[j] = body_places[at(first)] + (chosen[at(first)] == static_cast<int>(j) ? 0 : bodies);
+    for (int b = 0; b < ground_; ++b)
+      if (model.bodies[at(b)].marker) connect(b, model.bodies[at(b)].marker->body, {});
+    eliminate();
   }
-  return places;
-}
+
+  // Places of the joints: first those on the ways of the bodies, in their order, to that of their neighbours which is
+  // eliminated next.
+  std::vector<int> place_joints(const Model& model) const {
+    Groups groups(at(ground_) + 1);
+    std::vector<int> order(at(ground_)), places(model.joints.size(), static_cast<int>(model.joints.size()));
+    for (int b = 0; b < ground_; ++b) order[at(b)] = b;
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return std::pair(places_[at(a)], a) < std::pair(places_[at(b)], b); });
+    int next = 0;
+    for (const int b : order) {
+      const auto parent =
+          std::min_element(around_[at(b)].begin(), around_[at(b)].end(),
+                           [&](const auto& x, const auto& y) { return places_[at(x.first)] < places_[at(y.first)]; });
+      if (parent == around_[at(b)].end()) continue;
+      std::vector<Way> ways{{b, parent->first, parent->second}};
+      while (!ways.empty()) {
+        const Way way = ways.back();
+        ways.pop_back();
+        if (groups.are_joined(way.from, way.to)) continue;
+        if (way.link.through == kNone) {
+          groups.join(way.from, way.to);
+          if (way.link.joint != kNone) places[at(way.link.joint)] = next++;
+          continue;
+        }
+        for (const int end : {way.to, way.from}) ways.push_back({way.link.through, end, find(way.link.through, end)});
+      }
+    }
+    return places;
+  }
+
+ private:
+  struct Way {
+    int from, to;
+    Link link;
+  };
+  static constexpr std::size_t kDense = 64;  // neighbours: what is left is one dense block, in any order
+
+  void connect(int a, int b, Link link) {
+    if (a == b) return;
+    links_[at(a)].emplace(b, link);
+    links_[at(b)].emplace(a, link);
+  }
+  void eliminate() {
+    std::set<std::pair<std::size_t, int>> left;
+    for (int b = 0; b < ground_; ++b) left.insert({links_[at(b)].size(), b});
+    for (int next = 0; !left.empty() && left.begin()->first <= kDense; ++next) {
+      const int b = left.begin()->second;
+      left.erase(left.begin());
+      places_[at(b)] = next;
+      around_[at(b)].assign(links_[at(b)].begin(), links_[at(b)].end());
+      for (const auto& [a, link] : around_[at(b)]) {
+        left.erase({links_[at(a)].size(), a});
+        links_[at(a)].erase(b);
+        for (const auto& [other, same] : around_[at(b)])
+          if (other != a) links_[at(a)].emplace(other, Link{kNone, b});
+        if (a != ground_) left.insert({links_[at(a)].size(), a});
+      }
+    }
+  }
+  Link find(int eliminated, int neighbour) const {
+    const auto& around = around_[at(eliminated)];
+    return std::lower_bound(around.begin(), around.end(), neighbour, [](const auto& x, int n) { return x.first < n; })
+        ->second;
+  }
+
+  int ground_;
+  std::vector<std::map<int, Link>> links_;                 // per body, the ground behind them: those that are left
+  std::vector<std::vector<std::pair<int, Link>>> around_;  // likewise: when it was eliminated
+  std::vector<int> places_;                                // likewise, in the order of elimination
+};
 
 }  // namespace
 
 Topology compile_topology(const Model& model, const std::vector<RowSet>& compliant, int root) {
   Topology shallow = grow_tree(model, compliant, root, {});
   if (shallow.loops.size() < 2) return shallow;
-  Topology narrow = grow_tree(model, compliant, root, place_joints(model));
+  Topology narrow = grow_tree(model, compliant, root, MinimumDegree(model).place_joints(model));
   const std::int64_t cost = estimate_cost(model, narrow, kNoLimit);
   return estimate_cost(model, shallow, cost) <= cost ? shallow : narrow;
 }

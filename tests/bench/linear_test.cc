@@ -48,6 +48,7 @@ double calc_growth(Shape shape) {
 
 TEST(Bench, CostIsLinearInTheNumberOfBodies) {
   for (const Shape shape : kShapes) {
+    if (shape == Shape::kTruss) continue;  // its frontier grows: LoopGraphs.ALatticeHasAFrontierAsWideAsItIs
     const double growth = calc_growth(shape);
     RecordProperty(get_name(shape), std::to_string(growth));
     EXPECT_LT(growth, shape == Shape::kRandom ? kGrowthOfMixture : kGrowth)

@@ -1,4 +1,5 @@
-// Systems with many closed loops: graphs of bodies against the equations of motion, masts.
+// Systems with many closed loops: graphs of bodies against the equations of motion, deployable structures, positions
+// where the rank of their rows drops.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 
 #include "kernel/dynamics/balance.h"
 #include "kernel/integration/integrator.h"
+#include "tests/support/linkages.h"
+#include "tests/support/loop_models.h"
 #include "tests/support/malloc_guard.h"
 #include "tests/support/mast_model.h"
 #include "tests/support/random_model.h"
@@ -14,6 +17,7 @@
 #include "tests/support/small_models.h"
 #include "tests/support/solve_comparison.h"
 #include "unlatch/energy.h"
+#include "unlatch/loops.h"
 
 namespace unlatch::test {
 namespace {
@@ -155,14 +159,166 @@ TEST(LoopGraphs, AnyJointOfAMastLocksAndLetsGoWithoutAllocation) {
   EXPECT_LT(std::max(r.forces, r.rows), kAgreement);
 }
 
+TEST(LoopGraphs, LaddersFourBarsRingsAndLatticesSatisfyTheEquationsOfMotion) {
+  for (Model model : {build_ladder(12), build_four_bars(12), build_pantograph_ring(6), build_pantograph_ring(11),
+                      build_lattice(3, 8), build_lattice(10, 10)}) {
+    model.gravity.uniform = {0.3, -1, 0.5};  // across their planes too, where rows are redundant
+    Simulation s(model);
+    for (int i = 0; i < 20; ++i) ASSERT_EQ(s.advance().status, StepStatus::kOk) << model.name << " " << i;
+    const Residual r = calc_residual(model, s, std::vector<Wrench>(model.bodies.size()));
+    EXPECT_LT(std::max(r.forces, r.rows), kAgreement) << model.name << " of " << model.bodies.size();
+  }
+}
+
+// Rows of the present modes that follow from the others, by the singular values of all of them.
+int count_redundant(const Model& model, const Simulation& s) {
+  constexpr double kVanishing = 1e-9;  // beside the largest
+  const DenseKkt kkt = build_dense_kkt(model, read_state(s));
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(kkt.rows.cast<double>());
+  const Eigen::VectorXd& sizes = svd.singularValues();
+  return static_cast<int>(kkt.rows.rows() - (sizes.array() > kVanishing * sizes[0]).count());
+}
+
+TEST(LoopGraphs, HaveAsManyRedundantRowsAsTheirRankLeaves) {
+  for (const Model& model :
+       {build_mast(6), build_ladder(5), build_four_bars(4), build_pantograph_ring(5), build_lattice(3, 3)}) {
+    Simulation s(model);
+    const int expected = count_redundant(model, s);
+    EXPECT_EQ(s.advance().redundant, expected) << model.name;
+    EXPECT_GT(expected, 0) << model.name;
+  }
+}
+
+// Cranks of parallelograms on the ground, beside each other, that lie along them: each linkage may fold or go on.
+Model build_dead_centres(int linkages) {
+  Model model;
+  model.gravity.uniform = {0, -1, 0};
+  for (int i = 0; i < linkages; ++i) {
+    const Eigen::Vector3d p0(0, 0, i), p1(1, 0, i), p2(2, 0, i), z(0, 0, 1);
+    const int crank = 3 * i;
+    model.bodies.push_back(build_rod("crank" + std::to_string(i), p0, p1));
+    model.bodies.push_back(build_rod("coupler" + std::to_string(i), p1, p2));
+    model.bodies.push_back(build_rod("rocker" + std::to_string(i), p1, p2));
+    model.joints.push_back(build_hinge(model, kGround, crank, p0, z));
+    model.joints.push_back(build_hinge(model, crank, crank + 1, p1, z));
+    model.joints.push_back(build_hinge(model, kGround, crank + 2, p1, z));
+    model.joints.push_back(build_hinge(model, crank + 1, crank + 2, p2, z));
+  }
+  return model;
+}
+
+TEST(LoopGraphs, AtTheirDeadCentresFourBarsDoWhatEachDoesAlone) {
+  constexpr double kSame = 1e-9;  // m, rad: one linkage has a dense matrix, several are eliminated where they close
+  constexpr int kLinkages = 3;
+  const Model one = build_dead_centres(1), many = build_dead_centres(kLinkages);
+  for (const double speed : {0.0, 3.0}) {  // rad/s, of the crank and the rocker; the coupler translates
+    Simulation alone(one), beside(many);
+    for (Simulation* s : {&alone, &beside})
+      for (std::size_t b = 0; b < s->state.bodies.size(); ++b) {
+        s->state.bodies[b].v = {0, (b % 3 == 1 ? 1 : 0.5) * speed, 0};
+        s->state.bodies[b].w = {0, 0, b % 3 == 1 ? 0 : speed};
+      }
+    EXPECT_EQ(count_redundant(many, beside), kLinkages * count_redundant(one, alone));
+    for (int i = 0; i < 400; ++i) {
+      const StepReport a = alone.advance(), b = beside.advance();
+      ASSERT_EQ(b.status, a.status) << "step " << i << " at " << speed;
+      if (a.status != StepStatus::kOk) break;
+      ASSERT_EQ(b.redundant, kLinkages * a.redundant) << "step " << i << " at " << speed;
+      for (std::size_t k = 0; k < beside.state.bodies.size(); ++k) {
+        const Vec3 d = beside.state.bodies[k].p - alone.state.bodies[k % 3].p;
+        ASSERT_LT(std::hypot(d.x, d.y), kSame) << "step " << i << " at " << speed;
+      }
+      if (i > 0) continue;
+      const Residual r = calc_residual(many, beside, std::vector<Wrench>(many.bodies.size()));
+      EXPECT_LT(std::max(r.forces, r.rows), kAgreement) << speed;
+    }
+  }
+}
+
+TEST(LoopGraphs, AMastThatIsFullyClosedOrOpenHasFiniteReactionsOrSaysThatItIsSingular) {
+  constexpr double kHalfTurn = 3.14159265358979323846;
+  for (const double angle : {0.5 * kHalfTurn, 0.0})
+    for (const int units : {2, 3, 8}) {
+      const Model model = build_mast(units, angle);
+      Simulation s(model);
+      const int expected = count_redundant(model, s);
+      ASSERT_EQ(update_outputs(s.plan, {s.commands}, s.state, s.workspace), StepStatus::kOk) << units << " " << angle;
+      EXPECT_EQ(s.evaluation().loop_redundant, expected) << units << " units at " << angle;
+      EXPECT_GT(expected, 3 * (units - 1)) << "more than in any other position";
+      const Residual r = calc_residual(model, s, std::vector<Wrench>(model.bodies.size()));
+      EXPECT_LT(std::max(r.forces, r.rows), kAgreement) << units << " units at " << angle;
+      for (int i = 0; i < 50 && s.advance().status == StepStatus::kOk; ++i)
+        for (const BodyState& body : s.state.bodies) ASSERT_TRUE(std::isfinite(body.p.x + body.w.z)) << i;
+    }
+}
+
+TEST(LoopGraphs, RedundantReactionsOfAMastAreSteadyAlongAMotion) {
+  Model model = build_mast(8, 0.9);
+  model.gravity.uniform = {0, -0.1, -1};  // across the plane: what only redundant rows bear
+  Simulation s(model);
+  double largest = 0, roughest = 0;
+  std::vector<double> before, last;
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(s.advance().redundant, 3 * 7) << i;
+    std::vector<double> now;
+    for (std::size_t j = 0; j < model.joints.size(); ++j)
+      for (std::size_t r = 0; r < kRows; ++r) now.push_back(s.workspace.multipliers.get(j, r));
+    for (std::size_t k = 0; k < now.size() && i >= 2; ++k) {
+      largest = std::max(largest, std::abs(now[k]));
+      roughest = std::max(roughest, std::abs(now[k] - 2 * last[k] + before[k]));
+    }
+    before = std::move(last);
+    last = std::move(now);
+  }
+  std::printf("largest reaction %.3g, second difference from step to step %.1e\n", largest, roughest);
+  EXPECT_GT(largest, 5);
+  EXPECT_LT(roughest, 1e-4 * largest);
+}
+
+TEST(LoopGraphs, TheFrontierAndTheCostOfABodyDoNotGrowWithTheLength) {
+  const auto check = [](const char* name, const Model& few, const Model& many) {
+    const Plan small = compile_or_throw(few, {}), large = compile_or_throw(many, {});
+    const auto per_body = [](const Plan& plan, const Model& model) {
+      return static_cast<double>(calc_loop_cost(plan).loops) / static_cast<double>(model.bodies.size());
+    };
+    std::printf("%s: at most %d loops open at a body, %.0f multiplications a body for them\n", name,
+                large.get_loop_overlap().widest, per_body(large, many));
+    EXPECT_EQ(large.get_loop_overlap().widest, small.get_loop_overlap().widest) << name;
+    EXPECT_LT(per_body(large, many), 1.1 * per_body(small, few)) << name;
+    EXPECT_TRUE(large.get_loop_overlap().local) << name;
+  };
+  check("mast", build_mast(32), build_mast(512));
+  check("ladder", build_ladder(32), build_ladder(512));
+  check("four-bars", build_four_bars(32), build_four_bars(512));
+  check("ring", build_pantograph_ring(32), build_pantograph_ring(256));
+  check("lattice of width 5", build_lattice(5, 30), build_lattice(5, 120));
+}
+
+TEST(LoopGraphs, ALatticeHasAFrontierAsWideAsItIs) {
+  for (const int width : {2, 5, 10, 20}) {
+    const int widest = compile_or_throw(build_lattice(width, width), {}).get_loop_overlap().widest;
+    std::printf("%d nodes wide: at most %d loops open at a body\n", width, widest);
+    EXPECT_LE(widest, 2 * width) << width;
+    EXPECT_GE(widest, width - 1) << width;
+  }
+}
+
+TEST(LoopGraphs, ClustersAreCounted) {
+  EXPECT_EQ(calc_loop_cost(compile_or_throw(build_mast(9), {})).clusters, 1);
+  EXPECT_EQ(calc_loop_cost(compile_or_throw(build_dead_centres(4), {})).clusters, 4);
+  EXPECT_EQ(calc_loop_cost(compile_or_throw(build_dead_centres(1), {})).clusters, 1);
+  EXPECT_EQ(calc_loop_cost(compile_or_throw(build_mast(1), {})).clusters, 0);
+  EXPECT_EQ(calc_loop_cost(compile_or_throw(build_mast(1), {})).loops, 0);
+}
+
 TEST(LoopGraphs, MemoryOfAMastGrowsWithItsLength) {
   const auto calc = [](int units) {
     const Model model = build_mast(units);
     const Plan plan = compile_or_throw(model, {});
     return static_cast<double>(plan.get_workspace_bytes()) / (2.0 * units);
   };
-  const double few = calc(100), many = calc(5000);
-  std::printf("workspace %.0f bytes a body with 100 units, %.0f with 5000\n", few, many);
+  const double few = calc(100), many = calc(10000);
+  std::printf("workspace %.0f bytes a body with 100 units, %.0f with 10000\n", few, many);
   EXPECT_LT(many, 1.05 * few);
 }
 

@@ -32,11 +32,44 @@ Vector3d calc_follower_y(const Joint& joint, const Placement& base, const Placem
 
 }  // namespace
 
+std::vector<int> list_closing_joints(const Model& model) {
+  std::vector<int> group(model.bodies.size() + 1), closing;  // the last is the ground
+  for (std::size_t b = 0; b < group.size(); ++b) group[b] = static_cast<int>(b);
+  const auto find = [&](int body) {
+    int g = body == kGround ? static_cast<int>(model.bodies.size()) : body;
+    while (group[at(g)] != g) g = group[at(g)] = group[at(group[at(g)])];
+    return g;
+  };
+  for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
+    const int base = find(model.joints[at(j)].base), follower = find(model.joints[at(j)].follower);
+    if (base == follower)
+      closing.push_back(j);
+    else
+      group[at(follower)] = base;
+  }
+  return closing;
+}
+
+ClosingJoint get_closing_joint(const Model& model, int j) {
+  const Joint& joint = model.joints[at(j)];
+  const Freedoms f = calc_freedoms(model, joint);
+  if (!f.slides.empty() || f.turns.size() > 1)
+    throw std::invalid_argument("joint '" + joint.name + "' closes a loop and is neither a hinge nor a weld");
+  ClosingJoint out{joint.base, joint.follower, f.turns.empty(), f.point, Matrix3d::Identity()};
+  if (out.weld) return out;
+  const Vector3d z = f.turns[0], x = z.unitOrthogonal();
+  out.hinge << x, z.cross(x), z;
+  return out;
+}
+
 std::vector<TreeLink> build_tree_links(const Model& model) {
   std::vector<std::vector<int>> joints(model.bodies.size());
+  std::vector<bool> closes(model.joints.size(), false);
+  for (const int j : list_closing_joints(model)) closes[at(j)] = true;
   TreeLink root{0, kGround, kNone, true};
   for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
     const Joint& joint = model.joints[at(j)];
+    if (closes[at(j)]) continue;
     if (joint.base == kGround) {
       root = {joint.follower, kGround, j, true};
       continue;
@@ -54,7 +87,8 @@ std::vector<TreeLink> build_tree_links(const Model& model) {
       links.push_back({forward ? joint.follower : joint.base, link.body, j, forward});
     }
   }
-  if (links.size() != model.bodies.size()) throw std::invalid_argument("model '" + model.name + "' is not one tree");
+  if (links.size() != model.bodies.size())
+    throw std::invalid_argument("model '" + model.name + "' does not hang together");
   return links;
 }
 

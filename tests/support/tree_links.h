@@ -13,9 +13,21 @@ struct TreeLink {
   int joint;               // kNone for a root that is free
   bool child_is_follower;  // the child is the joint's follower
 };
-// Lists links, parents first. The root is the body that is held to the ground, or body 0. Throws if the model is not
-// one tree.
+// Lists links, parents first. The root is the body that is held to the ground first, or body 0. Joints that close loops
+// over those before them in the list are left out. Throws if the model does not hang together.
 std::vector<TreeLink> build_tree_links(const Model& model);
+// These joints, in the order of the list.
+std::vector<int> list_closing_joints(const Model& model);
+
+// A joint that closes a loop, at the initial state: one that holds the point and all rotations but, of a hinge, that
+// about one axis. Throws std::invalid_argument for any other.
+struct ClosingJoint {
+  int base, follower;
+  bool weld;
+  Eigen::Vector3d point;  // W, m
+  Eigen::Matrix3d hinge;  // W; its z: the axis of a hinge
+};
+ClosingJoint get_closing_joint(const Model& model, int joint);
 
 // Position and motion of a body's frame, or of the ground's, in W.
 struct Placement {

@@ -26,7 +26,7 @@ void add_freed_spring_findings(const Scenario& scenario, std::vector<Finding>& f
 // event_findings.cc: events that cannot come, or that hold at the start already.
 void add_event_findings(const Scenario& scenario, std::vector<Finding>& findings);
 
-// step_findings.cc: what the step does not resolve, and contacts that begin closed.
+// step_findings.cc: what the step does not resolve, contacts that begin closed, loops that cost much.
 void add_step_findings(const Scenario& scenario, const Simulation& simulation, std::vector<Finding>& findings);
 
 }  // namespace unlatch::hil

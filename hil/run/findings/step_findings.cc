@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -9,6 +10,7 @@
 #include "hil/run/notices/resolution.h"
 #include "hil/scenario/model/index.h"
 #include "unlatch/contacts.h"
+#include "unlatch/loops.h"
 
 namespace unlatch::hil {
 namespace {
@@ -93,6 +95,21 @@ void judge_turns(const Model& model, double dt, std::vector<Finding>& findings) 
   }
 }
 
+// What a real-time run may not keep up with: loops that are open at one body cost by their square.
+void judge_loops(const Plan& plan, std::vector<Finding>& findings) {
+  constexpr double kWide = 10;  // times the solver's work without loops
+  const LoopOverlap overlap = plan.get_loop_overlap();
+  const LoopCost cost = calc_loop_cost(plan);
+  const double times = static_cast<double>(cost.loops) / static_cast<double>(std::max<std::int64_t>(1, cost.tree));
+  if (times < kWide) return;
+  findings.push_back(
+      {"loops", "",
+       format("at most %d of %d closed loops are open at one body%s: they take the solver some %.0f times the work of "
+              "the rest, so look whether a run keeps up",
+              overlap.widest, overlap.loops,
+              overlap.local ? "" : ", since a flexible body on the way of one leaves all to one dense matrix", times)});
+}
+
 }  // namespace
 
 void add_step_findings(const Scenario& scenario, const Simulation& simulation, std::vector<Finding>& findings) {
@@ -102,6 +119,7 @@ void add_step_findings(const Scenario& scenario, const Simulation& simulation, s
   judge_contacts(model, simulation, scenario.dt, findings);
   judge_frictions(model, simulation, scenario.dt, findings);
   judge_turns(model, scenario.dt, findings);
+  judge_loops(simulation.plan(), findings);
 }
 
 }  // namespace unlatch::hil

@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Eigenvalues>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -31,15 +32,39 @@ class Document {
     for (std::size_t k = 1; k < links_.size(); ++k) children_[static_cast<std::size_t>(links_[k].parent)].push_back(k);
     out_.precision(17);
     // boundmass, balanceinertia and similar options stay off: masses are used unchanged.
-    out_ << "<mujoco><compiler angle='radian'/><size njmax='1' nconmax='1'/><option gravity='" << model.gravity.uniform
-         << "'><flag contact='disable' constraint='disable' equality='disable'/></option><worldbody>";
+    const std::vector<int> closing = list_closing_joints(model);
+    const char* const flags = closing.empty() ? "constraint='disable' equality='disable'" : "";
+    out_ << "<mujoco><compiler angle='radian'/><size njmax='" << kMostRows * closing.size() + 1
+         << "' nconmax='1'/><option gravity='" << model.gravity.uniform << "' iterations='100' tolerance='1e-12'>"
+         << "<flag contact='disable' " << flags << "/></option><worldbody>";
     write_body(links_[0]);
-    out_ << "</worldbody></mujoco>";
+    out_ << "</worldbody><equality>";
+    for (const int j : closing) write_closing(get_closing_joint(model, j));
+    out_ << "</equality></mujoco>";
   }
   std::string get_text() const { return out_.str(); }
   const std::vector<double>& get_speeds() const { return speeds_; }  // in the order of qvel
 
  private:
+  static constexpr std::size_t kMostRows = 6;
+
+  // A hinge is two points on its axis, as MuJoCo has none: six rows for five. `solimp` as hard as it allows: rows yield
+  // by 1e-4 of what they bear.
+  void write_closing(const ClosingJoint& closing) {
+    constexpr double kApart = 0.1;  // m
+    const int to = closing.base == kGround ? closing.follower : closing.base;
+    const Placement body = get_placement(model_, to);
+    const auto write = [&](const char* kind, const Vector3d& point) {
+      out_ << '<' << kind << " body1='" << to << "'";
+      if (closing.base != kGround) out_ << " body2='" << closing.follower << "'";
+      if (point.allFinite()) out_ << " anchor='" << Vector3d(body.R.transpose() * (point - body.p)) << "'";
+      out_ << " solimp='0.9999 0.9999 0.001 0.5 2'/>";
+    };
+    if (closing.weld) return write("weld", Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+    write("connect", closing.point - kApart * closing.hinge.col(2));
+    write("connect", closing.point + kApart * closing.hinge.col(2));
+  }
+
   void write_body(const TreeLink& link) {
     const Body& body = model_.bodies[static_cast<std::size_t>(link.body)];
     const Placement parent = get_placement(model_, link.parent);

@@ -1,5 +1,5 @@
-// MuJoCo's forward dynamics of a model's tree in its initial state, through an MJCF document without shapes, contacts
-// or actuators. Built where libmujoco-dev is installed (cmake/peers.cmake).
+// MuJoCo's forward dynamics of a model in its initial state, loops closed by soft constraints (tree_links.h), through an
+// MJCF document without shapes, contacts or actuators. Built where libmujoco-dev is installed (cmake/peers.cmake).
 #pragma once
 
 #include <memory>

@@ -114,6 +114,24 @@ class Mobilizer {
   Freedoms freedoms_;
 };
 
+// Constraints in place of a joint that closes a loop: those of a weld, or of a point and two angles between axes.
+void close_loop(const Model& model, int joint, MobilizedBody& base, MobilizedBody& follower) {
+  const ClosingJoint closing = get_closing_joint(model, joint);
+  const Placement b = get_placement(model, closing.base), f = get_placement(model, closing.follower);
+  const SimTK::Vec3 at_base = to_vec(b.R.transpose() * (closing.point - b.p)),
+                    at_follower = to_vec(f.R.transpose() * (closing.point - f.p));
+  if (closing.weld) {
+    SimTK::Constraint::Weld(base, to_transform(b.R.transpose(), b.R.transpose() * (closing.point - b.p)), follower,
+                            to_transform(f.R.transpose(), f.R.transpose() * (closing.point - f.p)));
+    return;
+  }
+  SimTK::Constraint::Ball(base, at_base, follower, at_follower);
+  for (const int across : {0, 1})
+    SimTK::Constraint::ConstantAngle(base, SimTK::UnitVec3(to_vec(b.R.transpose() * closing.hinge.col(across))),
+                                     follower, SimTK::UnitVec3(to_vec(f.R.transpose() * closing.hinge.col(2))),
+                                     SimTK::Pi / 2);
+}
+
 }  // namespace
 
 struct SimbodySystem::Data {
@@ -132,15 +150,22 @@ SimbodySystem::SimbodySystem(const Model& model, const std::vector<Wrench>& wren
   const std::vector<TreeLink> links = build_tree_links(model);
   std::vector<std::vector<double>> speeds(links.size());
   d.bodies.resize(model.bodies.size());
+  const auto get_body = [&](int body) -> MobilizedBody& {
+    return body == kGround ? static_cast<MobilizedBody&>(d.matter.updGround())
+                           : d.bodies[static_cast<std::size_t>(body)];
+  };
   for (std::size_t k = 0; k < links.size(); ++k) {
     const TreeLink& link = links[k];
     const auto body = static_cast<std::size_t>(link.body);
-    MobilizedBody& parent = link.parent == kGround ? static_cast<MobilizedBody&>(d.matter.updGround())
-                                                   : d.bodies[static_cast<std::size_t>(link.parent)];
+    MobilizedBody& parent = get_body(link.parent);
     if (link.joint == kNone)
       d.bodies[body] = MobilizedBody::Free(parent, build_body(model.bodies[body]));
     else
       d.bodies[body] = Mobilizer(model, link, parent).build(speeds[k]);
+  }
+  for (const int j : list_closing_joints(model)) {
+    const Joint& joint = model.joints[static_cast<std::size_t>(j)];
+    close_loop(model, j, get_body(joint.base), get_body(joint.follower));
   }
   d.state = d.system.realizeTopology();
   d.system.realizeModel(d.state);

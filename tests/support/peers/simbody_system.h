@@ -1,4 +1,4 @@
-// Simbody's forward dynamics of a model's tree in its initial state. Built where libsimbody-dev is installed
+// Simbody's forward dynamics of a model in its initial state, loops closed by constraints (tree_links.h). Built where libsimbody-dev is installed
 // (cmake/peers.cmake).
 #pragma once
 

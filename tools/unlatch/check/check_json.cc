@@ -9,6 +9,7 @@
 #include "tools/unlatch/check/check_findings.h"
 #include "tools/unlatch/options/scenario_notes.h"
 #include "tools/unlatch/results/redundancy.h"
+#include "unlatch/loops.h"
 
 namespace unlatch::tools {
 namespace {
@@ -70,7 +71,9 @@ void write_plan_json(const hil::Scenario& scenario, hil::Simulation& simulation,
   for (const std::int32_t loop : plan.get_loops())
     json["loops"].push_back(model.joints[static_cast<std::size_t>(loop)].name);
   const LoopOverlap overlap = plan.get_loop_overlap();
-  json["loop_overlap"] = {{"loops", overlap.loops}, {"widest", overlap.widest}, {"local", overlap.local}};
+  const LoopCost cost = calc_loop_cost(plan);
+  json["loop_overlap"] = {{"loops", overlap.loops}, {"clusters", cost.clusters}, {"widest", overlap.widest},
+                          {"local", overlap.local}, {"cost", cost.loops},        {"cost_of_tree", cost.tree}};
   json["redundant"] = Json::array();
   for (const RedundantRows& rows : redundant) json["redundant"].push_back(build_json(model, rows));
   json["elements"] = Json::array();

@@ -23,6 +23,7 @@
 #include "tools/unlatch/options/scenario_options.h"
 #include "tools/unlatch/results/redundancy.h"
 #include "tools/unlatch/studies/optimize_report.h"
+#include "unlatch/loops.h"
 
 namespace unlatch::tools {
 namespace {
@@ -55,6 +56,23 @@ void print_joints(const Model& model) {
   list.print(stdout);
 }
 
+// How the loops lie beside each other, and what they are estimated to cost.
+void print_loop_cost(const Plan& plan) {
+  const LoopOverlap overlap = plan.get_loop_overlap();
+  if (overlap.loops == 0) return;
+  const LoopCost cost = calc_loop_cost(plan);
+  const std::string loops = count(static_cast<std::size_t>(overlap.loops), "loop"),
+                    clusters = count(static_cast<std::size_t>(cost.clusters), "cluster");
+  if (overlap.local)
+    std::printf("  %s in %s, each eliminated where it closes; at most %d are open at one body\n", loops.c_str(),
+                clusters.c_str(), overlap.widest);
+  else if (overlap.loops > 1)
+    std::printf("  %s, eliminated together by one dense matrix: a flexible body is on the way of one\n", loops.c_str());
+  constexpr double kASubstep = 5;  // factorisations and solutions
+  std::printf("  estimated: %.2g million multiplications a step for loops, %.2g million for the rest of the solver\n",
+              1e-6 * kASubstep * static_cast<double>(cost.loops), 1e-6 * kASubstep * static_cast<double>(cost.tree));
+}
+
 // Leaves to root, as the factorisation goes: the reverse of the plan's nodes.
 void print_elimination(const Model& model, const Plan& plan) {
   print_heading(stdout, "Elimination order, leaves to root");
@@ -78,19 +96,7 @@ void print_elimination(const Model& model, const Plan& plan) {
   for (const std::int32_t loop : plan.get_loops())
     loops.add(model.joints[static_cast<std::size_t>(loop)].name, "closes a loop");
   loops.print(stdout, 0);
-  const LoopOverlap overlap = plan.get_loop_overlap();
-  if (overlap.loops < 2) return;
-  const std::string loops_text = count(static_cast<std::size_t>(overlap.loops), "loop");
-  if (overlap.local)
-    std::printf("  %s, each eliminated where it closes; at most %d are open at one body\n", loops_text.c_str(),
-                overlap.widest);
-  else
-    std::printf("  %s, eliminated together by one dense matrix: a flexible body is on the way of one\n",
-                loops_text.c_str());
-  constexpr int kWide = 12;
-  if (overlap.widest > kWide)
-    std::printf(
-        "  wide: a step costs the square of the loops that are open at a body; look whether `unlatch run` keeps up\n");
+  print_loop_cost(plan);
 }
 
 void print_redundant(const Model& model, const std::vector<RedundantRows>& redundant) {
