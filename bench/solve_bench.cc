@@ -94,14 +94,16 @@ double calc_difference(const std::vector<double>& a, const std::vector<double>& 
   return difference / largest;
 }
 
-void check_or_abort(const Peer& peer, Shape shape, const Model& model, const Solution& answer) {
+// Where rows are soft, a long chain of loops yields too much: false, and there is no time to compare.
+bool check_or_abort(const Peer& peer, Shape shape, const Model& model, const Solution& answer) {
   const std::unique_ptr<Solver> reference = build_unlatch(model);
   const Solution expected = reference->build_solution();  // answer at its construction
   const double accelerations = calc_difference(answer.accelerations, expected.accelerations);
   const bool unique = !answer.multipliers.empty() && !has_many_loops(shape);
   const double multipliers = unique ? calc_difference(answer.multipliers, expected.multipliers) : 0;
   const double agreement = has_many_loops(shape) ? peer.loop_agreement : peer.agreement;
-  if (accelerations <= agreement && multipliers <= agreement) return;
+  if (accelerations <= agreement && multipliers <= agreement) return true;
+  if (agreement == kSoftAgreement) return false;
   std::fprintf(
       stderr,
       "solve_bench: %s and unlatch disagree on %s/%zu: accelerations by %.1e, multipliers by %.1e of the largest "
@@ -114,7 +116,7 @@ std::unique_ptr<Solver> build_checked(const Peer& peer, Shape shape, int n) {
   const Model model = build_solve_model(shape, n);
   std::unique_ptr<Solver> solver = peer.build(model);
   solver->solve();
-  check_or_abort(peer, shape, model, solver->build_solution());
+  if (!check_or_abort(peer, shape, model, solver->build_solution())) return nullptr;
   return solver;
 }
 
@@ -125,6 +127,7 @@ void run_solve(benchmark::State& bench, const Peer& peer, Shape shape) {
   std::unique_ptr<Solver> own;
   std::unique_ptr<Solver>& solver = n <= kKept ? kept[{peer.name, shape, n}] : own;
   if (!solver) solver = build_checked(peer, shape, n);
+  if (!solver) return bench.SkipWithError("its rows yield by more than 5 % of the largest acceleration");
   for (auto _ : bench) {
     solver->solve();
     benchmark::ClobberMemory();

@@ -64,9 +64,9 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
   arena.take(ev.non_tree_bias, plan.non_tree_joints.size());
   const auto loop_rows = static_cast<std::size_t>(plan.loop_rows),
              columns = static_cast<std::size_t>(plan.loop_columns);
-  arena.take(ev.loop_rows, loop_rows);
-  arena.take(ev.loop_ranges, plan.loops.empty() ? 0 : plan.loops.size() + 1);
   const bool dense = plan.closures.empty();
+  arena.take(ev.loop_rows, dense ? loop_rows : 0);
+  arena.take(ev.loop_ranges, !dense || plan.loops.empty() ? 0 : plan.loops.size() + 1);
   arena.take(ev.loop_matrix, dense ? loop_rows * columns : 0);
   arena.take(ev.loop_loads, dense ? (static_cast<std::size_t>(plan.loop_load_rows) + kLoopScratch) * columns : 0);
   arena.take(ev.closures, plan.closures.size());
@@ -74,7 +74,7 @@ void lay_out(const PlanData& plan, Arena& arena, Evaluation& ev) {
     arena.take(*matrix, static_cast<std::size_t>(plan.cluster_blocks) * kBlockNumbers);
   arena.take(ev.cluster_columns, static_cast<std::size_t>(plan.cluster_numbers));
   arena.take(ev.split_columns, plan.loop_slots.size() * kBlockNumbers);
-  arena.take(ev.loop_solution, loop_rows);
+  arena.take(ev.loop_solution, dense ? loop_rows : 0);
   lay_out_split(plan, arena, ev.split);
   for (std::span<double>* pairs : {&ev.pair_distances, &ev.pair_rates}) arena.take(*pairs, plan.contact_pairs.size());
   arena.take(ev.closed_pairs, plan.contact_pairs.size());

@@ -248,7 +248,7 @@ TEST(LoopGraphs, AMastThatIsFullyClosedOrOpenHasFiniteReactionsOrSaysThatItIsSin
       const Residual r = calc_residual(model, s, std::vector<Wrench>(model.bodies.size()));
       EXPECT_LT(std::max(r.forces, r.rows), kAgreement) << units << " units at " << angle;
       for (int i = 0; i < 50 && s.advance().status == StepStatus::kOk; ++i)
-        for (const BodyState& body : s.state.bodies) ASSERT_TRUE(std::isfinite(body.p.x + body.w.z)) << i;
+        for (const auto& body : s.state.bodies) ASSERT_TRUE(std::isfinite(body.p.x + body.w.z)) << i;
     }
 }
 

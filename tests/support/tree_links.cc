@@ -66,18 +66,18 @@ std::vector<TreeLink> build_tree_links(const Model& model) {
   std::vector<std::vector<int>> joints(model.bodies.size());
   std::vector<bool> closes(model.joints.size(), false);
   for (const int j : list_closing_joints(model)) closes[at(j)] = true;
-  TreeLink root{0, kGround, kNone, true};
+  std::vector<TreeLink> links;
   for (int j = 0; j < static_cast<int>(model.joints.size()); ++j) {
     const Joint& joint = model.joints[at(j)];
     if (closes[at(j)]) continue;
     if (joint.base == kGround) {
-      root = {joint.follower, kGround, j, true};
+      links.push_back({joint.follower, kGround, j, true});
       continue;
     }
     joints[at(joint.base)].push_back(j);
     joints[at(joint.follower)].push_back(j);
   }
-  std::vector<TreeLink> links{root};
+  if (links.empty()) links.push_back({0, kGround, kNone, true});
   for (std::size_t k = 0; k < links.size() && k < model.bodies.size(); ++k) {
     const TreeLink link = links[k];
     for (const int j : joints[at(link.body)]) {

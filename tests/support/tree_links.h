@@ -13,7 +13,7 @@ struct TreeLink {
   int joint;               // kNone for a root that is free
   bool child_is_follower;  // the child is the joint's follower
 };
-// Lists links, parents first. The root is the body that is held to the ground first, or body 0. Joints that close loops
+// Lists links, parents first. The roots are the bodies that are held to the ground, or body 0. Joints that close loops
 // over those before them in the list are left out. Throws if the model does not hang together.
 std::vector<TreeLink> build_tree_links(const Model& model);
 // These joints, in the order of the list.

@@ -29,7 +29,8 @@ std::ostream& operator<<(std::ostream& out, const Quaterniond& q) {
 class Document {
  public:
   explicit Document(const Model& model) : model_(model), links_(build_tree_links(model)), children_(links_.size()) {
-    for (std::size_t k = 1; k < links_.size(); ++k) children_[static_cast<std::size_t>(links_[k].parent)].push_back(k);
+    for (std::size_t k = 0; k < links_.size(); ++k)
+      if (links_[k].parent != kGround) children_[static_cast<std::size_t>(links_[k].parent)].push_back(k);
     out_.precision(17);
     // boundmass, balanceinertia and similar options stay off: masses are used unchanged.
     const std::vector<int> closing = list_closing_joints(model);
@@ -37,7 +38,8 @@ class Document {
     out_ << "<mujoco><compiler angle='radian'/><size njmax='" << kMostRows * closing.size() + 1
          << "' nconmax='1'/><option gravity='" << model.gravity.uniform << "' iterations='100' tolerance='1e-12'>"
          << "<flag contact='disable' " << flags << "/></option><worldbody>";
-    write_body(links_[0]);
+    for (const TreeLink& link : links_)
+      if (link.parent == kGround) write_body(link);
     out_ << "</worldbody><equality>";
     for (const int j : closing) write_closing(get_closing_joint(model, j));
     out_ << "</equality></mujoco>";
