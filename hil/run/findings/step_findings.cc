@@ -104,9 +104,9 @@ void judge_loops(const Plan& plan, std::vector<Finding>& findings) {
   if (times < kWide) return;
   findings.push_back(
       {"loops", "",
-       format("at most %d of %d closed loops are open at one body%s: they take the solver some %.0f times the work of "
-              "the rest, so look whether a run keeps up",
-              overlap.widest, overlap.loops,
+       format("of the closed loops, %d in all, at most %d are open at one body%s: they take the solver some %.0f times "
+              "the work of the rest, so look whether a run keeps up",
+              overlap.loops, overlap.widest,
               overlap.local ? "" : ", since a flexible body on the way of one leaves all to one dense matrix", times)});
 }
 
