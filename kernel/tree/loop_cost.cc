@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "kernel/plan/plan_data.h"
-#include "unlatch/loops.h"
+#include "unlatch/redundancy.h"
 
 namespace unlatch {
 namespace {

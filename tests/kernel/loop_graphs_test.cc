@@ -17,7 +17,7 @@
 #include "tests/support/small_models.h"
 #include "tests/support/solve_comparison.h"
 #include "unlatch/energy.h"
-#include "unlatch/loops.h"
+#include "unlatch/redundancy.h"
 
 namespace unlatch::test {
 namespace {

@@ -10,7 +10,7 @@
 #include "hil/run/notices/resolution.h"
 #include "hil/scenario/model/index.h"
 #include "unlatch/contacts.h"
-#include "unlatch/loops.h"
+#include "unlatch/redundancy.h"
 
 namespace unlatch::hil {
 namespace {

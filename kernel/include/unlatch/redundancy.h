@@ -1,5 +1,5 @@
-// Redundant rows of closed loops: rows that follow from the others, so that the reactions are not unique. They are
-// split by the stiffnesses of the joints, Joint::share.
+// Closed loops. Their redundant rows: rows that follow from the others, so that the reactions are not unique; they are
+// split by the stiffnesses of the joints, Joint::share. And what loops cost, estimated before anything runs.
 #pragma once
 
 #include <cstdint>
@@ -22,5 +22,16 @@ struct RedundantRows {
 
 // At the state that the workspace's outputs are of; empty if every reaction is unique. Allocates.
 std::vector<RedundantRows> list_redundant_rows(const Plan& plan, const State& state, const Workspace& workspace);
+
+// Multiplications of one factorisation and solution; a sub-step has five and one more solution. Loops count with all rows
+// that their joints can hold: where some are redundant, or kept only at the beginning of a sub-step, they take less.
+struct LoopCost {
+  std::int32_t clusters = 0;  // sets of loops that share bodies or meet others that do: each is eliminated by itself
+  std::int64_t tree = 0;      // without its loops
+  std::int64_t loops = 0;     // what these add; grows with the square of the loops that are open at one body
+};
+
+// Estimates it from the plan alone. Time and memory: linear in the size of the plan.
+LoopCost calc_loop_cost(const Plan& plan);
 
 }  // namespace unlatch

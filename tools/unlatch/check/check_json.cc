@@ -9,7 +9,6 @@
 #include "tools/unlatch/check/check_findings.h"
 #include "tools/unlatch/options/scenario_notes.h"
 #include "tools/unlatch/results/redundancy.h"
-#include "unlatch/loops.h"
 
 namespace unlatch::tools {
 namespace {

@@ -23,7 +23,7 @@
 #include "tools/unlatch/options/scenario_options.h"
 #include "tools/unlatch/results/redundancy.h"
 #include "tools/unlatch/studies/optimize_report.h"
-#include "unlatch/loops.h"
+#include "unlatch/redundancy.h"
 
 namespace unlatch::tools {
 namespace {
