@@ -5,6 +5,7 @@
 #include <random>
 #include <utility>
 
+#include "hil/run/notices/table_exit.h"
 #include "hil/session/realtime/clock.h"
 #include "hil/session/realtime/executive_timing.h"
 
@@ -72,6 +73,7 @@ void FastRun::end_tick(const StepReport& report) {
     end_.status = RunStatus::kFaulted;
     end_.step_status = static_cast<std::int32_t>(report.status);
     end_.joint = report.joint;
+    fault_ = report;
     return;
   }
   if (analysis_ != nullptr) analysis_->update(report);
@@ -89,7 +91,7 @@ LogEnd FastRun::finish() {
   end_.tick = simulation_.get_tick();
   end_.hash = simulation_.calc_hash();
   if (end_.status == RunStatus::kFaulted)
-    end_.message = describe_fault(end_, simulation_.model(), simulation_.plan().get_options().dt);
+    end_.message = describe_fault(fault_, end_.tick, simulation_.model(), simulation_.plan().get_options().dt);
   return end_;
 }
 
@@ -113,13 +115,13 @@ LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorde
   return end;
 }
 
-std::string describe_fault(const LogEnd& end, const Model& model, double dt) {
-  std::string text = get_status_text(static_cast<StepStatus>(end.step_status));
-  if (end.joint >= 0 && static_cast<std::size_t>(end.joint) < model.joints.size()) {
-    text += " at joint '" + model.joints[static_cast<std::size_t>(end.joint)].name + "'";
-  }
-  return text + ", tick " + std::to_string(end.tick) + " (t = " + std::to_string(static_cast<double>(end.tick) * dt) +
-         " s)";
+std::string describe_fault(const StepReport& report, std::int64_t tick, const Model& model, double dt) {
+  std::string text = get_status_text(report.status);
+  if (report.joint >= 0 && static_cast<std::size_t>(report.joint) < model.joints.size())
+    text += " at joint '" + model.joints[static_cast<std::size_t>(report.joint)].name + "'";
+  if (report.table >= 0 && static_cast<std::size_t>(report.table) < model.tables.size())
+    text += ": " + describe_exit(model.tables[static_cast<std::size_t>(report.table)], report.exit);
+  return text + ", tick " + std::to_string(tick) + " (t = " + std::to_string(static_cast<double>(tick) * dt) + " s)";
 }
 
 }  // namespace unlatch::hil

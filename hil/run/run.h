@@ -51,6 +51,7 @@ class FastRun {
   const std::int64_t last_tick_;
   const Look look_;
   LogEnd end_;
+  StepReport fault_;  // of the step that failed
 };
 
 // Steps as fast as possible to `last_tick`, with analysis, and with recording if `recorder` is not null. Another thread
@@ -58,7 +59,7 @@ class FastRun {
 LogEnd run_fast(Simulation& simulation, RunAnalysis& analysis, Recorder* recorder, std::int64_t last_tick,
                 const std::atomic<bool>& stop, const std::function<void()>& look);
 
-// Description of a failed step: "singular pivot at joint 'nose1', tick 412 (t = 0.412 s)".
-std::string describe_fault(const LogEnd& end, const Model& model, double dt);
+// Description of a step that failed at a tick: "singular pivot at joint 'nose1', tick 412 (t = 0.412 s)".
+std::string describe_fault(const StepReport& report, std::int64_t tick, const Model& model, double dt);
 
 }  // namespace unlatch::hil

@@ -13,8 +13,7 @@ using QuantityKind = unlatch::Quantity::Kind;
 
 bool is_written(const QuantityTraits& traits) {
   return traits.of != SubjectOf::kNothing && traits.kind != QuantityKind::kOneSidedForce &&
-         traits.kind != QuantityKind::kReach && traits.kind != QuantityKind::kLaw &&
-         traits.kind != QuantityKind::kOnTime;
+         traits.kind != QuantityKind::kReach && traits.kind != QuantityKind::kLaw;
 }
 
 std::string show(const Eigen::Vector3d& v) {

@@ -199,7 +199,9 @@ void ScenarioReader::read(const YamlNode& root) {
   read_joints(top);
   read_elements(top);
   read_contacts(top);
+  read_tables(top);
   read_quantities(top);
+  compile_element_laws();
   read_sensors(top);
   read_events(top);
   add_touches();

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <map>
 #include <span>
 #include <tuple>
 
 #include "kernel/laws/law_graph.h"
 #include "kernel/laws/law_model.h"
+#include "kernel/laws/table_weights.h"
 #include "unlatch/quantities.h"
 
 namespace unlatch {
@@ -31,42 +33,12 @@ void compile_buckets(std::span<const double> knots, PlanLawLists<GrowingList>& p
   }
 }
 
-// Slope at knot p of the parabola through three knots from `first` on, as weights of their values; of two knots that of
-// the line.
-struct Slope {
-  std::int32_t first, count;
-  double weights[3];
-};
-Slope calc_slope(std::span<const double> knots, std::int32_t p) {
-  const std::int32_t n = get_size(knots);
-  if (n == 2) return {0, 2, {-1 / (knots[1] - knots[0]), 1 / (knots[1] - knots[0]), 0}};
-  const std::int32_t first = std::clamp(p - 1, 0, n - 3);
-  const double a = knots[at(first)], b = knots[at(first + 1)], c = knots[at(first + 2)], x = knots[at(p)];
-  return {first,
-          3,
-          {((x - b) + (x - c)) / ((a - b) * (a - c)), ((x - a) + (x - c)) / ((b - a) * (b - c)),
-           ((x - a) + (x - b)) / ((c - a) * (c - b))}};
-}
-
-// Cubic of Hermite of each cell over u, 0 to 1, as polynomials of the weights of its support.
+// Weights of each cell's support, as polynomials.
 void compile_cells(std::span<const double> knots, PlanLawLists<GrowingList>& plan, PlanTableAxis& axis) {
   axis.cells = get_size(plan.numbers);
-  for (std::int32_t cell = 0; cell + 1 < axis.count; ++cell) {
-    const std::int32_t first = std::clamp(cell - 1, 0, axis.count - axis.support);
-    const double width = knots[at(cell + 1)] - knots[at(cell)];
-    double c[kCellKnots][4]{};
-    const auto add = [&](std::int32_t knot, double weight, double u, double u2, double u3) {
-      double* own = c[knot - first];
-      own[1] += weight * u, own[2] += weight * u2, own[3] += weight * u3;
-    };
-    c[cell - first][0] = 1;
-    add(cell, 1, 0, -3, 2);
-    add(cell + 1, 1, 0, 3, -2);
-    const Slope left = calc_slope(knots, cell), right = calc_slope(knots, cell + 1);
-    for (std::int32_t k = 0; k < left.count; ++k) add(left.first + k, left.weights[k] * width, 1, -2, 1);
-    for (std::int32_t k = 0; k < right.count; ++k) add(right.first + k, right.weights[k] * width, 0, -1, 1);
-    for (const auto& own : c) plan.numbers.insert(plan.numbers.end(), std::begin(own), std::end(own));
-  }
+  for (std::int32_t cell = 0; cell + 1 < axis.count; ++cell)
+    for (const std::array<double, 4>& weight : calc_cell_weights(knots, cell))
+      plan.numbers.insert(plan.numbers.end(), weight.begin(), weight.end());
 }
 
 class TableCompiler {
@@ -120,6 +92,10 @@ class TableCompiler {
     }
     out.values = get_size(plan_.numbers);
     plan_.numbers.insert(plan_.numbers.end(), table.values.begin(), table.values.end());
+    if (!out.smooth) return out;
+    const std::span<double> numbers = std::span(plan_.numbers).subspan(at(out.values));
+    for (std::size_t a = 0; a < table.axes.size(); ++a)
+      solve_spline(table.axes[a].knots, numbers, plan_.axes[at(out.first_axis) + a].stride);
     return out;
   }
 

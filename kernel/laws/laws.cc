@@ -145,7 +145,8 @@ double calc_law(const Instant& now, const Evaluation& ev, int law) noexcept {
 void update_laws(const Instant& now, LawSet set, Evaluation& ev) noexcept {
   const PlanLaws& plan = now.plan.laws;
   const bool driving = set == LawSet::kDriving;
-  const std::size_t first_laws = at(now.plan.law_numbers.driving), first_operands = at(now.plan.law_numbers.driving_operands);
+  const std::size_t first_laws = at(now.plan.law_numbers.driving),
+                    first_operands = at(now.plan.law_numbers.driving_operands);
   if (driving) std::fill(ev.table_exits.begin(), ev.table_exits.end(), TableExit{});
   const std::size_t operands = plan.operands.size(), laws = plan.order.size();
   for (std::size_t i = driving ? 0 : first_operands; i < (driving ? first_operands : operands); ++i)

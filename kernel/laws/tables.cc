@@ -38,38 +38,41 @@ AxisPlace place_smoothly(const PlanLaws& plan, const PlanTableAxis& axis, std::i
   return place;
 }
 
-// Sum over the axes from this one on, the last one innermost. A linear axis goes from the first value to the second.
-template <int axes, bool smooth>
+// Sum over the axes from this one on, the last one, whose values stand side by side, innermost. A linear axis goes from
+// the first value to the second.
+// `support`: of every smooth axis; 0: each has its own.
+template <int axes, bool smooth, int support>
 UNLATCH_INLINE double contract(const AxisPlace* axis, const double* values) {
   if constexpr (axes == 0) {
     return *values;
   } else if constexpr (smooth) {
-    double sum = axis->weights[0] * contract<axes - 1, smooth>(axis + 1, values);
-    for (std::ptrdiff_t k = 1; k < axis->support; ++k)
-      sum += axis->weights[k] * contract<axes - 1, smooth>(axis + 1, values + k * axis->stride);
+    const std::ptrdiff_t stride = axes == 1 ? 1 : axis->stride, count = support > 0 ? support : axis->support;
+    double sum = axis->weights[0] * contract<axes - 1, smooth, support>(axis + 1, values);
+    for (std::ptrdiff_t k = 1; k < count; ++k)
+      sum += axis->weights[k] * contract<axes - 1, smooth, support>(axis + 1, values + k * stride);
     return sum;
   } else {
-    const double a = contract<axes - 1, smooth>(axis + 1, values);
-    const double b = contract<axes - 1, smooth>(axis + 1, values + axis->stride);
+    const double a = contract<axes - 1, smooth, support>(axis + 1, values),
+                 b = contract<axes - 1, smooth, support>(axis + 1, values + axis->stride);
     return a + (b - a) * axis->weights[0];
   }
 }
 
-template <bool smooth>
+template <bool smooth, int support>
 double contract_all(std::int32_t axes, const AxisPlace* places, const double* values) {
   switch (axes) {
     case 1:
-      return contract<1, smooth>(places, values);
+      return contract<1, smooth, support>(places, values);
     case 2:
-      return contract<2, smooth>(places, values);
+      return contract<2, smooth, support>(places, values);
     case 3:
-      return contract<3, smooth>(places, values);
+      return contract<3, smooth, support>(places, values);
     case 4:
-      return contract<4, smooth>(places, values);
+      return contract<4, smooth, support>(places, values);
     case 5:
-      return contract<5, smooth>(places, values);
+      return contract<5, smooth, support>(places, values);
     default:
-      return contract<6, smooth>(places, values);
+      return contract<6, smooth, support>(places, values);
   }
 }
 
@@ -82,6 +85,7 @@ void leave(TableExit& exit, std::int32_t axis, double x, TableAxis::End end) {
 double calc_table(const PlanLaws& plan, const PlanTable& table, const double* at_axis, TableExit& exit) noexcept {
   AxisPlace places[kMostTableAxes];
   const double* values = &plan.numbers[at(table.values)];
+  bool full = true;  // every axis has enough knots
   for (std::int32_t i = 0; i < table.axis_count; ++i) {
     const PlanTableAxis& axis = plan.axes[at(table.first_axis + i)];
     const double *knots = &plan.numbers[at(axis.knots)], x = at_axis[i];
@@ -102,14 +106,16 @@ double calc_table(const PlanLaws& plan, const PlanTable& table, const double* at
     }
     if (table.smooth) {
       places[i] = place_smoothly(plan, axis, cell, u, values);
+      full = full && axis.support == kCellKnots;
     } else {
       places[i].weights[0] = u;
       places[i].stride = axis.stride;
       values += static_cast<std::ptrdiff_t>(cell) * axis.stride;
     }
   }
-  return table.smooth ? contract_all<true>(table.axis_count, places, values)
-                      : contract_all<false>(table.axis_count, places, values);
+  if (!table.smooth) return contract_all<false, 0>(table.axis_count, places, values);
+  return full ? contract_all<true, kCellKnots>(table.axis_count, places, values)
+              : contract_all<true, 0>(table.axis_count, places, values);
 }
 
 }  // namespace unlatch

@@ -88,7 +88,7 @@ unlatch_status Engine::fault(const StepReport& report) noexcept {
     end.step_status = static_cast<std::int32_t>(report.status);
     end.joint = report.joint;
     end.tick = simulation_->get_tick();
-    const std::string text = hil::describe_fault(end, scenario_.model, scenario_.dt);
+    const std::string text = hil::describe_fault(report, end.tick, scenario_.model, scenario_.dt);
     if (recording_) {
       end.message = text;
       close_recording(std::move(end));

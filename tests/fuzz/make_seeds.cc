@@ -190,7 +190,7 @@ int main(int count, char** arguments) {
   }
   const fs::path folder(arguments[1]);
   for (const char* target : {"messages", "dds", "log", "checkpoint", "session", "scenario", "override", "faults",
-                             "modes", "calculix", "lcm", "udp", "campaign", "fmu", "plan_image"}) {
+                             "modes", "csv", "expression", "calculix", "lcm", "udp", "campaign", "fmu", "plan_image"}) {
     fs::remove_all(folder / target);
     fs::create_directories(folder / target);
   }

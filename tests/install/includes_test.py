@@ -94,7 +94,7 @@ class IncludesTest(unittest.TestCase):
 
     def test_no_folder_is_a_list(self):
         several = 20  # headers and sources, some ten pairs; more belong into folders by subject
-        most_public = 24  # public headers stand in one list, which users include by name
+        most_public = 28  # public headers stand in one list, which users include by name
         for module in MODULES:
             for folder in [ROOT / module, *(path for path in (ROOT / module).rglob("*") if path.is_dir())]:
                 files = [path for path in folder.iterdir() if path.suffix in (".h", ".cc")]

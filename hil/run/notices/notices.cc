@@ -9,6 +9,7 @@
 #include "hil/run/notices/format.h"
 #include "hil/run/notices/friction_resolution.h"
 #include "hil/run/notices/resolution.h"
+#include "hil/run/notices/table_exit.h"
 #include "hil/scenario/model/from_eigen.h"
 #include "hil/scenario/model/index.h"
 #include "unlatch/contacts.h"
@@ -49,6 +50,7 @@ NoticeWatch::NoticeWatch(const Scenario& scenario, const Simulation& simulation,
       pointless_(scenario.model.point_springs.size()),
       pointless_sided_(scenario.model.one_sided.size()),
       profile_notices_(scenario.model.loads.size()),
+      left_(scenario.model.tables.size()),
       courses_(scenario.model.channels.size()),
       memory_(simulation.plan().get_workspace_bytes() + kAlignment) {
   void* first = memory_.data();
@@ -118,6 +120,7 @@ void NoticeWatch::update(const StepReport& report) {
     }
   }
   if (!begun_ || !report.events.empty()) watch_springs();
+  watch_tables();
   watch_directions();
   watch_profiles();
   watch_contacts();
@@ -165,8 +168,9 @@ void NoticeWatch::watch_springs() {
                           size)
                  : describe_size(what, size);
     };
-    report(stiff_[i], "spring", scenario_.model.element_name(e.element), size, describe,
-           e.implicit || size <= kUnresolvedSize ? std::vector<int>{} : list_element_bodies(scenario_.model, e.element));
+    report(
+        stiff_[i], "spring", scenario_.model.element_name(e.element), size, describe,
+        e.implicit || size <= kUnresolvedSize ? std::vector<int>{} : list_element_bodies(scenario_.model, e.element));
   }
 }
 
@@ -198,6 +202,20 @@ void NoticeWatch::watch_profiles() {
                 error);
           },
           bodies);
+  }
+}
+
+// Tables that are left where this is a notice.
+void NoticeWatch::watch_tables() {
+  const std::span<const TableExit> exits = simulation_.workspace().table_exits;
+  for (std::size_t i = 0; i < exits.size(); ++i) {
+    const TableExit& exit = exits[i];
+    if (exit.axis == kNone || exit.end != TableAxis::End::kNotice) continue;
+    const Table& table = scenario_.model.tables[i];
+    const std::vector<double>& knots = table.axes[at(exit.axis)].knots;
+    const double beyond = std::max(knots.front() - exit.value, exit.value - knots.back());
+    report(left_[i], "table", table.name, beyond / (knots.back() - knots.front()),
+           [&] { return describe_exit(table, exit) + ": the value at the end holds"; });
   }
 }
 

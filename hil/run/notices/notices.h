@@ -18,6 +18,7 @@
 //              inaccurate instant, a touch that may have been missed
 //   drift      a row's position residual; norm: that of a body's quaternion
 //   direction* a loaded spring whose two points coincide, to kCoincident, at a tick: its force has no direction
+//   table      a table whose axis says `ends: notice` was looked up beyond its ends, at a tick
 //   energy*    energy that no force explains, beyond kEnergyNotice of the largest: a notice; beyond kEnergyFailure
 //   every
 //              body is unresolved
@@ -84,6 +85,7 @@ class NoticeWatch {
   void watch_springs();
   void watch_directions();
   void watch_profiles();
+  void watch_tables();
   [[nodiscard]] Vec3 calc_point(int body, const Eigen::Vector3d& point) const;
   void watch_contacts();
   void watch_friction(bool modes_are_new);
@@ -105,6 +107,7 @@ class NoticeWatch {
   std::vector<bool> denormal_, restless_;          // reported bodies, channels
   std::vector<bool> pointless_, pointless_sided_;  // reported point springs, one-sided forces
   std::vector<Slot> profile_notices_;              // of loads
+  std::vector<Slot> left_;                         // of tables
   std::vector<ProfileWatch> profiles_;             // of loads
   std::vector<ElementMobility> mobilities_;        // in the present modes
   std::vector<Course> courses_;

@@ -1,4 +1,4 @@
-// Elements of type aerodynamics: coefficients as numbers and sums of them.
+// Elements of type aerodynamics: coefficients as numbers, expressions and sums of them.
 #include <array>
 
 #include "hil/scenario/language/bounded_number.h"
@@ -54,10 +54,19 @@ void ScenarioReader::read_aerodynamics(YamlMap& map, Aerodynamics air) {
   model_.aerodynamics.push_back(std::move(air));
 }
 
-// A number, or a list of these, which is their sum.
+// A number, an expression, or a list of these, which is their sum.
 void ScenarioReader::read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air) {
   if (node.is_sequence()) {
     for (const YamlNode& item : node.items) read_coefficient(item, term, air);
+    return;
+  }
+  if (node.is_mapping()) {
+    YamlMap map(node, "a coefficient", mistakes_);
+    if (map.require("expression") != nullptr) {
+      term.law = read_law(map, "", "coefficient " + std::to_string(air.terms.size() + 1) + " of " + air.name, air.name);
+      air.terms.push_back(term);
+    }
+    map.finish();
     return;
   }
   term.value = read_number(node, "", 0.0, mistakes_);

@@ -3,6 +3,7 @@
 
 #include "hil/scenario/model/index.h"
 #include "hil/scenario/sections/scenario_reader.h"
+#include "unlatch/elementary.h"
 
 namespace unlatch::hil {
 
@@ -117,10 +118,8 @@ const std::vector<ScenarioReader::ElementType>& ScenarioReader::get_element_type
       {"cord", [](Reader& r, YamlMap& map, const std::string& name) { r.read_cord(map, make_named<OneSided>(name)); }},
       {"joint_friction",
        [](Reader& r, YamlMap& map, const std::string& name) { r.read_friction(map, make_named<JointFriction>(name)); }},
-      {"aerodynamics",
-       [](Reader& r, YamlMap& map, const std::string& name) {
-         r.read_aerodynamics(map, make_named<Aerodynamics>(name));
-       }},
+      {"aerodynamics", [](Reader& r, YamlMap& map,
+                          const std::string& name) { r.read_aerodynamics(map, make_named<Aerodynamics>(name)); }},
   };
   return kTypes;
 }
@@ -136,6 +135,20 @@ void ScenarioReader::read_element(const std::string& name, const YamlNode& node)
   map.finish();
 }
 
+// What a force has beside where it should be: `offset` of its point, and `misalignment`, the rotation vector by which
+// its direction is turned, both in the axes of the direction.
+void ScenarioReader::read_misalignment(YamlMap& map, Load& load) {
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  load.point += map.vector("offset", "m", none);
+  const Eigen::Vector3d turn = map.vector("misalignment", "rad", none);
+  const double angle = turn.norm();
+  if (angle == 0) return;
+  const Eigen::Vector3d axis = turn / angle, d = load.direction;
+  double sine, cosine;
+  elementary::sincos(angle, sine, cosine);
+  load.direction = d * cosine + axis.cross(d) * sine + axis * (axis.dot(d) * (1 - cosine));
+}
+
 void ScenarioReader::read_load(YamlMap& map, Load load) {
   load.body = map.choice("body", "body", bodies_);
   const bool force = load.kind == Load::Kind::kForce;
@@ -146,7 +159,9 @@ void ScenarioReader::read_load(YamlMap& map, Load load) {
     mistakes_.add(map.find("direction")->mark, "its direction is zero",
                   "a vector along which it acts; `scale: 0` makes it dead");
   load.direction = direction * map.number("scale", "", 1.0);
-  if (const YamlNode* profile = map.require("profile")) load.profile = read_profile(*profile, force ? "N" : "N m");
+  if (force) read_misalignment(map, load);
+  if (const YamlNode* profile = map.require("profile"))
+    load.profile = read_profile(*profile, force ? "N" : "N m", load.name);
   load.channel = map.choice("channel", "channel", channels_, kNone);
   if (force) {
     load.consumption = map.number("consumption", "kg/(N s)", 0.0);
@@ -192,15 +207,15 @@ void ScenarioReader::read_plane_torsion(YamlMap& map, PlaneTorsion torsion) {
   model_.plane_torsions.push_back(std::move(torsion));
 }
 
-// Reads a profile. A number alone is constant.
-Profile ScenarioReader::read_profile(const YamlNode& node, const std::string& unit) {
+// Reads a profile of an element. A number alone is constant.
+Profile ScenarioReader::read_profile(const YamlNode& node, const std::string& unit, const std::string& element) {
   Profile profile;
   if (node.is_scalar()) {
     profile.value = read_number(node, unit, 0.0, mistakes_);
     return profile;
   }
   YamlMap map(node, "a profile", mistakes_);
-  const std::string kind = map.only_one_of({"constant", "exponential", "table", "harmonic"}, "a kind");
+  const std::string kind = map.only_one_of({"constant", "exponential", "table", "harmonic", "expression"}, "a kind");
   if (kind == "constant") profile.value = map.number("constant", unit);
   if (kind == "exponential") {
     profile.kind = Profile::Kind::kExponential;
@@ -228,6 +243,10 @@ Profile ScenarioReader::read_profile(const YamlNode& node, const std::string& un
       profile.harmonics.push_back({amplitude, frequency, inner.number("phase", "rad", 0.0)});
       inner.finish();
     }
+  }
+  if (kind == "expression") {
+    profile.kind = Profile::Kind::kLaw;
+    profile.law = read_law(map, unit, "profile of " + element, element);
   }
   map.finish();
   return profile;

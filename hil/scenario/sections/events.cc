@@ -27,6 +27,7 @@ const std::vector<std::string>& list_condition_keys() {
   static const std::vector<std::string> keys = [] {
     std::vector<std::string> list = list_own_keys();
     list.emplace_back("quantity");
+    list.emplace_back("expression");
     for (const std::string& key : list_quantity_keys())
       if (std::ranges::find(list, key) == list.end()) list.push_back(key);
     return list;

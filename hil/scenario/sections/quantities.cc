@@ -8,6 +8,20 @@
 
 namespace unlatch::hil {
 
+namespace {
+
+// Keys of quantities, and that of an expression.
+const std::vector<std::string>& list_all_keys() {
+  static const std::vector<std::string> keys = [] {
+    std::vector<std::string> list = list_quantity_keys();
+    list.emplace_back("expression");
+    return list;
+  }();
+  return keys;
+}
+
+}  // namespace
+
 std::string get_si(const Model& model, const unlatch::Quantity& quantity) {
   if (quantity.kind == unlatch::Quantity::Kind::kCommand)
     return get_si(model.channels[static_cast<std::size_t>(quantity.subject)]);
@@ -16,16 +30,35 @@ std::string get_si(const Model& model, const unlatch::Quantity& quantity) {
 }
 
 void ScenarioReader::read_quantities(YamlMap& top) {
+  std::vector<std::pair<int, const YamlNode*>> expressions;  // once all others are known
   for_each_named(top, "quantities", "quantity", [&](const std::string& name, const YamlNode& node) {
     YamlMap map(node, "quantity '" + name + "'", mistakes_);
-    const std::string kind = map.only_one_of(list_quantity_keys(), "to say what it is");
+    // `scale` is also the key of a quantity.
+    const bool is_expression = map.find("expression") != nullptr;
+    const std::string kind = is_expression ? "expression" : map.only_one_of(list_all_keys(), "to say what it is");
+    if (is_expression)
+      for (const char* const key : {"unit", "scale", "offset", "scale_channel", "offset_channel"}) map.find(key);
     map.finish();
     if (kind.empty()) return;
-    unlatch::Quantity quantity = read_model_quantity(kind, *map.find(kind));
+    unlatch::Quantity quantity;
+    if (is_expression) {
+      quantity.kind = unlatch::Quantity::Kind::kLaw;
+      quantity.subject = add_law(name, node);
+      expressions.emplace_back(quantity.subject, &node);
+    } else {
+      quantity = read_model_quantity(kind, *map.find(kind));
+    }
     quantity.name = name;
     model_.quantities.push_back(std::move(quantity));
   });
   scenario_.named_quantities = model_.quantities.size();
+  for (const auto& [law, node] : expressions) {
+    const std::string where = "quantity '" + model_.laws[static_cast<std::size_t>(law)].name + "'";
+    read_item_at(where, *node, [&, number = law, at = node] {
+      YamlMap map(*at, where, mistakes_);
+      read_expression_quantity(map, number);
+    });
+  }
 }
 
 // Index of the quantity that `kind` says: `quantity`, the name of one, or the key of its kind.
@@ -39,10 +72,19 @@ int ScenarioReader::read_quantity_index(const std::string& kind, const YamlNode&
   const YamlNode* value = &node;
   if (kind == "quantity") {
     YamlMap map(node, "a quantity", mistakes_);
-    own = map.only_one_of(list_quantity_keys(), "to say what it is");
+    own = map.only_one_of(list_all_keys(), "to say what it is");
     map.finish();
     if (own.empty()) return 0;
     value = node.find(own);
+  }
+  if (own == "expression") {
+    unlatch::Quantity quantity;
+    quantity.kind = unlatch::Quantity::Kind::kLaw;
+    quantity.name = "expression#" + std::to_string(model_.laws.size() + 1);
+    quantity.subject = add_law(quantity.name, *value);
+    compile_law(quantity.subject, *value, std::nullopt, "");
+    model_.quantities.push_back(std::move(quantity));
+    return static_cast<int>(model_.quantities.size()) - 1;
   }
   const std::string name = own + "#" + std::to_string(model_.quantities.size() - scenario_.named_quantities + 1);
   read_item_at("quantity '" + name + "'", *value, [&] {

@@ -21,6 +21,7 @@ const std::vector<std::string> kQuantities{"clearance", "rate",     "time",     
 const std::vector<std::string>& list_keys() {
   static const std::vector<std::string> keys = [] {
     std::vector<std::string> list = kQuantities;
+    list.emplace_back("expression");
     for (const std::string& key : list_quantity_keys())
       if (std::ranges::find(list, key) == list.end()) list.push_back(key);
     return list;

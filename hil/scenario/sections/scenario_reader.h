@@ -50,6 +50,7 @@ class ScenarioReader {
   void read_joints(YamlMap& top);
   void read_elements(YamlMap& top);
   void read_contacts(YamlMap& top);
+  void read_tables(YamlMap& top);
   void read_quantities(YamlMap& top);
   void read_sensors(YamlMap& top);
   void read_events(YamlMap& top);
@@ -108,13 +109,14 @@ class ScenarioReader {
   };
   static const std::vector<ElementType>& get_element_types();
   void read_element(const std::string& name, const YamlNode& node);
+  void read_misalignment(YamlMap& map, Load& load);
   void read_load(YamlMap& map, Load load);
   void read_point_spring(YamlMap& map, PointSpring spring);
   void read_joint_spring(YamlMap& map, JointSpring spring);
   void read_plane_torsion(YamlMap& map, PlaneTorsion torsion);
   void read_aerodynamics(YamlMap& map, Aerodynamics air);
   void read_coefficient(const YamlNode& node, AeroTerm term, Aerodynamics& air);
-  Profile read_profile(const YamlNode& node, const std::string& unit);
+  Profile read_profile(const YamlNode& node, const std::string& unit, const std::string& element);
 
   // Contacts.
   void read_contact(const std::string& name, const YamlNode& node);
@@ -144,6 +146,40 @@ class ScenarioReader {
   void read_group_channels(const YamlNode& node, RateGroup& group);
   void read_group_sensors(const YamlNode& node, RateGroup& group);
   void check_channels_belong_to_one_group(const YamlNode& node);
+
+  // Tables and laws.
+  struct TableSource {
+    TableSignature signature;
+    std::vector<const YamlNode*> of;  // per axis; null: it does not say
+    bool is_open = false;             // its axes are being compiled
+  };
+  struct ElementLaw {
+    int law;
+    const YamlNode* node;
+    std::string unit, element;
+  };
+  class Names;
+  Quantity read_unit(YamlMap& map);
+  void read_table(const std::string& name, const YamlNode& node);
+  void read_table_numbers(const YamlNode& node, Quantity& unit, std::vector<double>& to);
+  void read_table_ends(YamlMap& map, TableAxis& axis);
+  void read_table_axis(const std::string& name, const YamlNode& node, bool inline_knots, Table& table,
+                       TableSource& source);
+  void read_table_file(YamlMap& map, const YamlNode& file, Table& table, TableSource& source);
+  // Factor and offset of a law or a table; `unit` of its values.
+  template <class Scaled>
+  void read_scaling(YamlMap& map, const std::string& unit, Scaled& item) {
+    item.scale = map.number("scale", "", 1.0);
+    item.offset = map.number("offset", unit, 0.0);
+    item.scale_channel = map.choice("scale_channel", "channel", channels_, kNone);
+    item.offset_channel = map.choice("offset_channel", "channel", channels_, kNone);
+  }
+  int add_law(const std::string& name, const YamlNode& node);
+  int read_law(YamlMap& map, const std::string& unit, const std::string& name, const std::string& element);
+  void compile_law(int law, const YamlNode& node, const std::optional<std::string>& unit, const std::string& element);
+  void compile_steps(int law, const YamlNode& node, const std::optional<std::string>& unit, const std::string& element);
+  void compile_element_laws();
+  void read_expression_quantity(YamlMap& map, int law);
 
   // Quantities.
   int read_quantity_index(const std::string& kind, const YamlNode& node);
@@ -199,6 +235,9 @@ class ScenarioReader {
   std::vector<std::pair<std::string, int>> event_names_;  // name or name:subject, index; kNone for disabled ones
   std::vector<std::pair<std::size_t, const YamlNode*>> awaited_events_;  // per quantity that is the time since one
   std::vector<Event> parting_joints_, cord_events_;                      // see append_events()
+  std::vector<TableSource> tables_;                                      // as Model::tables
+  std::set<int> open_laws_;                                              // that have no steps yet
+  std::vector<ElementLaw> element_laws_;                                 // likewise, of elements
   std::vector<Placement> placements_;
   Start::Origin origin_ = Start::Origin::kKept;  // of W, beside the planet
   const YamlNode* origin_node_ = nullptr;

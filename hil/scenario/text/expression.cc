@@ -7,18 +7,17 @@
 #include <optional>
 #include <vector>
 
-#include "hil/scenario/text/count.h"
+#include "hil/scenario/text/operands.h"
 #include "hil/scenario/text/suggestion.h"
 #include "hil/scenario/text/utf8.h"
-#include "unlatch/elementary.h"
 
 namespace unlatch::hil {
 namespace {
 
-constexpr std::size_t kMaxBytes = 256;
+constexpr std::size_t kMaxBytes = 256, kMaxLawBytes = 4096;
 constexpr int kMaxDepth = 24, kMaxExponent = 8;
 constexpr double kStandardGravity = 9.80665;  // m/s2
-constexpr Dimension kAngle{{0, 0, 0, 1}}, kAcceleration{{1, 0, -2, 0}};
+constexpr Dimension kAcceleration{{1, 0, -2, 0}};
 
 // Common wrong spellings, and their corrections.
 constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
@@ -66,43 +65,10 @@ std::string correct_name(const std::string& name, const std::vector<std::string>
   return nearest == nullptr ? "" : "did you mean '" + *nearest + "'?";
 }
 
-const std::vector<std::string> kFunctions{"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "exp", "abs"};
-
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 std::string quote(std::string_view text) { return "'" + std::string(text) + "'"; }
-
-Dimension add(Dimension a, const Dimension& b, int times) {
-  for (std::size_t i = 0; i < a.exponents.size(); ++i) a.exponents[i] += times * b.exponents[i];
-  return a;
-}
-
-void multiply(Quantity& q, const Quantity& by) {
-  q.value *= by.value;
-  q.dimension = add(q.dimension, by.dimension, 1);
-}
-
-void divide(Quantity& q, const Quantity& by) {
-  if (by.value == 0) throw ExpressionError("a division by zero", "");
-  q.value /= by.value;
-  q.dimension = add(q.dimension, by.dimension, -1);
-}
-
-// A unit with a power, as written.
-struct UnitPower {
-  const Unit* unit;
-  int exponent;
-};
-
-// Applies a unit. Divisors divide: 12 ms is 12 / 1000 s, rounded once.
-void apply(Quantity& q, const UnitPower& power, int sign) {
-  const Unit& unit = *power.unit;
-  const int exponent = sign * power.exponent;
-  for (int i = 0; i < std::abs(exponent); ++i)
-    q.value = exponent > 0 ? q.value / unit.divisor * unit.factor : q.value * unit.divisor / unit.factor;
-  q.dimension = add(q.dimension, unit.dimension, exponent);
-}
 
 // Finds `m`, and `m2` for m^2.
 std::optional<UnitPower> find_unit_power(std::string_view name) {
@@ -113,59 +79,14 @@ std::optional<UnitPower> find_unit_power(std::string_view name) {
   return UnitPower{unit, name.back() - '0'};
 }
 
-double get_plain(const Quantity& q, const std::string& function) {
-  if (q.dimension.is_plain()) return q.value;
-  throw ExpressionError(function + " of " + describe_dimension(q.dimension), function + " takes a plain number");
-}
-
-double get_angle(const Quantity& q, const std::string& function) {
-  if (kAngle.takes(q.dimension)) return q.value;
-  throw ExpressionError(function + " of " + describe_dimension(q.dimension), function + " takes an angle");
-}
-
-Quantity calc_root(const Quantity& q) {
-  Quantity root{std::sqrt(q.value), q.dimension};
-  for (int& exponent : root.dimension.exponents) {
-    if (exponent % 2 != 0) throw ExpressionError("sqrt of " + describe_dimension(q.dimension), "");
-    exponent /= 2;
-  }
-  return root;
-}
-
-// Calls a function of one or two arguments. asin and acos use atan2, which is deterministic.
-Quantity call(const std::string& function, const std::vector<Quantity>& arguments) {
-  const std::size_t wanted = function == "atan2" ? 2 : 1;
-  if (arguments.size() != wanted)
-    throw ExpressionError(function + " of " + count(arguments.size(), "value"),
-                          function + (wanted == 2 ? "(y, x)" : "(x)"));
-  const Quantity& a = arguments[0];
-  if (function == "sqrt") return calc_root(a);
-  if (function == "abs") return {std::abs(a.value), a.dimension};
-  if (function == "atan2") {
-    if (a.dimension != arguments[1].dimension) throw ExpressionError("atan2 of different quantities", "atan2(y, x)");
-    return {elementary::atan2(a.value, arguments[1].value), kAngle};
-  }
-  if (function == "exp") return {elementary::exp(get_plain(a, function)), {}};
-  if (function == "sin") return {elementary::sin(get_angle(a, function)), {}};
-  if (function == "cos") return {elementary::cos(get_angle(a, function)), {}};
-  if (function == "tan") {
-    double sine, cosine;
-    elementary::sincos(get_angle(a, function), sine, cosine);
-    return {sine / cosine, {}};
-  }
-  const double x = get_plain(a, function);
-  if (function == "atan") return {elementary::atan2(x, 1), kAngle};
-  const double other = std::sqrt((1 - x) * (1 + x));
-  return {function == "asin" ? elementary::atan2(x, other) : elementary::atan2(other, x), kAngle};
-}
-
 class Parser {
  public:
-  Parser(std::string_view written, const Constants& constants)
-      : written_(written), own_(replace_symbols(written)), text_(own_), constants_(constants) {}
+  // `names`: of a law; null for a number.
+  Parser(std::string_view written, const Constants& constants, LawNames* names)
+      : written_(written), own_(replace_symbols(written)), text_(own_), constants_(constants), names_(names) {}
 
-  Quantity read() {
-    const Quantity q = read_sum();
+  Operand read() {
+    Operand q = read_sum();
     if (!at_end())
       throw ExpressionError("unexpected " + quote(get_code_point(text_, at_)) + " in " + quote(written_), "");
     return q;
@@ -183,34 +104,26 @@ class Parser {
     return true;
   }
 
-  Quantity read_sum() {
+  Operand read_sum() {
     if (++depth_ > kMaxDepth) throw ExpressionError("more than 24 parentheses in each other", "name parts of it");
-    Quantity sum = read_product();
+    Operand sum = read_product();
     while (peek() == '+' || peek() == '-') {
-      const double sign = text_[at_++] == '+' ? 1 : -1;
-      const Quantity term = read_product();
-      const bool same = sum.dimension.takes(term.dimension) || term.dimension.takes(sum.dimension);
-      const auto is_zero = [](const Quantity& q) { return q.dimension.is_plain() && q.value == 0; };
-      if (!same && !is_zero(sum) && !is_zero(term))  // zero is accepted in every unit
-        throw ExpressionError(
-            "a sum of " + describe_dimension(sum.dimension) + " and " + describe_dimension(term.dimension),
-            "give both the same unit");
-      if (same ? !sum.dimension.takes(term.dimension) : is_zero(sum)) sum.dimension = term.dimension;
-      sum.value += sign * term.value;
+      const bool subtracts = text_[at_++] == '-';
+      add(sum, read_product(), subtracts);
     }
     --depth_;
     return sum;
   }
 
-  Quantity read_product() {
-    Quantity product{1, {}};
+  Operand read_product() {
+    Operand product{{1, {}}, {}};
     if (const auto unit = take_unit())
-      apply(product, *unit, 1);
+      apply_unit(product, *unit, 1);
     else
       product = read_sign();
     for (;;) {
       if (take('%')) {
-        apply(product, {find_unit("%"), 1}, 1);
+        apply_unit(product, {find_unit("%"), 1}, 1);
         continue;
       }
       const bool divided = peek() == '/';
@@ -221,11 +134,11 @@ class Parser {
       else {
         const auto unit = take_unit();
         if (!unit) refuse_name(read_name());
-        apply(product, *unit, 1);
+        apply_unit(product, *unit, 1);
         continue;
       }
       if (const auto unit = take_unit())
-        apply(product, *unit, divided ? -1 : 1);
+        apply_unit(product, *unit, divided ? -1 : 1);
       else if (divided)
         divide(product, read_sign());
       else
@@ -233,22 +146,19 @@ class Parser {
     }
   }
 
-  Quantity read_sign() {
-    double sign = 1;
+  Operand read_sign() {
+    bool negative = false;
     while (peek() == '-' || peek() == '+')
-      if (text_[at_++] == '-') sign = -sign;
-    Quantity q = read_power();
-    q.value *= sign;
-    return q;
+      if (text_[at_++] == '-') negative = !negative;
+    Operand operand = read_power();
+    if (negative) negate(operand);
+    return operand;
   }
 
-  Quantity read_power() {
-    Quantity base = read_primary();
-    const int exponent = take_exponent();
-    if (exponent == 1) return base;
-    Quantity power{1, {}};
-    for (int i = 0; i < std::abs(exponent); ++i) exponent > 0 ? multiply(power, base) : divide(power, base);
-    return power;
+  Operand read_power() {
+    Operand base = read_primary();
+    raise(base, take_exponent());
+    return base;
   }
 
   int take_exponent() {
@@ -262,32 +172,35 @@ class Parser {
     return negative ? -exponent : exponent;
   }
 
-  Quantity read_primary() {
+  Operand read_primary() {
     const char c = peek();
     if (take('(')) {
-      const Quantity q = read_sum();
+      Operand q = read_sum();
       if (!take(')')) throw ExpressionError("a missing ) in " + quote(written_), "");
       return q;
     }
-    if (is_digit(c) || c == '.') return {read_literal(), {}};
+    if (is_digit(c) || c == '.') return {{read_literal(), {}}, {}};
     if (!is_letter(c))
       throw ExpressionError(c == '\0' ? quote(written_) + " ends too early" : quote(written_) + " is not a number", "");
     const std::string name = read_name();
     if (peek() == '(') return read_call(name);
-    if (name == "pi") return {std::numbers::pi, {}};
-    if (name == "g0") return {kStandardGravity, kAcceleration};
-    if (const auto constant = constants_.find(name); constant != constants_.end()) return constant->second;
+    if (name == "pi") return {{std::numbers::pi, {}}, {}};
+    if (name == "g0") return {{kStandardGravity, kAcceleration}, {}};
+    if (const auto constant = constants_.find(name); constant != constants_.end()) return {constant->second, {}};
+    if (names_ != nullptr)
+      if (std::optional<Operand> value = names_->find_value(name)) return *std::move(value);
     refuse_name(name);
   }
 
-  Quantity read_call(const std::string& name) {
-    if (std::find(kFunctions.begin(), kFunctions.end(), name) == kFunctions.end())
-      throw ExpressionError("unknown function " + quote(name), suggest(name, kFunctions));
+  Operand read_call(const std::string& name) {
+    const std::optional<TableSignature> table = names_ == nullptr ? std::nullopt : names_->find_table(name);
+    if (!table && !is_function(name))
+      throw ExpressionError("unknown function " + quote(name), suggest(name, list_functions()));
     take('(');
-    std::vector<Quantity> arguments{read_sum()};
+    std::vector<Operand> arguments{read_sum()};
     while (take(',')) arguments.push_back(read_sum());
     if (!take(')')) throw ExpressionError("a missing ) in " + quote(written_), "");
-    return call(name, arguments);
+    return table ? look_up(name, *table, arguments) : call_function(name, arguments);
   }
 
   double read_literal() {
@@ -331,6 +244,12 @@ class Parser {
       throw ExpressionError(quote(name) + " directly behind a value", "write the product with *");
     std::vector<std::string> constants{"pi", "g0"};
     for (const auto& [constant, value] : constants_) constants.push_back(constant);
+    if (names_ != nullptr) {
+      const std::vector<std::string> known = names_->list_names();
+      constants.insert(constants.end(), known.begin(), known.end());
+      throw ExpressionError(quote(name) + " is neither a quantity, a channel, a table, a constant nor a unit",
+                            correct_name(name, constants));
+    }
     throw ExpressionError(quote(written_) + " is not a number: " + quote(name) + " is neither a unit nor a constant",
                           correct_name(name, constants));  // "": the reader lists the units that fit
   }
@@ -339,6 +258,7 @@ class Parser {
   const std::string own_;  // with names for symbols
   const std::string_view text_;
   const Constants& constants_;
+  LawNames* const names_;
   std::size_t at_ = 0;
   int depth_ = 0;
 };
@@ -347,16 +267,27 @@ class Parser {
 
 Quantity evaluate_expression(std::string_view text, const Constants& constants) {
   if (text.size() > kMaxBytes) throw ExpressionError("an expression of more than 256 bytes", "name parts of it");
-  const Quantity q = Parser(text, constants).read();
+  const Quantity q = Parser(text, constants, nullptr).read().quantity;
   if (!std::isfinite(q.value))
     throw ExpressionError(quote(text) + (std::isnan(q.value) ? " is not defined" : " is beyond the range of a double"),
                           "");
   return q;
 }
 
+Operand compile_expression(std::string_view text, const Constants& constants, LawNames& names) {
+  if (text.size() > kMaxLawBytes) throw ExpressionError("an expression of more than 4096 bytes", "name parts of it");
+  Operand operand = Parser(text, constants, &names).read();
+  if (operand.steps.size() > kMostLawSteps)
+    throw ExpressionError("an expression of more than " + std::to_string(kMostLawSteps) + " operations",
+                          "name parts of it");
+  if (operand.is_constant() && !std::isfinite(operand.quantity.value))
+    throw ExpressionError(quote(text) + " is not a finite number", "");
+  return operand;
+}
+
 bool is_reserved_name(std::string_view name) {
   return name == "pi" || name == "g0" || find_unit_power(name) ||
-         std::find(kFunctions.begin(), kFunctions.end(), name) != kFunctions.end();
+         std::ranges::find(list_reserved_functions(), name) != list_reserved_functions().end();
 }
 
 }  // namespace unlatch::hil

@@ -38,7 +38,7 @@ const std::string* find_nearest(const std::string& wrong, const std::vector<std:
 }
 
 std::string suggest(const std::string& wrong, const std::vector<std::string>& known) {
-  constexpr std::size_t kListed = 48;  // listed names; the rest is counted
+  constexpr std::size_t kListed = 96;  // listed names; the rest is counted
   if (known.empty()) return "there are none";
   const std::string* const nearest = find_nearest(wrong, known, std::max<std::size_t>(2, wrong.size() / 3));
   std::string text = nearest ? "did you mean '" + *nearest + "'? known: " : "known: ";

@@ -275,7 +275,7 @@ LogEnd Executive::conclude_stop() {
     LogEnd end = conclude(RunStatus::kFaulted, "");
     end.step_status = static_cast<std::int32_t>(last_report_.status);
     end.joint = last_report_.joint;
-    end.message = describe_fault(end, simulation_.model(), simulation_.plan().get_options().dt);
+    end.message = describe_fault(last_report_, end.tick, simulation_.model(), simulation_.plan().get_options().dt);
     return end;
   }
   if (overrun_ends_) {

@@ -23,7 +23,7 @@ from language import load_sections, load_yaml, parse_type  # noqa: E402
 SECTIONS = load_sections()
 SCHEMA = json.loads((SOURCE / "hil/scenarios/unlatch.schema.json").read_text())
 EVERYTHING = load_yaml((SOURCE / "hil/scenario/language/everything.yaml").read_text())
-PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/scenario/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.obj"))
+PART = "".join(f"\n--- # included: {name}\n" + (SOURCE / "hil/scenario/language" / name).read_text() for name in ("everything-part.yaml", "everything.modes", "everything.csv", "everything.obj"))
 
 # Keys that are processed before the loader's reader asks for any, so it does not list them.
 NOT_OF_SCENARIOS = {"unlatch_part"}
@@ -76,6 +76,9 @@ def pick(value, kind):
         elif t.kind not in ("section", "list", "numbers", "vector", "map") and not isinstance(value, (list, dict)):
             if t.kind != "one of" or value in t.words:
                 return t
+    for t in kind.inner:  # a list that is no list of lists
+        if t.kind == "list" and isinstance(value, list):
+            return t
     raise AssertionError(f"{value} is none of its alternatives")
 
 
