@@ -97,11 +97,12 @@ void judge_turns(const Model& model, double dt, std::vector<Finding>& findings) 
 
 // What a real-time run may not keep up with: loops that are open at one body cost by their square.
 void judge_loops(const Plan& plan, std::vector<Finding>& findings) {
-  constexpr double kWide = 10;  // times the solver's work without loops
+  constexpr double kCostly = 10;  // times the solver's work without loops
+  constexpr int kWide = 12;       // as many bolts of one flange cost little by themselves
   const LoopOverlap overlap = plan.get_loop_overlap();
   const LoopCost cost = calc_loop_cost(plan);
   const double times = static_cast<double>(cost.loops) / static_cast<double>(std::max<std::int64_t>(1, cost.tree));
-  if (times < kWide) return;
+  if (times < kCostly || overlap.widest <= kWide) return;
   findings.push_back(
       {"loops", "",
        format("of the closed loops, %d in all, at most %d are open at one body%s: they take the solver some %.0f times "
