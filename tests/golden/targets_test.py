@@ -47,6 +47,17 @@ class TargetsTest(unittest.TestCase):
         for line in (" .text._ZN7unlatch4freeEv", " freedoms", " memcpy"):
             self.assertFalse(targets.HEAP.search(line), line)
 
+    def test_recursion_is_found_and_calls_through_registers_are_counted(self):
+        listing = ("00000010 <a>:\n  10:\tbl\t20 <b>\n  14:\tblx\tr3\n  18:\tbx\tlr\n  1a:\tb.n\t10 <a>\n"
+                   "00000020 <b>:\n  20:\tbeq.n\t30 <c+0x4>\n  24:\tbl\t40 <d>\n"
+                   "0000002c <c>:\n  2c:\tbl\t20 <b>\n00000040 <d>:\n  40:\tbx\tlr\n")
+        calls, indirect = targets.read_calls(listing)
+        self.assertEqual(calls, {"a": {"b"}, "b": {"c", "d"}, "c": {"b"}, "d": set()})
+        self.assertEqual(indirect, {"a": 1})
+        self.assertEqual(targets.find_recursion(calls), ["b", "c"])
+        self.assertEqual(targets.find_recursion({"a": {"b"}, "b": {"d"}, "d": set()}), [])
+        self.assertEqual(targets.find_recursion({"a": {"a"}}), ["a"])
+
 
 if __name__ == "__main__":
     unittest.main()
