@@ -123,9 +123,9 @@ void check_atmosphere(const Atmosphere& air, const Check& check) {
   if (air.kind == Atmosphere::Kind::kStandard) return;
   const std::size_t count = air.altitudes.size();
   if (count < 2 || air.densities.size() != count || air.pressures.size() != count)
-    return check.report("its table has " + std::to_string(count) + " altitudes, " +
-                            std::to_string(air.densities.size()) + " densities and " +
-                            std::to_string(air.pressures.size()) + " pressures",
+    return check.report("the numbers of altitudes, densities and pressures of its table are " + std::to_string(count) +
+                            ", " + std::to_string(air.densities.size()) + " and " +
+                            std::to_string(air.pressures.size()),
                         "as many of each, at least two", "atmosphere");
   if (!is_rising(air.altitudes))
     check.report("its altitudes do not rise", "each higher than the one before", "atmosphere");
@@ -137,8 +137,8 @@ void check_atmosphere(const Atmosphere& air, const Check& check) {
 
 void check_wind(const Wind& wind, const Check& check) {
   if (wind.altitudes.empty() || wind.velocities.size() != wind.altitudes.size())
-    check.report("its wind has " + std::to_string(wind.altitudes.size()) + " altitudes and " +
-                     std::to_string(wind.velocities.size()) + " velocities",
+    check.report("the numbers of altitudes and velocities of its wind are " + std::to_string(wind.altitudes.size()) +
+                     " and " + std::to_string(wind.velocities.size()),
                  "as many of each, at least one", "wind");
   if (!is_rising(wind.altitudes))
     check.report("the altitudes of its wind do not rise", "each higher than the one before", "wind");
