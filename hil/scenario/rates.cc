@@ -25,6 +25,14 @@ std::vector<std::int32_t> find_rest(const auto& parts, std::size_t count) {
   return rest;
 }
 
+// Of each sensor the rate of its group; one without is sampled at every tick.
+std::vector<std::int64_t> list_of_sensors(const Model& model, const Rates& rates, std::int64_t Rate::* what) {
+  std::vector<std::int64_t> list(model.sensors.size(), Rate{}.*what);
+  for (const RateGroup& group : rates.groups)
+    for (const int sensor : group.sensors) list[static_cast<std::size_t>(sensor)] = group.rate.*what;
+  return list;
+}
+
 }  // namespace
 
 std::uint64_t calc_hash(const Rates& rates, std::uint64_t plan_hash) noexcept {
@@ -40,12 +48,19 @@ std::uint64_t calc_hash(const Rates& rates, std::uint64_t plan_hash) noexcept {
       for (const int index : *list) add(index);
     }
   }
-  return plan_hash;
+  return calc_hash(rates.errors, plan_hash);
 }
 
 SampleAndHold::SampleAndHold(const Model& model, const Rates& rates, std::span<const double> channels,
                              std::span<const double> sensors)
-    : channels_(channels.begin(), channels.end()), sensors_(sensors.begin(), sensors.end()), states_(rates.states) {
+    : channels_(channels.begin(), channels.end()),
+      sensors_(sensors.begin(), sensors.end()),
+      every_(list_of_sensors(model, rates, &Rate::every)),
+      phases_(list_of_sensors(model, rates, &Rate::phase)),
+      measurement_(model, rates.errors, every_),
+      measured_(measurement_.is_exact() ? 0 : sensors.size()),
+      states_(rates.states) {
+  measurement_.measure(0, phases_, sensors_, sensors_);
   const std::vector<std::int32_t> first = find_first_values(model);
   for (const RateGroup& group : rates.groups) {
     if (!group.channels.empty()) {
@@ -81,12 +96,19 @@ void SampleAndHold::latch(std::int64_t tick, std::span<const double> commanded) 
   renew(channel_parts_, tick, commanded, channels_);
 }
 
-void SampleAndHold::restore(std::span<const double> channels, std::span<const double> sensors) noexcept {
+void SampleAndHold::restore(std::span<const double> channels, std::span<const double> sensors,
+                            std::span<const double> memory) noexcept {
+  std::copy(memory.begin(), memory.end(), measurement_.memory().begin());
   std::copy(channels.begin(), channels.end(), channels_.begin());
   std::copy(sensors.begin(), sensors.end(), sensors_.begin());
 }
 
 void SampleAndHold::sample(std::int64_t tick, std::span<const double> measured) noexcept {
+  if (!measurement_.is_exact()) {
+    std::copy(measured.begin(), measured.end(), measured_.begin());
+    measurement_.measure(tick, phases_, sensors_, measured_);
+    measured = measured_;
+  }
   renew(sensor_parts_, tick, measured, sensors_);
 }
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "hil/scenario/sensor_errors.h"
 #include "unlatch/model.h"
 
 namespace unlatch::hil {
@@ -32,10 +33,11 @@ struct RateGroup {
 struct Rates {
   std::vector<RateGroup> groups;  // in the order of the file
   Rate states;
+  SensorErrorModel errors;  // what sensors deliver instead of the true values
 };
 
-// Hash of the plan and of the rates of channels and sensors: two models with one hash have the same states from the
-// same inputs. Without groups it is the plan's hash. The rate of States has no influence on states and is left out.
+// Hash of the plan, of the rates of channels and sensors, and of the sensors' errors: two models with one hash have the same states from the
+// same inputs. Without groups and errors it is the plan's hash. The rate of States has no influence on states and is left out.
 std::uint64_t calc_hash(const Rates& rates, std::uint64_t plan_hash) noexcept;
 
 // Rates compiled for a model: the held values, and the ticks of their updates. Only the constructor allocates.
@@ -46,14 +48,16 @@ class SampleAndHold {
 
   // Latches channels before the step of `tick`; those without a group are latched at every tick.
   void latch(std::int64_t tick, std::span<const double> commanded) noexcept;
-  // Samples sensors of the state of `tick`.
+  // Samples sensors of the state of `tick`, with their errors.
   void sample(std::int64_t tick, std::span<const double> measured) noexcept;
 
-  // Restores held values that get_channels() and get_sensors() returned earlier.
-  void restore(std::span<const double> channels, std::span<const double> sensors) noexcept;
+  // Restores held values that get_channels(), get_sensors() and get_memory() returned earlier.
+  void restore(std::span<const double> channels, std::span<const double> sensors, std::span<const double> memory) noexcept;
 
   [[nodiscard]] std::span<const double> get_channels() const noexcept { return channels_; }
   [[nodiscard]] std::span<const double> get_sensors() const noexcept { return sensors_; }
+  // What further errors of sensors depend on; empty without errors.
+  [[nodiscard]] std::span<const double> get_memory() const noexcept { return measurement_.memory(); }
   [[nodiscard]] bool is_state_due(std::int64_t tick) const noexcept { return states_.is_due(tick); }
 
  private:
@@ -65,6 +69,9 @@ class SampleAndHold {
                     std::span<double> to) noexcept;
   std::vector<Part> channel_parts_, sensor_parts_;
   std::vector<double> channels_, sensors_;
+  std::vector<std::int64_t> every_, phases_;  // of each sensor, ticks
+  Measurement measurement_;
+  std::vector<double> measured_;  // scratch, with errors alone
   const Rate states_;
 };
 

@@ -11,7 +11,7 @@ MODULES = ("kernel", "hil", "library", "bridge", "tools")  # lowest first
 KERNEL = ("include", "math", "geometry", "simd", "model", "environment", "plan", "joints", "elements", "dynamics", "quantities", "laws", "tree",
           "compile", "solver", "dispatch", "integration", "events", "step",
           "targets", "targets/ports")  # lowest first
-HIL = ("scenario/modules", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/flexible", "scenario/meshes",
+HIL = ("scenario/modules", "session/messages", "scenario/text", "scenario/yaml", "scenario/language", "scenario/random", "scenario/flexible", "scenario/meshes",
        "scenario/model", "scenario/shapes", "scenario", "session/realtime", "run/simulation", "run/recording", "run/motion", "run/notices", "run/findings",
        "run/analysis", "run/outputs", "run", "session/participants", "session/faults", "session/executive", "study/sampling",
        "study/statistics", "study/evaluation", "study/campaign", "study/campaign/samples", "study/optimize/libraries",

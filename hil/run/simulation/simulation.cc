@@ -112,7 +112,7 @@ std::vector<std::uint64_t> Simulation::save() const {
   const std::span<const std::byte> block = state_.get_bytes();
   std::vector<std::uint64_t> words(block.size() / sizeof(std::uint64_t));
   std::memcpy(words.data(), block.data(), block.size());
-  for (const std::span<const double> values : {channels(), held_.get_channels(), held_.get_sensors()}) {
+  for (const std::span<const double> values : {channels(), held_.get_channels(), held_.get_sensors(), held_.get_memory()}) {
     for (const double value : values) words.push_back(std::bit_cast<std::uint64_t>(value));
   }
   return words;
@@ -121,13 +121,15 @@ std::vector<std::uint64_t> Simulation::save() const {
 bool Simulation::restore(std::span<const std::uint64_t> saved) {
   const std::size_t block = state_.get_bytes().size(), words = block / sizeof(std::uint64_t);
   const std::size_t inputs = 2 * channels_.size();
-  if (saved.size() != words + inputs + held_.get_sensors().size()) return false;
+  if (saved.size() != words + inputs + held_.get_sensors().size() + held_.get_memory().size()) return false;
   std::vector<std::uint64_t> copy(saved.begin(), saved.end());  // a State is a view of memory that may be written
   if (!is_possible(State(plan_, {reinterpret_cast<std::byte*>(copy.data()), block}))) return false;
   // Every word of the state but its header: modes and phases, checked above, are small numbers and finite as doubles.
   const auto is_finite = [](std::uint64_t word) { return std::isfinite(std::bit_cast<double>(word)); };
   constexpr std::size_t kHeader = sizeof(StateHeader) / sizeof(std::uint64_t);
-  if (!std::ranges::all_of(saved.subspan(kHeader, words - kHeader + inputs), is_finite)) return false;
+  if (!std::ranges::all_of(saved.subspan(kHeader, words - kHeader + inputs), is_finite) ||
+      !std::ranges::all_of(saved.last(held_.get_memory().size()), is_finite))
+    return false;
 
   const std::vector<std::uint64_t> before = save();
   if (take(saved)) return true;
@@ -144,7 +146,9 @@ bool Simulation::take(std::span<const std::uint64_t> saved) {
   }
   const std::span<const double> all = values;
   std::copy_n(all.begin(), channels_.size(), channels_.begin());
-  held_.restore(all.subspan(channels_.size(), channels_.size()), all.subspan(2 * channels_.size()));
+  const std::size_t inputs = 2 * channels_.size(), sensors = held_.get_sensors().size();
+  held_.restore(all.subspan(channels_.size(), channels_.size()), all.subspan(inputs, sensors),
+                all.subspan(inputs + sensors));
   return update_outputs(plan_, Inputs{held_.get_channels()}, state_, workspace_) == StepStatus::kOk;
 }
 

@@ -10,6 +10,7 @@
 namespace unlatch::hil {
 
 inline constexpr NumberKey kNumberKeys[] = {
+    {"scenario.scenario.sensor_seed", "", 0.0, 4294967295.0, false, true},
     {"scenario.step.dt", "s", 1e-06, 1.0, false, false},
     {"scenario.step.until", "s", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.step.contact_substeps", "", 1.0, 64.0, false, true},
@@ -64,6 +65,9 @@ inline constexpr NumberKey kNumberKeys[] = {
     {"scenario.restitution.coefficient", "", 0.0, 1.0, true, false},
     {"scenario.restitution.speed", "m/s", 0.0, std::numeric_limits<double>::infinity(), true, false},
     {"scenario.exponential.tau", "s", 0.0, std::numeric_limits<double>::infinity(), true, false},
+    {"scenario.sensor_errors.drift_time", "s", 0.0, std::numeric_limits<double>::infinity(), true, false},
+    {"scenario.sensor_errors.dropout", "", 0.0, 1.0, false, false},
+    {"scenario.sensor_errors.delay", "", 0.0, 1000.0, false, true},
     {"scenario.event.delay", "s", 0.0, std::numeric_limits<double>::infinity(), false, false},
     {"scenario.plain_condition.time", "s", 0.0, std::numeric_limits<double>::infinity(), false, false},
     {"scenario.ramp_action.over", "s", 0.0, std::numeric_limits<double>::infinity(), false, false},

@@ -1,6 +1,7 @@
 // Sensors, and events: their conditions and their actions.
 #include <algorithm>
 
+#include "hil/scenario/language/bounded_number.h"
 #include "hil/scenario/quantities.h"
 #include "hil/scenario/sections/scenario_reader.h"
 
@@ -49,6 +50,9 @@ int or_first(int index) { return std::max(index, 0); }
 }  // namespace
 
 void ScenarioReader::read_sensors(YamlMap& top) {
+  scenario_.rates.errors.dt = scenario_.dt;
+  scenario_.rates.errors.seed =
+      static_cast<std::uint64_t>(read_bounded(top, get_number_key("scenario.scenario.sensor_seed"), 1.0, mistakes_));
   for_each_named(top, "sensors", "sensor",
                  [&](const std::string& name, const YamlNode& node) { read_sensor(name, node); });
 }
@@ -84,6 +88,7 @@ void ScenarioReader::read_sensor(const std::string& name, const YamlNode& node) 
   if (sensor.kind == Kind::kDisplacement) sensor.axis = or_first(map.choice("axis", "axis", axis_names()));
   if (sensor.kind == Kind::kAngle) sensor.axis = read_angle_axis(map);
   if (sensor.kind == Kind::kSpeed) sensor.axis = or_first(map.choice("axis", "row", row_names()));
+  if (const YamlNode* const errors = map.find("errors")) read_sensor_errors(*errors, sensor);
   map.finish();
   model_.sensors.push_back(std::move(sensor));
 }

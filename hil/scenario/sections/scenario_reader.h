@@ -192,6 +192,7 @@ class ScenarioReader {
 
   // Sensors and events.
   void read_sensor(const std::string& name, const YamlNode& node);
+  void read_sensor_errors(const YamlNode& node, const Sensor& sensor);
   void read_event(const YamlNode& node);
   Condition read_condition(const YamlNode& node);
   void read_parts(const YamlNode& node, const std::string& kind, Condition& condition);

@@ -4,8 +4,8 @@
 #include <stdexcept>
 
 #include "hil/study/campaign/campaign.h"
-#include "hil/study/sampling/normal.h"
-#include "hil/study/sampling/philox.h"
+#include "hil/scenario/random/normal.h"
+#include "hil/scenario/random/philox.h"
 
 namespace unlatch::hil {
 namespace {

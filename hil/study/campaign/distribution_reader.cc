@@ -5,7 +5,7 @@
 
 #include "hil/scenario/text/suggestion.h"
 #include "hil/study/campaign/campaign_reader.h"
-#include "hil/study/sampling/normal.h"
+#include "hil/scenario/random/normal.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

@@ -8,7 +8,7 @@
 #include "hil/run/run.h"
 #include "hil/study/campaign/campaign_findings.h"
 #include "hil/study/campaign/campaign_reader.h"
-#include "hil/study/sampling/philox.h"
+#include "hil/scenario/random/philox.h"
 
 namespace unlatch::hil {
 namespace {

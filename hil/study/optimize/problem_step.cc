@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hil/study/campaign/samples/campaign_step.h"
-#include "hil/study/sampling/philox.h"
+#include "hil/scenario/random/philox.h"
 
 namespace unlatch::hil {
 namespace {

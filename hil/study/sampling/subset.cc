@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
-#include "hil/study/sampling/normal.h"
-#include "hil/study/sampling/philox.h"
+#include "hil/scenario/random/normal.h"
+#include "hil/scenario/random/philox.h"
 #include "unlatch/elementary.h"
 
 namespace unlatch::hil {

@@ -9,7 +9,7 @@
 
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/campaign/samples/sample_record.h"
-#include "hil/study/sampling/normal.h"
+#include "hil/scenario/random/normal.h"
 #include "tests/hil/scenario/scenario_support.h"
 
 namespace unlatch::test {

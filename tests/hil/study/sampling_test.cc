@@ -8,8 +8,8 @@
 #include <set>
 
 #include "hil/study/sampling/distribution.h"
-#include "hil/study/sampling/normal.h"
-#include "hil/study/sampling/philox.h"
+#include "hil/scenario/random/normal.h"
+#include "hil/scenario/random/philox.h"
 
 namespace unlatch::test {
 namespace {

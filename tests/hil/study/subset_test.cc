@@ -11,7 +11,7 @@
 #include <numeric>
 #include <random>
 
-#include "hil/study/sampling/normal.h"
+#include "hil/scenario/random/normal.h"
 
 namespace unlatch::test {
 namespace {

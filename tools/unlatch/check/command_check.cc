@@ -8,7 +8,7 @@
 #include "hil/run/starting_quantities.h"
 #include "hil/study/campaign/campaign.h"
 #include "hil/study/campaign/campaign_findings.h"
-#include "hil/study/sampling/philox.h"
+#include "hil/scenario/random/philox.h"
 #include "tools/common/alike.h"
 #include "tools/common/output.h"
 #include "tools/common/terminal.h"

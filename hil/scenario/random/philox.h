@@ -24,7 +24,7 @@ constexpr PhiloxCounter calc_philox(PhiloxCounter counter, PhiloxKey key) {
 }
 
 // Uses of one seed that must not share numbers.
-enum class RandomStream : std::uint32_t { kDraw, kPermutation, kShift, kResampling, kChain, kCorner };
+enum class RandomStream : std::uint32_t { kDraw, kPermutation, kShift, kResampling, kChain, kCorner, kSensor };
 
 // Random block of a seed, a stream, and two indices: sample and dimension.
 constexpr PhiloxCounter draw_block(std::uint64_t seed, RandomStream stream, std::uint64_t i, std::uint32_t j) {

@@ -1,4 +1,4 @@
-#include "hil/study/sampling/normal.h"
+#include "hil/scenario/random/normal.h"
 
 #include <cmath>
 #include <cstddef>

@@ -1,0 +1,142 @@
+#include "hil/scenario/sensor_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "hil/scenario/random/normal.h"
+#include "hil/scenario/random/philox.h"
+#include "unlatch/elementary.h"
+#include "unlatch/math.h"
+
+namespace unlatch::hil {
+namespace {
+
+// Uses of one sensor and value that must not share numbers.
+enum Purpose : std::uint32_t { kTurnOn, kNoise, kWalk, kDrift, kDropout, kPurposes };
+constexpr std::uint32_t kMostDraws = 8;  // values of one sensor, more than any has
+
+// A standard normal number of a sensor's value at a tick.
+double draw_unit_of(std::uint64_t seed, int sensor, std::size_t value, Purpose purpose, std::int64_t tick) {
+  const auto place = (static_cast<std::uint32_t>(sensor) * kMostDraws + static_cast<std::uint32_t>(value)) * kPurposes + purpose;
+  return draw_unit(seed, RandomStream::kSensor, static_cast<std::uint64_t>(tick), place);
+}
+double draw_normal(std::uint64_t seed, int sensor, std::size_t value, Purpose purpose, std::int64_t tick) {
+  return calc_normal_quantile(draw_unit_of(seed, sensor, value, purpose, tick));
+}
+
+bool is_attitude(std::size_t width) { return width == 4; }
+
+}  // namespace
+
+std::uint64_t calc_hash(const SensorErrorModel& model, std::uint64_t hash) noexcept {
+  if (model.sensors.empty()) return hash;
+  const auto add = [&hash](std::uint64_t word) {
+    hash = (hash ^ word) * 0x9E3779B97F4A7C15u;
+    hash ^= hash >> 32;
+  };
+  const auto add_number = [&add](double number) { add(std::bit_cast<std::uint64_t>(number)); };
+  add(model.seed);
+  for (const SensorErrors& own : model.sensors) {
+    add(static_cast<std::uint64_t>(own.sensor));
+    add(own.bias.size());
+    for (const double bias : own.bias) add_number(bias);
+    for (const double number :
+         {own.turn_on, own.noise, own.noise_density, own.walk, own.drift, own.drift_time, own.scale, own.misalignment.x(),
+          own.misalignment.y(), own.misalignment.z(), own.quantum, own.range, own.dropout})
+      add_number(number);
+    add(static_cast<std::uint64_t>(own.delay));
+  }
+  return hash;
+}
+
+Measurement::Measurement(const Model& model, const SensorErrorModel& errors, std::span<const std::int64_t> every)
+    : seed_(errors.seed) {
+  std::vector<std::size_t> first{0};
+  for (const Sensor& sensor : model.sensors) first.push_back(first.back() + static_cast<std::size_t>(sensor_width(sensor.kind)));
+  std::size_t memory = 0;
+  for (const SensorErrors& own : errors.sensors) {
+    const auto at = static_cast<std::size_t>(own.sensor);
+    Own& added = sensors_.emplace_back();
+    added.errors = own;
+    added.first = first[at];
+    added.width = first[at + 1] - first[at];
+    added.draws = is_attitude(added.width) ? 3 : added.width;
+    added.memory = memory;
+    added.every = every[at];
+    const double period = static_cast<double>(added.every) * errors.dt;
+    const double density = own.noise_density / std::sqrt(period);
+    added.noise = std::sqrt(own.noise * own.noise + density * density);
+    added.walk = own.walk * std::sqrt(period);
+    added.keep = elementary::exp(-period / own.drift_time);
+    added.renew = own.drift * std::sqrt(1 - added.keep * added.keep);
+    memory += 2 * added.draws + static_cast<std::size_t>(own.delay) * added.width;
+  }
+  memory_.assign(memory, 0);
+}
+
+void Measurement::measure(std::int64_t tick, std::span<const std::int64_t> phase, std::span<const double> last,
+                          std::span<double> values) noexcept {
+  for (const Own& own : sensors_) {
+    if (tick % own.every != phase[static_cast<std::size_t>(own.errors.sensor)] && tick != 0) continue;
+    const std::span<double> mine = values.subspan(own.first, own.width);
+    measure(own, tick, mine);
+    if (own.errors.delay > 0) delay(own, tick, mine);
+    const bool lost = own.errors.dropout > 0 && tick != 0 &&
+                      draw_unit_of(seed_, own.errors.sensor, 0, kDropout, tick) < own.errors.dropout;
+    if (lost) std::copy_n(last.begin() + static_cast<std::ptrdiff_t>(own.first), own.width, mine.begin());
+  }
+}
+
+void Measurement::measure(const Own& own, std::int64_t tick, std::span<double> values) noexcept {
+  const SensorErrors& errors = own.errors;
+  const bool begins = tick == 0;
+  std::array<double, kMostDraws> sum{};
+  for (std::size_t i = 0; i < own.draws; ++i) {
+    const auto draw = [&](Purpose purpose, std::int64_t at) { return draw_normal(seed_, errors.sensor, i, purpose, at); };
+    double& walk = memory_[own.memory + i];
+    double& drift = memory_[own.memory + own.draws + i];
+    if (own.walk > 0 && !begins) walk += own.walk * draw(kWalk, tick);
+    if (errors.drift > 0) drift = begins ? errors.drift * draw(kDrift, tick) : own.keep * drift + own.renew * draw(kDrift, tick);
+    sum[i] = (errors.bias.empty() ? 0 : errors.bias[i]) + walk + drift;
+    if (errors.turn_on > 0) sum[i] += errors.turn_on * draw(kTurnOn, 0);
+    if (own.noise > 0) sum[i] += own.noise * draw(kNoise, tick);
+  }
+  if (is_attitude(own.width)) {
+    // q ⊗ (1, e/2), normalised: the turn by e but for its third order
+    const Quat q{values[0], values[1], values[2], values[3]};
+    const Quat turned = normalized(q * Quat{1, 0.5 * sum[0], 0.5 * sum[1], 0.5 * sum[2]});
+    values[0] = turned.w;
+    values[1] = turned.x;
+    values[2] = turned.y;
+    values[3] = turned.z;
+    return;
+  }
+  if (own.width == 3) {
+    const Vec3 x{values[0], values[1], values[2]};
+    const Vec3 m{errors.misalignment.x(), errors.misalignment.y(), errors.misalignment.z()};
+    const Vec3 seen = x - cross(m, x);
+    values[0] = seen.x;
+    values[1] = seen.y;
+    values[2] = seen.z;
+  }
+  for (std::size_t i = 0; i < own.width; ++i) {
+    double y = (1 + errors.scale) * values[i] + sum[i];
+    if (errors.range > 0) y = std::clamp(y, -errors.range, errors.range);
+    if (errors.quantum > 0) y = std::floor(y / errors.quantum + 0.5) * errors.quantum;
+    values[i] = y;
+  }
+}
+
+// A ring of the latest samples; before the first has come through, the first.
+void Measurement::delay(const Own& own, std::int64_t tick, std::span<double> values) noexcept {
+  const auto count = static_cast<std::size_t>(own.errors.delay);
+  double* const ring = memory_.data() + own.memory + 2 * own.draws;
+  if (tick == 0)
+    for (std::size_t k = 0; k < count; ++k) std::ranges::copy(values, ring + k * own.width);
+  const std::size_t k = static_cast<std::size_t>(tick / own.every) % count;
+  for (std::size_t i = 0; i < own.width; ++i) std::swap(ring[k * own.width + i], values[i]);
+}
+
+}  // namespace unlatch::hil

@@ -1,0 +1,229 @@
+// Errors of sensors: Allan deviations beside the closed forms of each process, units of data sheets, the same bits in
+// any order.
+#include "hil/scenario/sensor_errors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "hil/scenario/rates.h"
+#include "hil/scenario/scenario.h"
+#include "tests/hil/scenario/scenario_support.h"
+#include "tests/support/small_models.h"
+
+namespace unlatch::test {
+namespace {
+
+constexpr double kDt = 0.001;  // s
+
+// A body with a rate sensor (three values), an attitude sensor and a signal.
+Model build_model() {
+  Model model;
+  model.name = "craft";
+  model.bodies.push_back(box("craft", 1, 1, 1, 1));
+  model.signals.push_back("wire");
+  Sensor gyro;
+  gyro.name = "gyro";
+  model.sensors.push_back(gyro);
+  Sensor tracker;
+  tracker.name = "tracker";
+  tracker.kind = Sensor::Kind::kAttitude;
+  model.sensors.push_back(tracker);
+  Sensor wire;
+  wire.name = "wire";
+  wire.kind = Sensor::Kind::kContact;
+  model.sensors.push_back(wire);
+  return model;
+}
+const std::vector<double> kTruth{0.1, -0.2, 0.3, 1, 0, 0, 0, 1};
+
+hil::Rates with_errors(hil::SensorErrors errors, std::int64_t every = 1, std::uint64_t seed = 1) {
+  hil::Rates rates;
+  rates.groups.push_back({"navigation", {every, 0}, {}, {errors.sensor}});
+  rates.errors = {{std::move(errors)}, seed, kDt};
+  return rates;
+}
+
+// The first value of the gyro less its true one at each sample.
+std::vector<double> record(const hil::Rates& rates, std::size_t samples) {
+  const Model model = build_model();
+  hil::SampleAndHold held(model, rates, {}, kTruth);
+  const std::int64_t every = rates.groups[0].rate.every;
+  std::vector<double> errors{held.get_sensors()[0] - kTruth[0]};
+  for (std::int64_t tick = 1; errors.size() < samples; ++tick) {
+    held.sample(tick, kTruth);
+    if (tick % every == 0) errors.push_back(held.get_sensors()[0] - kTruth[0]);
+  }
+  return errors;
+}
+
+// Overlapping Allan deviation over m samples (IEEE Std 952-2020, annex C).
+double calc_allan(const std::vector<double>& values, std::size_t m) {
+  std::vector<double> sums{0};
+  for (const double value : values) sums.push_back(sums.back() + value);
+  double total = 0;
+  const std::size_t count = values.size() - 2 * m;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double difference = sums[k + 2 * m] - 2 * sums[k + m] + sums[k];
+    total += difference * difference;
+  }
+  return std::sqrt(total / (2.0 * static_cast<double>(m * m) * static_cast<double>(count)));
+}
+
+// Relative error of an Allan deviation over m of n samples: 1 / sqrt(2 (n/m − 1)), three of them.
+double calc_three_sigma(std::size_t n, std::size_t m) { return 3 / std::sqrt(2 * (static_cast<double>(n) / static_cast<double>(m) - 1)); }
+
+constexpr std::size_t kSamples = 200000;
+constexpr std::int64_t kEvery = 10;
+constexpr double kPeriod = kDt * kEvery;
+
+TEST(SensorErrors, WhiteNoiseHasItsDensityAtAllTimes) {
+  constexpr double kDensity = 0.05 * std::numbers::pi / 180 / 60;  // 0.05 deg/√h
+  const std::vector<double> errors = record(with_errors({.sensor = 0, .noise_density = kDensity}, kEvery), kSamples);
+  for (const std::size_t m : {1u, 10u, 100u, 1000u})
+    EXPECT_NEAR(calc_allan(errors, m) * std::sqrt(static_cast<double>(m) * kPeriod) / kDensity, 1, calc_three_sigma(kSamples, m)) << m;
+}
+
+TEST(SensorErrors, ARandomWalkGrowsWithTheRootOfTheTime) {
+  constexpr double kWalk = 1e-4;
+  const std::vector<double> errors = record(with_errors({.sensor = 0, .walk = kWalk}, kEvery), kSamples);
+  // K √(τ/3); of sampled steps (2 m² + 1)/(2 m²) of its square
+  for (const std::size_t m : {10u, 100u, 1000u}) {
+    const double tau = static_cast<double>(m) * kPeriod;
+    EXPECT_NEAR(calc_allan(errors, m) / (kWalk * std::sqrt(tau / 3)), 1, calc_three_sigma(kSamples, m) + 0.01) << m;
+  }
+}
+
+TEST(SensorErrors, ADriftHasItsSizeAndItsTime) {
+  constexpr double kDrift = 2e-3, kTime = 0.5;
+  const std::vector<double> errors = record(with_errors({.sensor = 0, .drift = kDrift, .drift_time = kTime}, kEvery), kSamples);
+  double square = 0, neighbours = 0;
+  constexpr std::size_t kLag = 50;  // one correlation time
+  for (std::size_t i = 0; i + kLag < errors.size(); ++i) {
+    square += errors[i] * errors[i];
+    neighbours += errors[i] * errors[i + kLag];
+  }
+  const double independent = static_cast<double>(kSamples) * kPeriod / (2 * kTime);
+  EXPECT_NEAR(square / static_cast<double>(kSamples - kLag) / (kDrift * kDrift), 1, 4 * std::sqrt(2 / independent));
+  EXPECT_NEAR(neighbours / square, std::exp(-1.0), 4 / std::sqrt(independent));
+}
+
+TEST(SensorErrors, FixedErrorsAreThoseOfTheFormula) {
+  hil::SensorErrors errors{.sensor = 0, .bias = {0.01, 0.02, 0.03}, .scale = 0.5, .misalignment = {0, 0, 0.1}};
+  const Model model = build_model();
+  const hil::SampleAndHold held(model, with_errors(errors), {}, kTruth);
+  // x − m × x with m = (0, 0, 0.1): (0.1 − 0.02, −0.2 − 0.01, 0.3)
+  const double wanted[] = {1.5 * 0.08 + 0.01, 1.5 * -0.21 + 0.02, 1.5 * 0.3 + 0.03};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(held.get_sensors()[i], wanted[i], 1e-15);
+}
+
+TEST(SensorErrors, ValuesAreRoundedAndLimited) {
+  const Model model = build_model();
+  const hil::SampleAndHold rounded(model, with_errors({.sensor = 0, .quantum = 0.04}), {}, kTruth);
+  EXPECT_THAT(std::vector<double>(rounded.get_sensors().begin(), rounded.get_sensors().begin() + 3),
+              testing::ElementsAre(testing::DoubleEq(0.12), testing::DoubleEq(-0.2), testing::DoubleEq(0.32)));
+  const hil::SampleAndHold limited(model, with_errors({.sensor = 0, .range = 0.15}), {}, kTruth);
+  EXPECT_THAT(std::vector<double>(limited.get_sensors().begin(), limited.get_sensors().begin() + 3),
+              testing::ElementsAre(0.1, -0.15, 0.15));
+}
+
+TEST(SensorErrors, DelayedSamplesComeInOrder) {
+  const Model model = build_model();
+  hil::SampleAndHold held(model, with_errors({.sensor = 0, .delay = 3}, 2), {}, kTruth);
+  for (std::int64_t tick = 1; tick <= 40; ++tick) {
+    std::vector<double> truth = kTruth;
+    truth[0] = static_cast<double>(tick);
+    held.sample(tick, truth);
+    const std::int64_t sampled = tick / 2 * 2 - 6;
+    EXPECT_EQ(held.get_sensors()[0], sampled <= 0 ? 0.1 : static_cast<double>(sampled)) << tick;
+  }
+}
+
+TEST(SensorErrors, LostSamplesAreHeldAndAsManyAsSaid) {
+  const Model model = build_model();
+  hil::SampleAndHold held(model, with_errors({.sensor = 0, .dropout = 0.2}), {}, kTruth);
+  int lost = 0;
+  constexpr int kTicks = 20000;
+  double last = 0.1;
+  for (std::int64_t tick = 1; tick <= kTicks; ++tick) {
+    std::vector<double> truth = kTruth;
+    truth[0] = static_cast<double>(tick);
+    held.sample(tick, truth);
+    const double now = held.get_sensors()[0];
+    if (now == last) ++lost;
+    else EXPECT_EQ(now, static_cast<double>(tick));
+    last = now;
+  }
+  EXPECT_NEAR(lost, 0.2 * kTicks, 4 * std::sqrt(0.2 * 0.8 * kTicks));
+}
+
+TEST(SensorErrors, AnAttitudeIsTurnedAndStaysOfLengthOne) {
+  const Model model = build_model();
+  hil::SensorErrors errors{.sensor = 1, .bias = {0, 0, 0.02}};
+  const hil::SampleAndHold held(model, with_errors(errors), {}, kTruth);
+  const std::span<const double> q = held.get_sensors().subspan(3, 4);
+  EXPECT_NEAR(2 * std::atan2(q[3], q[0]), 0.02, 1e-6);  // the third order of 0.02
+  EXPECT_NEAR(q[0] * q[0] + q[3] * q[3], 1, 1e-15);
+}
+
+TEST(SensorErrors, FromSavedMemoryTheSameBitsFollow) {
+  const Model model = build_model();
+  const hil::Rates rates = with_errors(
+      {.sensor = 0, .turn_on = 0.1, .noise = 0.1, .walk = 0.1, .drift = 0.1, .dropout = 0.1, .delay = 2}, 2);
+  hil::SampleAndHold whole(model, rates, {}, kTruth), other(model, rates, {}, kTruth);
+  for (std::int64_t tick = 1; tick <= 500; ++tick) whole.sample(tick, kTruth);
+  const std::vector<double> sensors(whole.get_sensors().begin(), whole.get_sensors().end());
+  const std::vector<double> memory(whole.get_memory().begin(), whole.get_memory().end());
+  other.restore({}, sensors, memory);
+  for (std::int64_t tick = 501; tick <= 1000; ++tick) {
+    whole.sample(tick, kTruth);
+    other.sample(tick, kTruth);
+    for (std::size_t i = 0; i < kTruth.size(); ++i) ASSERT_EQ(whole.get_sensors()[i], other.get_sensors()[i]) << tick;
+  }
+}
+
+TEST(SensorErrors, SeedsValuesAndSensorsAreIndependent) {
+  const std::vector<double> a = record(with_errors({.sensor = 0, .noise = 1}, 1, 1), 20000);
+  const std::vector<double> b = record(with_errors({.sensor = 0, .noise = 1}, 1, 2), 20000);
+  double together = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) together += a[i] * b[i];
+  EXPECT_LT(std::abs(together / 20000), 4 / std::sqrt(20000.0));
+}
+
+// --- The language ------------------------------------------------------------------------------------------------------
+
+hil::Scenario load(const std::string& errors) {
+  std::string text = kGoodScenario;
+  const std::string sensor = "gyro: {type: rate, body: core";
+  text.insert(text.find(sensor) + sensor.size(), ", errors: {" + errors + "}");
+  return hil::load_scenario_text(text, "test.yaml");
+}
+
+TEST(SensorErrors, UnitsOfDataSheetsAreRead) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const hil::Scenario scenario = load("noise_density: 0.05 deg/√h, walk: 0.3 deg/h/√h, bias: 2 deg/h, drift: 0.5 deg/h, noise: 1e-3, "
+                                      "quantum: 10 mrad/s, scale: 300e-6");
+  ASSERT_EQ(scenario.rates.errors.sensors.size(), 1u);
+  const hil::SensorErrors& own = scenario.rates.errors.sensors[0];
+  EXPECT_DOUBLE_EQ(own.noise_density, 0.05 * kDegree / 60);
+  EXPECT_DOUBLE_EQ(own.walk, 0.3 * kDegree / 3600 / 60);
+  EXPECT_DOUBLE_EQ(own.bias.at(2), 2 * kDegree / 3600);
+  EXPECT_DOUBLE_EQ(own.drift, 0.5 * kDegree / 3600);
+  EXPECT_DOUBLE_EQ(own.noise, 1e-3);
+  EXPECT_DOUBLE_EQ(own.quantum, 0.01);
+  EXPECT_EQ(scenario.rates.errors.dt, 0.001);
+  EXPECT_DOUBLE_EQ(load("noise_density: 0.05 deg/sqrt(h)").rates.errors.sensors[0].noise_density, 0.05 * kDegree / 60);
+  EXPECT_DOUBLE_EQ(load("noise_density: 0.01 deg/s/√Hz").rates.errors.sensors[0].noise_density, 0.01 * kDegree);
+}
+
+TEST(SensorErrors, SizesOfAnotherDimensionAreRefused) {
+  for (const char* const wrong : {"noise: 5 µg", "noise_density: 0.05 deg/h", "noise_density: 0.05 deg/√h/√h", "noise: -1", "dropout: 1.5",
+                                  "delay: 0.5", "bias: [1, 2]", "walk: 1 deg/√h"})
+    EXPECT_THROW(load(wrong), hil::ScenarioError) << wrong;
+}
+
+}  // namespace
+}  // namespace unlatch::test
