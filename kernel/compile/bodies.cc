@@ -60,8 +60,7 @@ void compile_flexible(const Model& model, int body, const std::vector<int>& mark
     const std::optional<Marker>& marker = model.bodies[at(i)].marker;
     plan.markers.push_back({i, static_cast<std::int32_t>(plan.flexible.size()),
                             static_cast<std::int32_t>(plan.modal.size()), to_vec(marker->position), true});
-    const MarkerShapeOf<double> to_marker =
-        place_marker_shape(m, add_numbers(plan, get_marker_shape_size(m)));
+    const MarkerShapeOf<double> to_marker = place_marker_shape(m, add_numbers(plan, get_marker_shape_size(m)));
     write(to_marker.displacement, marker->shape);
     write(to_marker.turn, marker->turn);
     plan.bodies[at(i)].flexible = static_cast<std::int32_t>(plan.flexible.size());
@@ -87,8 +86,8 @@ void place_flexible(PlanDraft& plan) {
   for (const PlanMarker& marker : plan.markers) {
     const PlanFlexible& carrier = plan.flexible[at(marker.flexible)];
     const double* coordinates = plan.initial_auxiliary.data() + carrier.auxiliary;
-    plan.bodies[at(marker.body)].initial = calc_marker_state(get_view(plan), marker, plan.bodies[at(carrier.body)].initial,
-                                                             coordinates, coordinates + carrier.modes);
+    plan.bodies[at(marker.body)].initial = calc_marker_state(
+        get_view(plan), marker, plan.bodies[at(carrier.body)].initial, coordinates, coordinates + carrier.modes);
   }
 }
 

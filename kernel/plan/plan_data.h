@@ -360,7 +360,7 @@ struct PlanNumbers {
   // elements
   GravityField gravity;
   PlanEnvironment environment;
-  std::int32_t driven_coordinates = 0;  // of PlanLists::coordinates, the first, springs do, so that every stage needs them
+  std::int32_t driven_coordinates = 0;  // of PlanLists::coordinates, the first, that every stage needs for springs
   std::int32_t rotation_count = 0;      // rotations among them all
   bool commanded_loads = false;         // a command decides the size of some load, or some law
   std::int32_t contact_substeps = 1;    // kAutomaticSubsteps, or a number
@@ -391,7 +391,7 @@ struct PlanLists {
   List<std::int32_t> loops;   // joints that close a loop over the tree
   List<LoopNode> loop_nodes;  // children before parents
   List<LoopEnd> loop_ends;
-  List<LoopPath> loop_paths;              // per loop
+  List<LoopPath> loop_paths;  // per loop
   List<PathNode> path_nodes;
   List<std::int32_t> ring_joints;  // joints of the tree that lie in loops
   List<LoopMesh> meshes;
@@ -436,8 +436,8 @@ struct PlanLists {
   List<RowSet> compliant_axes;  // per joint: axes with implicit springs
   List<PlanPlaneTorsion> plane_torsions;
   List<PlanShapes> shapes;
-  List<geometry::ShapeNumbers> shape_parts;  // those of one of `shapes` together
-  List<Vec3> hull_points;                    // of hulls
+  List<geometry::ShapeNumbers> shape_parts;     // those of one of `shapes` together
+  List<Vec3> hull_points;                       // of hulls
   List<geometry::ProfilePoint> profile_points;  // of hollow shapes
   List<PlanContact> contacts;
   List<ContactPair> contact_pairs;  // those of one contact together
