@@ -48,7 +48,7 @@ class Line {
   }
 
  private:
-  char text_[120]{};
+  char text_[256]{};
   std::size_t length_ = 0;
 };
 
