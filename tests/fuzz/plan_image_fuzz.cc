@@ -32,7 +32,7 @@ void open(std::span<const std::byte> image) {
   fuzz::require(opened.plan.has_value() == (opened.status == ImageStatus::kOk), "a plan and its status disagree");
   fuzz::require(get_status_text(opened.status)[0] != 0, "a status without text");
   if (!opened.plan) return;
-  PlanLists<FixedList> lists = opened.plan->data();
+  PlanLists<FixedList> lists = get_data(*opened.plan);
   for_each_list(
       [&](const auto& list) {
         const std::span<const std::byte> bytes = std::as_bytes(list);
