@@ -12,5 +12,7 @@ double calc_scalar(const Instant& now, const Evaluation& ev, const PlanQuantity&
 
 // ev.quantities and ev.sensors, from all the rest of the evaluation of this instant.
 void update_readings(const Instant& now, Evaluation& ev) noexcept;
+// A command changes one of them by itself, without a change of the evaluation.
+bool is_any_reading_commanded(const PlanData& plan) noexcept;
 
 }  // namespace unlatch

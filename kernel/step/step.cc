@@ -36,10 +36,13 @@ void copy(const State& from, const State& to) {
   std::memcpy(to.get_bytes().data(), from.get_bytes().data(), from.get_bytes().size());
 }
 
-// Logs the state and the evaluation of this instant. Computes sensors and quantities, which only the log reads.
-void log_motion(Run& run, double now, bool begins) {
+// kPresent: sensors and quantities of this very evaluation are there.
+enum class Readings { kStale, kPresent };
+
+// Logs the state and the evaluation of this instant, with sensors and quantities, which only the log reads.
+void log_motion(Run& run, double now, bool begins, Readings readings) {
   if (run.log == nullptr) return;
-  update_readings(run.get_instant(now), run.ev());
+  if (readings == Readings::kStale) update_readings(run.get_instant(now), run.ev());
   MotionKnot& knot = run.log->add();
   knot.time = now;
   knot.begins = begins;
@@ -52,13 +55,14 @@ void log_motion(Run& run, double now, bool begins) {
 }
 
 // Executes events at `now`. `tolerances`: of the guards. `begins`: of the knot before the events.
-bool act_at(Run& run, double now, std::span<const double> tolerances, bool begins) {
-  log_motion(run, now, begins);
+bool act_at(Run& run, double now, std::span<const double> tolerances, bool begins,
+            Readings readings = Readings::kStale) {
+  log_motion(run, now, begins, readings);
   const auto count = [&] { return run.events().fired_count + run.events().change_count; };
   const std::int32_t acted = count();
   const StepStatus status = act(run, now, tolerances);
   if (status == StepStatus::kOk && count() != acted)
-    log_motion(run, now, true);
+    log_motion(run, now, true, Readings::kStale);
   else if (run.log != nullptr && !begins)
     run.log->remove();  // no event acted: the motion goes on smoothly
   return status == StepStatus::kOk ||
@@ -92,8 +96,8 @@ double advance(Run& run, double now, double step_end, int& splits) {
     ++splits;
     act_at(run, reached.time, reached.at_event ? run.search().tolerances : run.data.exact, false);
   } else if (reached.time < step_end) {
-    log_motion(run, reached.time, false);
-    log_motion(run, reached.time, true);
+    log_motion(run, reached.time, false, Readings::kStale);
+    log_motion(run, reached.time, true, Readings::kPresent);
   }
   return reached.time;
 }
@@ -101,6 +105,14 @@ double advance(Run& run, double now, double step_end, int& splits) {
 // What may differ between `state` and the kept one.
 Changed compare(const FinalEvaluation& kept, const State& state) {
   return kept.valid && has_same_modes(kept.state, state) ? Changed::kMotion : Changed::kState;
+}
+
+// The readings of the step's beginning are those that the last one ended with: what the new inputs change is no
+// reading.
+Readings get_first_readings(const Run& run, Changed changed) {
+  const bool are_kept = run.log != nullptr && changed == Changed::kCommands && !run.plan.commanded_loads &&
+                        !is_any_reading_commanded(run.plan);
+  return are_kept ? Readings::kPresent : Readings::kStale;
 }
 
 // The evaluation of the step's beginning with its inputs. If the kept one is of this state, only the commands are new,
@@ -154,7 +166,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
   // Events that the new inputs cause, and those that the last step postponed, act at once.
   if (!begin_step(run, state, begin, changed)) return finish(run);
   rearm(plan, run.state(), run.ev());
-  if (!act_at(run, begin, run.data.exact, true)) return finish(run);
+  if (!act_at(run, begin, run.data.exact, true, get_first_readings(run, changed))) return finish(run);
 
   int splits = 0;
   for (double now = begin; now < end && run.report.status == StepStatus::kOk;) now = advance(run, now, end, splits);
@@ -166,7 +178,7 @@ StepReport step(const Plan& owner, const Inputs& inputs, State& state, Workspace
 
   run.report.redundant = run.ev().loop_redundant;
   ++run.state().header->tick;
-  log_motion(run, end, false);
+  log_motion(run, end, false, Readings::kPresent);
   copy(run.state(), state);
   kept.valid = true;
   return finish(run);
